@@ -1,7 +1,7 @@
 //! The faces of an axis-aligned box as a surface, and its inside as a solid.
 
 use super::hit::RELATIVE_CLEARANCE;
-use super::{Aabb, Direction, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
+use super::{Aabb, Crossing, Direction, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
 
 /// Outward normals, by face.
 const NORMALS: [Direction; 6] = [
@@ -18,7 +18,7 @@ impl Surface for Aabb {
         *self
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let [near, far] = self.crossings(ray)?;
         let (crossing, side) = if near.t > 0.0 {
             (near, Side::Front)
@@ -31,13 +31,17 @@ impl Surface for Aabb {
         let forward = ray.direction[crossing.axis] > 0.0;
         let upper = forward == (side == Side::Back);
         let face = crossing.axis + if upper { 3 } else { 0 };
-        Some(Hit {
+        Some(Crossing {
             t: crossing.t,
-            point: point(self, ray, crossing.t, face),
+            t_in_object: crossing.t,
             side,
             face,
             uv: [0.0; 2],
         })
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        Hit::new(crossing, point(self, ray, crossing.t, crossing.face))
     }
 }
 

@@ -48,12 +48,81 @@ impl BoxTest {
             } else {
                 (bounds.min[axis], bounds.max[axis])
             };
-            // 0·∞, on a face of a box that the ray is parallel to, is no number: `max` and `min` take
-            // the other, so that the ray counts as inside.
-            near = near.max((first - self.entry[axis]) * self.inverse[axis]);
-            far = far.min((last - self.exit[axis]) * self.inverse[axis]);
+            near = larger((first - self.entry[axis]) * self.inverse[axis], near);
+            far = smaller((last - self.exit[axis]) * self.inverse[axis], far);
         }
         near <= far
+    }
+
+    /// Distances `from ≤ t ≤ limit` at which the ray may enter each of `boxes`; infinite for a certain
+    /// miss.
+    #[inline]
+    pub fn entries(&self, boxes: &FourBoxes, from: f64, limit: f64) -> [f64; FourBoxes::COUNT] {
+        let mut near = [from; FourBoxes::COUNT];
+        let mut far = [limit; FourBoxes::COUNT];
+        for axis in 0..3 {
+            let (mut first, mut last) = (&boxes.min[axis], &boxes.max[axis]);
+            if self.down[axis] {
+                (first, last) = (last, first);
+            }
+            for it in 0..FourBoxes::COUNT {
+                near[it] = larger(
+                    (first[it] - self.entry[axis]) * self.inverse[axis],
+                    near[it],
+                );
+                far[it] = smaller((last[it] - self.exit[axis]) * self.inverse[axis], far[it]);
+            }
+        }
+        std::array::from_fn(|it| {
+            if near[it] <= far[it] {
+                near[it]
+            } else {
+                f64::INFINITY
+            }
+        })
+    }
+}
+
+/// The larger of both, `b` where `a` is no number: 0·∞, on a face of a box that the ray is parallel
+/// to, counts as inside.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of both, `b` where `a` is no number.
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// Four boxes that are tested together.
+#[derive(Clone, Debug)]
+pub(super) struct FourBoxes {
+    /// Lower ends by axis.
+    min: [[f64; FourBoxes::COUNT]; 3],
+    /// Upper ends by axis.
+    max: [[f64; FourBoxes::COUNT]; 3],
+}
+
+impl Default for FourBoxes {
+    /// Boxes that no ray meets.
+    fn default() -> FourBoxes {
+        FourBoxes {
+            min: [[f64::INFINITY; FourBoxes::COUNT]; 3],
+            max: [[f64::NEG_INFINITY; FourBoxes::COUNT]; 3],
+        }
+    }
+}
+
+impl FourBoxes {
+    /// Their number.
+    pub const COUNT: usize = 4;
+
+    /// Sets one of them.
+    pub fn set(&mut self, place: usize, bounds: &Aabb) {
+        for axis in 0..3 {
+            self.min[axis][place] = bounds.min[axis];
+            self.max[axis][place] = bounds.max[axis];
+        }
     }
 }
 

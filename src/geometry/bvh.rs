@@ -15,8 +15,9 @@
 //! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium
 //! on Interactive Ray Tracing, for the bins.
 
-use super::box_test::BoxTest;
+use super::box_test::{BoxTest, FourBoxes};
 use super::{Aabb, Ray};
+use arrayvec::ArrayVec;
 
 /// Faces of a leaf at most, where another split costs more than it saves.
 const LEAF: usize = 4;
@@ -28,30 +29,48 @@ const BINS: usize = 16;
 /// deeper than this and the logarithm of their number together.
 const DEEPEST: usize = 32;
 
-/// Nodes that may wait on the way through a tree: one for each of its levels, with up to 2^31 faces.
-const WAITING: usize = DEEPEST + 32;
+/// Boxes of a node.
+const WIDTH: usize = FourBoxes::COUNT;
+
+/// Boxes that may wait on the way through a tree: all but one of a node on each of its levels, with up
+/// to 2^31 faces.
+const WAITING: usize = (WIDTH - 1) * (DEEPEST + 32) + 1;
 
 /// A bounding volume hierarchy: faces split where the surface area heuristic expects the fewest
-/// tests of a ray.
+/// tests of a ray. A node holds four boxes, which are tested together.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    /// A node stands before those below it, its first child right behind it.
-    nodes: Vec<BvhNode>,
+    /// The box around all faces.
+    bounds: Option<Aabb>,
+    /// The root is the first.
+    nodes: Vec<Node>,
     faces: Vec<usize>,
 }
 
-#[derive(Clone, Debug)]
-struct BvhNode {
-    bounds: Aabb,
-    kind: NodeKind,
+#[derive(Clone, Debug, Default)]
+struct Node {
+    boxes: FourBoxes,
+    contents: [Content; WIDTH],
 }
 
-#[derive(Clone, Debug)]
-enum NodeKind {
-    /// A range of [`Bvh::faces`].
-    Leaf { first: usize, end: usize },
-    /// Split along `axis`; the first child holds the lower coordinates.
-    Inner { axis: usize, second: usize },
+/// The content of a box: faces, or a node.
+#[derive(Clone, Copy, Debug, Default)]
+struct Content {
+    /// Of the node; of the first face in [`Bvh::faces`].
+    first: usize,
+    /// Number of faces; 0 for a node.
+    faces: usize,
+}
+
+/// A tree that halves its faces on each level.
+struct Tree {
+    bounds: Aabb,
+    kind: TreeKind,
+}
+
+enum TreeKind {
+    Leaf(Content),
+    Inner(Box<[Tree; 2]>),
 }
 
 /// A way to split faces in two.
@@ -68,52 +87,69 @@ impl Bvh {
     /// The hierarchy over faces `0..boxes.len()` with these boxes.
     pub fn new(boxes: &[Aabb]) -> Bvh {
         let mut bvh = Bvh {
+            bounds: None,
             nodes: Vec::new(),
             faces: Vec::with_capacity(boxes.len()),
         };
         let mut faces: Vec<usize> = (0..boxes.len()).collect();
         if !faces.is_empty() {
-            bvh.add(&mut faces, boxes, 0);
+            let tree = bvh.split(&mut faces, boxes, 0);
+            bvh.bounds = Some(tree.bounds);
+            bvh.add(tree);
         }
         bvh
     }
 
-    fn add(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) {
+    /// The tree over `faces`, which it lists in its order.
+    fn split(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) -> Tree {
         let bounds = around(faces.iter().map(|&face| boxes[face]));
         let split = best_split(faces, boxes, &bounds).filter(|_| depth < DEEPEST);
         // Without a split, the faces of a leaf cost a test each.
         let is_leaf = split.is_none_or(|split| split.cost >= faces.len() as f64);
-        let index = self.nodes.len();
-        let first = self.faces.len();
         if faces.len() <= LEAF && is_leaf {
+            let leaf = Content {
+                first: self.faces.len(),
+                faces: faces.len(),
+            };
             self.faces.extend_from_slice(faces);
-            let end = self.faces.len();
-            let kind = NodeKind::Leaf { first, end };
-            self.nodes.push(BvhNode { bounds, kind });
-            return;
+            let kind = TreeKind::Leaf(leaf);
+            return Tree { bounds, kind };
         }
-        let (axis, middle) = match split {
+        let middle = match split {
             Some(split) => {
                 let bins = Bins::of(faces, boxes, split.axis);
                 // Stable, so that the order is one and the same everywhere.
                 faces.sort_by_key(|&face| bins.bin(&boxes[face]) >= split.bin);
-                let below = faces.partition_point(|&face| bins.bin(&boxes[face]) < split.bin);
-                (split.axis, below)
+                faces.partition_point(|&face| bins.bin(&boxes[face]) < split.bin)
             }
             None => {
                 let axis = bounds.longest_axis();
                 let centre = |face: usize| boxes[face].centre()[axis];
                 faces.sort_unstable_by(|&a, &b| centre(a).total_cmp(&centre(b)).then(a.cmp(&b)));
-                (axis, faces.len() / 2)
+                faces.len() / 2
             }
         };
-        let kind = NodeKind::Inner { axis, second: 0 };
-        self.nodes.push(BvhNode { bounds, kind });
         let (low, high) = faces.split_at_mut(middle);
-        self.add(low, boxes, depth + 1);
-        let second = self.nodes.len();
-        self.nodes[index].kind = NodeKind::Inner { axis, second };
-        self.add(high, boxes, depth + 1);
+        let halves = [low, high].map(|half| self.split(half, boxes, depth + 1));
+        let kind = TreeKind::Inner(Box::new(halves));
+        Tree { bounds, kind }
+    }
+
+    /// Adds the nodes of `tree`; the number of the first.
+    fn add(&mut self, tree: Tree) -> usize {
+        let number = self.nodes.len();
+        self.nodes.push(Node::default());
+        for (place, tree) in widened(tree).into_iter().enumerate() {
+            self.nodes[number].boxes.set(place, &tree.bounds);
+            self.nodes[number].contents[place] = match tree.kind {
+                TreeKind::Leaf(faces) => faces,
+                TreeKind::Inner(_) => Content {
+                    first: self.add(tree),
+                    faces: 0,
+                },
+            };
+        }
+        number
     }
 
     /// Calls `visit` with candidates for crossings `from ≤ t ≤ limit`, nearer boxes first; it returns
@@ -125,44 +161,59 @@ impl Bvh {
         mut limit: f64,
         mut visit: impl FnMut(usize, f64) -> f64,
     ) {
-        let Some(root) = self.nodes.first() else {
+        let Some(bounds) = &self.bounds else {
             return;
         };
-        let test = BoxTest::new(ray, &root.bounds, 0.0);
-        if !test.may_meet(&root.bounds, from, limit) {
-            return;
-        }
-        let mut waiting = [0; WAITING];
-        let mut count = 1;
-        while count > 0 {
-            count -= 1;
-            let index = waiting[count];
-            let node = &self.nodes[index];
-            if !test.may_meet(&node.bounds, from, limit) {
+        let test = BoxTest::new(ray, bounds, 0.0);
+        let mut waiting = ArrayVec::<(f64, Content), WAITING>::new();
+        waiting.push((from, Content::default()));
+        while let Some((entry, content)) = waiting.pop() {
+            let is_behind = entry > limit;
+            if is_behind {
                 continue;
             }
-            match node.kind {
-                NodeKind::Leaf { first, end } => {
-                    for &face in &self.faces[first..end] {
-                        limit = visit(face, limit);
-                        if limit < from {
-                            return;
-                        }
-                    }
+            let Content { first, faces } = content;
+            for &face in &self.faces[first..][..faces] {
+                limit = visit(face, limit);
+                if limit < from {
+                    return;
                 }
-                NodeKind::Inner { axis, second } => {
-                    let [near, far] = if ray.direction[axis] < 0.0 {
-                        [second, index + 1]
-                    } else {
-                        [index + 1, second]
-                    };
-                    waiting[count] = far;
-                    waiting[count + 1] = near;
-                    count += 2;
+            }
+            if faces > 0 {
+                continue;
+            }
+            let node = &self.nodes[first];
+            let entries = test.entries(&node.boxes, from, limit);
+            let bottom = waiting.len();
+            for (entry, content) in entries.into_iter().zip(node.contents) {
+                if entry < f64::INFINITY {
+                    // The nearest box comes on top.
+                    let mut place = waiting.len();
+                    waiting.push((entry, content));
+                    while place > bottom && waiting[place - 1].0 < entry {
+                        waiting.swap(place - 1, place);
+                        place -= 1;
+                    }
                 }
             }
         }
     }
+}
+
+/// Up to four parts of `tree`. The largest box, which rays meet most often, is the first to be
+/// replaced by its halves.
+fn widened(tree: Tree) -> ArrayVec<Tree, WIDTH> {
+    let mut parts = ArrayVec::from_iter([tree]);
+    while !parts.is_full() {
+        let inner = (0..parts.len()).filter(|&it| matches!(parts[it].kind, TreeKind::Inner(_)));
+        let area = |&it: &usize| half_area(&parts[it].bounds);
+        let largest = inner.max_by(|a, b| area(a).total_cmp(&area(b)));
+        let Some(TreeKind::Inner(halves)) = largest.map(|it| parts.remove(it).kind) else {
+            break;
+        };
+        parts.extend(*halves);
+    }
+    parts
 }
 
 /// The split of `faces`, within `bounds`, that the surface area heuristic likes best; `None` if their
@@ -191,8 +242,8 @@ fn best_split(faces: &[usize], boxes: &[Aabb], bounds: &Aabb) -> Option<Split> {
         for bin in 1..BINS {
             bounds = join(bounds, held[bin - 1]);
             count += counts[bin - 1];
-            // Two boxes are tested for a split.
-            let cost = 2.0 + (tests(bounds, count) + above[bin]) / whole;
+            // Two boxes are tested for a split, half of a node.
+            let cost = 0.5 + (tests(bounds, count) + above[bin]) / whole;
             let divides = count > 0 && count < faces.len();
             if divides && cost < best.map_or(f64::INFINITY, |best| best.cost) {
                 best = Some(Split { axis, bin, cost });

@@ -1,6 +1,6 @@
 //! Meshes that enclose a volume.
 
-use super::{Aabb, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface, Transform};
+use super::{Aabb, Crossing, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface, Transform};
 use crate::math::Sum;
 
 /// A mesh without border, its normals outward: the boundary of a body or a medium. It may be
@@ -53,8 +53,12 @@ impl Surface for ClosedMesh {
         self.0.bounds()
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        self.0.hit(ray, limit)
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+        self.0.crossing(ray, limit)
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        self.0.hit_at(ray, crossing)
     }
 
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
@@ -63,18 +67,21 @@ impl Surface for ClosedMesh {
 }
 
 impl Solid for ClosedMesh {
-    /// Counts entries minus exits of the line, from its far end on. Over the whole line the count
-    /// returns to zero, through edges and vertices too, so the origin needs no inside test of its
-    /// own.
+    /// Counts entries minus exits of the line. Over the whole line they cancel, through edges and
+    /// vertices too, so that those ahead of the origin tell how often it is inside, without a test of
+    /// its own.
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        let mut crossings = Vec::new();
-        self.0.crossings(ray, &mut crossings);
+        let mut crossings = Vec::with_capacity(16);
+        self.0.crossings(ray, 0.0, &mut crossings);
+        crossings.retain(|crossing| crossing.t >= 0.0);
         // In before out where both are at the same place: pieces that touch make one span.
-        crossings.sort_by(|a, b| {
+        crossings.sort_unstable_by(|a, b| {
             let out = |side| side == Side::Back;
             a.t.total_cmp(&b.t).then(out(a.side).cmp(&out(b.side)))
         });
-        let mut depth = 0;
+        let out = crossings.iter().filter(|it| it.side == Side::Back).count();
+        // Of pieces around the origin.
+        let mut depth = 2 * out as i64 - crossings.len() as i64;
         let mut entered = 0.0;
         for crossing in &crossings {
             if crossing.side == Side::Front {
@@ -156,7 +163,7 @@ mod tests {
     /// Crossings in and out, one way of many, must cancel to the last.
     fn check_parity(mesh: &Mesh, ray: &Ray) {
         let mut crossings: Vec<TriangleCrossing> = Vec::new();
-        mesh.crossings(ray, &mut crossings);
+        mesh.crossings(ray, f64::NEG_INFINITY, &mut crossings);
         let out = crossings.iter().filter(|c| c.side == Side::Back).count();
         assert_eq!(2 * out, crossings.len(), "{ray:?}");
     }

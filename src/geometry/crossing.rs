@@ -55,7 +55,8 @@ pub(super) struct TriangleCrossing {
 struct Projected {
     x: f64,
     y: f64,
-    t: f64,
+    /// Distance along the dominant axis.
+    ahead: f64,
 }
 
 /// Where an edge crosses the first axis.
@@ -66,7 +67,6 @@ struct EdgeCrossing {
     /// Weight of the upper vertex.
     part: f64,
     x: f64,
-    t: f64,
     /// +1 for an edge that runs upward in the triangle's order, −1 downward.
     count: i32,
 }
@@ -101,6 +101,11 @@ impl RayFrame {
     /// Where the line crosses the triangle, if it does.
     pub fn crossing(&self, triangle: [DVec3; 3]) -> Option<TriangleCrossing> {
         let seen = triangle.map(|vertex| self.project(vertex));
+        // No edge crosses beyond 0 where no vertex lies there: also as computed, since the sum of two
+        // products of one sign has that sign.
+        if seen.iter().all(|vertex| vertex.x <= 0.0) {
+            return None;
+        }
         // A triangle has two edges across the axis, or none.
         let mut edges = [(0, 1), (1, 2), (2, 0)]
             .into_iter()
@@ -111,6 +116,7 @@ impl RayFrame {
             (true, false) => (other, one),
             _ => return None,
         };
+        let [at_inner, at_outer] = [inner, outer].map(|edge| self.distance(&seen, &edge));
         // inner.x ≤ 0 < outer.x, so this divides by something positive.
         let part = -inner.x / (outer.x - inner.x);
         let mut weights = [0.0; 3];
@@ -119,7 +125,7 @@ impl RayFrame {
             weights[edge.high] += share * edge.part;
         }
         Some(TriangleCrossing {
-            t: inner.t + (outer.t - inner.t) * part,
+            t: at_inner + (at_outer - at_inner) * part,
             // Anticlockwise as seen along the ray: the normal points along it.
             side: if outer.count > 0 {
                 Side::Back
@@ -136,8 +142,14 @@ impl RayFrame {
         Projected {
             x: first - self.slope[0] * third,
             y: second - self.slope[1] * third,
-            t: third / self.dominant,
+            ahead: third,
         }
+    }
+
+    /// Distance from the ray's origin at which an edge crosses.
+    fn distance(&self, seen: &[Projected; 3], edge: &EdgeCrossing) -> f64 {
+        let [low, high] = [edge.low, edge.high].map(|vertex| seen[vertex].ahead / self.dominant);
+        low + (high - low) * edge.part
     }
 }
 
@@ -149,13 +161,11 @@ fn edge_crossing(seen: &[Projected; 3], from: usize, to: usize) -> Option<EdgeCr
     };
     let (a, b) = (seen[low], seen[high]);
     let rise = b.y - a.y;
-    let part = -a.y / rise;
     Some(EdgeCrossing {
         low,
         high,
-        part,
+        part: -a.y / rise,
         x: (a.x * b.y - b.x * a.y) / rise,
-        t: a.t + (b.t - a.t) * part,
         count,
     })
 }

@@ -54,6 +54,21 @@ pub struct SurfacePoint {
     pub clearance: f64,
 }
 
+/// Place where a ray crosses a surface: of a hit, what tells which surface is the nearest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Distance from the ray's origin, in world units, positive.
+    pub t: f64,
+    /// The same distance in the space of a shape with a transform.
+    pub t_in_object: f64,
+    /// The side that the ray hits.
+    pub side: Side,
+    /// Face of a mesh or side of a box, as in [`Hit::face`].
+    pub face: usize,
+    /// Position on the face, as in [`Hit::uv`].
+    pub uv: [f64; 2],
+}
+
 /// Intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -68,6 +83,19 @@ pub struct Hit {
     /// Position on the face, each in [0, 1]: along the two edges of a rectangle, weights of the
     /// second and third vertex of a triangle; 0 for spheres and boxes.
     pub uv: [f64; 2],
+}
+
+impl Hit {
+    /// The hit at `crossing`, whose point is `point`.
+    pub(super) fn new(crossing: &Crossing, point: SurfacePoint) -> Hit {
+        Hit {
+            t: crossing.t,
+            point,
+            side: crossing.side,
+            face: crossing.face,
+            uv: crossing.uv,
+        }
+    }
 }
 
 impl SurfacePoint {

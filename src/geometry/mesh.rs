@@ -3,7 +3,9 @@
 use super::bvh::Bvh;
 use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
-use super::{Aabb, Direction, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint, Transform};
+use super::{
+    Aabb, Crossing, Direction, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint, Transform,
+};
 use crate::math::Sum;
 use glam::DVec3;
 
@@ -99,14 +101,13 @@ impl Mesh {
         Mesh::new(vertices, faces)
     }
 
-    /// All crossings of the whole line, `t < 0` included, in no particular order.
-    pub(super) fn crossings(&self, ray: &Ray, crossings: &mut Vec<TriangleCrossing>) {
+    /// All crossings at `t ≥ from` of the whole line, and maybe others, in no particular order.
+    pub(super) fn crossings(&self, ray: &Ray, from: f64, crossings: &mut Vec<TriangleCrossing>) {
         let frame = RayFrame::new(ray);
-        self.bvh
-            .walk(ray, f64::NEG_INFINITY, f64::INFINITY, |face, limit| {
-                crossings.extend(frame.crossing(self.corners(face)));
-                limit
-            });
+        self.bvh.walk(ray, from, f64::INFINITY, |face, limit| {
+            crossings.extend(frame.crossing(self.corners(face)));
+            limit
+        });
     }
 
     fn corners(&self, face: usize) -> [DVec3; 3] {
@@ -115,10 +116,10 @@ impl Mesh {
 
     /// The crossing's error, 104u of the reach, stays below a quarter of this (see
     /// [`super::hit`]); so does that of a point by weights: three products and sums.
-    fn point(&self, face: usize, weights: [f64; 3]) -> SurfacePoint {
+    fn point(&self, face: usize, [at_b, at_c]: [f64; 2]) -> SurfacePoint {
         let [a, b, c] = self.corners(face);
         SurfacePoint {
-            position: a + (b - a) * weights[1] + (c - a) * weights[2],
+            position: a + (b - a) * at_b + (c - a) * at_c,
             normal: self.normals[face],
             clearance: RELATIVE_CLEARANCE * self.bounds.reach(),
         }
@@ -139,16 +140,6 @@ impl Mesh {
         };
         (crossing.t > 0.0 && wins).then_some((face, crossing))
     }
-
-    fn hit_at(&self, (face, crossing): (usize, TriangleCrossing)) -> Hit {
-        Hit {
-            t: crossing.t,
-            point: self.point(face, crossing.weights),
-            side: crossing.side,
-            face,
-            uv: [crossing.weights[1], crossing.weights[2]],
-        }
-    }
 }
 
 impl Surface for Mesh {
@@ -156,7 +147,7 @@ impl Surface for Mesh {
         self.bounds
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let mut frame = None;
         let mut best = None;
         self.bvh.walk(ray, 0.0, limit, |face, nearest| {
@@ -164,7 +155,17 @@ impl Surface for Mesh {
             best = self.nearer(frame, face, best, limit).or(best);
             best.map_or(nearest, |(_, crossing)| crossing.t)
         });
-        best.map(|best| self.hit_at(best))
+        best.map(|(face, crossing)| Crossing {
+            t: crossing.t,
+            t_in_object: crossing.t,
+            side: crossing.side,
+            face,
+            uv: [crossing.weights[1], crossing.weights[2]],
+        })
+    }
+
+    fn hit_at(&self, _: &Ray, crossing: &Crossing) -> Hit {
+        Hit::new(crossing, self.point(crossing.face, crossing.uv))
     }
 
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
@@ -195,7 +196,7 @@ impl Emitter for Mesh {
         let before = if face == 0 { 0.0 } else { self.areas[face - 1] };
         let left = ((target - before) / (self.areas[face] - before)).clamp(0.0, 1.0);
         let root = left.sqrt();
-        self.point(face, [1.0 - root, root * (1.0 - v), root * v])
+        self.point(face, [root * (1.0 - v), root * v])
     }
 }
 

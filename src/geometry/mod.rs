@@ -31,7 +31,7 @@ pub use aabb::{Aabb, longest_axis};
 pub use bvh::Bvh;
 pub use camera::{Camera, CameraError};
 pub use closed_mesh::ClosedMesh;
-pub use hit::{Hit, Side, SurfacePoint};
+pub use hit::{Crossing, Hit, Side, SurfacePoint};
 pub use mesh::Mesh;
 pub use mesh_error::MeshError;
 pub use placed::Placed;

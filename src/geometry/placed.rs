@@ -1,7 +1,7 @@
 //! Transformed shapes.
 
 use super::box_test::BoxTest;
-use super::{Aabb, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
+use super::{Aabb, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 
 /// A shape with a transform. Rays are mapped to object space, so a rotated box is still a box.
 ///
@@ -70,16 +70,25 @@ impl<S: Surface> Surface for Placed<S> {
         8.0 * self.rounding
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let (ray, scale) = self.ray_to_object(ray, limit)?;
-        let hit = self.shape.hit(&ray, limit * scale)?;
-        let t = hit.t / scale;
+        let crossing = self.shape.crossing(&ray, limit * scale)?;
+        let t = crossing.t / scale;
         // The way there and back may have rounded the limit.
-        (t > 0.0 && t < limit).then(|| Hit {
-            t,
-            point: self.point(hit.point),
-            ..hit
-        })
+        (t > 0.0 && t < limit).then_some(Crossing { t, ..crossing })
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        let (ray, _) = self
+            .to_world
+            .ray_to_object(ray)
+            .expect("a ray that crosses the shape");
+        let in_object = Crossing {
+            t: crossing.t_in_object,
+            ..*crossing
+        };
+        let hit = self.shape.hit_at(&ray, &in_object);
+        Hit::new(crossing, self.point(hit.point))
     }
 
     /// The way to the shape rounds the limit: a hit within an ulp of it counts either way.

@@ -5,7 +5,8 @@ use super::hit::RELATIVE_CLEARANCE;
 use super::mesh::perpendicular;
 use super::shape_error::finite;
 use super::{
-    Aabb, Direction, Emitter, Hit, Ray, ShapeError, Side, Surface, SurfacePoint, Transform,
+    Aabb, Crossing, Direction, Emitter, Hit, Ray, ShapeError, Side, Surface, SurfacePoint,
+    Transform,
 };
 use glam::DVec3;
 
@@ -28,13 +29,6 @@ pub struct Rectangle {
     /// Sum of all components of the edges, without their signs.
     extent: f64,
     clearance: f64,
-}
-
-/// Intersection of a ray with a rectangle.
-struct RectangleCrossing {
-    t: f64,
-    side: Side,
-    uv: [f64; 2],
 }
 
 impl Rectangle {
@@ -141,7 +135,7 @@ impl Rectangle {
     /// of all lengths involved, `w·n` is off by less than 8uS and so `t` by 16uS/|d·n|; a place
     /// in the plane by twice that, in parts of the edges times the largest component of the
     /// duals and √3. 2^-47 is 64u.
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<RectangleCrossing> {
+    fn crossing_by_plane(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let away = self.corner - ray.origin;
         let slope = ray.direction.cosine_to(self.normal);
         // Margins, times the cosine to the normal: so they need no division.
@@ -153,28 +147,31 @@ impl Rectangle {
         if !is_safe {
             return self.by_triangles(ray, limit);
         }
-        let t = away.dot(*self.normal) / slope;
-        if t * steep < -in_t || (t - limit) * steep > in_t {
+        let height = away.dot(*self.normal);
+        // t times the cosine.
+        let ahead = if slope < 0.0 { -height } else { height };
+        if ahead < -in_t || ahead - limit * steep > in_t {
             return None;
         }
+        let t = height / slope;
         let offset = ray.direction * t - away;
-        let uv = self.duals.map(|dual| offset.dot(dual));
-        if uv
-            .iter()
-            .any(|&part| part * steep < -in_uv || (part - 1.0) * steep > in_uv)
-        {
-            return None;
+        let mut uv = [0.0; 2];
+        for (part, dual) in uv.iter_mut().zip(self.duals) {
+            *part = offset.dot(dual);
+            if *part * steep < -in_uv || (*part - 1.0) * steep > in_uv {
+                return None;
+            }
         }
         let clear = |part: f64| part * steep > in_uv && (1.0 - part) * steep > in_uv;
         if !(uv.into_iter().all(clear) && t * steep > in_t && (limit - t) * steep > in_t) {
             return self.by_triangles(ray, limit);
         }
         let side = if slope < 0.0 { Side::Front } else { Side::Back };
-        Some(RectangleCrossing { t, side, uv })
+        Some(at(t, side, uv))
     }
 
     /// As two triangles with the diagonal in common, of which a line crosses at most one.
-    fn by_triangles(&self, ray: &Ray, limit: f64) -> Option<RectangleCrossing> {
+    fn by_triangles(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
         let [a, b, c, d] = self.corners();
         let (crossing, uv) = if let Some(crossing) = frame.crossing([a, b, c]) {
@@ -185,11 +182,18 @@ impl Rectangle {
             let [_, at_c, at_d] = crossing.weights;
             (crossing, [at_c, at_c + at_d])
         };
-        (crossing.t > 0.0 && crossing.t < limit).then(|| RectangleCrossing {
-            t: crossing.t,
-            side: crossing.side,
-            uv: uv.map(|part: f64| part.min(1.0)),
-        })
+        let uv = uv.map(|part: f64| part.min(1.0));
+        (crossing.t > 0.0 && crossing.t < limit).then(|| at(crossing.t, crossing.side, uv))
+    }
+}
+
+fn at(t: f64, side: Side, uv: [f64; 2]) -> Crossing {
+    Crossing {
+        t,
+        t_in_object: t,
+        side,
+        face: 0,
+        uv,
     }
 }
 
@@ -201,19 +205,12 @@ impl Surface for Rectangle {
         Aabb::around(self.corners()).expect("four corners")
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        let crossing = self.crossing(ray, limit)?;
-        Some(Hit {
-            t: crossing.t,
-            point: self.point(crossing.uv),
-            side: crossing.side,
-            face: 0,
-            uv: crossing.uv,
-        })
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+        self.crossing_by_plane(ray, limit)
     }
 
-    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        self.crossing(ray, limit).is_some()
+    fn hit_at(&self, _: &Ray, crossing: &Crossing) -> Hit {
+        Hit::new(crossing, self.point(crossing.uv))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Enums over the shapes of a scene.
 
 use super::{
-    Aabb, ClosedMesh, Emitter, Hit, Mesh, Placed, Ray, Rectangle, Solid, Span, Sphere, Surface,
-    SurfacePoint,
+    Aabb, ClosedMesh, Crossing, Emitter, Hit, Mesh, Placed, Ray, Rectangle, Solid, Span, Sphere,
+    Surface, SurfacePoint,
 };
 use std::sync::Arc;
 
@@ -72,9 +72,14 @@ impl Surface for Shape {
             shape => shape.slack())
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.hit(ray, limit))
+            shape => shape.crossing(ray, limit))
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.hit_at(ray, crossing))
     }
 
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
@@ -94,9 +99,14 @@ impl Surface for Boundary {
             shape => shape.slack())
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.hit(ray, limit))
+            shape => shape.crossing(ray, limit))
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.hit_at(ray, crossing))
     }
 
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
@@ -117,8 +127,12 @@ impl Surface for Luminous {
         each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.bounds())
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.hit(ray, limit))
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.crossing(ray, limit))
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.hit_at(ray, crossing))
     }
 
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
@@ -142,8 +156,12 @@ impl<S: Surface> Surface for Arc<S> {
         (**self).bounds()
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
-        (**self).hit(ray, limit)
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+        (**self).crossing(ray, limit)
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        (**self).hit_at(ray, crossing)
     }
 
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {

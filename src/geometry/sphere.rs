@@ -4,7 +4,8 @@ use super::hit::RELATIVE_CLEARANCE;
 use super::ray::ahead;
 use super::shape_error::finite;
 use super::{
-    Aabb, Direction, Emitter, Hit, Ray, ShapeError, Side, Solid, Span, Surface, SurfacePoint,
+    Aabb, Crossing, Direction, Emitter, Hit, Ray, ShapeError, Side, Solid, Span, Surface,
+    SurfacePoint,
 };
 use crate::math;
 use glam::DVec3;
@@ -24,6 +25,9 @@ struct Chord {
     /// Whether the ray's origin lies outside the sphere.
     outside: bool,
 }
+
+/// More than one by more than the rounding of a chord's ends.
+const CLEARLY: f64 = 1.0 + 1e-12;
 
 impl Sphere {
     /// A sphere around `centre` with a positive `radius`, in world units.
@@ -64,7 +68,13 @@ impl Sphere {
         let to_centre = self.centre - ray.origin;
         let along = to_centre.dot(*ray.direction);
         let foot = to_centre - ray.direction * along;
-        let miss = foot.length();
+        let squared = foot.length_squared();
+        // Most rays miss clearly, and most spheres that they miss are behind them: no root is needed.
+        let is_behind = along < -CLEARLY * self.radius;
+        if is_behind || squared > CLEARLY * (self.radius * self.radius) {
+            return None;
+        }
+        let miss = squared.sqrt();
         if miss > self.radius {
             return None;
         }
@@ -116,24 +126,27 @@ impl Surface for Sphere {
         }
     }
 
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let chord = self.chord(ray)?;
         let (t, side) = if chord.outside {
             (chord.near, Side::Front)
         } else {
             (chord.far, Side::Back)
         };
-        if !(t > 0.0 && t < limit) {
-            return None;
-        }
-        let normal = Direction::of((ray.origin - self.centre) + ray.direction * t)?;
-        Some(Hit {
+        (t > 0.0 && t < limit).then_some(Crossing {
             t,
-            point: self.point(normal),
+            t_in_object: t,
             side,
             face: 0,
             uv: [0.0; 2],
         })
+    }
+
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
+        let from_centre = (ray.origin - self.centre) + ray.direction * crossing.t;
+        // The sphere is smaller than the rounding of so far a distance: its near side is seen.
+        let normal = Direction::of(from_centre).unwrap_or(-ray.direction);
+        Hit::new(crossing, self.point(normal))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Interfaces of shapes to renderers.
 
-use super::{Aabb, Hit, Ray, Span, SurfacePoint};
+use super::{Aabb, Crossing, Hit, Ray, Span, SurfacePoint};
 
 /// A surface that rays can hit.
 pub trait Surface {
@@ -13,13 +13,22 @@ pub trait Surface {
         0.0
     }
 
-    /// The nearest hit with `0 < t < limit`, in world units. Of hits at the same distance, the
-    /// one with the smallest face number.
-    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit>;
+    /// The nearest crossing with `0 < t < limit`, in world units. Of crossings at the same distance,
+    /// the one with the smallest face number.
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing>;
 
-    /// Whether there is any hit with `0 < t < limit`.
+    /// The hit at a `crossing` with `ray`.
+    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit;
+
+    /// The hit at the nearest crossing.
+    fn hit(&self, ray: &Ray, limit: f64) -> Option<Hit> {
+        let crossing = self.crossing(ray, limit)?;
+        Some(self.hit_at(ray, &crossing))
+    }
+
+    /// Whether there is any crossing with `0 < t < limit`.
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        self.hit(ray, limit).is_some()
+        self.crossing(ray, limit).is_some()
     }
 }
 

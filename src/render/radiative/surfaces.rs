@@ -1,6 +1,6 @@
 //! The surfaces of a scene.
 
-use crate::geometry::{Aabb, Bvh, Hit, Ray, Surface};
+use crate::geometry::{Aabb, Bvh, Crossing, Hit, Ray, Surface};
 use crate::scene::{AreaLight, Object, Radiative};
 
 /// The nearest surface along a ray.
@@ -72,43 +72,50 @@ impl<'s> Surfaces<'s> {
     }
 
     fn nearest_of_all(&self, ray: &Ray) -> Option<Intersection> {
-        let mut nearest: Option<Intersection> = None;
-        let limit = |nearest: &Option<Intersection>| nearest.map_or(f64::INFINITY, |n| n.hit.t);
+        let mut nearest: Option<(SurfaceIndex, Crossing)> = None;
+        let mut limit = f64::INFINITY;
         for (index, object) in self.objects.iter().enumerate() {
-            if let Some(hit) = object.shape.hit(ray, limit(&nearest)) {
-                let surface = SurfaceIndex::Object(index);
-                nearest = Some(Intersection { surface, hit });
+            if let Some(crossing) = object.shape.crossing(ray, limit) {
+                limit = crossing.t;
+                nearest = Some((SurfaceIndex::Object(index), crossing));
             }
         }
         for (index, light) in self.area_lights.iter().enumerate() {
-            if let Some(hit) = light.shape.hit(ray, limit(&nearest)) {
-                let surface = SurfaceIndex::AreaLight(index);
-                nearest = Some(Intersection { surface, hit });
+            if let Some(crossing) = light.shape.crossing(ray, limit) {
+                limit = crossing.t;
+                nearest = Some((SurfaceIndex::AreaLight(index), crossing));
             }
         }
-        nearest
+        nearest.map(|(surface, crossing)| self.intersection(ray, surface, &crossing))
+    }
+
+    fn intersection(&self, ray: &Ray, surface: SurfaceIndex, crossing: &Crossing) -> Intersection {
+        let hit = match surface {
+            SurfaceIndex::Object(index) => self.objects[index].shape.hit_at(ray, crossing),
+            SurfaceIndex::AreaLight(index) => self.area_lights[index].shape.hit_at(ray, crossing),
+        };
+        Intersection { surface, hit }
     }
 
     fn nearest_in(&self, hierarchy: &Bvh, ray: &Ray) -> Option<Intersection> {
-        let mut nearest: Option<(usize, Hit)> = None;
+        let mut nearest: Option<(usize, Crossing)> = None;
         hierarchy.walk(ray, 0.0, f64::INFINITY, |number, _| {
             let limit = match &nearest {
                 None => f64::INFINITY,
-                Some((other, hit)) if *other < number => hit.t,
+                Some((other, crossing)) if *other < number => crossing.t,
                 // An earlier one at the same distance is preferred.
-                Some((_, hit)) => hit.t.next_up(),
+                Some((_, crossing)) => crossing.t.next_up(),
             };
-            let hit = match self.index(number) {
-                SurfaceIndex::Object(index) => self.objects[index].shape.hit(ray, limit),
-                SurfaceIndex::AreaLight(index) => self.area_lights[index].shape.hit(ray, limit),
+            let crossing = match self.index(number) {
+                SurfaceIndex::Object(index) => self.objects[index].shape.crossing(ray, limit),
+                SurfaceIndex::AreaLight(index) => {
+                    self.area_lights[index].shape.crossing(ray, limit)
+                }
             };
-            nearest = hit.map(|hit| (number, hit)).or(nearest);
-            nearest.map_or(f64::INFINITY, |(_, hit)| hit.t)
+            nearest = crossing.map(|crossing| (number, crossing)).or(nearest);
+            nearest.map_or(f64::INFINITY, |(_, crossing)| crossing.t)
         });
-        nearest.map(|(number, hit)| Intersection {
-            surface: self.index(number),
-            hit,
-        })
+        nearest.map(|(number, crossing)| self.intersection(ray, self.index(number), &crossing))
     }
 
     /// A surface stands between the origin of `ray` and the distance `limit`.
