@@ -57,9 +57,9 @@ struct Node {
 #[derive(Clone, Copy, Debug, Default)]
 struct Content {
     /// Of the node; of the first face in [`Bvh::faces`].
-    first: usize,
+    first: u32,
     /// Number of faces; 0 for a node.
-    faces: usize,
+    faces: u32,
 }
 
 /// A tree that halves its faces on each level.
@@ -108,8 +108,8 @@ impl Bvh {
         let is_leaf = split.is_none_or(|split| split.cost >= faces.len() as f64);
         if faces.len() <= LEAF && is_leaf {
             let leaf = Content {
-                first: self.faces.len(),
-                faces: faces.len(),
+                first: number(self.faces.len()),
+                faces: number(faces.len()),
             };
             self.faces.extend_from_slice(faces);
             let kind = TreeKind::Leaf(leaf);
@@ -136,12 +136,12 @@ impl Bvh {
     }
 
     /// Adds the nodes of `tree`; the number of the first.
-    fn add(&mut self, tree: Tree) -> usize {
-        let number = self.nodes.len();
+    fn add(&mut self, tree: Tree) -> u32 {
+        let index = self.nodes.len();
         self.nodes.push(Node::default());
         for (place, tree) in widened(tree).into_iter().enumerate() {
-            self.nodes[number].boxes.set(place, &tree.bounds);
-            self.nodes[number].contents[place] = match tree.kind {
+            self.nodes[index].boxes.set(place, &tree.bounds);
+            self.nodes[index].contents[place] = match tree.kind {
                 TreeKind::Leaf(faces) => faces,
                 TreeKind::Inner(_) => Content {
                     first: self.add(tree),
@@ -149,7 +149,7 @@ impl Bvh {
                 },
             };
         }
-        number
+        number(index)
     }
 
     /// Calls `visit` with candidates for crossings `from ≤ t ≤ limit`, nearer boxes first; it returns
@@ -172,32 +172,39 @@ impl Bvh {
             if is_behind {
                 continue;
             }
-            let Content { first, faces } = content;
-            for &face in &self.faces[first..][..faces] {
-                limit = visit(face, limit);
-                if limit < from {
-                    return;
-                }
-            }
+            let (first, faces) = (content.first as usize, content.faces as usize);
             if faces > 0 {
+                for &face in &self.faces[first..first + faces] {
+                    limit = visit(face, limit);
+                    if limit < from {
+                        return;
+                    }
+                }
                 continue;
             }
             let node = &self.nodes[first];
             let entries = test.entries(&node.boxes, from, limit);
             let bottom = waiting.len();
-            for (entry, content) in entries.into_iter().zip(node.contents) {
-                if entry < f64::INFINITY {
-                    // The nearest box comes on top.
-                    let mut place = waiting.len();
-                    waiting.push((entry, content));
-                    while place > bottom && waiting[place - 1].0 < entry {
-                        waiting.swap(place - 1, place);
-                        place -= 1;
-                    }
+            for (entry, &content) in entries.into_iter().zip(&node.contents) {
+                if entry == f64::INFINITY {
+                    continue;
+                }
+                waiting.push((entry, content));
+                // The nearest box comes on top.
+                let pushed = &mut waiting[bottom..];
+                let mut place = pushed.len() - 1;
+                while place > 0 && pushed[place - 1].0 < entry {
+                    pushed.swap(place - 1, place);
+                    place -= 1;
                 }
             }
         }
     }
+}
+
+/// A number of faces or nodes; more than 2^32 are in no memory.
+fn number(count: usize) -> u32 {
+    u32::try_from(count).expect("fewer than 2^32 faces")
 }
 
 /// Up to four parts of `tree`. The largest box, which rays meet most often, is the first to be
