@@ -337,7 +337,19 @@ impl<'s> Scores<'s> {
                 cell.weight * it.change * square.sqrt()
             });
         }
-        score / variance.sqrt()
+        // Nor is what the fitted ones do out of proportion a score of this one.
+        let curvature: f64 = fitted.iter().map(|it| self.curvature_along(k, it)).sum();
+        score.signum() * (score.abs() - curvature).max(0.0) / variance.sqrt()
+    }
+
+    /// The most that a score of number `k` may come from the curvature of the image in a fitted one.
+    fn curvature_along(&self, k: usize, it: &Fitted) -> f64 {
+        let curvature = self.sensitivities[it.number].curvature(it.change);
+        let of_cell = |cell: &Cell| {
+            let [along, fitted] = [k, it.number].map(|number| cell.derivatives[number][0].abs());
+            cell.weight * along * fitted
+        };
+        curvature * self.cells.iter().map(of_cell).sum::<f64>()
     }
 
     /// Numbers that explain the difference as well as the first one fitted: neither leaves a
@@ -498,11 +510,16 @@ impl<'s> Scores<'s> {
         let deviation = format!("{:.1} standard errors", self.size(best[0].number));
         let share = self.explained(best);
         if let Some(share) = share.filter(|share| *share < EXPLAINS) {
-            return format!(
-                "no number of the scene explains the difference ({deviation}); the nearest, {changes}, \
-                 explains {:.0} % of it",
-                100.0 * share
-            );
+            let is_far = |it: &Fitted| self.sensitivities[it.number].is_far(it.change);
+            let said = if best.iter().any(is_far) {
+                format!(
+                    "the difference ({deviation}) is too large for derivatives to tell which number is off"
+                )
+            } else {
+                format!("no number of the scene explains the difference ({deviation})")
+            };
+            let percent = 100.0 * share;
+            return format!("{said}; the nearest, {changes}, explains {percent:.0} % of it");
         }
         let mut text = format!("the difference looks like this: {changes} ({deviation})");
         if let Some(share) = share {

@@ -61,11 +61,11 @@ impl Misfit {
     }
 
     /// Whether a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
-    /// misfit of the golden: in the cells with noise and in those without.
+    /// misfit of the golden, where neither the cells with noise nor those without contradict it: those
+    /// without may be a single lamp, of which too little is known to prove anything.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
-        let mut parts = self.parts.iter().zip(&whole.parts);
         whole.distance().at_least() > 0.0
-            && parts.all(|(left, whole)| left.is_explained(whole, share))
+            && self.may_explain(whole, share)
             && self.distance().is_explained(&whole.distance(), share)
     }
 
@@ -172,6 +172,32 @@ impl Cells {
             .collect()
     }
 
+    /// These cells of an image with no less noise than that of the `golden` makes it for its samples: few
+    /// samples that missed the light claim to have none.
+    pub fn guarded_by(&self, golden: &Cells) -> Cells {
+        let mut guarded = self.clone();
+        for (cell, variances) in guarded.variances.iter_mut().enumerate() {
+            for (c, variance) in variances.iter_mut().enumerate() {
+                *variance = golden.variance_with(self, cell, c) - golden.variances[cell][c];
+            }
+        }
+        guarded
+    }
+
+    /// This golden as a measure of differences from predictions with the noise of `renderings`, which are
+    /// all of one size: what they say little of weighs little.
+    pub fn beside_noise_of(&self, renderings: &[Cells]) -> Cells {
+        let mut scale = self.clone();
+        let number = renderings.len() as f64;
+        for rendering in renderings {
+            let variances = scale.variances.as_flattened_mut().iter_mut();
+            for (variance, of_rendering) in variances.zip(rendering.variances.as_flattened()) {
+                *variance += of_rendering / (number * number);
+            }
+        }
+        scale
+    }
+
     /// This golden with a change, of which renderings from the same random numbers show what it does:
     /// one `before` and `after` for each seed, all of one size. The noise of what it does is in
     /// proportion to that of the renderings, by as much as seeds differ.
@@ -206,6 +232,8 @@ impl Cells {
                 *variance += ratio * noise;
             }
         }
+        // Of the golden's and of those of the renderings.
+        moved.samples = None;
         moved
     }
 
@@ -258,7 +286,7 @@ impl Cells {
                 let weight = golden.weight(cell, c, noise_over_golden);
                 let stated = self.variances[cell][c] + test.variances[cell][c];
                 let stated = stated + rounding * rounding;
-                let coarse = if golden.silent[cell] && self.samples.is_some() {
+                let coarse = if golden.silent[cell] && golden.samples.is_some() {
                     HALF_ROUNDING * size
                 } else {
                     0.0

@@ -9,7 +9,9 @@ use super::prediction::{
 };
 use super::unexplained::{SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
 use crate::compare::stochastic::BLOCK;
-use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge, measured_difference};
+use crate::compare::{
+    Conditions, Deterministic, NumberChange, Perceptual, Picture, judge, measured_difference,
+};
 use crate::film::Film;
 use crate::math;
 use crate::render::Detail;
@@ -77,6 +79,10 @@ struct Glimpse {
     test_film: Film,
     from_golden: Misfit,
 }
+
+/// The part of the largest score from which a number is suspected: far from the golden, where
+/// derivatives do not hold, another may have a larger score than the one that is off.
+const SUSPICIOUS: f64 = 0.5;
 
 impl ComparedCase {
     /// Nothing where the image cannot be compared, or the scene cannot be read.
@@ -196,6 +202,11 @@ impl ComparedCase {
     /// The verdict names numbers of the scene.
     pub fn has_suspects(&self) -> bool {
         !self.suspects.is_empty()
+    }
+
+    /// Golden and image are means of samples.
+    pub fn is_sampled(&self) -> bool {
+        self.is_sampled
     }
 
     /// The share of the squared difference that a hypothesis may leave unexplained.
@@ -505,10 +516,16 @@ impl Glimpse {
     }
 }
 
-/// Names of the numbers that the difference looks like.
+/// Names of the numbers that the difference looks like, or, of one that is too large for derivatives,
+/// those with the largest scores.
 fn suspects(judged: &Judged) -> Vec<String> {
-    let changes = judged.result.changes.iter();
-    let named = changes.filter(|change| change.fits_best || change.alike);
+    let changes = &judged.result.changes;
+    let scores = changes.iter().map(|change| change.score.abs());
+    let largest = scores.fold(0.0, f64::max);
+    let is_suspect = |change: &&NumberChange| {
+        change.fits_best || change.alike || change.score.abs() > SUSPICIOUS * largest
+    };
+    let named = changes.iter().filter(is_suspect);
     named.map(|change| change.name.clone()).collect()
 }
 

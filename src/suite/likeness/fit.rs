@@ -7,7 +7,7 @@
 //! Jacobian (of one number alone: secants). Where that leaves much, a second number is changed beside the first, and
 //! a third. What is fitted is said if it leaves little of the difference: a measurement, not a name.
 
-use super::cells::Cells;
+use super::cells::{Cells, Misfit};
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
 use crate::compare::change_in_words;
@@ -71,9 +71,13 @@ struct Fitting<'f> {
     unchanged: Vec<Cells>,
     /// Derivatives of the image by each number, where it has one: columns of the Jacobian.
     derivatives: Vec<Option<Vector>>,
+    /// The measure of differences, and that of the golden from the image.
+    scale: Cells,
+    whole: Misfit,
     weights: Vector,
     golden: Vector,
     test: Vector,
+    guarded_test: Cells,
 }
 
 /// What is said of changes of numbers.
@@ -132,14 +136,19 @@ impl<'f> Fitting<'f> {
         }
         let unchanged = case.predicted_for_fit(case.scene(), "unchanged", clock)?;
         let [golden, test] = case.in_fit();
+        let scale = golden.beside_noise_of(&unchanged);
+        let guarded_test = test.guarded_by(golden);
         let mut fitting = Fitting {
             case,
             clock,
             unchanged,
             derivatives: Vec::new(),
-            weights: golden.weights(test),
+            whole: golden.misfit(&guarded_test, &scale),
+            weights: scale.weights(test),
+            scale,
             golden: golden.values(),
             test: test.values(),
+            guarded_test,
             numbers,
         };
         fitting.derivatives = (0..fitting.numbers.len())
@@ -181,7 +190,9 @@ impl<'f> Fitting<'f> {
         match together {
             Some(together) => vec![self.without_idle(together)],
             None => {
-                alone.retain(|fit| self.leaves(fit, LEFT));
+                let least = alone.first().map(|fit| self.misfit(&fit.predicted));
+                let least = least.map_or(f64::INFINITY, |least| least.distance().at_most());
+                alone.retain(|fit| self.leaves(fit, LEFT) && !self.is_worse(fit, least));
                 alone
             }
         }
@@ -189,7 +200,22 @@ impl<'f> Fitting<'f> {
 
     /// `fit` leaves no more than this share, beyond doubt.
     fn leaves(&self, fit: &Fit, share: f64) -> bool {
-        self.case.is_explained_but_for(&fit.predicted, share) == Some(true)
+        self.misfit(&fit.predicted).explains(&self.whole, share)
+    }
+
+    /// `fit` leaves more than this distance, beyond doubt; without noise two numbers may well do the same.
+    fn is_worse(&self, fit: &Fit, distance: f64) -> bool {
+        self.case.is_sampled() && self.misfit(&fit.predicted).distance().at_least() > distance
+    }
+
+    fn misfit(&self, prediction: &Cells) -> Misfit {
+        prediction.misfit(&self.guarded_test, &self.scale)
+    }
+
+    /// The share of the squared difference that `prediction` leaves.
+    fn share_left(&self, prediction: &Cells) -> Option<f64> {
+        let left = self.misfit(prediction).distance().value;
+        Some(left / self.whole.distance().value).filter(|share| share.is_finite())
     }
 
     /// `fit` without numbers that hardly change.
@@ -254,7 +280,7 @@ impl<'f> Fitting<'f> {
         let mut derivatives: Vec<Vector> = derivatives.collect::<Option<_>>()?;
         let mut changes = from.to_vec();
         let mut now = self.predicted(chosen, &changes)?;
-        let mut left = self.case.share_left(&now)?;
+        let mut left = self.share_left(&now)?;
         for _ in 0..STEPS {
             let mut step = self.step(&derivatives, &difference(&self.test, &now.values()))?;
             let mut halvings = 0;
@@ -266,7 +292,7 @@ impl<'f> Fitting<'f> {
                 }
                 let moved = self.predicted(chosen, &next)?;
                 self.update(&mut derivatives, chosen, &in_steps, (&now, &moved));
-                let next_left = self.case.share_left(&moved)?;
+                let next_left = self.share_left(&moved)?;
                 if next_left < left || halvings == HALVINGS {
                     break (next, moved, next_left);
                 }

@@ -17,6 +17,7 @@ use volref::geometry::Camera;
 use volref::math;
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Model, Scene};
+use volref::sensitivity::numbers;
 use volref::suite::{
     Case, Judged, Output, Predictions, Search, Stage, Suite, Verdict, likeness, mistakes, validate,
 };
@@ -271,4 +272,57 @@ fn names_of_faults_outside_the_catalogue() {
 
 fn number(variable: &str) -> Option<u32> {
     std::env::var(variable).ok()?.parse().ok()
+}
+
+/// A change of 10 % of what absorbs alone is far outside the range of derivatives, and one of 5 % at its
+/// edge: neither is taken for another number, or for two.
+#[test]
+fn numbers_far_off_are_told_in_noise() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let predictions = Predictions::in_folder(folder.path());
+    // What is said of numbers is known before mistakes are looked for.
+    let is_at_mistakes = AtomicBool::new(false);
+    let search = Search {
+        budget: None,
+        predictions: &predictions,
+        interrupted: &|| is_at_mistakes.load(Ordering::Relaxed),
+        progress: &|step| {
+            is_at_mistakes.fetch_or(step.done > 0, Ordering::Relaxed);
+        },
+    };
+    let case = suite.select(&["fog/absorption".to_owned()]).unwrap()[0];
+    let right = case.load_scene().unwrap();
+    let numbers = numbers(&right);
+    let density = numbers.iter().find(|it| it.name() == "density").unwrap();
+    let judged = |change: f64| {
+        let film = rendered(&density.changed(&right, change).unwrap(), 64);
+        let output = Output::Picture(Box::new(Picture::Radiance(film)));
+        validate(case, &suite.store(), output, None)
+    };
+    let little = judged(-0.05).result;
+    let named = little.changes.iter().filter(|change| change.fits_best);
+    let named: Vec<&str> = named.map(|change| change.name.as_str()).collect();
+    assert_eq!(named, ["density"], "{}", little.reason);
+    let change = &little.changes[0];
+    assert!(
+        (change.change + 0.05).abs() < 4.0 * change.error,
+        "{change:?}"
+    );
+
+    let mut much = [judged(0.1)];
+    let reason = &much[0].result.reason;
+    assert!(reason.contains("is too large for derivatives"), "{reason}");
+    likeness(&[case], &[], None, &mut much, &search);
+    let said = &much[0].result.difference;
+    assert!(
+        said[0].starts_with("density ") && said[0].contains("too large would explain all but less"),
+        "{said:?}"
+    );
+    let size: f64 = said[0].split(' ').nth(1).unwrap().parse().unwrap();
+    assert!((size - 10.0).abs() < 0.5, "{said:?}");
+    assert!(
+        said.iter().all(|said| !said.starts_with("reflectance")),
+        "{said:?}"
+    );
 }
