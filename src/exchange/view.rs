@@ -25,7 +25,8 @@ impl ExportView {
         ExportView {
             eye: middle.origin,
             target: ahead(middle.origin, middle.direction),
-            up: *camera.upright(),
+            // Zeros without a sign.
+            up: *camera.upright() + DVec3::ZERO,
             orthographic_height: camera.orthographic_height(),
             vertical_fov: degrees(camera.vertical_fov()),
         }

@@ -478,7 +478,7 @@ fn a_room_for_mitsuba() {
             <string name="fov_axis" value="y"/>
             <float name="near_clip" value="0.00006000000000000001"/>
             <float name="far_clip" value="600000"/>
-            <transform name="to_world"><lookat origin="0, 1, -6" target="0, 1, 0" up="0, 0.9999999999999999, 0"/></transform>
+            <transform name="to_world"><lookat origin="0, 1, -6" target="0, 1, 0" up="0, 1, 0"/></transform>
             <sampler type="independent">
                 <integer name="sample_count" value="$spp"/>
                 <integer name="seed" value="$seed"/>
@@ -568,7 +568,7 @@ fn a_room_for_pbrt() {
     # Faces of radiative.medium[0] that lie in surfaces stand 3.000e-3 behind them, where no ray sees it.
 
     Scale -1 1 1
-    LookAt 0 1 -6  0 1 0  0 0.9999999999999999 0
+    LookAt 0 1 -6  0 1 0  0 1 0
     Camera "perspective" "float fov" [ 40 ]
     Film "rgb" "integer xresolution" [ 4 ] "integer yresolution" [ 3 ] "string filename" [ "scene.red.exr" ] "bool savefp16" [ false ]
     PixelFilter "box" "float xradius" [ 0.5 ] "float yradius" [ 0.5 ]
