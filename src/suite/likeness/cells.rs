@@ -61,9 +61,17 @@ impl Misfit {
     }
 
     /// Whether a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
-    /// misfit of the golden, where neither the cells with noise nor those without contradict it: those
-    /// without may be a single lamp, of which too little is known to prove anything.
+    /// misfit of the golden: in the cells with noise and in those without.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
+        let mut parts = self.parts.iter().zip(&whole.parts);
+        whole.distance().at_least() > 0.0
+            && parts.all(|(left, whole)| left.is_explained(whole, share))
+            && self.distance().is_explained(&whole.distance(), share)
+    }
+
+    /// Whether it explains all together beyond doubt, and neither part contradicts: cells without noise
+    /// may be a single lamp, of which too little is known to prove anything.
+    pub fn explains_together(&self, whole: &Misfit, share: f64) -> bool {
         whole.distance().at_least() > 0.0
             && self.may_explain(whole, share)
             && self.distance().is_explained(&whole.distance(), share)

@@ -200,7 +200,8 @@ impl<'f> Fitting<'f> {
 
     /// `fit` leaves no more than this share, beyond doubt.
     fn leaves(&self, fit: &Fit, share: f64) -> bool {
-        self.misfit(&fit.predicted).explains(&self.whole, share)
+        self.misfit(&fit.predicted)
+            .explains_together(&self.whole, share)
     }
 
     /// `fit` leaves more than this distance, beyond doubt; without noise two numbers may well do the same.
