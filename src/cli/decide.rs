@@ -262,7 +262,7 @@ impl OpenCase<'_> {
         } else if judged[self.index].result.cause == Cause::Mismatch
             && now.result.cause != Cause::Mismatch
         {
-            // What failed at one look has failed: all looks together have one false alarm rate.
+            // A failed look is final: all looks together have one false alarm rate.
             judged[self.index].result.notes = std::mem::take(&mut now.result.notes);
             self.given_up = Some("it failed at an earlier look".to_owned());
             return;

@@ -21,10 +21,9 @@ pub(super) struct ExportView {
 impl ExportView {
     /// That of `camera`.
     pub(super) fn of(camera: &Camera) -> ExportView {
-        let middle = camera.ray_through([1.0, 1.0], [2, 2]);
         ExportView {
-            eye: middle.origin,
-            target: ahead(middle.origin, middle.direction),
+            eye: camera.eye(),
+            target: ahead(camera.eye(), camera.forward()),
             // Zeros without a sign.
             up: *camera.upright() + DVec3::ZERO,
             orthographic_height: camera.orthographic_height(),

@@ -31,13 +31,7 @@ impl Surface for Aabb {
         let forward = ray.direction[crossing.axis] > 0.0;
         let upper = forward == (side == Side::Back);
         let face = crossing.axis + if upper { 3 } else { 0 };
-        Some(Crossing {
-            t: crossing.t,
-            t_in_object: crossing.t,
-            side,
-            face,
-            uv: [0.0; 2],
-        })
+        Some(Crossing::new(crossing.t, side, face, [0.0; 2]))
     }
 
     fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {

@@ -56,6 +56,7 @@ impl BoxTest {
 
     /// Distances `from ≤ t ≤ limit` at which the ray may enter each of `boxes`; infinite for a certain
     /// miss.
+    // Beside `may_meet`, not below it: one function for both takes a fifth more time in a mesh.
     #[inline]
     pub fn entries(&self, boxes: &FourBoxes, from: f64, limit: f64) -> [f64; FourBoxes::COUNT] {
         let mut near = [from; FourBoxes::COUNT];

@@ -85,6 +85,19 @@ pub struct Hit {
     pub uv: [f64; 2],
 }
 
+impl Crossing {
+    /// A crossing of a shape without a transform.
+    pub(super) fn new(t: f64, side: Side, face: usize, uv: [f64; 2]) -> Crossing {
+        Crossing {
+            t,
+            t_in_object: t,
+            side,
+            face,
+            uv,
+        }
+    }
+}
+
 impl Hit {
     /// The hit at `crossing`, whose point is `point`.
     pub(super) fn new(crossing: &Crossing, point: SurfacePoint) -> Hit {

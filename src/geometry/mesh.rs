@@ -155,12 +155,9 @@ impl Surface for Mesh {
             best = self.nearer(frame, face, best, limit).or(best);
             best.map_or(nearest, |(_, crossing)| crossing.t)
         });
-        best.map(|(face, crossing)| Crossing {
-            t: crossing.t,
-            t_in_object: crossing.t,
-            side: crossing.side,
-            face,
-            uv: [crossing.weights[1], crossing.weights[2]],
+        best.map(|(face, crossing)| {
+            let [_, at_b, at_c] = crossing.weights;
+            Crossing::new(crossing.t, crossing.side, face, [at_b, at_c])
         })
     }
 

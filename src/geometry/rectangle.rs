@@ -127,6 +127,32 @@ impl Rectangle {
         }
     }
 
+    /// As two triangles with the diagonal in common, of which a line crosses at most one.
+    fn by_triangles(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+        let frame = RayFrame::new(ray);
+        let [a, b, c, d] = self.corners();
+        let (crossing, uv) = if let Some(crossing) = frame.crossing([a, b, c]) {
+            let [_, at_b, at_c] = crossing.weights;
+            (crossing, [at_b + at_c, at_c])
+        } else {
+            let crossing = frame.crossing([a, c, d])?;
+            let [_, at_c, at_d] = crossing.weights;
+            (crossing, [at_c, at_c + at_d])
+        };
+        let uv = uv.map(|part: f64| part.min(1.0));
+        (crossing.t > 0.0 && crossing.t < limit)
+            .then(|| Crossing::new(crossing.t, crossing.side, 0, uv))
+    }
+}
+
+/// Relative rounding that a clear crossing is clear of.
+const ROUNDING: f64 = 1.0 / (1_u64 << 47) as f64;
+
+impl Surface for Rectangle {
+    fn bounds(&self) -> Aabb {
+        Aabb::around(self.corners()).expect("four corners")
+    }
+
     /// Where `ray` crosses, at a distance with `0 < t < limit`.
     ///
     /// By the plane first: most rays clearly miss or clearly hit, and the few near an edge, or
@@ -135,7 +161,7 @@ impl Rectangle {
     /// of all lengths involved, `w·n` is off by less than 8uS and so `t` by 16uS/|d·n|; a place
     /// in the plane by twice that, in parts of the edges times the largest component of the
     /// duals and √3. 2^-47 is 64u.
-    fn crossing_by_plane(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
+    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let away = self.corner - ray.origin;
         let slope = ray.direction.cosine_to(self.normal);
         // Margins, times the cosine to the normal: so they need no division.
@@ -167,46 +193,7 @@ impl Rectangle {
             return self.by_triangles(ray, limit);
         }
         let side = if slope < 0.0 { Side::Front } else { Side::Back };
-        Some(at(t, side, uv))
-    }
-
-    /// As two triangles with the diagonal in common, of which a line crosses at most one.
-    fn by_triangles(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        let frame = RayFrame::new(ray);
-        let [a, b, c, d] = self.corners();
-        let (crossing, uv) = if let Some(crossing) = frame.crossing([a, b, c]) {
-            let [_, at_b, at_c] = crossing.weights;
-            (crossing, [at_b + at_c, at_c])
-        } else {
-            let crossing = frame.crossing([a, c, d])?;
-            let [_, at_c, at_d] = crossing.weights;
-            (crossing, [at_c, at_c + at_d])
-        };
-        let uv = uv.map(|part: f64| part.min(1.0));
-        (crossing.t > 0.0 && crossing.t < limit).then(|| at(crossing.t, crossing.side, uv))
-    }
-}
-
-fn at(t: f64, side: Side, uv: [f64; 2]) -> Crossing {
-    Crossing {
-        t,
-        t_in_object: t,
-        side,
-        face: 0,
-        uv,
-    }
-}
-
-/// Relative rounding that a clear crossing is clear of.
-const ROUNDING: f64 = 1.0 / (1_u64 << 47) as f64;
-
-impl Surface for Rectangle {
-    fn bounds(&self) -> Aabb {
-        Aabb::around(self.corners()).expect("four corners")
-    }
-
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        self.crossing_by_plane(ray, limit)
+        Some(Crossing::new(t, side, 0, uv))
     }
 
     fn hit_at(&self, _: &Ray, crossing: &Crossing) -> Hit {

@@ -133,13 +133,7 @@ impl Surface for Sphere {
         } else {
             (chord.far, Side::Back)
         };
-        (t > 0.0 && t < limit).then_some(Crossing {
-            t,
-            t_in_object: t,
-            side,
-            face: 0,
-            uv: [0.0; 2],
-        })
+        (t > 0.0 && t < limit).then_some(Crossing::new(t, side, 0, [0.0; 2]))
     }
 
     fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {

@@ -26,7 +26,7 @@ pub trait Surface {
         Some(self.hit_at(ray, &crossing))
     }
 
-    /// Whether there is any crossing with `0 < t < limit`.
+    /// The existence of a crossing with `0 < t < limit`.
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
         self.crossing(ray, limit).is_some()
     }

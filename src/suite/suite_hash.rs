@@ -15,7 +15,7 @@ impl Suite {
         let [_, _, record] = golden::files(case);
         let record = self.golden_folder().join(record);
         let files = [self.manifest_of(case), case.scene.clone(), record];
-        // What cannot be read is an error of the case.
+        // An unreadable file is an error of the case.
         let read = |file: &PathBuf| regular_file::read(file, MOST_BYTES).unwrap_or_default();
         hash(&files.iter().map(read).collect::<Vec<_>>())
     }

@@ -64,17 +64,21 @@ impl Misfit {
     /// misfit of the golden: in the cells with noise and in those without.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
         let mut parts = self.parts.iter().zip(&whole.parts);
-        whole.distance().at_least() > 0.0
-            && parts.all(|(left, whole)| left.is_explained(whole, share))
-            && self.distance().is_explained(&whole.distance(), share)
+        parts.all(|(left, whole)| left.is_explained(whole, share))
+            && self.explains_together(whole, share)
     }
 
-    /// Whether it explains all together beyond doubt, and neither part contradicts: cells without noise
-    /// may be a single lamp, of which too little is known to prove anything.
+    /// The same of all cells together, where neither part contradicts: cells without noise may be a single
+    /// lamp, of which too little is known to prove anything.
     pub fn explains_together(&self, whole: &Misfit, share: f64) -> bool {
         whole.distance().at_least() > 0.0
             && self.may_explain(whole, share)
             && self.distance().is_explained(&whole.distance(), share)
+    }
+
+    /// The share of `whole`, the misfit of the golden, that is left; `None` if that is no number.
+    pub fn share_of(&self, whole: &Misfit) -> Option<f64> {
+        Some(self.distance().value / whole.distance().value).filter(|share| share.is_finite())
     }
 
     /// Whether a closer look may show that it does.

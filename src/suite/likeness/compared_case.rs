@@ -329,8 +329,8 @@ impl ComparedCase {
     pub fn share_left(&self, prediction: &Cells) -> Option<f64> {
         let (golden, test, whole) = self.as_predicted();
         let fits = prediction.has_size_of(golden);
-        let left = fits.then(|| prediction.misfit(test, golden).distance().value)?;
-        Some(left / whole.distance().value).filter(|share| share.is_finite())
+        fits.then(|| prediction.misfit(test, golden))?
+            .share_of(whole)
     }
 
     /// Whether `prediction` leaves no more than `share`, beyond doubt.

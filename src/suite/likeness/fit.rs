@@ -215,8 +215,7 @@ impl<'f> Fitting<'f> {
 
     /// The share of the squared difference that `prediction` leaves.
     fn share_left(&self, prediction: &Cells) -> Option<f64> {
-        let left = self.misfit(prediction).distance().value;
-        Some(left / self.whole.distance().value).filter(|share| share.is_finite())
+        self.misfit(prediction).share_of(&self.whole)
     }
 
     /// `fit` without numbers that hardly change.
