@@ -5,7 +5,7 @@ use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
-    Conditions, GATES, Gate, ImageGate, Picture, default_gate, gate_named, judge,
+    Conditions, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
 };
 use crate::film::Film;
 use crate::report;
@@ -86,7 +86,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let conditions = Conditions {
         exposure: arguments.exposure,
-        visible_bias: Some(arguments.resolution / 100.0),
+        promise: Some(Promise::of_mean(arguments.resolution / 100.0)),
         ..Conditions::default()
     };
     let judgement = judge(gate, &reference, &test, &conditions).map_err(bad_input)?;

@@ -12,6 +12,7 @@ use super::suite::{Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
 use super::{Outcome, compare, ctest, decide, interrupt, output, progress};
 use crate::atomic_file::write_atomically;
+use crate::compare::Promise;
 use crate::exchange::{self, Format};
 use crate::film::Film;
 use crate::math::exp2;
@@ -154,7 +155,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     let selected = suite.select(&arguments.filters)?.into_iter().cloned();
     let selected: Vec<Case> = selected
-        .map(|case| with_resolution(case, arguments.resolution))
+        .map(|case| with_promise(case, &arguments))
         .collect();
     let mut cases: Vec<&Case> = selected.iter().collect();
     let store = suite.store();
@@ -278,10 +279,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// `case` with this bias of the mean, in percent, that an image must be able to show; if it is stochastic.
-fn with_resolution(mut case: Case, percent: Option<f64>) -> Case {
-    if let (Some(sampling), Some(percent)) = (&mut case.sampling, percent) {
-        sampling.mean_resolution = percent / 100.0;
+/// `case` with the biases that an image must be able to show by these arguments.
+fn with_promise(mut case: Case, arguments: &Arguments) -> Case {
+    if arguments.decide {
+        case.promise = case.promise.decisive();
+    }
+    if let (Some(percent), true) = (arguments.resolution, case.sampling.is_some()) {
+        case.promise = Promise {
+            block: case.promise.block,
+            ..Promise::of_mean(percent / 100.0)
+        };
     }
     case
 }

@@ -3,6 +3,7 @@
 use super::gate::Gate;
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
+use super::promise::Promise;
 use super::sensitivity::Sensitivity;
 use std::fmt;
 
@@ -45,9 +46,8 @@ pub struct Conditions<'s> {
     pub exposure: f64,
     /// Number of comparisons, including this one, that share one rate of false alarms.
     pub cases: usize,
-    /// Bias of the mean of the image that must be detectable for a pass, relative to that mean plus
-    /// [`DARK`](super::stochastic::DARK); `None` for no such requirement.
-    pub visible_bias: Option<f64>,
+    /// Biases that must be detectable for a pass; `None` for no such requirement.
+    pub promise: Option<Promise>,
     /// The nearest node is taken at places in single precision, by the test image's renderer.
     pub nearest_in_single_precision: bool,
     /// Derivatives of the reference by the numbers of its scene, for the stochastic gate.
@@ -60,7 +60,7 @@ impl Default for Conditions<'_> {
         Conditions {
             exposure: 0.0,
             cases: 1,
-            visible_bias: None,
+            promise: None,
             nearest_in_single_precision: false,
             sensitivities: &[],
         }

@@ -17,7 +17,7 @@ pub struct Judgement {
     /// The reason, with the deciding number.
     pub reason: String,
     /// For a pass that could not have detected the required
-    /// [bias](super::Conditions::visible_bias): the verdict is *inconclusive*, and this would
+    /// [bias](super::Conditions::promise): the verdict is *inconclusive*, and this would
     /// decide.
     pub undecided: Option<Undecided>,
     /// What the difference looks like in numbers of the scene, the most significant first; of images

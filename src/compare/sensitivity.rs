@@ -86,7 +86,7 @@ pub fn change_in_words(words: &str, unit: Option<&str>, change: f64, error: f64)
 }
 
 /// A value and its error to the second digit of the error.
-fn with_error(value: f64, error: f64) -> [String; 2] {
+pub(super) fn with_error(value: f64, error: f64) -> [String; 2] {
     let digits = if error > 0.0 && error.is_finite() {
         (1 - crate::math::log10(error).floor() as i32).clamp(0, 12) as usize
     } else {

@@ -1,7 +1,7 @@
 //! The suite: every manifest in its folder is a case.
 
 use super::{Answer, Store, mistakes, row_name};
-use crate::compare::{Deterministic, ImageGate, Stochastic};
+use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
 use crate::hard_cases::rows;
 use crate::known_answers::{self, Footprint, Formula};
 use crate::misspelling::nearest;
@@ -101,6 +101,8 @@ pub struct Case {
     limit: bool,
     /// Of a stochastic case.
     pub sampling: Option<CaseSampling>,
+    /// Biases that an image with noise must show if it has them: in a case without random numbers, any.
+    pub promise: Promise,
 }
 
 /// Sampling of a stochastic case.
@@ -108,9 +110,6 @@ pub struct Case {
 pub struct CaseSampling {
     /// Samples per pixel of the rendering that `verify` repeats.
     pub quick: u32,
-    /// Bias of the mean of the image that the gate must detect, relative to that mean plus
-    /// [`DARK`](crate::compare::stochastic::DARK).
-    pub mean_resolution: f64,
     /// Sampling of the golden image; `None` where it is a known answer.
     pub converged: Option<ConvergedSampling>,
 }
@@ -512,6 +511,11 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         exposure: reader.number("exposure")?,
         limit: class == LIMIT,
         sampling,
+        promise: if is_stochastic {
+            Promise::of_mean(reader.number("mean_resolution")?)
+        } else {
+            Promise::of_mean(1.0)
+        },
         family,
         name: full_name,
     })
@@ -597,7 +601,6 @@ fn read_sampling(
     };
     Ok(Some(CaseSampling {
         quick: reader.count("quick_samples")? as u32,
-        mean_resolution: reader.number("mean_resolution")?,
         converged,
     }))
 }

@@ -171,13 +171,10 @@ fn judged(
     golden: &Picture,
     picture: &Picture,
 ) -> CaseFinding {
-    let promise = case
-        .sampling
-        .map_or(1.0, |sampling| sampling.mean_resolution);
     let conditions = Conditions {
         exposure: case.exposure,
         cases: checked.cases,
-        visible_bias: Some(promise),
+        promise: Some(case.promise),
         nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
         sensitivities: &checked.sensitivities,
     };

@@ -2,7 +2,7 @@
 
 use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at};
 use volref::compare::{
-    self, Advice, Conditions, Judgement, Picture, PictureError, Stochastic, Undecided,
+    self, Advice, Conditions, Judgement, Picture, PictureError, Promise, Stochastic, Undecided,
     metric_meaning,
 };
 use volref::film::Film;
@@ -11,11 +11,16 @@ use volref::math::{Moments, ln};
 
 const SIDE: usize = 48;
 
-/// One comparison by which a bias of `promise` is to be seen.
+/// One comparison by which a bias of the mean of `promise` is to be seen.
 fn promising(reference: &Film, test: &Film, promise: f64) -> Judgement {
+    keeping(reference, test, Promise::of_mean(promise))
+}
+
+/// One comparison by which what `promise` says is to be seen.
+fn keeping(reference: &Film, test: &Film, promise: Promise) -> Judgement {
     let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
     let conditions = Conditions {
-        visible_bias: Some(promise),
+        promise: Some(promise),
         ..Conditions::default()
     };
     compare::judge(&Stochastic, &reference, &test, &conditions).unwrap()
@@ -576,6 +581,39 @@ fn the_reference_may_be_in_the_way() {
     assert!((11.0..30.0).contains(&times), "{times}");
 }
 
+/// Blocks are asked for, too: with the samples advised they show what the promise says, and a reference of
+/// few samples asks for less.
+#[test]
+fn blocks_are_decided_like_the_mean() {
+    let promise = Promise::of_mean(0.05).decisive();
+    let exact = (0..SIDE * SIDE).map(|i| truth(i).map(|value| value as f32));
+    let exact = Film::new(SIDE, SIDE, exact.collect());
+    let test = |samples| sampled(2, samples, even, truth);
+    let few = keeping(&exact, &test(64), promise);
+    let [mean, block] = ["smallest_visible_bias", "smallest_visible_block_bias"];
+    assert!(few.metrics[mean] < 0.02 && few.metrics[block] > 0.02);
+    assert!(
+        few.reason.contains("of single blocks (90th percentile) ")
+            && few.reason.contains(", required 2.00 %; about "),
+        "{}",
+        few.reason
+    );
+    let advice = advised(&few);
+    let enough = keeping(&exact, &test(advice.samples().unwrap() as u32), promise);
+    assert!(
+        enough.passed && enough.undecided.is_none(),
+        "{}",
+        enough.reason
+    );
+    assert!(enough.metrics[mean] <= 0.005 && enough.metrics[block] <= 0.02);
+
+    // The same image, where what the reference hides is more than a third of what is promised.
+    let reference = sampled(1, 64, even, truth);
+    let enough = keeping(&reference, &test(64), promise);
+    assert!(enough.undecided.is_none(), "{}", enough.reason);
+    assert!(enough.metrics[block] > 0.02);
+}
+
 /// A bias is said first, with its size, and that neighbours agree in it is not taken for a filter.
 #[test]
 fn a_bias_is_not_called_a_filter() {
@@ -594,6 +632,11 @@ fn a_bias_is_not_called_a_filter() {
                 "{samples}: {reason}"
             );
             assert!(reason.contains("where the reference has"), "{reason}");
+            // The size, and its standard error.
+            let size = reason.split_once(" (−").and_then(|(_, after)| after.split_once(" %), "));
+            let (size, error) = size.and_then(|(size, _)| size.split_once(" ± ")).unwrap();
+            let [size, error] = [size, error].map(|number| number.parse::<f64>().unwrap());
+            assert!((size - 24.0).abs() < 10.0 && error < size / 3.0, "{reason}");
             for word in ["smooth", "denoised", "filter"] {
                 assert!(!reason.contains(word), "{samples}: {reason}");
             }

@@ -118,7 +118,8 @@ use super::image_gate::{Conditions, ImageGate};
 use super::incomparable;
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
-use super::sensitivity::Sensitivity;
+use super::promise::Promise;
+use super::sensitivity::{Sensitivity, with_error};
 use super::significance::{deviation, holm, two_sided, two_sided_estimated};
 use crate::film::Film;
 use crate::math;
@@ -181,7 +182,7 @@ impl ImageGate for Stochastic {
             reference?,
             test?,
             level,
-            conditions.visible_bias,
+            conditions.promise,
             conditions.sensitivities,
         )
     }
@@ -328,7 +329,7 @@ fn judge_with(
     reference: &Film,
     test: &Film,
     level: f64,
-    promise: Option<f64>,
+    promise: Option<Promise>,
     sensitivities: &[Sensitivity],
 ) -> Result<Judgement, PictureError> {
     if reference.noise().is_none() && test.noise().is_none() {
@@ -348,7 +349,7 @@ type Metrics = Vec<(&'static str, f64)>;
 fn judgement(
     comparison: &Comparison<'_>,
     level: f64,
-    promise: Option<f64>,
+    promise: Option<Promise>,
     sensitivities: &[Sensitivity],
 ) -> Judgement {
     let mut metrics = Metrics::new();
@@ -396,7 +397,7 @@ fn judgement(
     let passed = faults.is_empty();
     let undecided = promise
         .filter(|_| passed)
-        .and_then(|promise| limits.undecided(promise));
+        .and_then(|promise| limits.undecided(&promise));
     let noise = || {
         format!(
             "largest block deviation {:.1} standard errors; up to {:.1} is expected by chance \
@@ -406,14 +407,22 @@ fn judgement(
             comparison.asked(),
         )
     };
-    let reason = match (undecided, promise) {
-        (Some(undecided), Some(promise)) => format!(
-            "too noisy to decide: detectable bias of the mean {}, required {}; {undecided}; no \
-             difference beyond noise: {}",
-            percent(mean_resolution),
-            percent(promise),
-            noise()
-        ),
+    let reason = match undecided {
+        Some((undecided, [of_mean, of_block])) => {
+            let of_block = if of_block.is_finite() {
+                let [seen, required] = [resolution, of_block].map(percent);
+                format!("; of single blocks (90th percentile) {seen}, required {required}")
+            } else {
+                String::new()
+            };
+            format!(
+                "too noisy to decide: detectable bias of the mean {}, required {}{of_block}; {undecided}; no \
+                 difference beyond noise: {}",
+                percent(mean_resolution),
+                percent(of_mean),
+                noise()
+            )
+        }
         _ if passed => {
             // The first number is the one that matters most.
             let of_number = numbers.detectable.first();
@@ -428,6 +437,7 @@ fn judgement(
         }
         _ => faults.join("; "),
     };
+    let undecided = undecided.map(|(undecided, _)| undecided);
     if let Some(Undecided::Samples(advice)) = undecided {
         metrics.push(("times_the_samples_that_would_decide", advice.times));
         let samples = advice.samples();
@@ -454,11 +464,18 @@ fn side(difference: f64) -> &'static str {
     if difference > 0.0 { "bright" } else { "dark" }
 }
 
-/// A mean of the test image beside that of the reference, and how unlikely that is.
+/// A mean of the test image beside that of the reference, the difference with its standard error, and how unlikely
+/// that is.
 fn means(reference: f64, difference: f64, deviation: f64) -> String {
-    let relative = match reference {
-        0.0 => String::new(),
-        _ => format!(" ({:+.1} %)", 100.0 * difference / reference.abs()),
+    let percent = 100.0 * difference / reference.abs();
+    let relative = if reference == 0.0 {
+        String::new()
+    } else if deviation.abs() < BOUNDLESS && deviation != 0.0 {
+        let sign = if difference < 0.0 { "−" } else { "+" };
+        let [size, error] = with_error(percent.abs(), (percent / deviation).abs());
+        format!(" ({sign}{size} ± {error} %)")
+    } else {
+        format!(" ({percent:+.1} %)")
     };
     format!(
         "{} where the reference has {}{relative}, {}",

@@ -5,6 +5,7 @@ use super::comparison::Comparison;
 use super::finite;
 use super::variance::Stated;
 use crate::compare::advice::{Advice, Undecided};
+use crate::compare::promise::Promise;
 use crate::compare::significance::{critical, critical_estimated};
 use std::f64::consts::SQRT_2;
 
@@ -62,25 +63,20 @@ impl<'c> Limits<'c> {
         ]
     }
 
-    /// What nine tenths of the blocks and channels do not exceed.
-    fn of_nine_tenths(&self, each: impl Fn(&Block, usize) -> f64) -> f64 {
-        let blocks = self.comparison.blocks.iter();
-        let mut values: Vec<f64> = blocks
-            .flat_map(|block| [0, 1, 2].map(|channel| each(block, channel)))
-            .collect();
-        let at = (values.len() * 9).div_ceil(10) - 1;
-        *values.select_nth_unstable_by(at, f64::total_cmp).1
-    }
-
     /// The bias that nine tenths of the blocks would show with probability one half at least,
     /// relative to the mean of the block plus [`DARK`](super::DARK).
     pub fn resolution(&self) -> f64 {
+        self.resolution_of(self.comparison)
+    }
+
+    /// The same in a comparison with other variances.
+    fn resolution_of(&self, comparison: &Comparison<'_>) -> f64 {
         let visible = |block: &Block, channel: usize| {
             let [own, guard] = self.terms(block, channel);
             let rounding = block.channels[channel].difference.rounding;
             (own.max(guard).sqrt() + rounding) / block.floor(channel)
         };
-        finite(self.of_nine_tenths(visible))
+        finite(of_nine_tenths(comparison, visible))
     }
 
     /// Standard errors at which a block and the mean of the image are rejected, by the finer image's noise.
@@ -117,33 +113,52 @@ impl<'c> Limits<'c> {
         finite(visible.into_iter().fold(0.0, f64::max))
     }
 
-    /// What it takes to see a bias of `promise` of the mean, if the images do not show it: the
-    /// samples with which this gate would, asked as it judges.
-    pub fn undecided(&self, promise: f64) -> Option<Undecided> {
-        if self.mean_resolution() <= promise {
+    /// What it takes to keep `promise`, if the images do not, and the biases of the mean and of blocks that
+    /// it asks for: the samples with which this gate would see them, asked as it judges.
+    pub fn undecided(&self, promise: &Promise) -> Option<(Undecided, [f64; 2])> {
+        let seen = |comparison: &Comparison<'_>| {
+            [
+                self.mean_resolution_of(comparison),
+                self.resolution_of(comparison),
+            ]
+        };
+        let hidden = seen(&self.comparison.with_samples(MOST_TIMES));
+        let required = promise.required(hidden);
+        let keeps = |[mean, block]: [f64; 2]| mean <= required[0] && block <= required[1];
+        if keeps(seen(self.comparison)) {
             return None;
         }
-        let with = |times: f64| self.mean_resolution_of(&self.comparison.with_samples(times));
-        if with(MOST_TIMES) > promise {
-            return Some(Undecided::Reference(with(MOST_TIMES)));
+        if !keeps(hidden) {
+            return Some((Undecided::Reference(hidden[0]), required));
         }
         let (mut few, mut enough) = (1.0, MOST_TIMES);
         // To a thousandth, of an estimate that is known to a tenth at best.
         while enough > 1.001 * few {
             let middle = f64::sqrt(few * enough);
-            if with(middle) > promise {
-                few = middle
-            } else {
+            if keeps(seen(&self.comparison.with_samples(middle))) {
                 enough = middle
+            } else {
+                few = middle
             }
         }
         let safety = (1.0 + SAFETY * self.comparison.shape.error).min(MOST_SAFETY);
         let [_, test] = self.comparison.films;
-        Some(Undecided::Samples(Advice {
+        let advice = Advice {
             times: enough * safety,
             has: test.samples(),
             renderings: test.renderings().unwrap_or(1),
             is_stated: matches!(self.comparison.stated[1], Stated::Samples(_)),
-        }))
+        };
+        Some((Undecided::Samples(advice), required))
     }
+}
+
+/// What nine tenths of the blocks and channels do not exceed.
+fn of_nine_tenths(comparison: &Comparison<'_>, each: impl Fn(&Block, usize) -> f64) -> f64 {
+    let blocks = comparison.blocks.iter();
+    let mut values: Vec<f64> = blocks
+        .flat_map(|block| [0, 1, 2].map(|channel| each(block, channel)))
+        .collect();
+    let at = (values.len() * 9).div_ceil(10) - 1;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
 }

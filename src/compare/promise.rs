@@ -1,0 +1,69 @@
+//! The biases that an image which passes would have shown.
+
+/// The noise of the reference hides some bias from any image. A promise need not be smaller than this many
+/// times that: an image with an eighth of the reference's samples keeps it, where all samples are alike, for the
+/// variances add up, and 1 + 8 = 3².
+const TIMES_HIDDEN: f64 = 3.0;
+
+/// Biases that an image which passes would have shown with probability one half, relative to the radiance plus
+/// [`DARK`](super::stochastic::DARK).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Promise {
+    /// Of the mean of the image.
+    pub mean: f64,
+    /// The same, at most, where the noise of the reference asks for more than `mean`.
+    pub mean_at_most: f64,
+    /// Of nine tenths of the blocks of 8 × 8 pixels, or what the noise of the reference asks for; `None` for
+    /// any bias of a block.
+    pub block: Option<f64>,
+}
+
+impl Promise {
+    /// A bias of the mean of the image, whatever the noise of the reference is.
+    pub fn of_mean(bias: f64) -> Promise {
+        Promise {
+            mean: bias,
+            mean_at_most: bias,
+            block: None,
+        }
+    }
+
+    /// What is promised where more samples are to be had: 0.5 % of the mean and 2 % of a block, unless
+    /// the reference is too noisy for that.
+    pub fn decisive(self) -> Promise {
+        Promise {
+            mean: self.mean.min(0.005),
+            block: Some(0.02),
+            ..self
+        }
+    }
+
+    /// Biases of the mean and of blocks that have to be visible where the noise of the reference alone hides
+    /// those `[of_mean, of_block]`.
+    pub(super) fn required(&self, [of_mean, of_block]: [f64; 2]) -> [f64; 2] {
+        let mean = (TIMES_HIDDEN * of_mean).min(self.mean_at_most);
+        let block = self.block.map_or(f64::INFINITY, |block| {
+            block.max(TIMES_HIDDEN * of_block)
+        });
+        [mean.max(self.mean), block]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn references_with_noise_are_asked_for_less() {
+        let plain = Promise::of_mean(0.02);
+        assert_eq!(plain.required([0.01, 0.1]), [0.02, f64::INFINITY]);
+        assert_eq!(plain.required([0.03, 0.1]), [0.02, f64::INFINITY]);
+
+        let decisive = plain.decisive();
+        assert_eq!(decisive.required([0.0, 0.0]), [0.005, 0.02]);
+        assert_eq!(decisive.required([0.003, 0.01]), [3.0 * 0.003, 3.0 * 0.01]);
+        // No more than the case itself does.
+        assert_eq!(decisive.required([0.01, 0.0])[0], 0.02);
+        assert_eq!(Promise::of_mean(0.001).decisive().mean, 0.001);
+    }
+}
