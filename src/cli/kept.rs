@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{output, progress};
-use crate::suite::{Case, Judged, KeepError, ResultFolder, Run, Suite, program_hash};
+use crate::suite::{Case, CaseTrials, Judged, KeepError, ResultFolder, Run, Suite, program_hash};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -76,8 +76,7 @@ pub fn keep(
     part: &[String],
     judged: &[Judged],
 ) -> Result<(), Failure> {
-    let keep = || -> Result<(), KeepError> {
-        folder.begin(run)?;
+    keep_with(folder, run, || {
         for judged in judged {
             folder.keep(run, &judged.result.name, Some(judged))?;
         }
@@ -87,8 +86,28 @@ pub fn keep(
             folder.keep(run, name, None)?;
         }
         Ok(())
-    };
-    keep().map_err(|error| {
+    })
+}
+
+/// Keeps what a self-test `found` in the cases of a part.
+///
+/// # Errors
+///
+/// If it cannot be written.
+pub fn keep_trials(folder: &ResultFolder, run: &Run, found: &[CaseTrials]) -> Result<(), Failure> {
+    keep_with(folder, run, || {
+        found.iter().try_for_each(|of| folder.keep_trials(run, of))
+    })
+}
+
+/// Keeps results by `keep`, and says where.
+fn keep_with(
+    folder: &ResultFolder,
+    run: &Run,
+    keep: impl FnOnce() -> Result<(), KeepError>,
+) -> Result<(), Failure> {
+    let kept = folder.begin(run).and_then(|()| keep());
+    kept.map_err(|error| {
         let message = format!("the results cannot be kept: {error}");
         let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
         Failure::new(Exit::BadInput, message, Some(help))

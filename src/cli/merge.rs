@@ -3,6 +3,7 @@
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::merged_units::joined_units;
 use super::results::{Findings, ResultFiles, check_not_golden};
+use super::selftest::{self, SELF_TEST};
 use super::suite::{KEPT, Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
 use super::verify;
@@ -10,8 +11,9 @@ use super::{Outcome, progress};
 use crate::compare::Gate;
 use crate::report;
 use crate::suite::{
-    self, Case, CaseFinding, CaseResult, Cause, Evidence, Judged, KeptResult, Likenesses, Profile,
-    ResultFolder, Run, Search, Suite, UnitFolder, Verdict,
+    self, Case, CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, KeptResult,
+    Likenesses, Profile, ResultFolder, Run, Search, SelfTest, SelfTestCases, Suite, UnitFolder,
+    Verdict,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -19,7 +21,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Join what several machines computed: results of verify or validate, and units of goldens
+/// Join what several machines computed: results of verify, validate or selftest, and units of goldens
 ///
 /// The results of all parts become one, with one exit code, as if one machine had judged all cases. Units
 /// are copied to .volref of the suite, where volref accept finds them. What is missing is listed, and is exit code 5.
@@ -56,7 +58,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if run.is_none() && !has_units {
         let message = "there are neither results nor units in these folders";
         let help = "parts write them below .volref: volref verify --partition, volref validate --partition, \
-                    volref units --compute";
+                    volref selftest --partition, volref units --compute";
         return Err(Failure::new(Exit::Undecided, message, Some(help)));
     }
     let suite = if has_units {
@@ -177,6 +179,9 @@ fn joined_results(
         }
         cases.extend(case);
     }
+    if run.command == SELF_TEST {
+        return joined_self_test(arguments, run, &cases, folders);
+    }
     let profile = run.settings.get("profile");
     let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
     let profile = profile.transpose()?;
@@ -236,6 +241,63 @@ fn joined_results(
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
         exit: exit(&findings.results()),
+    })
+}
+
+/// The self-test of all parts, as of `cases` on one machine. Where parts are missing, a mistake that
+/// nobody caught may be caught there.
+fn joined_self_test(
+    arguments: &Arguments,
+    run: &Run,
+    cases: &[&Case],
+    folders: &[ResultFolder],
+) -> Result<Outcome, Failure> {
+    arguments.files.check_no_results()?;
+    let (mut found, mut missing) = (Vec::new(), Vec::new());
+    for (name, _) in &run.cases {
+        let mut of_case: Option<(CaseTrials, &ResultFolder)> = None;
+        let mut reason = NO_RESULT.to_owned();
+        for folder in folders {
+            match folder.trials(run, name) {
+                Err(damage) => reason = damage,
+                Ok(None) => {}
+                Ok(Some(trials)) => match &of_case {
+                    Some((one, here)) if *one != trials => {
+                        let both =
+                            [here, &folder].map(|folder| folder.path().display().to_string());
+                        let message = format!(
+                            "two self-tests of {name} contradict each other: those in {} and {}",
+                            both[0], both[1]
+                        );
+                        let help = "one machine computes other images: find out which, and leave its folder out";
+                        return Err(Failure::new(Exit::BadInput, message, Some(help)));
+                    }
+                    Some(_) => {}
+                    None => of_case = Some((trials, folder)),
+                },
+            }
+        }
+        match of_case {
+            Some((trials, _)) => found.push(trials),
+            None => missing.push((name, reason)),
+        }
+    }
+    let which = match (missing.is_empty(), run.is_everything) {
+        (false, _) => SelfTestCases::Part,
+        (true, true) => SelfTestCases::Whole,
+        (true, false) => SelfTestCases::Selected,
+    };
+    let test = SelfTest::of(cases, &found, which);
+    let mut value = report::self_test_json(&test);
+    if !missing.is_empty() {
+        let names: Vec<&String> = missing.iter().map(|(name, _)| *name).collect();
+        value["missing"] = json!(names);
+    }
+    let text = report::self_test_text(&test) + &missing_text(&missing, run.cases.len());
+    let undecided = (!missing.is_empty()).then_some(Exit::Undecided);
+    Ok(Outcome {
+        text: arguments.files.write_json(text, &value)?,
+        exit: Exit::first_of([selftest::exit_of(&test)].into_iter().chain(undecided)),
     })
 }
 

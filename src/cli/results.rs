@@ -72,7 +72,8 @@ impl ResultFiles {
         if self.junit.is_none() && self.report.is_none() {
             return Ok(());
         }
-        let message = "there are units, and no results that --junit or --report could write";
+        let message =
+            "--junit and --report write results of verify or validate, and there are none here";
         Err(Failure::new(Exit::Undecided, message, None))
     }
 

@@ -1,6 +1,7 @@
 //! `volref selftest [FILTER…]`
 
 use super::failure::{Exit, Failure};
+use super::kept::{KeepArgument, keep_trials, run_of};
 use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
@@ -8,10 +9,13 @@ use super::{Outcome, progress};
 use crate::report;
 use crate::suite::mistakes::{self, Mistake};
 use crate::suite::{
-    Case, Naming, Predictions, SelfTestCases, SelfTestExtent, Step, Store, naming, self_test,
-    self_test_steps,
+    Case, Naming, Predictions, SelfTest, SelfTestCases, SelfTestExtent, Step, Store, case_trials,
+    naming, self_test_steps,
 };
 use serde_json::json;
+
+/// The name of the command.
+pub const SELF_TEST: &str = "selftest";
 
 /// Check that the suite catches every known mistake and rejects no correct image
 #[derive(Debug, clap::Args)]
@@ -23,6 +27,8 @@ pub struct Arguments {
     selection: Selection,
     #[command(flatten)]
     partition: PartitionArgument,
+    #[command(flatten)]
+    kept: KeepArgument,
     /// Try each mistake only until a case catches it
     #[arg(long)]
     quick: bool,
@@ -43,6 +49,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
     let mut cases = suite.select(&arguments.filters)?;
+    let all = cases.clone();
     arguments
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
@@ -56,29 +63,43 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     } else {
         SelfTestExtent::Full
     };
+    let kept = &arguments.kept;
+    let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
     let bar = progress::counted("steps", self_test_steps(cases.len()));
     let which = match (arguments.partition.is_whole(), arguments.filters.is_empty()) {
         (false, _) => SelfTestCases::Part,
         (true, true) => SelfTestCases::Whole,
         (true, false) => SelfTestCases::Selected,
     };
-    let test = self_test(&cases, which, &store, extent, &|step| match step {
+    let found = case_trials(&cases, &store, extent, &|step| match step {
         Step::Begins(what) => bar.set_message(what),
         Step::Done => bar.inc(1),
     });
     bar.finish_and_clear();
+    if let Some(folder) = folder {
+        let (all, filters) = (all.into_iter(), &arguments.filters);
+        let settings = [("quick".to_owned(), arguments.quick.to_string())].into();
+        let run = run_of(SELF_TEST, &suite, filters, all, [], settings);
+        keep_trials(&folder, &run, &found)?;
+    }
+    let test = SelfTest::of(&cases, &found, which);
     let value = report::self_test_json(&test);
+    let exit = exit_of(&test);
+    let text = arguments
+        .json
+        .instead_of(report::self_test_text(&test), &value)?;
+    Ok(Outcome { text, exit })
+}
+
+/// The exit code of a self-test.
+pub fn exit_of(test: &SelfTest) -> Exit {
     let golden = (!test.unusable.is_empty()).then_some(Exit::Golden);
     let of_the_suite = if test.judges_right() {
         Exit::Passed
     } else {
         Exit::SelfTest
     };
-    let exit = Exit::first_of(golden.into_iter().chain([of_the_suite]));
-    let text = arguments
-        .json
-        .instead_of(report::self_test_text(&test), &value)?;
-    Ok(Outcome { text, exit })
+    Exit::first_of(golden.into_iter().chain([of_the_suite]))
 }
 
 /// The mistakes to make: each one `runs` times, and `pairs` pairs, spread over all pairs.

@@ -42,9 +42,9 @@ impl Promise {
     /// those `[of_mean, of_block]`.
     pub(super) fn required(&self, [of_mean, of_block]: [f64; 2]) -> [f64; 2] {
         let mean = (TIMES_HIDDEN * of_mean).min(self.mean_at_most);
-        let block = self.block.map_or(f64::INFINITY, |block| {
-            block.max(TIMES_HIDDEN * of_block)
-        });
+        let block = self
+            .block
+            .map_or(f64::INFINITY, |block| block.max(TIMES_HIDDEN * of_block));
         [mean.max(self.mean), block]
     }
 }

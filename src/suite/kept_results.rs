@@ -1,12 +1,12 @@
 //! Results of cases that several processes judge, each some of them, kept until they are joined.
 //!
-//! A *run* is one request, `verify` or `validate` with its settings, for a list of cases; its parts are
+//! A *run* is one request, `verify`, `validate` or `selftest` with its settings, for a list of cases; its parts are
 //! judged by any process anywhere. A result is kept with the run that it belongs to, and in two files:
 //! what was found, and the images behind it, which only a report and the search for mistakes need.
 
 use super::kept_file::{self, KeepError, MOST_BYTES};
 use super::program_hash::hash;
-use super::{CaseResult, Cause, Evidence, Judged};
+use super::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use crate::compare::flip::SrgbImage;
 use crate::compare::{FitMap, Picture};
 use crate::film::Film;
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// A request to judge cases.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Run {
-    /// `verify` or `validate`.
+    /// `verify`, `validate` or `selftest`.
     pub command: String,
     /// Everything that verdicts depend on, by name.
     pub settings: BTreeMap<String, String>,
@@ -200,6 +200,34 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Keeps what a self-test found in a case.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn keep_trials(&self, run: &Run, found: &CaseTrials) -> Result<(), KeepError> {
+        let head = Head {
+            run: run.id(),
+            case: found.case.clone(),
+        };
+        let path = self.of_run(run).join(format!("{}.{TRIALS}", found.case));
+        kept_file::write(&path, &head, &packed(&path, found)?)?;
+        Ok(())
+    }
+
+    /// What a self-test found in a case; `None` if nothing was kept.
+    ///
+    /// # Errors
+    ///
+    /// A sentence why what was kept cannot be used.
+    pub fn trials(&self, run: &Run, case: &str) -> Result<Option<CaseTrials>, String> {
+        let path = self.of_run(run).join(format!("{case}.{TRIALS}"));
+        if !path.exists() {
+            return Ok(None);
+        }
+        unpacked(&path, run, case).map(Some)
+    }
+
     /// The runs that there are results of.
     pub fn runs(&self) -> Vec<Run> {
         let folders = std::fs::read_dir(self.path())
@@ -300,6 +328,7 @@ const RUN: &str = "run";
 /// Extensions of the files of a case.
 const FOUND: &str = "result";
 const IMAGES: &str = "images";
+const TRIALS: &str = "trials";
 
 /// `value` as compressed MessagePack, in which every number keeps its bits.
 fn packed(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, KeepError> {

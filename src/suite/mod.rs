@@ -68,8 +68,8 @@ pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use row_name::{HARD, row_name};
 pub use rows::verify_row;
 pub use self_test::{
-    BenignTrials, MistakeTrials, Rejection, SelfTest, SelfTestCases, SelfTestExtent, Step, Trial,
-    self_test, self_test_steps,
+    BenignTrials, CaseTrials, MistakeTrials, Rejection, SelfTest, SelfTestCases, SelfTestExtent,
+    Step, Trial, case_trials, self_test, self_test_steps,
 };
 pub use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};

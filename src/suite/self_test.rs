@@ -16,11 +16,12 @@ use crate::math::rng::{Purpose, Stream};
 use crate::render::{Sampling, Seed, plans, render};
 use crate::scene::Scene;
 use half::f16;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
+use std::collections::BTreeMap;
 
 /// The outcome of one mistake in one case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Trial {
     /// Rejected, as it should be.
@@ -31,6 +32,32 @@ pub enum Trial {
     NoOccasion,
     /// Not tried, because another case had caught it.
     NotTried,
+}
+
+/// What was found in one case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaseTrials {
+    /// Its name.
+    pub case: String,
+    /// Outcomes by name of the mistake.
+    pub mistakes: BTreeMap<String, Trial>,
+    /// The benign variants that were tried, and why they were rejected, if they were.
+    pub benign: Vec<(String, Option<String>)>,
+    /// The reason why its golden cannot be trusted, if so: then nothing was tried.
+    pub unusable: Option<String>,
+}
+
+impl CaseTrials {
+    fn is_usable(&self) -> bool {
+        self.unusable.is_none()
+    }
+
+    fn trial(&self, mistake: &str) -> Trial {
+        self.mistakes
+            .get(mistake)
+            .copied()
+            .unwrap_or(Trial::NotTried)
+    }
 }
 
 /// A mistake and its outcome in each case.
@@ -51,6 +78,29 @@ pub struct BenignTrials {
     pub accepted: usize,
     /// Cases that rejected it, and why.
     pub rejected: Vec<Rejection>,
+}
+
+impl BenignTrials {
+    fn of(variant: &'static str, found: &[&CaseTrials]) -> BenignTrials {
+        let mut row = BenignTrials {
+            variant,
+            accepted: 0,
+            rejected: Vec::new(),
+        };
+        for of in found {
+            let tried = of.benign.iter().filter(|(name, _)| name == variant);
+            for (_, rejection) in tried {
+                match rejection {
+                    None => row.accepted += 1,
+                    Some(reason) => row.rejected.push(Rejection {
+                        case: of.case.clone(),
+                        reason: reason.clone(),
+                    }),
+                }
+            }
+        }
+        row
+    }
 }
 
 /// A correct image that was rejected.
@@ -143,61 +193,111 @@ pub fn self_test(
     extent: SelfTestExtent,
     report: &dyn Fn(Step<'_>),
 ) -> SelfTest {
-    let mut unusable = Vec::new();
+    let found = case_trials(cases, store, extent, report);
+    SelfTest::of(cases, &found, which)
+}
+
+/// Runs the self-test on `cases`: what each of them makes of every mistake and of correct images.
+pub fn case_trials(
+    cases: &[&Case],
+    store: &Store,
+    extent: SelfTestExtent,
+    report: &dyn Fn(Step<'_>),
+) -> Vec<CaseTrials> {
+    let mut found = Vec::new();
     let mut subjects = Vec::new();
     for case in cases {
         report(Step::Begins(&case.name));
-        match Subject::new(case, store) {
-            Ok(subject) => subjects.push(subject),
-            Err(reason) => unusable.push(Rejection {
-                case: case.name.clone(),
-                reason,
-            }),
-        }
+        let subject = Subject::new(case, store);
+        found.push(CaseTrials {
+            case: case.name.clone(),
+            mistakes: BTreeMap::new(),
+            benign: Vec::new(),
+            unusable: subject.as_ref().err().cloned(),
+        });
+        subjects.extend(subject);
         report(Step::Done);
     }
+    let mut of_subjects: Vec<&mut CaseTrials> =
+        found.iter_mut().filter(|of| of.is_usable()).collect();
     let every = match extent {
         SelfTestExtent::Full => 1,
         SelfTestExtent::Quick => 4,
     };
-    let benign = benign_trials(&subjects, every, report);
-    let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
-        .map(|mistake| {
-            report(Step::Begins(mistake.name));
-            let trials = trials(mistake, &subjects, extent);
-            report(Step::Done);
-            MistakeTrials {
+    for (variant, make) in BENIGN {
+        report(Step::Begins(variant));
+        for (subject, found) in subjects.iter().zip(&mut of_subjects).step_by(every) {
+            let Some(picture) = make(subject) else {
+                continue;
+            };
+            let result = subject.judge(picture).result;
+            let is_accepted = matches!(result.verdict, Verdict::Pass | Verdict::Inconclusive);
+            let rejection = (!is_accepted).then_some(result.reason);
+            found.benign.push(((*variant).to_owned(), rejection));
+        }
+        report(Step::Done);
+    }
+    for mistake in mistakes::catalogue() {
+        report(Step::Begins(mistake.name));
+        let trials = trials(mistake, &subjects, extent);
+        for (found, trial) in of_subjects.iter_mut().zip(trials) {
+            found.mistakes.insert(mistake.name.to_owned(), trial);
+        }
+        report(Step::Done);
+    }
+    found
+}
+
+impl SelfTest {
+    /// The self-test of these `cases` of the suite, of which this was `found`.
+    pub fn of(cases: &[&Case], found: &[CaseTrials], which: SelfTestCases) -> SelfTest {
+        let usable: Vec<&CaseTrials> = found.iter().filter(|of| of.is_usable()).collect();
+        let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
+            .map(|mistake| MistakeTrials {
                 mistake: mistake.name,
-                trials,
-            }
-        })
-        .collect();
-    let uncaught = mistakes
-        .iter()
-        .filter(|row| !row.trials.contains(&Trial::Caught))
-        .filter(|row| match which {
-            SelfTestCases::Whole => true,
-            SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
-            SelfTestCases::Part => false,
-        })
-        .map(|row| row.mistake)
-        .collect();
-    let mut broken_promises = Vec::new();
-    for row in &mistakes {
-        for (subject, trial) in subjects.iter().zip(&row.trials) {
-            let promised = subject.case.mistakes.iter().any(|name| name == row.mistake);
-            if promised && matches!(trial, Trial::Missed | Trial::NoOccasion) {
-                broken_promises.push(format!("{}: {}", subject.case.name, row.mistake));
+                trials: usable.iter().map(|of| of.trial(mistake.name)).collect(),
+            })
+            .collect();
+        let uncaught = mistakes
+            .iter()
+            .filter(|row| !row.trials.contains(&Trial::Caught))
+            .filter(|row| match which {
+                SelfTestCases::Whole => true,
+                SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
+                SelfTestCases::Part => false,
+            })
+            .map(|row| row.mistake)
+            .collect();
+        let promised = |of: &CaseTrials, mistake: &str| {
+            let case = cases.iter().find(|case| case.name == of.case);
+            case.is_some_and(|case| case.mistakes.iter().any(|name| name == mistake))
+        };
+        let mut broken_promises = Vec::new();
+        for row in &mistakes {
+            for (of, trial) in usable.iter().zip(&row.trials) {
+                if matches!(trial, Trial::Missed | Trial::NoOccasion) && promised(of, row.mistake) {
+                    broken_promises.push(format!("{}: {}", of.case, row.mistake));
+                }
             }
         }
-    }
-    SelfTest {
-        cases: subjects.iter().map(|s| s.case.name.clone()).collect(),
-        mistakes,
-        benign,
-        uncaught,
-        broken_promises,
-        unusable,
+        let rejection = |case: &str, reason: &str| Rejection {
+            case: case.to_owned(),
+            reason: reason.to_owned(),
+        };
+        let unusable = found
+            .iter()
+            .filter_map(|of| Some(rejection(&of.case, of.unusable.as_ref()?)));
+        SelfTest {
+            cases: usable.iter().map(|of| of.case.clone()).collect(),
+            mistakes,
+            benign: BENIGN
+                .iter()
+                .map(|(variant, _)| BenignTrials::of(variant, &usable))
+                .collect(),
+            uncaught,
+            broken_promises,
+            unusable: unusable.collect(),
+        }
     }
 }
 
@@ -362,35 +462,3 @@ const BENIGN: &[(&str, Benign)] = &[
         image.ok().map(Picture::Codes)
     }),
 ];
-
-/// What one in `every` of the subjects makes of honest pictures.
-fn benign_trials(
-    subjects: &[Subject<'_>],
-    every: usize,
-    report: &dyn Fn(Step<'_>),
-) -> Vec<BenignTrials> {
-    let trial = |&(variant, make): &(&'static str, Benign)| {
-        report(Step::Begins(variant));
-        let mut row = BenignTrials {
-            variant,
-            accepted: 0,
-            rejected: Vec::new(),
-        };
-        for subject in subjects.iter().step_by(every) {
-            let Some(picture) = make(subject) else {
-                continue;
-            };
-            let result = subject.judge(picture).result;
-            match result.verdict {
-                Verdict::Pass | Verdict::Inconclusive => row.accepted += 1,
-                _ => row.rejected.push(Rejection {
-                    case: result.name,
-                    reason: result.reason,
-                }),
-            }
-        }
-        report(Step::Done);
-        row
-    };
-    BENIGN.iter().map(trial).collect()
-}

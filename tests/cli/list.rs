@@ -219,8 +219,8 @@ fn help() {
       export       Write a scene for another renderer
       accept       Render cases and accept the images as new goldens; inspect them before and after
       units        List the work units of goldens, or compute some of them
-      merge        Join what several machines computed: results of verify or validate, and units of
-                   goldens
+      merge        Join what several machines computed: results of verify, validate or selftest, and
+                   units of goldens
       selftest     Check that the suite catches every known mistake and rejects no correct image
       sensitivity  Differentiate the image of a scene by one of its numbers
       info         Show the contents of a volume file: position, storage, values

@@ -9,7 +9,7 @@ fn in_parts(suite: &Folder, parts: usize, command: &[&str]) -> Vec<String> {
     let results = (1..=parts).map(|part| {
         let (of, folder) = (format!("slice:{part}/{parts}"), format!("part-{part}"));
         let run = suite.volref(&[command, &["--partition", &of, "--results", &folder]].concat());
-        assert!([0, 1, 3, 4, 5].contains(&run.code), "{}", run.stderr);
+        assert!([0, 1, 3, 4, 5, 6].contains(&run.code), "{}", run.stderr);
         folder
     });
     results.collect()
@@ -66,6 +66,44 @@ fn with_images() -> Folder {
         assert_eq!(suite.volref(&["render", &scene, "-o", image]).code, 0);
     }
     suite
+}
+
+/// The parts of a self-test, joined, are the self-test of one machine; one part alone says what is missing,
+/// and of mistakes that it misses nothing.
+#[test]
+fn parts_of_a_self_test_are_the_whole() {
+    let suite = Folder::with_goldens();
+    for filters in [&[][..], &["smoke"]] {
+        let whole = suite.volref(&[&["selftest", "--json"], filters].concat());
+        assert!([0, 6].contains(&whole.code), "{}", whole.stderr);
+        let folders = in_parts(&suite, 2, &[&["selftest"], filters].concat());
+        let all = merged(&suite, &folders, &["--json"]);
+        assert_eq!(all.code, whole.code, "{}", all.stderr);
+        assert_eq!(all.json(), whole.json());
+        let backwards: Vec<String> = folders.iter().rev().cloned().collect();
+        assert_eq!(
+            merged(&suite, &backwards, &[]).stdout,
+            merged(&suite, &folders, &[]).stdout
+        );
+
+        let part = merged(&suite, &folders[..1], &["--json"]);
+        assert_eq!(part.code, 5, "{}", part.stderr);
+        let value = part.json();
+        assert!(!value["missing"].as_array().unwrap().is_empty());
+        assert_eq!(value["summary"]["uncaught"], serde_json::json!([]));
+        for folder in folders {
+            std::fs::remove_dir_all(suite.path(&folder)).unwrap();
+        }
+    }
+    let run = suite.volref(&["selftest", "--results", "one"]);
+    assert!([0, 6].contains(&run.code), "{}", run.stderr);
+    let page = suite.volref(&["merge", "one", "--report", "page"]);
+    assert_eq!(page.code, 5);
+    assert!(
+        page.stderr.contains("results of verify or validate"),
+        "{}",
+        page.stderr
+    );
 }
 
 #[test]

@@ -633,7 +633,9 @@ fn a_bias_is_not_called_a_filter() {
             );
             assert!(reason.contains("where the reference has"), "{reason}");
             // The size, and its standard error.
-            let size = reason.split_once(" (−").and_then(|(_, after)| after.split_once(" %), "));
+            let size = reason
+                .split_once(" (−")
+                .and_then(|(_, after)| after.split_once(" %), "));
             let (size, error) = size.and_then(|(size, _)| size.split_once(" ± ")).unwrap();
             let [size, error] = [size, error].map(|number| number.parse::<f64>().unwrap());
             assert!((size - 24.0).abs() < 10.0 && error < size / 3.0, "{reason}");
