@@ -239,6 +239,12 @@ fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
 
 /// Shading, if there is any.
 impl Shading for Option<Shaded> {
+    type Location<F: ScalarField> = F::Location;
+
+    fn location<F: ScalarField>(location: F::Location) -> F::Location {
+        location
+    }
+
     fn shade<F: ScalarField, W: Work>(
         &self,
         colour: DVec3,

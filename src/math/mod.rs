@@ -9,6 +9,7 @@ mod moments;
 pub mod quadrature;
 pub mod rng;
 pub mod sampling;
+mod several;
 mod srgb;
 mod sum;
 
@@ -17,5 +18,6 @@ pub use direction::Direction;
 pub use elementary::*;
 pub use frame::Frame;
 pub use moments::Moments;
+pub use several::{exp_m1_of_several, ln_1p_of_several};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use sum::Sum;

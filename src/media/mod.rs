@@ -29,7 +29,7 @@ pub use draine::Draine;
 pub use droplets::Droplets;
 pub use henyey_greenstein::HenyeyGreenstein;
 pub use homogeneous::Homogeneous;
-pub use opacity::{TransferOpacity, over_length};
+pub use opacity::{TransferOpacity, over_length, over_lengths};
 pub use optical_depth::{opacity, optical_depth, source_factor, transmittance};
 pub use phase::Phase;
 pub use phong::Phong;

@@ -17,6 +17,21 @@ pub fn over_length(opacity: f64, ratio: f64) -> f64 {
     -math::exp_m1(ratio * math::ln_1p(-opacity))
 }
 
+/// [`over_length`] of several opacities, each over its own ratio: the same bits, in less time.
+#[inline]
+pub fn over_lengths<const N: usize>(opacities: [f64; N], ratios: [f64; N]) -> [f64; N] {
+    let mut depths = math::ln_1p_of_several(opacities.map(|opacity| -opacity));
+    for (depth, ratio) in depths.iter_mut().zip(ratios) {
+        *depth *= ratio;
+    }
+    let mut result = math::exp_m1_of_several(depths);
+    for (result, (opacity, ratio)) in result.iter_mut().zip(opacities.into_iter().zip(ratios)) {
+        let is_nothing = ratio == 0.0 || opacity == 0.0;
+        *result = if is_nothing { 0.0 } else { -*result };
+    }
+    result
+}
+
 /// The transparency of the ray-casting assignment over its reference length,
 /// `T(d) = (e^(−d²) − f) / (1 − f)` clamped to [0, 1]: 1 for density 0, and with `f = 0.36`
 /// 0.0123 for density 1 and 0 from density 1.0108 on.
@@ -67,6 +82,48 @@ mod tests {
         assert_eq!(over_length(1.0, 0.0), 0.0);
         assert_eq!(over_length(0.0, f64::INFINITY), 0.0);
         assert_eq!(over_length(1e-300, f64::INFINITY), 1.0);
+    }
+
+    #[test]
+    fn several_opacities_have_the_bits_of_each() {
+        let opacities = [
+            0.0,
+            5e-324,
+            1e-300,
+            1e-16,
+            1e-3,
+            0.25,
+            0.3,
+            0.5,
+            0.9,
+            1.0 - 1e-16,
+            1.0,
+        ];
+        let ratios = [
+            0.0,
+            5e-324,
+            1e-9,
+            0.125,
+            0.7,
+            1.0,
+            3.0,
+            1e3,
+            1e300,
+            f64::INFINITY,
+        ];
+        for ratio in ratios {
+            for (opacity, several) in opacities
+                .into_iter()
+                .zip(over_lengths(opacities, [ratio; 11]))
+            {
+                let one = over_length(opacity, ratio);
+                assert_eq!(
+                    several.to_bits(),
+                    one.to_bits(),
+                    "{opacity:e} over {ratio:e}"
+                );
+            }
+        }
     }
 
     #[test]

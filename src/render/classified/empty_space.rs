@@ -144,8 +144,8 @@ impl Skipping for EmptySpace {
         work.count(Event::CellWalked);
         let mut block = [0; 3];
         for axis in 0..3 {
-            // A point half a node before the first lies in block 0.
-            let cell = (point[axis] as i64).max(0) as usize;
+            // A point half a node before the first lies in block 0: below 0 the conversion gives 0.
+            let cell = point[axis] as u32 as usize;
             block[axis] = (cell / BLOCK).min(self.blocks[axis] - 1);
         }
         let distance = usize::from(self.distance[self.index(block)]);

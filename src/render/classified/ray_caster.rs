@@ -21,33 +21,28 @@ use super::shading::Shading;
 use super::steps::Steps;
 use super::volume_shadow::{SamplePoint, Visibility};
 use crate::geometry::{Aabb, Ray};
-use crate::media::{TransferFunction, over_length};
+use crate::media::{TransferFunction, over_lengths};
 use crate::render::counters::{Event, Work};
 use crate::volume::{NodeLine, NodePoint};
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
 /// Samples that are looked up before the first of them is composited. None waits for another, so that
-/// a processor works on several at once: one by one, they take a tenth longer.
+/// a processor works on several at once, and their opacities over their steps are computed together.
 const BATCH: usize = 8;
 
-/// The field at a point, classified.
+/// A sample of a ray, before it is classified.
 struct Sample<L> {
-    nodes: NodePoint,
-    location: L,
-    density: f64,
-    /// Over the reference length.
-    opacity: f64,
-    colour: DVec3,
+    /// Distance from the origin of the ray.
+    t: f64,
+    located: Located<L>,
 }
 
-/// A sample that waits to be composited.
-struct Step<L> {
-    t: f64,
-    length: f64,
-    /// Over that length.
-    opacity: f64,
-    sample: Sample<L>,
+/// The density at a location of the field.
+struct Located<L> {
+    density: f64,
+    /// As much of the location as shading needs.
+    location: L,
 }
 
 /// A ray caster. Its parts are types, so that an image is rendered by code compiled for exactly the
@@ -89,13 +84,18 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         let steps = Steps::over(span, step);
         let line = NodeLine::new(ray, self.field.lattice());
         let reach = line.reach(step);
-        let mut batch = ArrayVec::<Step<F::Location>, BATCH>::new();
+        let reference_length = self.transfer_function.reference_length;
+        let whole_step = step / reference_length;
+        let mut batch = ArrayVec::<Sample<S::Location<F>>, BATCH>::new();
+        let (mut opacities, mut lengths) = ([0.0; BATCH], [0.0; BATCH]);
+        let mut colours = [DVec3::ZERO; BATCH];
         let (mut done, mut in_empty_space) = (0, true);
         while done < steps.count() {
             while done < steps.count() && !batch.is_full() {
                 let (t, length) = steps.sample(O::index(done, steps.count()));
                 let nodes = line.at(t);
-                // Behind a sample that is not transparent, the block is most likely not empty.
+                // Behind a batch whose last sample is not transparent, the block is most likely not empty. To ask
+                // after each sample would make each wait for the one before.
                 if in_empty_space {
                     let skipped = self.skipping.transparent_samples(nodes, reach, work);
                     if skipped > 0 {
@@ -104,71 +104,64 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
                     }
                 }
                 done += 1;
-                let sample = self.sample(nodes, work);
-                in_empty_space = sample.opacity == 0.0;
-                if !in_empty_space {
-                    let opacity = 0.0;
-                    batch.push(Step {
-                        t,
-                        length,
-                        opacity,
-                        sample,
-                    });
-                }
+                // The last step of a ray is shorter.
+                lengths[batch.len()] = if length == step {
+                    whole_step
+                } else {
+                    length / reference_length
+                };
+                let located = self.located(nodes, work);
+                batch.push(Sample { t, located });
             }
-            for step in &mut batch {
-                work.count(Event::Attenuation);
-                let lengths = step.length / self.transfer_function.reference_length;
-                step.opacity = over_length(step.sample.opacity, lengths);
+            for (index, sample) in batch.iter().enumerate() {
+                let (opacity, colour) = self.transfer_function.look(sample.located.density);
+                (opacities[index], colours[index]) = (opacity, colour);
+                in_empty_space = opacity == 0.0;
+                work.count_times(Event::Attenuation, u64::from(opacity != 0.0));
             }
-            for step in &batch {
-                if step.opacity == 0.0 {
+            // Over the steps; those behind the end of the batch are not used.
+            let opacities = over_lengths(opacities, lengths);
+            for (index, sample) in batch.drain(..).enumerate() {
+                let opacity = opacities[index];
+                if opacity == 0.0 {
                     continue; // adds exactly nothing, whatever its colour
                 }
-                let radiance = self.source(ray, ray.at(step.t), &step.sample, work);
-                layers = O::add(layers, radiance * step.opacity, step.opacity);
+                let (world, nodes) = (ray.at(sample.t), line.at(sample.t));
+                let point = SamplePoint { world, nodes };
+                let radiance = self.source(ray, point, &sample.located, colours[index], work);
+                layers = O::add(layers, radiance * opacity, opacity);
                 if self.order.is_over(&layers) {
                     return layers;
                 }
             }
-            batch.clear();
         }
         layers
     }
 
-    /// The sample at `nodes`.
+    /// The density at `nodes`.
     #[inline(always)]
-    fn sample<W: Work>(&self, nodes: NodePoint, work: &mut W) -> Sample<F::Location> {
+    fn located<W: Work>(&self, nodes: NodePoint, work: &mut W) -> Located<S::Location<F>> {
         let location = self.field.locate(nodes);
         let density = self.field.density(&location, work);
-        let (opacity, colour) = self.transfer_function.look(density);
-        Sample {
-            nodes,
-            location,
-            density,
-            opacity,
-            colour,
-        }
+        let location = S::location::<F>(location);
+        Located { density, location }
     }
 
-    /// Radiance of `sample`, at the world point `world`, if it were opaque, as seen along `ray`.
+    /// Radiance of `sample`, at `point`, if it were opaque, as seen along `ray`; `colour` is that of its density.
     #[inline]
     fn source<W: Work>(
         &self,
         ray: &Ray,
-        world: DVec3,
-        sample: &Sample<F::Location>,
+        point: SamplePoint,
+        sample: &Located<S::Location<F>>,
+        colour: DVec3,
         work: &mut W,
     ) -> DVec3 {
         work.count(Event::EmissionTerm);
         let (field, location) = (&self.field, &sample.location);
         let shaded = self
             .shading
-            .shade(sample.colour, field, location, world, ray, work);
-        let point = SamplePoint {
-            world,
-            nodes: sample.nodes,
-        };
+            .shade(colour, field, location, point.world, ray, work);
         let visibility = self.visibility.at(point, field, &self.skipping, work);
         shaded * (self.transfer_function.emission(sample.density) * visibility)
     }
@@ -176,12 +169,14 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
     /// Density at the world point `world` of `ray`, and the radiance of an opaque sample there; 0
     /// where it is transparent.
     pub fn at<W: Work>(&self, ray: &Ray, world: DVec3, work: &mut W) -> (f64, DVec3) {
-        let sample = self.sample(self.field.lattice().to_nodes(world), work);
-        let radiance = if sample.opacity == 0.0 {
-            DVec3::ZERO
-        } else {
-            self.source(ray, world, &sample, work)
-        };
-        (sample.density, radiance)
+        let nodes = self.field.lattice().to_nodes(world);
+        let located = self.located(nodes, work);
+        let density = located.density;
+        let (opacity, colour) = self.transfer_function.look(density);
+        if opacity == 0.0 {
+            return (density, DVec3::ZERO);
+        }
+        let radiance = self.source(ray, SamplePoint { world, nodes }, &located, colour, work);
+        (density, radiance)
     }
 }

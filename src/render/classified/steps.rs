@@ -40,13 +40,12 @@ impl Steps {
 
     /// Distance of sample `index` from the origin of the ray, and the length of its step.
     pub fn sample(&self, index: usize) -> (f64, f64) {
+        // Signed, for which processors have an instruction.
+        let at = index as i64 as f64;
         if index + 1 < self.count {
-            (self.near + (index as f64 + 0.5) * self.length, self.length)
+            (self.near + (at + 0.5) * self.length, self.length)
         } else {
-            (
-                self.near + (index as f64 * self.length + 0.5 * self.last),
-                self.last,
-            )
+            (self.near + (at * self.length + 0.5 * self.last), self.last)
         }
     }
 }
