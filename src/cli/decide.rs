@@ -2,10 +2,11 @@
 
 use super::made::{Ask, Made};
 use super::output::number_of;
-use super::progress;
+use super::{interrupt, progress};
 use crate::compare::Picture;
 use crate::film::Film;
-use crate::suite::{Case, Cause, Judged, Looks, Output, Verdict};
+use crate::suite::{Case, CaseResult, Cause, Judged, Looks, Output, Verdict, stop_all};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Renderings of a look at images that do not state their noise: the error of a variance that is taken
@@ -15,6 +16,16 @@ const RENDERINGS: u32 = 16;
 /// Samples per pixel of a call, at most, and calls of a look.
 const MOST_SAMPLES: f64 = (1 << 24) as f64;
 const MOST_CALLS: f64 = 64.0;
+
+/// What a decision says that the user ended.
+const INTERRUPTED: &str = "interrupted";
+
+/// Between two looks at whether it was.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Names of the biases that a pass would have shown.
+const SMALLEST_BIAS: &str = "smallest_visible_bias";
+const SMALLEST_BLOCK_BIAS: &str = "smallest_visible_block_bias";
 
 /// The part of the time limit of a call that a call is to take: estimates may be off by so much.
 const SAFE: f64 = 1.0 / 3.0;
@@ -63,8 +74,8 @@ impl OpenCase<'_> {
         Some((target, new * seconds / samples))
     }
 
-    /// Looks, samples, calls and time, as a note.
-    fn in_words(&self) -> String {
+    /// Looks, samples, calls and time, as a note; of a pass, what it would have shown.
+    fn in_words(&self, result: &CaseResult) -> String {
         let [seconds, _] = self.spent;
         let (looks, calls) = (self.looks.count(), self.calls);
         let done = format!(
@@ -73,9 +84,16 @@ impl OpenCase<'_> {
             self.looks.samples(),
             number_of(calls, "call"),
         );
-        match &self.given_up {
-            None => done,
-            Some(reason) => format!("{done}; {reason}"),
+        if let Some(reason) = &self.given_up {
+            return format!("{done}; {reason}");
+        }
+        let bias = |name| Some(100.0 * result.metrics.get(name)?);
+        let biases = [SMALLEST_BIAS, SMALLEST_BLOCK_BIAS].map(bias);
+        match (result.verdict, biases) {
+            (Verdict::Pass, [Some(mean), Some(block)]) => format!(
+                "{done}; a bias of {mean:.2} % of the mean, or of {block:.2} % of a block, would have been seen"
+            ),
+            _ => done,
         }
     }
 }
@@ -120,6 +138,23 @@ pub(super) fn decide(
     budget: Duration,
 ) {
     let end = Instant::now() + budget;
+    let is_done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        // A renderer that is running when the user ends the decision is ended, too.
+        scope.spawn(|| {
+            while !is_done.load(Ordering::SeqCst) {
+                if interrupt::is_cut_short() {
+                    return stop_all();
+                }
+                std::thread::sleep(PAUSE);
+            }
+        });
+        decide_until(end, again, cases, judged);
+        is_done.store(true, Ordering::SeqCst);
+    });
+}
+
+fn decide_until(end: Instant, again: &dyn LookAgain, cases: &[&Case], judged: &mut [Judged]) {
     let mut open: Vec<OpenCase<'_>> = Vec::new();
     for (index, one) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == one.result.name);
@@ -139,6 +174,12 @@ pub(super) fn decide(
         }
     }
     loop {
+        if interrupt::is_cut_short() {
+            let waiting = open.iter_mut().filter(|it| it.given_up.is_none());
+            let still_open = waiting.filter(|it| it.next(judged).is_some());
+            still_open.for_each(|it| it.given_up = Some(INTERRUPTED.to_owned()));
+            break;
+        }
         let waiting = open.iter_mut().filter(|it| it.given_up.is_none());
         let next = waiting.filter_map(|it| {
             let (target, seconds) = it.next(judged)?;
@@ -169,7 +210,7 @@ pub(super) fn decide(
             films => again.keep(it.case, films),
         };
         let result = &mut judged[it.index].result;
-        result.notes.push(it.in_words());
+        result.notes.push(it.in_words(result));
         if let Err(reason) = kept {
             result
                 .notes
@@ -217,8 +258,16 @@ impl OpenCase<'_> {
                 Output::Picture(picture) if picture.radiance().is_some() => {
                     films.extend(picture.radiance().cloned());
                 }
+                Output::Unusable(_) | Output::Missing(_) if interrupt::is_cut_short() => {
+                    self.given_up = Some(INTERRUPTED.to_owned());
+                    return;
+                }
                 Output::Unusable(reason) | Output::Missing(reason) => {
-                    self.given_up = Some(format!("a later call failed: {reason}"));
+                    self.given_up = Some(format!("call {} failed", self.calls));
+                    let result = &mut judged[self.index].result;
+                    result.verdict = Verdict::Error;
+                    result.cause = Cause::OtherRenderer;
+                    result.reason = reason.clone();
                     return;
                 }
                 _ => {
@@ -243,6 +292,14 @@ impl OpenCase<'_> {
             &pooled,
             one.as_ref().zip(other.as_ref()).map(|(a, b)| [a, b]),
         );
+        if let (Some(one), Some(other)) = (&one, &other)
+            && shares_random_numbers(one, other)
+        {
+            self.given_up = Some(
+                "renderings with different seeds share random numbers: does the renderer take {seed}?".to_owned(),
+            );
+            return;
+        }
         self.to_keep = if is_added_up {
             vec![pooled.clone()]
         } else {
@@ -269,6 +326,29 @@ impl OpenCase<'_> {
         }
         judged[self.index] = now;
     }
+}
+
+/// Whether two images that state their noise are too much alike to be independent. Of the variance that their
+/// difference should have, an image of n samples and one of 2n that begin with these have a third; independent ones
+/// have all of it, to the standard error of as many normal squares as there are pixels, or more where rare samples make
+/// the stated variances too small.
+fn shares_random_numbers(one: &Film, other: &Film) -> bool {
+    let (Some(of_one), Some(of_other)) = (one.noise(), other.noise()) else {
+        return false;
+    };
+    let (mut sum, mut pixels) = (0.0, 0.0);
+    let variances = of_one.variance().iter().zip(of_other.variance());
+    let values = one.radiance().iter().zip(other.radiance());
+    for ((a, b), (of_a, of_b)) in values.zip(variances) {
+        let difference = f64::from(a[1]) - f64::from(b[1]);
+        let variance = f64::from(of_a[1]) + f64::from(of_b[1]);
+        if variance > 0.0 {
+            sum += difference * difference / variance;
+            pixels += 1.0;
+        }
+    }
+    let error = f64::sqrt(2.0 / pixels);
+    pixels > 0.0 && sum / pixels < 1.0 - 8.0 * error
 }
 
 /// A time in words: `10m`, `90s`, `1h`; a number alone is seconds.

@@ -106,6 +106,11 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     if is_root(&within) {
         return Ok(within);
     }
+    // What a part says when it ends: the folder of a run, in that of the results.
+    let above = folder.ancestors().skip(1).take(2);
+    if let Some(root) = above.into_iter().find(|root| is_root(root)) {
+        return Ok(root.to_owned());
+    }
     let folder = folder.display();
     if !within.parent().is_some_and(Path::is_dir) {
         return Err(bad_input(format!("{folder} is no folder")));
@@ -116,11 +121,17 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     Err(Failure::new(Exit::Undecided, message, Some(help)))
 }
 
+fn damaged_run(reason: String) -> Failure {
+    let help =
+        "nothing can be said of the results beside it: remove its folder, and run its parts again";
+    Failure::new(Exit::Undecided, reason, Some(help))
+}
+
 /// The run of which there are results; `None` where there are only units.
 fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run>, Failure> {
     let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
     for folder in folders {
-        for run in folder.runs() {
+        for run in folder.runs().map_err(damaged_run)? {
             runs.entry(run.id()).or_insert((run, folder.path()));
         }
     }

@@ -20,6 +20,8 @@ pub struct JoinedUnits {
     cases: Vec<UnitsOfCase>,
     /// Files that are not used, each with the reason.
     unused: Vec<String>,
+    /// Some of these cannot be read, and there is no other file of their names.
+    has_damage: bool,
 }
 
 /// Units of a case, and those that are not there.
@@ -44,12 +46,14 @@ pub fn joined_units(
     };
     let mut of_cases: BTreeMap<String, (CaseUnits<'_>, Vec<&PathBuf>)> = BTreeMap::new();
     let mut refused: Vec<(&PathBuf, String)> = Vec::new();
+    let mut damaged = BTreeSet::new();
     for file in files {
         bar.inc(1);
         let unit = match read_unit(file) {
             Ok((unit, _)) => unit,
             Err(reason) => {
                 joined.unused.push(format!("{}: {reason}", file.display()));
+                damaged.extend(file.file_name());
                 continue;
             }
         };
@@ -90,6 +94,9 @@ pub fn joined_units(
                 Ok(Added::WasHere) => {}
                 Err(error) => return Err(not_added(file, &to.path().join(unit.file()), error)),
             }
+            if let Some(name) = file.file_name() {
+                damaged.remove(name);
+            }
             here.insert(unit.id);
         }
         let is_missing = |unit: &&Unit| !here.contains(&unit.id) && !to.is_intact(unit);
@@ -101,6 +108,7 @@ pub fn joined_units(
         });
     }
     bar.finish_and_clear();
+    joined.has_damage = !damaged.is_empty();
     Ok(joined)
 }
 
@@ -123,7 +131,8 @@ impl JoinedUnits {
 
     pub fn exit(&self) -> Exit {
         match self.missing() {
-            0 if !self.cases.is_empty() => Exit::Passed,
+            // What cannot be read may be of a case of which nothing else is here.
+            0 if !self.cases.is_empty() && !self.has_damage => Exit::Passed,
             _ => Exit::Undecided,
         }
     }

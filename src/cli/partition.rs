@@ -38,7 +38,7 @@ impl PartitionArgument {
         });
         if before > 0 && items.is_empty() {
             let message = format!("none of the {before} {noun} is in the part {partition}");
-            let help = "as many parts as there are, or fewer, by `slice`, which makes them even, leave none empty";
+            let help = "take fewer parts; slice:M/N leaves none empty if N is not above the number of them";
             return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
         Ok(())

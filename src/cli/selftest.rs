@@ -85,9 +85,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let test = SelfTest::of(&cases, &found, which);
     let value = report::self_test_json(&test);
     let exit = exit_of(&test);
-    let text = arguments
-        .json
-        .instead_of(report::self_test_text(&test), &value)?;
+    let mut text = report::self_test_text(&test);
+    if which == SelfTestCases::Part {
+        text.push_str(
+            "\nThis is one part: volref merge says whether every mistake is caught by some part.\n",
+        );
+    }
+    let text = arguments.json.instead_of(text, &value)?;
     Ok(Outcome { text, exit })
 }
 

@@ -117,7 +117,7 @@ pub struct Arguments {
     #[arg(long, requires = "run", conflicts_with = "outputs")]
     decide: bool,
     /// With --decide: time for the further renderings of all cases, such as 90s, 10m or 2h
-    #[arg(long, value_name = "TIME", default_value = BUDGET, requires = "decide", value_parser = decide::budget)]
+    #[arg(long, value_name = "TIME", default_value = BUDGET, allow_hyphen_values = true, requires = "decide", value_parser = decide::budget)]
     budget: Duration,
     /// A stochastic image passes only if a bias this large would have been detected, in percent of (image
     /// mean + 0.001); noisier images are inconclusive [default: that of the case, 2 if it says nothing]
@@ -176,6 +176,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .as_deref()
         .map(Profile::named)
         .transpose()?;
+    if arguments.decide && arguments.format == "png" {
+        let message = "--decide needs linear radiance, and an 8-bit image has none: its noise counts as a difference";
+        return Err(Failure::new(
+            Exit::BadInput,
+            message,
+            Some("ask for --format exr, pfm or npy"),
+        ));
+    }
     let source = Source::of(&arguments, &names)?;
     // Now that the images to be judged are known as inputs.
     arguments.files.check(&suite)?;
@@ -231,7 +239,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let were_open: Vec<bool> = were_open.collect();
         let judge = &judge;
         let again = Again { judge, renderer };
-        decide::decide(&again, &cases, &mut judged, arguments.budget);
+        interrupt::can_be_cut_short(|| {
+            decide::decide(&again, &cases, &mut judged, arguments.budget);
+        });
         for (judged, _) in judged
             .iter()
             .zip(were_open)
@@ -285,9 +295,11 @@ fn with_promise(mut case: Case, arguments: &Arguments) -> Case {
         case.promise = case.promise.decisive();
     }
     if let (Some(percent), true) = (arguments.resolution, case.sampling.is_some()) {
-        case.promise = Promise {
-            block: case.promise.block,
-            ..Promise::of_mean(percent / 100.0)
+        let promise = Promise::of_mean(percent / 100.0);
+        case.promise = if arguments.decide {
+            promise.with_blocks()
+        } else {
+            promise
         };
     }
     case

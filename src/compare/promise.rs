@@ -1,9 +1,9 @@
 //! The biases that an image which passes would have shown.
 
 /// The noise of the reference hides some bias from any image. A promise need not be smaller than this many
-/// times that: an image with an eighth of the reference's samples keeps it, where all samples are alike, for the
-/// variances add up, and 1 + 8 = 3².
-const TIMES_HIDDEN: f64 = 3.0;
+/// times that: an image with a fifteenth of the reference's samples keeps it, where all samples are alike, for the
+/// variances add up, and 1 + 15 = 4².
+const TIMES_HIDDEN: f64 = 4.0;
 
 /// Biases that an image which passes would have shown with probability one half, relative to the radiance plus
 /// [`DARK`](super::stochastic::DARK).
@@ -28,12 +28,20 @@ impl Promise {
         }
     }
 
-    /// What is promised where more samples are to be had: 0.5 % of the mean and 2 % of a block, unless
-    /// the reference is too noisy for that.
+    /// What is promised where more samples are to be had, unless the reference is too noisy for that: a quarter of the
+    /// bias of the mean, and as much of blocks. Of 2 % that is 0.5 % of the mean and 2 % of a block.
     pub fn decisive(self) -> Promise {
         Promise {
-            mean: self.mean.min(0.005),
-            block: Some(0.02),
+            mean: self.mean / 4.0,
+            ..self
+        }
+        .with_blocks()
+    }
+
+    /// The same, with a bias of blocks that is four times that of the mean.
+    pub fn with_blocks(self) -> Promise {
+        Promise {
+            block: Some(4.0 * self.mean),
             ..self
         }
     }
@@ -61,9 +69,10 @@ mod tests {
 
         let decisive = plain.decisive();
         assert_eq!(decisive.required([0.0, 0.0]), [0.005, 0.02]);
-        assert_eq!(decisive.required([0.003, 0.01]), [3.0 * 0.003, 3.0 * 0.01]);
+        assert_eq!(decisive.required([0.003, 0.01]), [4.0 * 0.003, 4.0 * 0.01]);
         // No more than the case itself does.
         assert_eq!(decisive.required([0.01, 0.0])[0], 0.02);
-        assert_eq!(Promise::of_mean(0.001).decisive().mean, 0.001);
+        let less = Promise::of_mean(0.05).decisive();
+        assert_eq!((less.mean, less.block), (0.0125, Some(0.05)));
     }
 }

@@ -64,16 +64,31 @@ impl Run {
             return (what, [one, other].map(|hash| shortened(hash)));
         }
         let names = self.settings.keys().chain(other.settings.keys());
-        let value = |run: &Run, name| {
-            run.settings
-                .get(name)
-                .map_or("none".to_owned(), |value| shortened(value))
+        let value = |run: &Run, name: &String| run.settings.get(name).cloned();
+        let mut others = names.filter(|name| value(self, name) != value(other, name));
+        let Some(name) = others.next() else {
+            return Default::default();
         };
-        let values = names.map(|name| (name.clone(), both.map(|run| value(run, name))));
-        let mut others =
-            values.filter(|(name, _)| self.settings.get(name) != other.settings.get(name));
-        others.next().unwrap_or_default()
+        let values = both.map(|run| value(run, name).unwrap_or("none".to_owned()));
+        (name.clone(), where_they_differ(&values))
     }
+}
+
+/// Both values, from shortly before the first letter that differs.
+fn where_they_differ(values: &[String; 2]) -> [String; 2] {
+    const BEFORE: usize = 20;
+    let [one, other] = values;
+    let alike = one.chars().zip(other.chars());
+    let alike = alike.take_while(|(a, b)| a == b).count();
+    values.each_ref().map(|value| {
+        let skipped = alike.saturating_sub(BEFORE);
+        let rest: String = value.chars().skip(skipped).collect();
+        if skipped < 2 * BEFORE {
+            shortened(value)
+        } else {
+            format!("… {}", shortened(&rest))
+        }
+    })
 }
 
 /// The beginning of the first line: of a hash, twelve letters.
@@ -229,19 +244,30 @@ impl ResultFolder {
     }
 
     /// The runs that there are results of.
-    pub fn runs(&self) -> Vec<Run> {
+    ///
+    /// # Errors
+    ///
+    /// A sentence about the first file of a run that cannot be used.
+    pub fn runs(&self) -> Result<Vec<Run>, String> {
         let folders = std::fs::read_dir(self.path())
             .into_iter()
             .flatten()
             .flatten();
-        let runs = folders.filter_map(|folder| {
-            let (run, _) = kept_file::read::<Run>(&folder.path().join(RUN)).ok()?;
+        let mut runs = Vec::new();
+        for folder in folders {
+            let path = folder.path().join(RUN);
+            if !path.exists() {
+                continue;
+            }
+            let (run, _) = kept_file::read::<Run>(&path)
+                .map_err(|reason| format!("{}: {reason}", path.display()))?;
             // By its name it is found.
-            (self.of_run(&run) == folder.path()).then_some(run)
-        });
-        let mut runs: Vec<Run> = runs.collect();
+            if self.of_run(&run) == folder.path() {
+                runs.push(run);
+            }
+        }
         runs.sort_by_key(Run::id);
-        runs
+        Ok(runs)
     }
 
     /// State of a case, with its images where they are wanted.

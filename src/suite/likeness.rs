@@ -218,7 +218,7 @@ pub(super) fn likeness_with(
             if !failed.is_decidable() && result.difference.is_empty() {
                 let is_named = result.changes.iter().any(|change| change.fits_best);
                 let sentence = if is_named {
-                    "the noise leaves open whether it is more than the change that the verdict names"
+                    "beside the change that the verdict names, noise hides what else may be wrong"
                 } else {
                     "the noise leaves open which mistake it is"
                 };

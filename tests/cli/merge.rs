@@ -262,6 +262,24 @@ fn folders_without_anything_are_said_to_be_so() {
     let run = suite.volref(&["verify", "smoke", "--results", "kept"]);
     assert_eq!(run.code, 0);
     assert_eq!(merged(&suite, &["kept".to_owned()], &[]).code, 0);
+
+    // What a part says when it ends is the folder of its run.
+    let files = suite.files();
+    let path = files
+        .keys()
+        .find(|path| path.starts_with("kept/results/") && path.ends_with("/run"));
+    let of_run = path.unwrap().trim_end_matches("/run").to_owned();
+    assert_eq!(merged(&suite, &[of_run.clone()], &[]).code, 0);
+    assert_eq!(merged(&suite, &["kept/results".to_owned()], &[]).code, 0);
+
+    // A run that cannot be read is not passed over, also beside another.
+    let path = format!("{of_run}/run");
+    let bytes = suite.read(&path);
+    suite.write(&path, &bytes[..bytes.len() - 1]);
+    let words = &["run: ", "remove its folder"];
+    merged(&suite, &["kept".to_owned()], &[]).expect(5, words);
+    assert_eq!(suite.volref(&["verify", "--results", "kept"]).code, 0);
+    merged(&suite, &["kept".to_owned()], &[]).expect(5, words);
 }
 
 const SAMPLING: &str = "converged_samples = 64\nquick_samples = 4\nresolution = 0.99\n";
@@ -372,9 +390,16 @@ fn damaged_units_are_not_used() {
         "{}",
         run.stdout
     );
+    // Also where nothing else is known of its case; with another file of its name, nothing is missing.
+    let alone = name.replacen(".volref", "alone", 1);
+    suite.write(&alone, &bytes[..bytes.len() - 1]);
+    assert_eq!(suite.volref(&["merge", "alone"]).code, 5);
     let run = suite.volref(&["units", "--compute"]);
     assert!(run.stdout.contains("1 computed now"), "{}", run.stdout);
     assert_eq!(&suite.read(name), bytes);
+    let run = suite.volref(&["merge", "alone", "."]);
+    assert_eq!(run.code, 0, "{}", run.stdout);
+    suite.remove(&alone);
 
     // The head of one and the rows of another, behind a right hash.
     let lines: Vec<&[u8]> = bytes.splitn(3, |byte| *byte == b'\n').collect();

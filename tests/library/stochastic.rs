@@ -585,7 +585,7 @@ fn the_reference_may_be_in_the_way() {
 /// few samples asks for less.
 #[test]
 fn blocks_are_decided_like_the_mean() {
-    let promise = Promise::of_mean(0.05).decisive();
+    let promise = Promise::of_mean(0.02).decisive();
     let exact = (0..SIDE * SIDE).map(|i| truth(i).map(|value| value as f32));
     let exact = Film::new(SIDE, SIDE, exact.collect());
     let test = |samples| sampled(2, samples, even, truth);

@@ -409,6 +409,12 @@ fn judgement(
     };
     let reason = match undecided {
         Some((undecided, [of_mean, of_block])) => {
+            let wanted = promise.map(|it| [it.mean, it.block.unwrap_or(f64::INFINITY)]);
+            let why = if wanted.is_some_and(|wanted| wanted != [of_mean, of_block]) {
+                " (less than usual, for the noise of the reference hides a quarter of it)"
+            } else {
+                ""
+            };
             let of_block = if of_block.is_finite() {
                 let [seen, required] = [resolution, of_block].map(percent);
                 format!("; of single blocks (90th percentile) {seen}, required {required}")
@@ -416,7 +422,7 @@ fn judgement(
                 String::new()
             };
             format!(
-                "too noisy to decide: detectable bias of the mean {}, required {}{of_block}; {undecided}; no \
+                "too noisy to decide: detectable bias of the mean {}, required {}{of_block}{why}; {undecided}; no \
                  difference beyond noise: {}",
                 percent(mean_resolution),
                 percent(of_mean),
@@ -468,14 +474,14 @@ fn side(difference: f64) -> &'static str {
 /// that is.
 fn means(reference: f64, difference: f64, deviation: f64) -> String {
     let percent = 100.0 * difference / reference.abs();
+    let sign = if difference < 0.0 { "−" } else { "+" };
     let relative = if reference == 0.0 {
         String::new()
     } else if deviation.abs() < BOUNDLESS && deviation != 0.0 {
-        let sign = if difference < 0.0 { "−" } else { "+" };
         let [size, error] = with_error(percent.abs(), (percent / deviation).abs());
         format!(" ({sign}{size} ± {error} %)")
     } else {
-        format!(" ({percent:+.1} %)")
+        format!(" ({sign}{:.1} %)", percent.abs())
     };
     format!(
         "{} where the reference has {}{relative}, {}",

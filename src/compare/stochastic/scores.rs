@@ -302,7 +302,27 @@ impl<'s> Scores<'s> {
             }
             fitted = more;
         }
-        fitted
+        match self.one_instead(&fitted) {
+            Some(one) => vec![one],
+            None => fitted,
+        }
+    }
+
+    /// One number that leaves nothing of a difference to which several were fitted: an exposure, say, in place of
+    /// three gains.
+    fn one_instead(&self, fitted: &[Fitted]) -> Option<Fitted> {
+        if fitted.len() < 2 {
+            return None;
+        }
+        let alone = (0..self.count()).map(|k| self.fit(&[k])[0]);
+        let enough = alone.filter(|it| {
+            let sensitivity = self.sensitivities[it.number];
+            it.error.is_finite()
+                && sensitivity.can_change(it.change)
+                && !sensitivity.is_far(it.change)
+                && self.next_beside(&[*it]).is_none()
+        });
+        enough.max_by(|a, b| self.size(a.number).total_cmp(&self.size(b.number)))
     }
 
     /// Of the numbers that are not fitted, that with the largest score in what is left, if it is one.

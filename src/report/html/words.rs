@@ -66,6 +66,7 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
     match (summary.pass, of) {
         (0, _) if summary.convention == of => format!("No case fails.{rest}"),
         (0, _) if summary.convention > 0 => format!("No case fails, and none passes.{rest}"),
+        (0, _) if summary.inconclusive > 0 => format!("No case fails, and none passes.{rest}"),
         (0, _) => format!("No case could be compared.{rest}"),
         (1, 1) => "The case passes.".to_owned(),
         (pass, of) if pass == of => format!("All {of} cases pass."),
