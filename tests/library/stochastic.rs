@@ -587,7 +587,7 @@ fn the_reference_may_be_in_the_way() {
 fn blocks_are_decided_like_the_mean() {
     let promise = Promise::of_mean(0.02).decisive();
     let exact = (0..SIDE * SIDE).map(|i| truth(i).map(|value| value as f32));
-    let exact = Film::new(SIDE, SIDE, exact.collect());
+    let exact = Film::new(SIDE, SIDE, exact.collect()).known();
     let test = |samples| sampled(2, samples, even, truth);
     let few = keeping(&exact, &test(64), promise);
     let [mean, block] = ["smallest_visible_bias", "smallest_visible_block_bias"];
@@ -607,7 +607,7 @@ fn blocks_are_decided_like_the_mean() {
     );
     assert!(enough.metrics[mean] <= 0.005 && enough.metrics[block] <= 0.02);
 
-    // The same image, where what the reference hides is more than a third of what is promised.
+    // The same image, where what the reference hides is more than a quarter of what is promised.
     let reference = sampled(1, 64, even, truth);
     let enough = keeping(&reference, &test(64), promise);
     assert!(enough.undecided.is_none(), "{}", enough.reason);
