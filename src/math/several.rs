@@ -8,9 +8,10 @@
 //!
 //! Source: K. C. Ng, Sun Microsystems 1993 (`s_log1p.c`, `s_expm1.c`).
 
-const LN2_HI: f64 = 6.931_471_803_691_238_164_90e-01;
-const LN2_LO: f64 = 1.908_214_929_270_587_700_02e-10;
-const INV_LN2: f64 = 1.442_695_040_888_963_387_00;
+use std::f64::consts::LOG2_E;
+
+const LN2_HI: f64 = 6.931_471_803_691_238e-1;
+const LN2_LO: f64 = 1.908_214_929_270_587_7e-10;
 
 /// Rounds to whole numbers when it is added: the last bit of the sum is worth 1, and its low bits are the whole number.
 const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52
@@ -80,13 +81,13 @@ fn ln_1p(x: f64) -> f64 {
 #[inline(always)]
 fn polynomial_ln_1p(x: f64, f: f64, k: f64, c: f64) -> f64 {
     const LG: [f64; 7] = [
-        6.666_666_666_666_735_130e-01,
-        3.999_999_999_940_941_908e-01,
-        2.857_142_874_366_239_149e-01,
-        2.222_219_843_214_978_396e-01,
-        1.818_357_216_161_805_012e-01,
-        1.531_383_769_920_937_332e-01,
-        1.479_819_860_511_658_591e-01,
+        6.666_666_666_666_735e-1,
+        3.999_999_999_940_942e-1,
+        2.857_142_874_366_239e-1,
+        2.222_219_843_214_978_4e-1,
+        1.818_357_216_161_805e-1,
+        1.531_383_769_920_937_3e-1,
+        1.479_819_860_511_658_6e-1,
     ];
     let half_square = 0.5 * f * f;
     let s = f / (2.0 + f);
@@ -109,7 +110,7 @@ fn is_near_zero(x: f64) -> bool {
 fn exp_m1(x: f64) -> f64 {
     // x = k ln 2 + (y + c)
     let size = -x;
-    let quotient = INV_LN2 * x - 0.5;
+    let quotient = LOG2_E * x - 0.5;
     // Towards zero.
     let nearest = (quotient + ROUNDER) - ROUNDER;
     let whole = pick(nearest < quotient, nearest + 1.0, nearest);
@@ -136,11 +137,11 @@ fn exp_m1(x: f64) -> f64 {
 #[inline(always)]
 fn polynomial_exp_m1(y: f64) -> [f64; 2] {
     const Q: [f64; 5] = [
-        -3.333_333_333_333_313_164_28e-02,
-        1.587_301_587_254_814_601_65e-03,
-        -7.936_507_578_674_879_424_73e-05,
-        4.008_217_827_329_362_395_52e-06,
-        -2.010_992_181_836_243_713_26e-07,
+        -3.333_333_333_333_313e-2,
+        1.587_301_587_254_814_6e-3,
+        -7.936_507_578_674_88e-5,
+        4.008_217_827_329_362e-6,
+        -2.010_992_181_836_243_7e-7,
     ];
     let half = 0.5 * y;
     let square = y * half;

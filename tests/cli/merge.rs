@@ -269,7 +269,7 @@ fn folders_without_anything_are_said_to_be_so() {
         .keys()
         .find(|path| path.starts_with("kept/results/") && path.ends_with("/run"));
     let of_run = path.unwrap().trim_end_matches("/run").to_owned();
-    assert_eq!(merged(&suite, &[of_run.clone()], &[]).code, 0);
+    assert_eq!(merged(&suite, std::slice::from_ref(&of_run), &[]).code, 0);
     assert_eq!(merged(&suite, &["kept/results".to_owned()], &[]).code, 0);
 
     // A run that cannot be read is not passed over, also beside another.
