@@ -17,7 +17,7 @@ const RENDERINGS: u32 = 16;
 const MOST_SAMPLES: f64 = (1 << 24) as f64;
 const MOST_CALLS: f64 = 64.0;
 
-/// What a decision says that the user ended.
+/// The reason of a decision that the user ended.
 const INTERRUPTED: &str = "interrupted";
 
 /// Between two looks at whether it was.
@@ -328,7 +328,7 @@ impl OpenCase<'_> {
     }
 }
 
-/// Whether two images that state their noise are too much alike to be independent. Of the variance that their
+/// True of two images that state their noise and are too much alike to be independent. Of the variance that their
 /// difference should have, an image of n samples and one of 2n that begin with these have a third; independent ones
 /// have all of it, to the standard error of as many normal squares as there are pixels, or more where rare samples make
 /// the stated variances too small.

@@ -12,8 +12,8 @@ use crate::compare::Gate;
 use crate::report;
 use crate::suite::{
     self, Case, CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, KeptResult,
-    Likenesses, Profile, ResultFolder, Run, Search, SelfTest, SelfTestCases, Suite, UnitFolder,
-    Verdict,
+    Likenesses, Profile, RESULTS, ResultFolder, Run, Search, SelfTest, SelfTestCases, Suite,
+    UnitFolder, Verdict,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -106,9 +106,12 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     if is_root(&within) {
         return Ok(within);
     }
-    // What a part says when it ends: the folder of a run, in that of the results.
-    let above = folder.ancestors().skip(1).take(2);
-    if let Some(root) = above.into_iter().find(|root| is_root(root)) {
+    // The folder of a run, which a part names at its end, or that of all results.
+    let mut above = folder.ancestors().take(2);
+    let results = above.find(|above| above.file_name().is_some_and(|name| name == RESULTS));
+    if let Some(root) = results.and_then(Path::parent)
+        && folder.is_dir()
+    {
         return Ok(root.to_owned());
     }
     let folder = folder.display();
@@ -272,20 +275,17 @@ fn joined_self_test(
             match folder.trials(run, name) {
                 Err(damage) => reason = damage,
                 Ok(None) => {}
-                Ok(Some(trials)) => match &of_case {
-                    Some((one, here)) if *one != trials => {
-                        let both =
-                            [here, &folder].map(|folder| folder.path().display().to_string());
-                        let message = format!(
-                            "two self-tests of {name} contradict each other: those in {} and {}",
-                            both[0], both[1]
-                        );
-                        let help = "one machine computes other images: find out which, and leave its folder out";
-                        return Err(Failure::new(Exit::BadInput, message, Some(help)));
+                Ok(Some(trials)) => {
+                    of_case = match of_case {
+                        None => Some((trials, folder)),
+                        Some((one, here)) => {
+                            let both = one.with(trials);
+                            let both =
+                                both.ok_or_else(|| contradicting_self_tests(name, [here, folder]));
+                            Some((both?, here))
+                        }
                     }
-                    Some(_) => {}
-                    None => of_case = Some((trials, folder)),
-                },
+                }
             }
         }
         match of_case {
@@ -310,6 +310,14 @@ fn joined_self_test(
         text: arguments.files.write_json(text, &value)?,
         exit: Exit::first_of([selftest::exit_of(&test)].into_iter().chain(undecided)),
     })
+}
+
+fn contradicting_self_tests(name: &str, folders: [&ResultFolder; 2]) -> Failure {
+    let [one, other] = folders.map(|folder| folder.path().display().to_string());
+    let message =
+        format!("two self-tests of {name} contradict each other: those in {one} and {other}");
+    let help = "one machine computes other images: find out which, and leave its folder out";
+    Failure::new(Exit::BadInput, message, Some(help))
 }
 
 /// The result of a case: of several that agree always the same, whatever the order of the folders.

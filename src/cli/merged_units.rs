@@ -131,7 +131,7 @@ impl JoinedUnits {
 
     pub fn exit(&self) -> Exit {
         match self.missing() {
-            // What cannot be read may be of a case of which nothing else is here.
+            // A file that cannot be read may be of a case of which nothing else is here.
             0 if !self.cases.is_empty() && !self.has_damage => Exit::Passed,
             _ => Exit::Undecided,
         }

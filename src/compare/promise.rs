@@ -28,7 +28,7 @@ impl Promise {
         }
     }
 
-    /// What is promised where more samples are to be had, unless the reference is too noisy for that: a quarter of the
+    /// The promise where more samples are to be had, unless the reference is too noisy for that: a quarter of the
     /// bias of the mean, and as much of blocks. Of 2 % that is 0.5 % of the mean and 2 % of a block.
     pub fn decisive(self) -> Promise {
         Promise {

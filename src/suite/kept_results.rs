@@ -105,6 +105,9 @@ fn shortened(value: &str) -> String {
     }
 }
 
+/// Name of a folder of results.
+pub const RESULTS: &str = "results";
+
 /// A folder of results, hidden from version control.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
@@ -163,7 +166,7 @@ impl ResultFolder {
 
     /// Where they are.
     pub fn path(&self) -> PathBuf {
-        self.root.join("results")
+        self.root.join(RESULTS)
     }
 
     fn of_run(&self, run: &Run) -> PathBuf {
@@ -230,7 +233,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// What a self-test found in a case; `None` if nothing was kept.
+    /// Findings of a self-test in a case; `None` if none were kept.
     ///
     /// # Errors
     ///

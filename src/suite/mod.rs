@@ -54,7 +54,7 @@ pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use kept_file::KeepError;
-pub use kept_results::{KeptResult, ResultFolder, Run};
+pub use kept_results::{KeptResult, RESULTS, ResultFolder, Run};
 pub use likeness::{
     CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user, likeness,
 };

@@ -34,7 +34,7 @@ pub enum Trial {
     NotTried,
 }
 
-/// What was found in one case.
+/// Findings in one case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseTrials {
     /// Its name.
@@ -50,6 +50,29 @@ pub struct CaseTrials {
 impl CaseTrials {
     fn is_usable(&self) -> bool {
         self.unusable.is_none()
+    }
+
+    /// These findings with those of another process, which may have tried other mistakes; `None` if they contradict
+    /// each other.
+    pub fn with(mut self, other: CaseTrials) -> Option<CaseTrials> {
+        if self.unusable != other.unusable {
+            return None;
+        }
+        for (mistake, trial) in other.mistakes {
+            match self.mistakes.get(&mistake).unwrap_or(&Trial::NotTried) {
+                Trial::NotTried => _ = self.mistakes.insert(mistake, trial),
+                known if trial != Trial::NotTried && *known != trial => return None,
+                _ => {}
+            }
+        }
+        for (variant, rejection) in other.benign {
+            match self.benign.iter().find(|(name, _)| *name == variant) {
+                None => self.benign.push((variant, rejection)),
+                Some((_, known)) if *known != rejection => return None,
+                Some(_) => {}
+            }
+        }
+        Some(self)
     }
 
     fn trial(&self, mistake: &str) -> Trial {

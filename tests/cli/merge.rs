@@ -95,6 +95,26 @@ fn parts_of_a_self_test_are_the_whole() {
             std::fs::remove_dir_all(suite.path(&folder)).unwrap();
         }
     }
+    // Parts that overlap, and try other mistakes in the same case.
+    for part in ["slice:1/2", "slice:2/2", "slice:1/3"] {
+        let run = suite.volref(&[
+            "selftest",
+            "--quick",
+            "--partition",
+            part,
+            "--results",
+            part,
+        ]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    }
+    let run = merged(
+        &suite,
+        &["slice:1/3", "slice:1/2", "slice:2/2"].map(str::to_owned),
+        &["--json"],
+    );
+    assert!([0, 6].contains(&run.code), "{}", run.stderr);
+    assert!(run.json().get("missing").is_none());
+
     let run = suite.volref(&["selftest", "--results", "one"]);
     assert!([0, 6].contains(&run.code), "{}", run.stderr);
     let page = suite.volref(&["merge", "one", "--report", "page"]);
@@ -256,6 +276,7 @@ fn folders_without_anything_are_said_to_be_so() {
     let suite = Folder::with_goldens();
     merged(&suite, &["golden".to_owned()], &[]).expect(5, &["neither results nor units"]);
     merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["nowhere is no folder"]);
+    merged(&suite, &["results/nowhere".to_owned()], &[]).expect(2, &["nowhere is no folder"]);
     suite.write("taken", "");
     let run = suite.volref(&["verify", "--results", "taken"]);
     run.expect(2, &["cannot create the folder taken"]);

@@ -113,8 +113,8 @@ impl<'c> Limits<'c> {
         finite(visible.into_iter().fold(0.0, f64::max))
     }
 
-    /// What it takes to keep `promise`, if the images do not, and the biases of the mean and of blocks that
-    /// it asks for: the samples with which this gate would see them, asked as it judges.
+    /// The samples that it takes to keep `promise`, if the images do not, asked as this gate judges; and the biases of
+    /// the mean and of blocks that the promise asks for.
     pub fn undecided(&self, promise: &Promise) -> Option<(Undecided, [f64; 2])> {
         let seen = |comparison: &Comparison<'_>| {
             [
@@ -153,7 +153,7 @@ impl<'c> Limits<'c> {
     }
 }
 
-/// What nine tenths of the blocks and channels do not exceed.
+/// The number that nine tenths of the blocks and channels do not exceed.
 fn of_nine_tenths(comparison: &Comparison<'_>, each: impl Fn(&Block, usize) -> f64) -> f64 {
     let blocks = comparison.blocks.iter();
     let mut values: Vec<f64> = blocks
