@@ -63,8 +63,8 @@ def main():
                     lines.append(f"{name} = {float(case['metrics'][name]):.4g}")
         if case["verdict"] != "pass":
             lines.append(f"reason = {quoted(case['reason'])}")
-        for note in case.get("notes", []):
-            lines.append(f"looks = {quoted(note)}")
+        if notes_of_case := case.get("notes"):
+            lines.append(f"looks = {quoted('; '.join(notes_of_case))}")
         if note := notes.get(case["name"]):
             lines.append(f"note = {quoted(note)}")
     text = "\n".join(lines) + "\n"

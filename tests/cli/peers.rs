@@ -660,7 +660,7 @@ fn the_script_for_pbrt_says_what_it_lacks() {
     assert!(!done && said.contains("a.green.pbrt"), "{said}");
     let (done, said) = script("run_pbrt.py", &["b.pbrt", "b.exr"], folder.path(), None);
     assert!(
-        !done && said.contains("put it on $PATH or name it in $PBRT"),
+        !done && said.contains("which is no program; how pbrt is built is in"),
         "{said}"
     );
 }
