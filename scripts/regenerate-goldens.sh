@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# New goldens, on purpose: scripts/regenerate-goldens.sh [FILTER…] --reason TEXT
+# New goldens, on purpose: scripts/regenerate-goldens.sh [FILTER…] --reason TEXT [--keep-images]
 #
 # Renders the cases that the filters name (all of them without a filter) and accepts the results
 # as goldens: all of them, or, if anything goes wrong, none. Look at the pictures before you
@@ -10,10 +10,12 @@ cd "$(dirname "$0")/.."
 
 filters=()
 reason=()
+keep=()
 while [ $# -gt 0 ]; do
     case "$1" in
         --reason) reason=(--reason "${2-}"); shift; [ $# -eq 0 ] || shift ;;
         --reason=*) reason=("$1"); shift ;;
+        --keep-images) keep=(--keep-images); shift ;;
         -h|--help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
         -*) echo "unknown option $1; see --help" >&2; exit 2 ;;
         *) filters+=("$1"); shift ;;
@@ -26,4 +28,4 @@ fi
 if [ ${#filters[@]} -eq 0 ]; then
     filters=('*')
 fi
-exec cargo run --release -- accept "${filters[@]}" "${reason[@]}"
+exec cargo run --release -- accept "${filters[@]}" "${reason[@]}" "${keep[@]}"

@@ -5,7 +5,7 @@ use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::suite::{self, AcceptError, Change, StoreError, UnitFolder};
+use crate::suite::{self, AcceptError, AcceptRequest, Change, StoreError, UnitFolder};
 use serde_json::json;
 
 /// Render cases and accept the images as new goldens; inspect them before and after
@@ -20,6 +20,10 @@ pub struct Arguments {
     /// What was wrong with the old goldens, or what new ones are for; stored with each golden
     #[arg(long, value_name = "TEXT")]
     reason: String,
+    /// Keep the images of stochastic cases, and record only the bits of their quick renderings anew,
+    /// which have to agree with them: after a change of how a renderer samples, not of what
+    #[arg(long)]
+    keep_images: bool,
     #[command(flatten)]
     selection: Selection,
     #[command(flatten)]
@@ -39,8 +43,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
     let bar = progress::work();
     let kept = UnitFolder::open(suite.cache_folder());
-    let (store, reason) = (suite.store(), &arguments.reason);
-    let accepted = suite::accept(&cases, &store, &kept, reason, in_ci, &bar);
+    let request = AcceptRequest {
+        reason: &arguments.reason,
+        keep_images: arguments.keep_images,
+        in_ci,
+    };
+    let accepted = suite::accept(&cases, &suite.store(), &kept, request, &bar);
     bar.finish_and_clear();
     let accepted = accepted.map_err(|error| {
         let exit = match error {
@@ -64,7 +72,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             Change::Unchanged => ("unchanged", "kept, with its old reason".to_owned()),
             Change::SamePicture => (
                 "recorded",
-                "same image; its record (scene, plan or truth) changed".to_owned(),
+                "same image; its record (scene, plan, truth or quick rendering) changed".to_owned(),
             ),
             Change::Replaced(difference) => ("replaced", difference.clone()),
         };

@@ -98,6 +98,15 @@ pub enum AcceptError {
         /// How they differ.
         reason: String,
     },
+    /// No image that could stay.
+    #[error("{case}: there is no image to keep: {reason}")]
+    #[diagnostic(help("without --keep-images it is rendered; nothing was accepted"))]
+    NothingToKeep {
+        /// `family/name`.
+        case: String,
+        /// What is in the way.
+        reason: String,
+    },
     /// An image that differs from the known answer.
     #[error("{case}: the image differs from the known answer: {reason}")]
     #[diagnostic(help(
@@ -113,6 +122,18 @@ pub enum AcceptError {
     /// The files could not be written.
     #[error(transparent)]
     Store(#[from] StoreError),
+}
+
+/// A wish for new goldens.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'r> {
+    /// What was wrong with the old goldens, or what new ones are for.
+    pub reason: &'r str,
+    /// The images of sampled cases stay, and only the bits of their quick renderings are recorded
+    /// anew: for a renderer that samples in another way what it sampled before.
+    pub keep_images: bool,
+    /// The environment variable CI is set.
+    pub in_ci: bool,
 }
 
 /// Progress of an accept, called from any thread. Work is counted in pixels times samples.
@@ -156,16 +177,15 @@ impl render::Watch for StepsOfWork<'_> {
 
 /// Renders `cases` and accepts the images as their goldens, all at once or none. Finished units of
 /// stochastic cases are kept in `kept` until then, so that an interrupted run resumes after them, and
-/// other processes may compute some. `in_ci` tells whether the environment variable CI is set.
+/// other processes may compute some.
 pub fn accept(
     cases: &[&Case],
     store: &Store,
     kept: &UnitFolder,
-    reason: &str,
-    in_ci: bool,
+    request: Request<'_>,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
-    accept_with(&ReferenceRenderer, cases, store, kept, reason, in_ci, watch)
+    accept_with(&ReferenceRenderer, cases, store, kept, request, watch)
 }
 
 pub(super) fn accept_with(
@@ -173,29 +193,37 @@ pub(super) fn accept_with(
     cases: &[&Case],
     store: &Store,
     kept: &UnitFolder,
-    reason: &str,
-    in_ci: bool,
+    request: Request<'_>,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
-    if in_ci {
+    if request.in_ci {
         return Err(AcceptError::Ci);
     }
-    let reason = reason.trim();
+    let reason = request.reason.trim();
     if reason.is_empty() {
         return Err(AcceptError::NoReason);
     }
     // All scenes first: a mistake in the last is not to be found after hours.
-    let tasks = cases
+    let mut tasks = cases
         .iter()
         .map(|case| CaseUnits::rendered_by(renderer, case))
         .collect::<Result<Vec<_>, _>>()?;
+    let mut images = Vec::new();
+    for task in &mut tasks {
+        let is_kept = request.keep_images;
+        images.push(if is_kept {
+            task.kept_image(store)?
+        } else {
+            None
+        });
+    }
     watch.begin_all(tasks.iter().map(|task| task.work(kept)).sum());
     let mut accepted = Vec::new();
     let mut files = Vec::new();
-    for task in &tasks {
+    for (task, image) in tasks.iter().zip(images) {
         watch.begin_case(&task.case.name);
         let resumed = task.units().any(|unit| kept.has(unit));
-        let pictures = task.pictures(renderer, kept, watch)?;
+        let pictures = task.pictures(renderer, kept, image, watch)?;
         let (change, mut new) = prepare(task, pictures, store, reason)?;
         accepted.push(Accepted {
             case: task.case.name.clone(),
@@ -264,11 +292,41 @@ impl CaseUnits<'_> {
         Ok(Film::below_each_other(&films))
     }
 
-    /// The picture of the golden, and the rendering that `verify` repeats.
+    /// The image of the golden in `store`, for a rendering that this task is then spared; `None` where
+    /// the golden is no rendering of samples.
+    fn kept_image(&mut self, store: &Store) -> Result<Option<Film>, AcceptError> {
+        let converged = self.case.sampling.and_then(|sampling| sampling.converged);
+        let Some(converged) = converged else {
+            return Ok(None);
+        };
+        let nothing = |reason: String| AcceptError::NothingToKeep {
+            case: self.case.name.clone(),
+            reason,
+        };
+        let golden = Golden::read(store, self.case).map_err(|error| nothing(error.to_string()))?;
+        let provenance = &golden.provenance;
+        if provenance.scene != scene_hash(&self.scene)
+            || provenance.inputs != input_hashes(&self.scene)
+        {
+            return Err(nothing("its golden is of another scene".to_owned()));
+        }
+        let (has, wanted) = (provenance.samples, u64::from(converged.samples));
+        if has != wanted {
+            return Err(nothing(format!(
+                "its golden has {has} samples, the manifest wants {wanted}"
+            )));
+        }
+        self.renderings.pop();
+        Ok(Some(golden.film))
+    }
+
+    /// The picture of the golden, and the rendering that `verify` repeats. An `image` that is given is
+    /// that picture.
     fn pictures(
         &self,
         renderer: &dyn Renderer,
         kept: &UnitFolder,
+        image: Option<Film>,
         watch: &dyn AcceptWatch,
     ) -> Result<GoldenImage, AcceptError> {
         let incomplete = |reason| AcceptError::incomplete(self.case, reason);
@@ -286,6 +344,7 @@ impl CaseUnits<'_> {
             error_bound = picture.error_bound;
             films.push(picture.film);
         }
+        films.extend(image);
         let golden = films.pop().expect("a case has a picture");
         if let Some(formula) = self.case.truth {
             return self.known(formula, &golden);

@@ -38,7 +38,9 @@ mod units;
 mod validate;
 mod verify;
 
-pub use accept::{AcceptError, AcceptWatch, Accepted, Change, StepsOfWork, accept};
+pub use accept::{
+    AcceptError, AcceptWatch, Accepted, Change, Request as AcceptRequest, StepsOfWork, accept,
+};
 pub use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
 pub use case::{

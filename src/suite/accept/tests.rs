@@ -126,6 +126,14 @@ impl SampledFolder {
     }
 
     fn accept(&self, renderer: &ExtraNoise) -> Result<Vec<Accepted>, AcceptError> {
+        self.accept_or_keep(renderer, false)
+    }
+
+    fn accept_or_keep(
+        &self,
+        renderer: &ExtraNoise,
+        keep_images: bool,
+    ) -> Result<Vec<Accepted>, AcceptError> {
         let suite = self.suite();
         let cases: Vec<_> = suite.cases().iter().collect();
         let kept = UnitFolder::open(suite.cache_folder());
@@ -134,8 +142,11 @@ impl SampledFolder {
             &cases,
             &self.store(),
             &kept,
-            "a test",
-            false,
+            Request {
+                reason: "a test",
+                keep_images,
+                in_ci: false,
+            },
             &Unwatched,
         )
     }
@@ -206,6 +217,51 @@ fn other_bits_fail_and_say_whether_the_picture_is_the_same() {
             assert!(result.reason.contains(words), "{}", result.reason);
         }
     }
+}
+
+/// A renderer of other random numbers: its quick rendering is recorded beside the old image, and a
+/// biased one is refused, as is an image of other samples.
+#[test]
+fn images_can_be_kept() {
+    let folder = SampledFolder::new();
+    let renderer = ExtraNoise::new();
+    let nothing = |result: Result<Vec<Accepted>, AcceptError>| {
+        let error = result.unwrap_err();
+        assert!(
+            matches!(error, AcceptError::NothingToKeep { .. }),
+            "{error}"
+        );
+    };
+    nothing(folder.accept_or_keep(&renderer, true));
+    folder.accept(&renderer).unwrap();
+    let before = folder.golden();
+
+    let rewritten = ExtraNoise {
+        variant: 1,
+        ..ExtraNoise::new()
+    };
+    assert_eq!(folder.verify(&rewritten).verdict, Verdict::Fail);
+    rewritten.calls();
+    let accepted = folder.accept_or_keep(&rewritten, true).unwrap();
+    assert_eq!(accepted[0].change, Change::SamePicture);
+    assert_eq!(rewritten.calls(), [(16, 0)]);
+    assert_eq!(folder.verify(&rewritten).verdict, Verdict::Pass);
+    let after = folder.golden();
+    assert_eq!(before.film, after.film);
+    assert_ne!(before.provenance.quick, after.provenance.quick);
+
+    let biased = ExtraNoise {
+        bias: 0.1,
+        ..ExtraNoise::new()
+    };
+    let error = folder.accept_or_keep(&biased, true).unwrap_err();
+    assert!(
+        matches!(error, AcceptError::Contradiction { .. }),
+        "{error}"
+    );
+    folder.manifest("= 400", "= 401");
+    nothing(folder.accept_or_keep(&rewritten, true));
+    assert_eq!(folder.golden().provenance.seal, after.provenance.seal);
 }
 
 #[test]
