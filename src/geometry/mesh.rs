@@ -4,7 +4,8 @@ use super::bvh::Bvh;
 use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
 use super::{
-    Aabb, Crossing, Direction, Emitter, Hit, MeshError, Ray, Surface, SurfacePoint, Transform,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, MeshError, Ray, Surface, SurfacePoint,
+    Transform,
 };
 use crate::math::Sum;
 use glam::DVec3;
@@ -180,6 +181,31 @@ impl Surface for Mesh {
 impl Emitter for Mesh {
     fn area(&self) -> f64 {
         self.areas[self.areas.len() - 1]
+    }
+
+    /// Centroids of the faces by area; the mean square over a triangle with the corners a, b, c is
+    /// `(a² + b² + c² + (a + b + c)²)/12`.
+    fn extent(&self) -> EmitterExtent {
+        let mean = |of: &dyn Fn([DVec3; 3]) -> DVec3| {
+            let mut before = 0.0;
+            let mut sum = DVec3::ZERO;
+            for (face, &area) in self.areas.iter().enumerate() {
+                sum += of(self.corners(face)) * ((area - before) / self.area());
+                before = area;
+            }
+            sum
+        };
+        let centre = mean(&|[a, b, c]| (a + b + c) / 3.0);
+        let spread = mean(&|corners| {
+            let [a, b, c] = corners.map(|corner| corner - centre);
+            let sum = a + b + c;
+            (a * a + b * b + c * c + sum * sum) / 12.0
+        });
+        EmitterExtent {
+            centre,
+            spread: spread.element_sum(),
+            normal: None,
+        }
     }
 
     /// The first number chooses the face by area; its remainder and the second number choose the

@@ -4,9 +4,10 @@ use super::crossing::RayFrame;
 use super::hit::RELATIVE_CLEARANCE;
 use super::mesh::perpendicular;
 use super::shape_error::finite;
+use super::spherical_rectangle::SphericalRectangle;
 use super::{
-    Aabb, Crossing, Direction, Emitter, Hit, Ray, ShapeError, Side, Surface, SurfacePoint,
-    Transform,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, EmitterPdf, Hit, Ray, ShapeError, Side,
+    Surface, SurfacePoint, Transform,
 };
 use glam::DVec3;
 
@@ -28,8 +29,20 @@ pub struct Rectangle {
     steepest: f64,
     /// Sum of all components of the edges, without their signs.
     extent: f64,
+    /// Lengths of the edges, if they are perpendicular.
+    lengths: Option<[f64; 2]>,
     clearance: f64,
 }
+
+/// Distance of the centre, in diagonals, from which points are sampled by area. Before a point on the
+/// normal at this distance their density per steradian varies by a factor of (1 + 1/4)^(3/2), 1.4, and
+/// solid angles cost a tenth of all time in a room of fog. In the rooms of the suite, error squared times
+/// time is within 5 % of the least from 0.7 to 1 diagonals; at 2 it is 7 to 11 % larger.
+const FAR: f64 = 1.0;
+
+/// Cosine of two edges up to which they are perpendicular: eight roundings, of the product and of
+/// edges that were rotated.
+const PERPENDICULAR: f64 = 4.0 * f64::EPSILON;
 
 impl Rectangle {
     /// The rectangle with a corner and the two edges that start there, in world units.
@@ -57,6 +70,11 @@ impl Rectangle {
             duals,
             steepest: duals[0].abs().max(duals[1].abs()).max_element(),
             extent: (edge_u.abs() + edge_v.abs()).element_sum(),
+            lengths: {
+                let lengths = [edge_u.length(), edge_v.length()];
+                let cosine = (edge_u / lengths[0]).dot(edge_v / lengths[1]);
+                (cosine.abs() <= PERPENDICULAR).then_some(lengths)
+            },
             clearance: 0.0,
         };
         // Also where the product leaves the range, or the edges vanish beside the corner.
@@ -100,6 +118,27 @@ impl Rectangle {
     /// Normal, along `edge_u × edge_v`.
     pub fn normal(&self) -> Direction {
         self.normal
+    }
+
+    fn centre(&self) -> DVec3 {
+        self.corner + (self.edge_u + self.edge_v) * 0.5
+    }
+
+    /// The rectangle seen from `point`, where points sampled by solid angle have less noise than by
+    /// area: nearer than [`FAR`] diagonals. `None` elsewhere, in its plane, and of a parallelogram.
+    fn seen_from(&self, point: DVec3) -> Option<SphericalRectangle> {
+        let [width, height] = self.lengths?;
+        let offset = self.corner - point;
+        let far = FAR * FAR * (width * width + height * height);
+        if (self.centre() - point).length_squared() > far {
+            return None;
+        }
+        let [u, v] = self.duals.map(|dual| offset.dot(dual));
+        SphericalRectangle::new(
+            [u * width, v * height],
+            [width, height],
+            offset.dot(*self.normal),
+        )
     }
 
     fn corners(&self) -> [DVec3; 4] {
@@ -208,6 +247,31 @@ impl Emitter for Rectangle {
 
     fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
         self.point(uv)
+    }
+
+    fn sample_towards(&self, to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf) {
+        match self.seen_from(to) {
+            Some(seen) => {
+                let pdf = EmitterPdf::PerSteradian(1.0 / seen.solid_angle());
+                (self.point(seen.sample(uv)), pdf)
+            }
+            None => (self.point(uv), EmitterPdf::PerArea(self.pdf())),
+        }
+    }
+
+    fn pdf_towards(&self, to: DVec3) -> EmitterPdf {
+        match self.seen_from(to) {
+            Some(seen) => EmitterPdf::PerSteradian(1.0 / seen.solid_angle()),
+            None => EmitterPdf::PerArea(self.pdf()),
+        }
+    }
+
+    fn extent(&self) -> EmitterExtent {
+        EmitterExtent {
+            centre: self.centre(),
+            spread: (self.edge_u.length_squared() + self.edge_v.length_squared()) / 12.0,
+            normal: Some(self.normal),
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! Enums over the shapes of a scene.
 
 use super::{
-    Aabb, ClosedMesh, Crossing, Emitter, Hit, Mesh, Placed, Ray, Rectangle, Solid, Span, Sphere,
-    Surface, SurfacePoint,
+    Aabb, ClosedMesh, Crossing, Emitter, EmitterExtent, EmitterPdf, Hit, Mesh, Placed, Ray,
+    Rectangle, Solid, Span, Sphere, Surface, SurfacePoint,
 };
+use glam::DVec3;
 use std::sync::Arc;
 
 /// Any surface. A mesh is shared by all its instances; a shape without a transform keeps its exact
@@ -149,6 +150,18 @@ impl Emitter for Luminous {
     fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
         each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.sample(uv))
     }
+
+    fn sample_towards(&self, to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf) {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.sample_towards(to, uv))
+    }
+
+    fn pdf_towards(&self, to: DVec3) -> EmitterPdf {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.pdf_towards(to))
+    }
+
+    fn extent(&self) -> EmitterExtent {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.extent())
+    }
 }
 
 impl<S: Surface> Surface for Arc<S> {
@@ -182,5 +195,17 @@ impl<S: Emitter> Emitter for Arc<S> {
 
     fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
         (**self).sample(uv)
+    }
+
+    fn sample_towards(&self, to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf) {
+        (**self).sample_towards(to, uv)
+    }
+
+    fn pdf_towards(&self, to: DVec3) -> EmitterPdf {
+        (**self).pdf_towards(to)
+    }
+
+    fn extent(&self) -> EmitterExtent {
+        (**self).extent()
     }
 }

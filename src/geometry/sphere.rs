@@ -4,8 +4,8 @@ use super::hit::RELATIVE_CLEARANCE;
 use super::ray::ahead;
 use super::shape_error::finite;
 use super::{
-    Aabb, Crossing, Direction, Emitter, Hit, Ray, ShapeError, Side, Solid, Span, Surface,
-    SurfacePoint,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, Ray, ShapeError, Side, Solid, Span,
+    Surface, SurfacePoint,
 };
 use crate::math;
 use glam::DVec3;
@@ -156,6 +156,14 @@ impl Solid for Sphere {
 impl Emitter for Sphere {
     fn area(&self) -> f64 {
         4.0 * PI * self.radius * self.radius
+    }
+
+    fn extent(&self) -> EmitterExtent {
+        EmitterExtent {
+            centre: self.centre,
+            spread: self.radius * self.radius,
+            normal: None,
+        }
     }
 
     /// Height uniform in [−1, 1], angle uniform: Archimedes' hat box.

@@ -1,6 +1,6 @@
 //! Interfaces of shapes to renderers.
 
-use super::{Aabb, Crossing, Hit, Ray, Span, SurfacePoint};
+use super::{Aabb, Crossing, Hit, Ray, Span};
 
 /// A surface that rays can hit.
 pub trait Surface {
@@ -46,20 +46,5 @@ pub trait Solid: Surface {
         let mut spans = Vec::new();
         self.append_spans(ray, &mut spans);
         spans
-    }
-}
-
-/// A surface that can emit light: uniform points by area.
-pub trait Emitter: Surface {
-    /// Area of one side, in world units squared.
-    fn area(&self) -> f64;
-
-    /// The point for two numbers in [0, 1). Uniform numbers give uniform points by area, with
-    /// density [`pdf`](Emitter::pdf).
-    fn sample(&self, uv: [f64; 2]) -> SurfacePoint;
-
-    /// Density of [`sample`](Emitter::sample), per world unit squared; the same everywhere.
-    fn pdf(&self) -> f64 {
-        1.0 / self.area()
     }
 }

@@ -39,11 +39,13 @@ pub enum Purpose {
     Emission = 12,
     /// All random numbers of the reference path tracer, in order.
     Reference = 13,
+    /// Point on an area light, and point on the ray that is connected to it.
+    AreaLightAlong = 14,
 }
 
 impl Purpose {
     /// All purposes, by ascending discriminant.
-    pub const ALL: [Purpose; 14] = [
+    pub const ALL: [Purpose; 15] = [
         Purpose::Camera,
         Purpose::FreeFlight,
         Purpose::Collision,
@@ -58,6 +60,7 @@ impl Purpose {
         Purpose::LitPlace,
         Purpose::Emission,
         Purpose::Reference,
+        Purpose::AreaLightAlong,
     ];
 }
 

@@ -21,6 +21,8 @@ pub struct PathContext<'c, W> {
     pub bounces_left: u32,
     /// The media along the ray.
     pub segments: &'c mut MediumSegments,
+    /// The media along the ray before, if there is one.
+    pub previous_segments: &'c mut MediumSegments,
     /// Memory for the media along a connection to a light vertex.
     pub connection: &'c mut MediumSegments,
     /// Random numbers, memory and counters.
@@ -32,8 +34,27 @@ pub struct PathContext<'c, W> {
 pub enum PreviousBounce {
     /// The eye, a mirror or glass: no other sampler finds a light along the ray.
     Specular,
-    /// A direction with this density, per steradian.
-    Scattered(f64),
+    /// A diffuse surface: the density of the direction, per steradian.
+    Surface(f64),
+    /// A collision with media.
+    Medium {
+        /// Density of the direction, per steradian.
+        pdf: f64,
+        /// The ray before.
+        ray: Ray,
+        /// Distance of the collision on it.
+        t: f64,
+    },
+}
+
+impl PreviousBounce {
+    /// Density of the direction, per steradian; `None` where there is no range of directions.
+    pub fn pdf(&self) -> Option<f64> {
+        match *self {
+            PreviousBounce::Specular => None,
+            PreviousBounce::Surface(pdf) | PreviousBounce::Medium { pdf, .. } => Some(pdf),
+        }
+    }
 }
 
 /// Memory kept from path to path.
@@ -41,6 +62,7 @@ pub enum PreviousBounce {
 pub struct Scratch {
     /// The media along the ray under way.
     pub segments: MediumSegments,
+    previous_segments: MediumSegments,
     connection: MediumSegments,
     /// Memory of estimates along rays.
     pub tracker: TrackerScratch,
@@ -63,6 +85,7 @@ impl<'c, W> PathContext<'c, W> {
             depth: 0,
             bounces_left: limit,
             segments: &mut scratch.segments,
+            previous_segments: &mut scratch.previous_segments,
             connection: &mut scratch.connection,
             tracker: Tracker::new(sampler, &mut scratch.tracker, work),
         }
@@ -72,6 +95,7 @@ impl<'c, W> PathContext<'c, W> {
     pub fn go_on(&mut self, ray: Ray, previous: PreviousBounce) {
         self.ray = ray;
         self.previous = previous;
+        std::mem::swap(self.segments, self.previous_segments);
         self.depth += 1;
         self.bounces_left -= 1;
         self.tracker.sampler.begin_bounce(self.depth);

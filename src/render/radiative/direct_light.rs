@@ -58,7 +58,22 @@ impl<E: Effects> SceneContext<'_, E> {
             return DVec3::ZERO;
         }
         let numbers = tracker.sampler.pair(Purpose::LightPoint, index);
-        let point = light.shape.sample(numbers);
+        let weight = |pdf, response_pdf| power_heuristic(pdf, response_pdf) / pdf;
+        self.weighted_area_light(vertex, light, numbers, weight, tracker)
+    }
+
+    /// Radiance scattered at `vertex` of the light of one point of an area light, the point for
+    /// `numbers`, times `weight`: a function of two densities per steradian at the vertex, that of
+    /// the point and that of the direction, [`Response::pdf`](super::scattering::Response::pdf).
+    pub fn weighted_area_light<W: Work>(
+        &self,
+        vertex: &Vertex,
+        light: &AreaLight,
+        numbers: [f64; 2],
+        weight: impl FnOnce(f64, f64) -> f64,
+        tracker: &mut Tracker<'_, W>,
+    ) -> DVec3 {
+        let (point, pdf) = light.shape.sample_towards(vertex.point(), numbers);
         let Some((ray, distance)) = vertex.towards_surface(&point) else {
             return DVec3::ZERO;
         };
@@ -74,10 +89,9 @@ impl<E: Effects> SceneContext<'_, E> {
         if response.value == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        let pdf = solid_angle_pdf(light, distance, cosine);
-        let weight = power_heuristic(pdf, response.pdf);
+        let weight = weight(pdf.per_steradian(distance, cosine), response.pdf);
         let visibility = self.visibility(&ray, distance, tracker);
-        response.value * light.radiance * visibility * (weight / pdf)
+        response.value * light.radiance * visibility * weight
     }
 }
 
@@ -92,12 +106,12 @@ pub fn emitted_radiance(light: &AreaLight, hit: &Hit) -> DVec3 {
 /// Weight of a light hit by a direction of density `scattered_pdf`, against direct light from
 /// that point.
 pub fn weight_of_hit(light: &AreaLight, ray: &Ray, hit: &Hit, scattered_pdf: f64) -> f64 {
-    let cosine = ray.direction.cosine_to(hit.point.normal);
-    power_heuristic(scattered_pdf, solid_angle_pdf(light, hit.t, cosine))
+    power_heuristic(scattered_pdf, pdf_of_hit(light, ray, hit))
 }
 
-/// Density of a point sampled on the light, per steradian, seen from `distance` under the cosine
-/// `cosine` to its normal.
-fn solid_angle_pdf(light: &AreaLight, distance: f64, cosine: f64) -> f64 {
-    light.shape.pdf() * (distance * distance) / cosine.abs()
+/// Density with which a point sampled on the light is the one that `ray` hits, per steradian at the
+/// origin of the ray.
+pub fn pdf_of_hit(light: &AreaLight, ray: &Ray, hit: &Hit) -> f64 {
+    let pdf = light.shape.pdf_towards(ray.origin);
+    pdf.per_steradian(hit.t, ray.direction.cosine_to(hit.point.normal))
 }

@@ -192,7 +192,9 @@ impl<E: Effects> SceneContext<'_, E> {
         let pdf = out.pdf * angle.pdf(s) / (from_light * from_light);
         let squared = distance * distance;
         let weight = power_heuristic(pdf, response.pdf * point.pdf / squared);
-        let radiance = self.in_scattered_radiance(&ray, &point, light.light, tracker);
+        let radiance = self.in_scattered_radiance(&ray, &point, tracker, |vertex, tracker| {
+            self.direct_light(vertex, light.light, tracker)
+        });
         Some(response.value * radiance * (weight / (pdf * squared)))
     }
 

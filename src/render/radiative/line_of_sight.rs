@@ -136,8 +136,10 @@ impl<E: Effects> LineOfSight<'_, E> {
                 let (depths, _) = segments.depths_to(t);
                 let point = ScatteringPoint::new(t, 1.0, depths, segment);
                 tracker.work.count(Event::FirstScattering);
-                self.scene
-                    .in_scattered_radiance(ray, &point, light, tracker)
+                let scene = &self.scene;
+                scene.in_scattered_radiance(ray, &point, tracker, |vertex, tracker| {
+                    scene.direct_light(vertex, light, tracker)
+                })
             };
             for [near, far] in pieces(segment, span, &edges) {
                 radiance += match light.position() {

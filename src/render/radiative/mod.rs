@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `kernels` | what a plan compiles |
 //! | [`path_tracer`], [`line_of_sight`] | the two renderers |
-//! | [`light_vertices`], [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
+//! | [`light_vertices`], [`area_light_along`], [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
 //! | [`visibility`], [`transmittance`], [`scattering`], [`intersection`], [`shadow_edges`] |
 //! queries of estimators to a scene |
 //! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
@@ -16,6 +16,7 @@
 //! | [`media`], [`medium`], [`majorants`], [`surfaces`] | the media and surfaces of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
+pub mod area_light_along;
 pub mod context;
 pub mod direct_light;
 pub mod effects;

@@ -53,8 +53,10 @@ pub enum PathFault {
 
 /// The next vertex of a path.
 enum Interaction {
-    /// A vertex that scatters into a range of directions.
-    Scattering(Vertex),
+    /// A diffuse surface.
+    Diffuse(Vertex),
+    /// A collision with media, and its distance.
+    Collision(Vertex, f64),
     /// A mirror of this reflectance.
     Mirror(Hit, DVec3),
     /// Glass of this refractive index.
@@ -117,6 +119,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 }
                 if path.bounces_left >= 1 {
                     radiance += path.throughput * self.single_scattering(path);
+                    radiance += path.throughput * self.area_lights_along(path);
                 }
             }
             if let Some(Intersection { surface, hit }) = &intersection
@@ -128,11 +131,12 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             let interaction = match scene.flight(path) {
                 Flight::Collided(collision) => {
                     path.throughput *= collision.weight;
-                    Interaction::Scattering(Vertex::Medium {
+                    let vertex = Vertex::Medium {
                         point: path.ray.at(collision.t),
                         direction: path.ray.direction,
                         set: collision.set,
-                    })
+                    };
+                    Interaction::Collision(vertex, collision.t)
                 }
                 Flight::Escaped(weight) => {
                     path.throughput *= weight;
@@ -154,7 +158,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             if path.depth == 0 {
                 first_throughput = path.throughput;
             }
-            if let Interaction::Scattering(vertex) = &interaction {
+            if let Interaction::Diffuse(vertex) | Interaction::Collision(vertex, _) = &interaction {
                 radiance += path.throughput * self.connections(vertex, path);
             }
             let Some(bounce) = self.bounce(&interaction, path) else {
@@ -200,17 +204,29 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             let Some(point) = sampler.sample(numbers) else {
                 continue;
             };
-            let scattered = self
-                .scene
-                .in_scattered_radiance(ray, &point, light.light, tracker);
+            let scene = &self.scene;
+            let scattered = scene.in_scattered_radiance(ray, &point, tracker, |vertex, tracker| {
+                scene.direct_light(vertex, light.light, tracker)
+            });
             tracker.work.count(scattering_at(path.depth));
-            let weight = match path.previous {
-                PreviousBounce::Specular => 1.0,
-                PreviousBounce::Scattered(pdf) => {
-                    weight_in_medium(&self.scene, &light, ray, &point, pdf)
-                }
-            };
+            let weight = path
+                .previous
+                .pdf()
+                .map_or(1.0, |pdf| weight_in_medium(scene, &light, ray, &point, pdf));
             radiance += scattered / point.pdf * weight;
+        }
+        radiance
+    }
+
+    /// Single scattering of area lights in the media along the ray, weighted against hits of the
+    /// lights after a collision there.
+    fn area_lights_along<W: Work>(&self, path: &mut PathContext<'_, W>) -> DVec3 {
+        let mut radiance = DVec3::ZERO;
+        for index in 0..self.scene.radiative.area_lights.len() {
+            if let Some(scattered) = self.scene.area_light_along(index, path) {
+                path.tracker.work.count(scattering_at(path.depth));
+                radiance += scattered;
+            }
         }
         radiance
     }
@@ -222,7 +238,10 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let light = &scene.radiative.area_lights[index];
         let weight = match path.previous {
             PreviousBounce::Specular => 1.0,
-            PreviousBounce::Scattered(pdf) => weight_of_hit(light, &path.ray, hit, pdf),
+            PreviousBounce::Surface(pdf) => weight_of_hit(light, &path.ray, hit, pdf),
+            PreviousBounce::Medium { pdf, ray, t } => {
+                scene.weight_after_collision(index, hit, path, (&ray, t), pdf)
+            }
         };
         let transmittance = if !E::MEDIA {
             DVec3::ONE
@@ -235,15 +254,16 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     }
 
     /// Radiance scattered at a vertex of the light it is connected to: of lights, straight, and of
-    /// light vertices. Direct light of positioned lights at a vertex in a medium has been counted
-    /// along the ray; at a surface it is weighted against the light vertices of the bounce before.
+    /// light vertices. Direct light of positioned and area lights at a vertex in a medium has been
+    /// counted along the ray; at a surface that of positioned lights is weighted against the light
+    /// vertices of the bounce before.
     fn connections<W: Work>(&self, vertex: &Vertex, path: &mut PathContext<'_, W>) -> DVec3 {
         let scene = &self.scene;
         let mut radiance = DVec3::ZERO;
         for (index, light) in scene.radiative.lights.iter().enumerate() {
-            let weight = match (vertex, light.position(), path.previous) {
+            let weight = match (vertex, light.position(), path.previous.pdf()) {
                 (Vertex::Medium { .. }, Some(_), _) => continue,
-                (Vertex::Diffuse { point, .. }, Some(position), PreviousBounce::Scattered(pdf)) => {
+                (Vertex::Diffuse { point, .. }, Some(position), Some(pdf)) => {
                     let light = PositionedLight {
                         light,
                         position,
@@ -261,8 +281,10 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 radiance += scene.by_light_vertices(vertex, &light, path);
             }
         }
-        for index in 0..scene.radiative.area_lights.len() {
-            radiance += scene.direct_area_light(vertex, index, &mut path.tracker);
+        if let Vertex::Diffuse { .. } = vertex {
+            for index in 0..scene.radiative.area_lights.len() {
+                radiance += scene.direct_area_light(vertex, index, &mut path.tracker);
+            }
         }
         radiance
     }
@@ -275,13 +297,26 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     ) -> Option<Bounce> {
         let previous = PreviousBounce::Specular;
         match interaction {
-            Interaction::Scattering(vertex) => {
+            Interaction::Diffuse(vertex) => {
                 let throughput = path.throughput;
                 let scattered = self.scene.scatter(vertex, throughput, &mut path.tracker)?;
                 Some(Bounce {
                     ray: scattered.ray,
                     weight: scattered.weight,
-                    previous: PreviousBounce::Scattered(scattered.pdf),
+                    previous: PreviousBounce::Surface(scattered.pdf),
+                })
+            }
+            Interaction::Collision(vertex, t) => {
+                let throughput = path.throughput;
+                let scattered = self.scene.scatter(vertex, throughput, &mut path.tracker)?;
+                Some(Bounce {
+                    ray: scattered.ray,
+                    weight: scattered.weight,
+                    previous: PreviousBounce::Medium {
+                        pdf: scattered.pdf,
+                        ray: path.ray,
+                        t: *t,
+                    },
                 })
             }
             Interaction::Mirror(hit, reflectance) => Some(Bounce {
@@ -303,7 +338,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
 
     fn surface(&self, index: usize, hit: Hit) -> Interaction {
         match self.scene.radiative.objects[index].material {
-            Material::Diffuse(reflectance) => Interaction::Scattering(Vertex::Diffuse {
+            Material::Diffuse(reflectance) => Interaction::Diffuse(Vertex::Diffuse {
                 point: hit.point,
                 normal: facing(&hit),
                 reflectance,

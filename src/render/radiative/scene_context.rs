@@ -3,6 +3,7 @@
 use super::effects::Effects;
 use super::media::Media;
 use super::surfaces::Surfaces;
+use crate::geometry::{Emitter, EmitterExtent};
 use crate::optics::Light;
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -17,6 +18,8 @@ pub struct SceneContext<'s, E> {
     pub media: Media<'s>,
     /// Its surfaces.
     pub surfaces: Surfaces<'s>,
+    /// Centres and sizes of its area lights, in their order.
+    pub area_light_extents: Vec<EmitterExtent>,
     effects: PhantomData<E>,
 }
 
@@ -44,7 +47,10 @@ impl<'s, E: Effects> SceneContext<'s, E> {
     }
 
     fn with(radiative: &'s Radiative, media: Media<'s>) -> Self {
+        let extents = radiative.area_lights.iter();
+        let extents = extents.map(|light| light.shape.extent());
         SceneContext {
+            area_light_extents: extents.collect(),
             radiative,
             media,
             surfaces: Surfaces::new(radiative),

@@ -212,6 +212,8 @@ pub struct ScatteringPoint {
     pub depths: OpticalDepths,
     /// Scattering of the homogeneous media there.
     pub sigma_s: DVec3,
+    /// Extinction of those that scatter.
+    pub sigma_t: DVec3,
     /// The media there.
     pub set: Set,
 }
@@ -224,7 +226,20 @@ impl ScatteringPoint {
             pdf,
             depths,
             sigma_s: segment.properties.sigma_s,
+            sigma_t: segment.properties.sigma_t,
             set: segment.set,
+        }
+    }
+
+    /// Density with which a free flight from the origin of the ray collides there, per length: the
+    /// mean of the channels.
+    pub fn flight_pdf<E: Effects>(&self) -> f64 {
+        let density =
+            |c: usize| truncated_free_flight_pdf(self.sigma_t[c], self.depths.scattering[c], 1.0);
+        if E::CHROMATIC {
+            (density(0) + density(1) + density(2)) / 3.0
+        } else {
+            density(0)
         }
     }
 }
@@ -241,18 +256,33 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
         ray: &Ray,
         light: &PositionedLight<'_>,
     ) -> Result<Option<Self>, LightOnRay> {
-        let Some(lit) = lit_span(segments, ray, light.light) else {
-            return Ok(None);
-        };
-        let foot = (light.position - ray.origin).dot(*ray.direction);
-        let distance = (ray.at(foot) - light.position).length();
-        Ok(Some(ScatteringPointSampler {
+        lit_span(segments, ray, light.light)
+            .map(|lit| ScatteringPointSampler::within(lit, segments, ray, light.position, 0.0))
+            .transpose()
+    }
+
+    /// A sampler within `lit` of a `ray` along which the media are `segments`, for light from around
+    /// `position`, whose mean squared distance from there is `spread`.
+    ///
+    /// # Errors
+    ///
+    /// [`LightOnRay`] where all light comes from a point that lies on the ray.
+    pub fn within(
+        lit: Span,
+        segments: &'p MediumSegments,
+        ray: &Ray,
+        position: DVec3,
+        spread: f64,
+    ) -> Result<Self, LightOnRay> {
+        let foot = (position - ray.origin).dot(*ray.direction);
+        let distance = ((ray.at(foot) - position).length_squared() + spread).sqrt();
+        Ok(ScatteringPointSampler {
             segments,
             lit,
             foot,
             equiangular: Equiangular::new(distance, lit.near - foot, lit.far - foot)?,
             flight: TruncatedFlight::new(segments, lit),
-        }))
+        })
     }
 
     /// The point for two numbers in [0, 1).
@@ -280,14 +310,14 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
 }
 
 impl<E: Effects> SceneContext<'_, E> {
-    /// Radiance per length that `light` contributes to `ray` by single scattering at `point`, seen
-    /// from the origin of the ray.
+    /// Radiance per length that is scattered into `ray` at `point`, seen from the origin of the ray.
+    /// `direct` is the radiance scattered at a vertex there.
     pub fn in_scattered_radiance<W: Work>(
         &self,
         ray: &Ray,
         point: &ScatteringPoint,
-        light: &Light,
         tracker: &mut Tracker<'_, W>,
+        direct: impl FnOnce(&Vertex, &mut Tracker<'_, W>) -> DVec3,
     ) -> DVec3 {
         let vertex = Vertex::Medium {
             point: ray.at(point.t),
@@ -295,7 +325,7 @@ impl<E: Effects> SceneContext<'_, E> {
             set: point.set,
         };
         if !self.is_heterogeneous() {
-            let scattered = self.direct_light(&vertex, light, tracker);
+            let scattered = direct(&vertex, tracker);
             let transmittance = self.closed_transmittance(point.depths.total(), tracker.work);
             return scattered * point.sigma_s * transmittance;
         }
@@ -303,7 +333,7 @@ impl<E: Effects> SceneContext<'_, E> {
         if sigma_s == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        let scattered = self.direct_light(&vertex, light, tracker);
+        let scattered = direct(&vertex, tracker);
         scattered * sigma_s * self.transmittance(ray, point.t, tracker)
     }
 }

@@ -1,0 +1,108 @@
+//! Single scattering of area lights along a ray: a point of the ray, then a point of the light.
+//!
+//! A path that is connected to a light where it happens to collide returns the solid angle of the
+//! light, seen from there. Few paths collide near the light, and those return far more than the others:
+//! in a room of fog with a lamp that is most of the variance. So each ray is connected to each light,
+//! whether its path collides or not, at a point that is sampled for the light as for a positioned one.
+//! In place of the squared distance of a point stands the mean over the surface, so that no density
+//! grows without limit. A path that collides and hits the light by its direction finds the same points;
+//! both samplers are weighted by multiple importance sampling.
+//!
+//! Sources: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in participating
+//! media", Computer Graphics Forum 31, 1519–1528; Veach 1997, thesis, ch. 9.
+
+use super::context::PathContext;
+use super::direct_light::pdf_of_hit;
+use super::effects::Effects;
+use super::scene_context::SceneContext;
+use super::segments::MediumSegments;
+use super::single_scattering::ScatteringPointSampler;
+use crate::geometry::{Direction, Hit, Ray, Span};
+use crate::math::rng::Purpose;
+use crate::math::sampling::power_heuristic;
+use crate::optics::Sides;
+use crate::render::counters::Work;
+use glam::DVec3;
+
+impl<E: Effects> SceneContext<'_, E> {
+    /// Radiance of the area light with number `index` that media scatter into the ray of `path`, seen
+    /// from its origin.
+    pub fn area_light_along<W: Work>(
+        &self,
+        index: usize,
+        path: &mut PathContext<'_, W>,
+    ) -> Option<DVec3> {
+        let light = &self.radiative.area_lights[index];
+        if light.radiance == DVec3::ZERO {
+            return None;
+        }
+        let (ray, tracker) = (&path.ray, &mut path.tracker);
+        let mut numbers = |which| {
+            let index = 2 * index + which;
+            tracker.sampler.pair(Purpose::AreaLightAlong, index)
+        };
+        let points = self.points_for_area_light(index, path.segments, ray)?;
+        let point = points.sample(numbers(0))?;
+        let on_light = numbers(1);
+        let weight = |pdf, response_pdf| {
+            let pdf = point.pdf * pdf;
+            power_heuristic(pdf, point.flight_pdf::<E>() * response_pdf) / pdf
+        };
+        let radiance = self.in_scattered_radiance(ray, &point, tracker, |vertex, tracker| {
+            self.weighted_area_light(vertex, light, on_light, weight, tracker)
+        });
+        Some(radiance)
+    }
+
+    /// Weight of the area light with number `index`, hit by the ray of `path` after a collision at
+    /// distance `t` of `previous`, the ray before; `pdf` is the density of the direction, per steradian.
+    pub fn weight_after_collision<W>(
+        &self,
+        index: usize,
+        hit: &Hit,
+        path: &PathContext<'_, W>,
+        (previous, t): (&Ray, f64),
+        pdf: f64,
+    ) -> f64 {
+        let points = self.points_for_area_light(index, path.previous_segments, previous);
+        let Some(point) = points.and_then(|points| points.at(t)) else {
+            return 1.0;
+        };
+        let light = &self.radiative.area_lights[index];
+        let other = point.pdf * pdf_of_hit(light, &path.ray, hit);
+        power_heuristic(point.flight_pdf::<E>() * pdf, other)
+    }
+
+    /// The sampler of points of `ray` for the area light with number `index`, if it shines on media
+    /// that scatter.
+    fn points_for_area_light<'p>(
+        &self,
+        index: usize,
+        segments: &'p MediumSegments,
+        ray: &Ray,
+    ) -> Option<ScatteringPointSampler<'p, E>> {
+        let extent = &self.area_light_extents[index];
+        let scattering = segments.scattering_span()?;
+        let lit = match (self.radiative.area_lights[index].sides, extent.normal) {
+            (Sides::Front, Some(normal)) => in_front_of(extent.centre, normal, ray, scattering)?,
+            _ => scattering,
+        };
+        ScatteringPointSampler::within(lit, segments, ray, extent.centre, extent.spread).ok()
+    }
+}
+
+/// The part of `span` of `ray` in front of the plane through `point` with the normal `normal`.
+fn in_front_of(point: DVec3, normal: Direction, ray: &Ray, span: Span) -> Option<Span> {
+    let height = (ray.origin - point).dot(*normal);
+    let climb = ray.direction.cosine_to(normal);
+    let crossing = -height / climb;
+    let Span { mut near, mut far } = span;
+    if climb > 0.0 {
+        near = near.max(crossing);
+    } else if climb < 0.0 {
+        far = far.min(crossing);
+    } else if height <= 0.0 {
+        return None;
+    }
+    (near < far).then_some(Span { near, far })
+}
