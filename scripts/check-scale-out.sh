@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --quiet --release
 volref=${CARGO_TARGET_DIR:-$PWD/target}/release/volref
-golden=$PWD/golden/procedural/gain-0.1.exr
+golden=$PWD/golden/hard/s10-coloured-furnace.exr
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 # accept writes to a copy.
@@ -23,10 +23,10 @@ timeless='.cases[].seconds = 0'
 diff <(jq "$timeless" joined.json) <(jq "$timeless" whole.json)
 echo "$(jq '.cases | length' whole.json) cases verified by four processes: the results of one"
 
-rm golden/procedural/gain-0.1.* && rm -r .volref
-timeout --signal=KILL 3 "$volref" units gain-0.1 --compute >/dev/null 2>&1 || true
-"$volref" units gain-0.1 --json | jq -r '.units[].id' |
-    parallel --halt now,fail=1 "$volref" units gain-0.1 --compute --threads 1 --unit {} >/dev/null 2>&1
+rm golden/hard/s10-coloured-furnace.* && rm -r .volref
+timeout --signal=KILL 3 "$volref" units s10-coloured-furnace --compute >/dev/null 2>&1 || true
+"$volref" units s10-coloured-furnace --json | jq -r '.units[].id' |
+    parallel --halt now,fail=1 "$volref" units s10-coloured-furnace --compute --threads 1 --unit {} >/dev/null 2>&1
 "$volref" merge .
-"$volref" accept gain-0.1 --reason 'by units' | grep 'rendered by an earlier run'
-cmp golden/procedural/gain-0.1.exr "$golden"
+"$volref" accept s10-coloured-furnace --reason 'by units' | grep 'rendered by an earlier run'
+cmp golden/hard/s10-coloured-furnace.exr "$golden"
