@@ -225,6 +225,73 @@ fn radiative_scenes_of_the_suite_agree_within_noise() {
     assert!(scenes.len() >= 110, "{} radiative scenes", scenes.len());
 }
 
+/// Area lights in a room: one-sided, two-sided and tilted, without right angles, a sphere, a mesh.
+const AREA_LIGHTS: [&str; 5] = [
+    "rectangle = { corner = [-1.5, 7, 3.5], edge_u = [3, 0, 0], edge_v = [0, 0, 3] }\nemitter = { radiance = 12 }",
+    "rectangle = { corner = [-1.5, 4, 3.5], edge_u = [3, 1, 0], edge_v = [0, 0, 3] }\nemitter = { radiance = [12, 3, 6], sides = \"both\" }",
+    "rectangle = { corner = [-1.5, 7, 3.5], edge_u = [3, 0, 0], edge_v = [1, 0, 3] }\nemitter = { radiance = 12 }",
+    "sphere = { centre = [0, 4, 5], radius = 0.8 }\nemitter = { radiance = 12 }",
+    "mesh = { file = \"fixtures/meshes/gem.obj\" }\ntranslate = [2, 4, 5]\nemitter = { radiance = 12 }",
+];
+
+/// Media in the room: grey, coloured that overlap, heterogeneous.
+const MEDIA: [&str; 3] = [
+    "box = { min = [-5, 0, 0], max = [5, 8, 10] }\nsigma_s = 0.3",
+    "box = { min = [-5, 0, 0], max = [5, 8, 10] }\nsigma_s = [0.3, 0.1, 0.02]\nsigma_a = [0, 0.05, 0.1]\ng = 0.7\n\
+     [[radiative.medium]]\nsphere = { centre = [1, 3, 4], radius = 2 }\nsigma_s = [0.1, 0.5, 1]\ng = -0.4",
+    "box = { min = [-5, 0, 0], max = [5, 8, 10] }\nsigma_s = 0.3\nsigma_a = 0.03\n\
+     noise = { octaves = 3, lacunarity = 2, gain = 0.5, scale = [0.7, 1.2, 0.7], max_density = 2, threshold = 1 }",
+];
+
+fn room(light: &str, medium: &str) -> Scene {
+    let text = format!(
+        "title = \"room\"\n[film]\nwidth = {SIDE}\nheight = {SIDE}\n\
+         [camera]\neye = [0, 4, -11.5]\ntarget = [0, 3.9, 5]\nup = [0, 1, 0]\nvertical_fov = 37\n\
+         [radiative]\nscattering = \"multiple\"\n\
+         [[radiative.surface]]\ndiffuse = {{ reflectance = 0.5 }}\n\
+         rectangle = {{ corner = [-5, 0, 0], edge_u = [10, 0, 0], edge_v = [0, 0, 10] }}\n\
+         [[radiative.surface]]\n{light}\n[[radiative.medium]]\n{medium}\n"
+    );
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    Scene::parse(&text, &root.join("room.toml")).unwrap()
+}
+
+/// Whatever the light and the medium, the fast renderer finds the light that the plain one finds: the
+/// mean of each image to four standard errors, 1 to 5 % of it. By a wrong weight of light that is hit it
+/// would be off by that light, 5 % near the first lamp.
+#[test]
+fn area_lights_in_media_agree_within_noise() {
+    let sampling = Sampling {
+        samples: Some(512),
+        ..SAMPLING
+    };
+    let scenes = AREA_LIGHTS
+        .iter()
+        .flat_map(|light| MEDIA.map(|medium| (light, medium)));
+    let faults: Vec<String> = scenes
+        .collect::<Vec<_>>()
+        .par_iter()
+        .flat_map_iter(|(light, medium)| {
+            let scene = room(light, medium);
+            let fast = render(&plans(&scene), sampling, &|| {}).unwrap().film;
+            let plain = reference::render(&scene, sampling, &[false]).unwrap();
+            (0..3).filter_map(move |c| {
+                let sum = |film: &Film| -> [f64; 2] {
+                    let noise = film.noise().unwrap();
+                    let variance = noise.variance().iter().map(|v| f64::from(v[c])).sum();
+                    let radiance = film.radiance().iter().map(|r| f64::from(r[c])).sum();
+                    [radiance, variance]
+                };
+                let ([a, of_a], [b, of_b]) = (sum(&fast), sum(&plain));
+                let z = (a - b) / (of_a + of_b).sqrt();
+                println!("{light}, channel {c}: {a:.2} for {b:.2}, {z:.2} standard errors");
+                (z.abs() > 4.0).then(|| format!("{light} in {medium}, channel {c}: {a} for {b}"))
+            })
+        })
+        .collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
 /// Scenes in which mistakes are made, with occasions for many.
 const WITH_MISTAKES: [&str; 6] = [
     "fog/absorption",
