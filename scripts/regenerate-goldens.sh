@@ -28,4 +28,4 @@ fi
 if [ ${#filters[@]} -eq 0 ]; then
     filters=('*')
 fi
-exec cargo run --release -- accept "${filters[@]}" "${reason[@]}" "${keep[@]}"
+exec cargo run --release -- accept "${filters[@]}" "${reason[@]}" ${keep[@]+"${keep[@]}"}

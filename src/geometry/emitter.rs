@@ -17,14 +17,15 @@ pub trait Emitter: Surface {
         1.0 / self.area()
     }
 
-    /// The point for two numbers in [0, 1) from which light goes to the world point `_to`, with its
+    /// The point for two numbers in [0, 1) from which light goes to the world point `to`, with its
     /// density. Where the shape allows, uniform by solid angle.
-    fn sample_towards(&self, _to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf) {
-        (self.sample(uv), EmitterPdf::PerArea(self.pdf()))
+    fn sample_towards(&self, to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf) {
+        (self.sample(uv), self.pdf_towards(to))
     }
 
     /// Density of [`sample_towards`](Emitter::sample_towards).
-    fn pdf_towards(&self, _to: DVec3) -> EmitterPdf {
+    #[expect(unused_variables, reason = "by area it is the same for all points")]
+    fn pdf_towards(&self, to: DVec3) -> EmitterPdf {
         EmitterPdf::PerArea(self.pdf())
     }
 

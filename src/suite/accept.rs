@@ -104,7 +104,7 @@ pub enum AcceptError {
     NothingToKeep {
         /// `family/name`.
         case: String,
-        /// What is in the way.
+        /// Obstacle.
         reason: String,
     },
     /// An image that differs from the known answer.
@@ -127,7 +127,7 @@ pub enum AcceptError {
 /// A wish for new goldens.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'r> {
-    /// What was wrong with the old goldens, or what new ones are for.
+    /// Fault of the old goldens, or use of the new ones.
     pub reason: &'r str,
     /// The images of sampled cases stay, and only the bits of their quick renderings are recorded
     /// anew: for a renderer that samples in another way what it sampled before.
@@ -210,12 +210,12 @@ pub(super) fn accept_with(
         .collect::<Result<Vec<_>, _>>()?;
     let mut images = Vec::new();
     for task in &mut tasks {
-        let is_kept = request.keep_images;
-        images.push(if is_kept {
-            task.kept_image(store)?
+        let image = if request.keep_images {
+            task.keep_image(store)?
         } else {
             None
-        });
+        };
+        images.push(image);
     }
     watch.begin_all(tasks.iter().map(|task| task.work(kept)).sum());
     let mut accepted = Vec::new();
@@ -292,9 +292,9 @@ impl CaseUnits<'_> {
         Ok(Film::below_each_other(&films))
     }
 
-    /// The image of the golden in `store`, for a rendering that this task is then spared; `None` where
-    /// the golden is no rendering of samples.
-    fn kept_image(&mut self, store: &Store) -> Result<Option<Film>, AcceptError> {
+    /// Takes the image of the golden in `store`, and the converged rendering off this task; `None`
+    /// where the golden is no such rendering.
+    fn keep_image(&mut self, store: &Store) -> Result<Option<Film>, AcceptError> {
         let converged = self.case.sampling.and_then(|sampling| sampling.converged);
         let Some(converged) = converged else {
             return Ok(None);

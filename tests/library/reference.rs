@@ -79,16 +79,16 @@ fn small(mut scene: Scene, side: usize) -> Scene {
     scene
 }
 
-fn rendered(scene: &Scene) -> Result<Film, String> {
-    let rendering = render(&plans(scene), SAMPLING, &|| {});
+fn rendered(scene: &Scene, sampling: Sampling) -> Result<Film, String> {
+    let rendering = render(&plans(scene), sampling, &|| {});
     rendering
         .map(|rendering| rendering.film)
         .map_err(|error| error.to_string())
 }
 
-fn plain(scene: &Scene) -> Result<Film, ReferenceError> {
+fn plain(scene: &Scene, sampling: Sampling) -> Result<Film, ReferenceError> {
     let centres: Vec<bool> = plans(scene).iter().map(|plan| !plan.is_sampled()).collect();
-    reference::render(scene, SAMPLING, &centres)
+    reference::render(scene, sampling, &centres)
 }
 
 fn all(scene: &Scene, is: impl Fn(&Model) -> bool) -> bool {
@@ -101,7 +101,10 @@ fn classified_scenes_of_the_suite_agree_to_the_bit() {
     for (name, path) in suite() {
         let scene = small(Scene::load(&path).unwrap(), 40);
         if all(&scene, |model| matches!(model, Model::Classified(_))) {
-            let (fast, plain) = (rendered(&scene).unwrap(), plain(&scene).unwrap());
+            let (fast, plain) = (
+                rendered(&scene, SAMPLING).unwrap(),
+                plain(&scene, SAMPLING).unwrap(),
+            );
             assert_eq!(fast, plain, "{name}");
             compared += 1;
         }
@@ -149,7 +152,7 @@ fn generated_classified_scenes_agree_to_the_bit() {
         if lookups(classified, 64) > MOST_LOOKUPS {
             continue;
         }
-        match (rendered(&scene), plain(&scene)) {
+        match (rendered(&scene, SAMPLING), plain(&scene, SAMPLING)) {
             (Ok(fast), Ok(plain)) => {
                 assert_eq!(fast, plain, "{}", written.text);
                 let lit = |pixel: &[f32; 3]| pixel.iter().any(|&channel| channel > 0.0);
@@ -217,7 +220,10 @@ fn radiative_scenes_of_the_suite_agree_within_noise() {
     let faults: Vec<String> = scenes
         .par_iter()
         .filter_map(|(name, scene)| {
-            let (fast, plain) = (rendered(scene).unwrap(), plain(scene).unwrap());
+            let (fast, plain) = (
+                rendered(scene, SAMPLING).unwrap(),
+                plain(scene, SAMPLING).unwrap(),
+            );
             Some(format!("{name}: {}", fault(&fast, &plain, scenes.len())?))
         })
         .collect();
@@ -257,8 +263,8 @@ fn room(light: &str, medium: &str) -> Scene {
 }
 
 /// Whatever the light and the medium, the fast renderer finds the light that the plain one finds: the
-/// mean of each image to four standard errors, 1 to 5 % of it. By a wrong weight of light that is hit it
-/// would be off by that light, 5 % near the first lamp.
+/// mean of each image to four standard errors, 1 to 5 % of it. With lights that are hit after a collision
+/// counted whole, each scene is off by 7 to 54 standard errors.
 #[test]
 fn area_lights_in_media_agree_within_noise() {
     let sampling = Sampling {
@@ -273,8 +279,8 @@ fn area_lights_in_media_agree_within_noise() {
         .par_iter()
         .flat_map_iter(|(light, medium)| {
             let scene = room(light, medium);
-            let fast = render(&plans(&scene), sampling, &|| {}).unwrap().film;
-            let plain = reference::render(&scene, sampling, &[false]).unwrap();
+            let fast = rendered(&scene, sampling).unwrap();
+            let plain = plain(&scene, sampling).unwrap();
             (0..3).filter_map(move |c| {
                 let sum = |film: &Film| -> [f64; 2] {
                     let noise = film.noise().unwrap();
@@ -312,7 +318,7 @@ fn mistakes_in_the_reference_are_found() {
         .filter(|(name, _)| WITH_MISTAKES.contains(&name.as_str()));
     let mut found = BTreeSet::new();
     for (name, scene) in scenes {
-        let right = rendered(scene).unwrap();
+        let right = rendered(scene, SAMPLING).unwrap();
         for mistake in mistakes::catalogue() {
             // Found once is found.
             if found.contains(mistake.name) {
@@ -321,7 +327,7 @@ fn mistakes_in_the_reference_are_found() {
             let Some(wrong) = mistake.in_scene(scene) else {
                 continue;
             };
-            let wrong = plain(&wrong).unwrap();
+            let wrong = plain(&wrong, SAMPLING).unwrap();
             match fault(&right, &wrong, scenes_in_all) {
                 Some(_) => _ = found.insert(mistake.name),
                 None => println!("{name}: {} is not seen", mistake.name),

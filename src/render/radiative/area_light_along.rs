@@ -11,7 +11,7 @@
 //! Sources: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in participating
 //! media", Computer Graphics Forum 31, 1519–1528; Veach 1997, thesis, ch. 9.
 
-use super::context::PathContext;
+use super::context::{PathContext, PreviousCollision};
 use super::direct_light::pdf_of_hit;
 use super::effects::Effects;
 use super::scene_context::SceneContext;
@@ -54,23 +54,21 @@ impl<E: Effects> SceneContext<'_, E> {
         Some(radiance)
     }
 
-    /// Weight of the area light with number `index`, hit by the ray of `path` after a collision at
-    /// distance `t` of `previous`, the ray before; `pdf` is the density of the direction, per steradian.
+    /// Weight of the area light with number `index`, hit by the ray of `path` after `collision`.
     pub fn weight_after_collision<W>(
         &self,
         index: usize,
         hit: &Hit,
         path: &PathContext<'_, W>,
-        (previous, t): (&Ray, f64),
-        pdf: f64,
+        collision: &PreviousCollision,
     ) -> f64 {
-        let points = self.points_for_area_light(index, path.previous_segments, previous);
-        let Some(point) = points.and_then(|points| points.at(t)) else {
+        let points = self.points_for_area_light(index, path.previous_segments, &collision.ray);
+        let Some(point) = points.and_then(|points| points.at(collision.t)) else {
             return 1.0;
         };
         let light = &self.radiative.area_lights[index];
         let other = point.pdf * pdf_of_hit(light, &path.ray, hit);
-        power_heuristic(point.flight_pdf::<E>() * pdf, other)
+        power_heuristic(point.flight_pdf::<E>() * collision.pdf, other)
     }
 
     /// The sampler of points of `ray` for the area light with number `index`, if it shines on media

@@ -37,14 +37,18 @@ pub enum PreviousBounce {
     /// A diffuse surface: the density of the direction, per steradian.
     Surface(f64),
     /// A collision with media.
-    Medium {
-        /// Density of the direction, per steradian.
-        pdf: f64,
-        /// The ray before.
-        ray: Ray,
-        /// Distance of the collision on it.
-        t: f64,
-    },
+    Medium(PreviousCollision),
+}
+
+/// The collision at which the ray under way starts.
+#[derive(Clone, Copy, Debug)]
+pub struct PreviousCollision {
+    /// Density of the direction, per steradian.
+    pub pdf: f64,
+    /// The ray before.
+    pub ray: Ray,
+    /// Distance of the collision on it.
+    pub t: f64,
 }
 
 impl PreviousBounce {
@@ -52,7 +56,8 @@ impl PreviousBounce {
     pub fn pdf(&self) -> Option<f64> {
         match *self {
             PreviousBounce::Specular => None,
-            PreviousBounce::Surface(pdf) | PreviousBounce::Medium { pdf, .. } => Some(pdf),
+            PreviousBounce::Surface(pdf)
+            | PreviousBounce::Medium(PreviousCollision { pdf, .. }) => Some(pdf),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Path tracing: light of any scattering order.
 //!
 //! A path begins at the eye. Along each of its rays it collects the emission of media, the single
-//! scattering of lights without extent, and the emission of a surface at its end. Then it either
-//! collides with a medium that scatters or reaches the surface; there it collects direct light,
+//! scattering of positioned and area lights, and the emission of a surface at its end. Then it either
+//! collides with a medium that scatters or reaches the surface; there it collects other direct light,
 //! scatters, and continues.
 //!
 //! Every light is counted once. Lights without extent can only be connected to, directly or by
@@ -15,7 +15,7 @@
 //! Sources: Kajiya 1986, "The rendering equation", SIGGRAPH '86; Veach 1997, thesis, ch. 9–11;
 //! Kulla & Fajardo 2012 for lights in media.
 
-use super::context::{PathContext, PreviousBounce, Scratch};
+use super::context::{PathContext, PreviousBounce, PreviousCollision, Scratch};
 use super::direct_light::{emitted_radiance, weight_of_hit};
 use super::effects::Effects;
 use super::free_flight::Flight;
@@ -53,10 +53,8 @@ pub enum PathFault {
 
 /// The next vertex of a path.
 enum Interaction {
-    /// A diffuse surface.
-    Diffuse(Vertex),
-    /// A collision with media, and its distance.
-    Collision(Vertex, f64),
+    /// A vertex that scatters into a range of directions, and the distance of a collision.
+    Scattering(Vertex, Option<f64>),
     /// A mirror of this reflectance.
     Mirror(Hit, DVec3),
     /// Glass of this refractive index.
@@ -136,7 +134,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                         direction: path.ray.direction,
                         set: collision.set,
                     };
-                    Interaction::Collision(vertex, collision.t)
+                    Interaction::Scattering(vertex, Some(collision.t))
                 }
                 Flight::Escaped(weight) => {
                     path.throughput *= weight;
@@ -158,7 +156,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             if path.depth == 0 {
                 first_throughput = path.throughput;
             }
-            if let Interaction::Diffuse(vertex) | Interaction::Collision(vertex, _) = &interaction {
+            if let Interaction::Scattering(vertex, _) = &interaction {
                 radiance += path.throughput * self.connections(vertex, path);
             }
             let Some(bounce) = self.bounce(&interaction, path) else {
@@ -239,8 +237,8 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let weight = match path.previous {
             PreviousBounce::Specular => 1.0,
             PreviousBounce::Surface(pdf) => weight_of_hit(light, &path.ray, hit, pdf),
-            PreviousBounce::Medium { pdf, ray, t } => {
-                scene.weight_after_collision(index, hit, path, (&ray, t), pdf)
+            PreviousBounce::Medium(collision) => {
+                scene.weight_after_collision(index, hit, path, &collision)
             }
         };
         let transmittance = if !E::MEDIA {
@@ -297,25 +295,16 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     ) -> Option<Bounce> {
         let previous = PreviousBounce::Specular;
         match interaction {
-            Interaction::Diffuse(vertex) => {
+            Interaction::Scattering(vertex, collided_at) => {
                 let throughput = path.throughput;
                 let scattered = self.scene.scatter(vertex, throughput, &mut path.tracker)?;
+                let (ray, pdf) = (path.ray, scattered.pdf);
                 Some(Bounce {
                     ray: scattered.ray,
                     weight: scattered.weight,
-                    previous: PreviousBounce::Surface(scattered.pdf),
-                })
-            }
-            Interaction::Collision(vertex, t) => {
-                let throughput = path.throughput;
-                let scattered = self.scene.scatter(vertex, throughput, &mut path.tracker)?;
-                Some(Bounce {
-                    ray: scattered.ray,
-                    weight: scattered.weight,
-                    previous: PreviousBounce::Medium {
-                        pdf: scattered.pdf,
-                        ray: path.ray,
-                        t: *t,
+                    previous: match *collided_at {
+                        Some(t) => PreviousBounce::Medium(PreviousCollision { pdf, ray, t }),
+                        None => PreviousBounce::Surface(pdf),
                     },
                 })
             }
@@ -338,11 +327,14 @@ impl<'s, E: Effects> PathTracer<'s, E> {
 
     fn surface(&self, index: usize, hit: Hit) -> Interaction {
         match self.scene.radiative.objects[index].material {
-            Material::Diffuse(reflectance) => Interaction::Diffuse(Vertex::Diffuse {
-                point: hit.point,
-                normal: facing(&hit),
-                reflectance,
-            }),
+            Material::Diffuse(reflectance) => {
+                let vertex = Vertex::Diffuse {
+                    point: hit.point,
+                    normal: facing(&hit),
+                    reflectance,
+                };
+                Interaction::Scattering(vertex, None)
+            }
             Material::Mirror(reflectance) => Interaction::Mirror(hit, reflectance),
             Material::Glass(index) => Interaction::Glass(hit, index),
         }
