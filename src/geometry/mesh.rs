@@ -5,7 +5,7 @@ use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
 use super::{
     Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, MeshError, Ray, Surface, SurfacePoint,
-    Transform,
+    Transform, length_of,
 };
 use crate::math::Sum;
 use glam::DVec3;
@@ -146,6 +146,12 @@ impl Mesh {
 impl Surface for Mesh {
     fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    fn bounding_sphere(&self) -> (DVec3, f64) {
+        let centre = self.bounds.centre();
+        let distances = self.vertices.iter().map(|&it| length_of(it - centre));
+        (centre, distances.fold(0.0, f64::max))
     }
 
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {

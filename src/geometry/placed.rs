@@ -2,6 +2,7 @@
 
 use super::box_test::BoxTest;
 use super::{Aabb, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
+use glam::DVec3;
 
 /// A shape with a transform. Rays are mapped to object space, so a rotated box is still a box.
 ///
@@ -63,6 +64,14 @@ impl<S: Surface> Placed<S> {
 impl<S: Surface> Surface for Placed<S> {
     fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    fn bounding_sphere(&self) -> (DVec3, f64) {
+        let (centre, radius) = self.shape.bounding_sphere();
+        (
+            self.to_world.point(centre),
+            radius * self.to_world.lengthening(),
+        )
     }
 
     /// The bounds are rounded, too, as far as a point on its way back.

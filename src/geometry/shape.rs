@@ -68,6 +68,11 @@ impl Surface for Shape {
             shape => shape.bounds())
     }
 
+    fn bounding_sphere(&self) -> (DVec3, f64) {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.bounding_sphere())
+    }
+
     fn slack(&self) -> f64 {
         each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
             shape => shape.slack())
@@ -167,6 +172,10 @@ impl Emitter for Luminous {
 impl<S: Surface> Surface for Arc<S> {
     fn bounds(&self) -> Aabb {
         (**self).bounds()
+    }
+
+    fn bounding_sphere(&self) -> (DVec3, f64) {
+        (**self).bounding_sphere()
     }
 
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {

@@ -126,6 +126,10 @@ impl Surface for Sphere {
         }
     }
 
+    fn bounding_sphere(&self) -> (DVec3, f64) {
+        (self.centre, self.radius)
+    }
+
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
         let chord = self.chord(ray)?;
         let (t, side) = if chord.outside {

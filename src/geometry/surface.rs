@@ -1,11 +1,18 @@
 //! Interfaces of shapes to renderers.
 
-use super::{Aabb, Crossing, Hit, Ray, Span};
+use super::{Aabb, Crossing, Hit, Ray, Span, length_of};
+use glam::DVec3;
 
 /// A surface that rays can hit.
 pub trait Surface {
     /// A bounding box of the surface.
     fn bounds(&self) -> Aabb;
+
+    /// Centre and radius of a sphere around the surface, as small as the shape allows.
+    fn bounding_sphere(&self) -> (DVec3, f64) {
+        let bounds = self.bounds();
+        (bounds.centre(), length_of(bounds.size()) * 0.5)
+    }
 
     /// Distance beyond the bounds, in world units, at which a ray may still be found to hit: the
     /// rounding of a transform.

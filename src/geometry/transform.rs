@@ -205,6 +205,12 @@ impl Transform {
         8.0 * f64::EPSILON / 2.0 * (norm(&self.linear) * there + back)
     }
 
+    /// Upper bound on the factor by which a length grows: the root of the largest row sum of `MᵀM`
+    /// (Gershgorin). Exact for scales along the axes with a rotation after them.
+    pub(super) fn lengthening(&self) -> f64 {
+        norm(&(self.linear.transpose() * self.linear)).sqrt()
+    }
+
     /// Upper bound on the factor by which the largest coordinate of a vector grows.
     pub(super) fn stretch(&self) -> f64 {
         norm(&self.linear)

@@ -41,11 +41,13 @@ pub enum Purpose {
     Reference = 13,
     /// Point on an area light, and point on the ray that is connected to it.
     AreaLightAlong = 14,
+    /// Direction to a mirror or to glass, and the choices of glass from there on.
+    Caustic = 15,
 }
 
 impl Purpose {
     /// All purposes, by ascending discriminant.
-    pub const ALL: [Purpose; 15] = [
+    pub const ALL: [Purpose; 16] = [
         Purpose::Camera,
         Purpose::FreeFlight,
         Purpose::Collision,
@@ -61,6 +63,7 @@ impl Purpose {
         Purpose::Emission,
         Purpose::Reference,
         Purpose::AreaLightAlong,
+        Purpose::Caustic,
     ];
 }
 
@@ -119,6 +122,7 @@ impl Stream {
     /// # Panics
     ///
     /// As [`Stream::uniform`].
+    #[inline(never)]
     pub fn pair(&self, bounce: u32, purpose: Purpose, pair: u32) -> [f64; 2] {
         let [a, b, c, d] = philox4x32_10(self.counter(bounce, purpose, pair), self.key);
         [unit_interval(a, b), unit_interval(c, d)]
@@ -145,6 +149,7 @@ fn unit_interval(low: u32, high: u32) -> f64 {
 }
 
 /// Philox4x32 with ten rounds: a bijection of `counter`, another one for each `key`.
+#[inline]
 pub fn philox4x32_10(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     // Multipliers chosen for avalanche by the authors; the key moves on by the golden ratio
     // and √3 − 1, times 2^32.

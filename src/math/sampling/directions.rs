@@ -46,6 +46,14 @@ impl Cone {
         })
     }
 
+    /// The cone of all lines from a point to a sphere of `radius`, whose centre is at a `distance` that
+    /// is larger; both in the same unit. `None` from inside, and where the cone has no width.
+    pub fn around_sphere(radius: f64, distance: f64) -> Option<Cone> {
+        let sine = radius / distance;
+        let one_minus_cos = sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt());
+        (sine < 1.0 && one_minus_cos > 0.0).then_some(Cone { one_minus_cos })
+    }
+
     /// Cosine of the half-angle. A direction belongs to the cone if its cosine is larger:
     /// the edge itself lies outside.
     pub fn cos(&self) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::sampler::Sampler;
 use super::segments::MediumSegments;
+use super::specular_chain::SpecularChain;
 use super::tracker::{Tracker, TrackerScratch};
 use crate::geometry::Ray;
 use glam::DVec3;
@@ -32,8 +33,10 @@ pub struct PathContext<'c, W> {
 /// The choice of a direction that a ray left in.
 #[derive(Clone, Copy, Debug)]
 pub enum PreviousBounce {
-    /// The eye, a mirror or glass: no other sampler finds a light along the ray.
-    Specular,
+    /// The eye: no other sampler finds a light along the ray.
+    Eye,
+    /// A mirror or glass.
+    Specular(SpecularChain),
     /// A diffuse surface: the density of the direction, per steradian.
     Surface(f64),
     /// A collision with media.
@@ -55,7 +58,7 @@ impl PreviousBounce {
     /// Density of the direction, per steradian; `None` where there is no range of directions.
     pub fn pdf(&self) -> Option<f64> {
         match *self {
-            PreviousBounce::Specular => None,
+            PreviousBounce::Eye | PreviousBounce::Specular(_) => None,
             PreviousBounce::Surface(pdf)
             | PreviousBounce::Medium(PreviousCollision { pdf, .. }) => Some(pdf),
         }
@@ -86,7 +89,7 @@ impl<'c, W> PathContext<'c, W> {
         PathContext {
             ray,
             throughput: DVec3::ONE,
-            previous: PreviousBounce::Specular,
+            previous: PreviousBounce::Eye,
             depth: 0,
             bounces_left: limit,
             segments: &mut scratch.segments,

@@ -8,15 +8,16 @@
 //! |---|---|
 //! | `kernels` | what a plan compiles |
 //! | [`path_tracer`], [`line_of_sight`] | the two renderers |
-//! | [`light_vertices`], [`area_light_along`], [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
+//! | [`light_vertices`], [`area_light_along`], [`single_scattering`], [`caustics`], [`lights_through_glass`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
 //! | [`visibility`], [`transmittance`], [`scattering`], [`intersection`], [`shadow_edges`] |
 //! queries of estimators to a scene |
-//! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
+//! | [`context`], [`specular_chain`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
 //! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
-//! | [`media`], [`medium`], [`majorants`], [`surfaces`] | the media and surfaces of a scene |
+//! | [`media`], [`medium`], [`majorants`], [`surfaces`], [`specular_objects`] | the media and surfaces of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
 pub mod area_light_along;
+pub mod caustics;
 pub mod context;
 pub mod direct_light;
 pub mod effects;
@@ -25,6 +26,7 @@ pub mod free_flight;
 pub mod intersection;
 pub(super) mod kernels;
 pub mod light_vertices;
+pub mod lights_through_glass;
 pub mod line_of_sight;
 pub mod majorants;
 pub mod media;
@@ -38,6 +40,8 @@ pub mod segments;
 pub mod shadow_edges;
 pub mod single_scattering;
 pub mod specular;
+pub mod specular_chain;
+pub mod specular_objects;
 pub mod surfaces;
 pub mod tracker;
 pub mod tracking;

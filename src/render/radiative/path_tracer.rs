@@ -7,10 +7,10 @@
 //!
 //! Every light is counted once. Lights without extent can only be connected to, directly or by
 //! single scattering in a medium, and both samplers of that scattering are weighted by multiple
-//! importance sampling; an area light is connected to *and* hit, weighted likewise; the
-//! environment, being the same in all directions, is only hit, since directions are sampled in
-//! proportion to their contribution. So in a furnace, a conservative scene with an environment
-//! alone and no glass, every path returns exactly the radiance of the environment.
+//! importance sampling; an area light is connected to *and* hit, weighted likewise, also by way of a
+//! mirror or glass; the environment, being the same in all directions, is only hit, since directions
+//! are sampled in proportion to their contribution. So in a furnace, a conservative scene with an
+//! environment alone and no glass, every path returns exactly the radiance of the environment.
 //!
 //! Sources: Kajiya 1986, "The rendering equation", SIGGRAPH '86; Veach 1997, thesis, ch. 9–11;
 //! Kulla & Fajardo 2012 for lights in media.
@@ -23,7 +23,8 @@ use super::light_vertices::{weight_in_medium, weight_on_surface};
 use super::sampler::Sampler;
 use super::scene_context::{PositionedLight, SceneContext};
 use super::single_scattering::ScatteringPointSampler;
-use super::specular::{facing, mirrored, through_glass};
+use super::specular::{facing, specular_bounce};
+use super::specular_chain::SpecularChain;
 use super::surfaces::{Intersection, SurfaceIndex};
 use super::vertex::Vertex;
 use crate::geometry::{Hit, Ray};
@@ -55,10 +56,8 @@ pub enum PathFault {
 enum Interaction {
     /// A vertex that scatters into a range of directions, and the distance of a collision.
     Scattering(Vertex, Option<f64>),
-    /// A mirror of this reflectance.
-    Mirror(Hit, DVec3),
-    /// Glass of this refractive index.
-    Glass(Hit, f64),
+    /// A mirror or glass, by its index among the objects.
+    Specular(usize, Hit),
 }
 
 /// The direction in which a path continues.
@@ -120,10 +119,13 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                     radiance += path.throughput * self.area_lights_along(path);
                 }
             }
-            if let Some(Intersection { surface, hit }) = &intersection
-                && let SurfaceIndex::AreaLight(index) = *surface
-            {
-                radiance += path.throughput * self.area_light(index, hit, path);
+            if let Some(end @ Intersection { surface, hit }) = &intersection {
+                if let SurfaceIndex::AreaLight(index) = *surface {
+                    radiance += path.throughput * self.area_light(index, hit, path);
+                } else if path.depth == 0 {
+                    let (ray, limit) = (&path.ray, path.bounces_left);
+                    radiance += scene.lights_through_glass(ray, end, limit, &mut path.tracker);
+                }
             }
 
             let interaction = match scene.flight(path) {
@@ -235,7 +237,8 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let scene = &self.scene;
         let light = &scene.radiative.area_lights[index];
         let weight = match path.previous {
-            PreviousBounce::Specular => 1.0,
+            PreviousBounce::Eye => 1.0,
+            PreviousBounce::Specular(chain) => chain.weight,
             PreviousBounce::Surface(pdf) => weight_of_hit(light, &path.ray, hit, pdf),
             PreviousBounce::Medium(collision) => {
                 scene.weight_after_collision(index, hit, path, &collision)
@@ -279,6 +282,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 radiance += scene.by_light_vertices(vertex, &light, path);
             }
         }
+        radiance += scene.caustic(vertex, path).unwrap_or(DVec3::ZERO);
         if let Vertex::Diffuse { .. } = vertex {
             for index in 0..scene.radiative.area_lights.len() {
                 radiance += scene.direct_area_light(vertex, index, &mut path.tracker);
@@ -293,7 +297,6 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         interaction: &Interaction,
         path: &mut PathContext<'_, W>,
     ) -> Option<Bounce> {
-        let previous = PreviousBounce::Specular;
         match interaction {
             Interaction::Scattering(vertex, collided_at) => {
                 let throughput = path.throughput;
@@ -308,19 +311,29 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                     },
                 })
             }
-            Interaction::Mirror(hit, reflectance) => Some(Bounce {
-                ray: mirrored(&path.ray, hit)?,
-                weight: *reflectance,
-                previous,
-            }),
-            Interaction::Glass(hit, index) => {
+            Interaction::Specular(object, hit) => {
                 let sampler = &mut path.tracker.sampler;
-                let (ray, weight) = through_glass(&path.ray, hit, *index, sampler)?;
+                let choice = || sampler.one(Purpose::Surface);
+                let material = &self.scene.radiative.objects[*object].material;
+                let bounce = specular_bounce(material, &path.ray, hit, choice)?;
                 Some(Bounce {
-                    ray,
-                    weight: DVec3::splat(weight),
-                    previous,
+                    ray: bounce.ray,
+                    weight: bounce.weight,
+                    previous: PreviousBounce::Specular(self.specular_chain(*object, path)),
                 })
+            }
+        }
+    }
+
+    /// The chain of specular bounces that the bounce of `path` on `object` begins or continues.
+    fn specular_chain<W>(&self, object: usize, path: &PathContext<'_, W>) -> SpecularChain {
+        let scene = &self.scene;
+        match path.previous {
+            PreviousBounce::Eye => scene.chain_from_eye(),
+            PreviousBounce::Specular(chain) => chain.continued(object),
+            PreviousBounce::Surface(pdf)
+            | PreviousBounce::Medium(PreviousCollision { pdf, .. }) => {
+                scene.chain_from_vertex(object, path, pdf)
             }
         }
     }
@@ -335,8 +348,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 };
                 Interaction::Scattering(vertex, None)
             }
-            Material::Mirror(reflectance) => Interaction::Mirror(hit, reflectance),
-            Material::Glass(index) => Interaction::Glass(hit, index),
+            Material::Mirror(_) | Material::Glass(_) => Interaction::Specular(index, hit),
         }
     }
 }

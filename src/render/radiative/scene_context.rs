@@ -2,6 +2,7 @@
 
 use super::effects::Effects;
 use super::media::Media;
+use super::specular_objects::SpecularObject;
 use super::surfaces::Surfaces;
 use crate::geometry::{Emitter, EmitterExtent};
 use crate::optics::Light;
@@ -20,6 +21,8 @@ pub struct SceneContext<'s, E> {
     pub surfaces: Surfaces<'s>,
     /// Centres and sizes of its area lights, in their order.
     pub area_light_extents: Vec<EmitterExtent>,
+    /// Its mirrors and glass, if it has area lights.
+    pub specular_objects: Vec<SpecularObject>,
     effects: PhantomData<E>,
 }
 
@@ -51,6 +54,11 @@ impl<'s, E: Effects> SceneContext<'s, E> {
         let extents = extents.map(|light| light.shape.extent());
         SceneContext {
             area_light_extents: extents.collect(),
+            specular_objects: if radiative.area_lights.is_empty() {
+                vec![]
+            } else {
+                SpecularObject::of(radiative)
+            },
             radiative,
             media,
             surfaces: Surfaces::new(radiative),

@@ -89,6 +89,20 @@ impl<'s> Surfaces<'s> {
         nearest.map(|(surface, crossing)| self.intersection(ray, surface, &crossing))
     }
 
+    /// The nearest area light on `ray` before the distance `limit`, whatever stands in front of it, by
+    /// its index.
+    pub fn nearest_light(&self, ray: &Ray, mut limit: f64) -> Option<(usize, Hit)> {
+        let mut nearest = None;
+        for (index, light) in self.area_lights.iter().enumerate() {
+            if let Some(crossing) = light.shape.crossing(ray, limit) {
+                limit = crossing.t;
+                nearest = Some((index, crossing));
+            }
+        }
+        let (index, crossing) = nearest?;
+        Some((index, self.area_lights[index].shape.hit_at(ray, &crossing)))
+    }
+
     fn intersection(&self, ray: &Ray, surface: SurfaceIndex, crossing: &Crossing) -> Intersection {
         let hit = match surface {
             SurfaceIndex::Object(index) => self.objects[index].shape.hit_at(ray, crossing),

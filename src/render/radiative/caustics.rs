@@ -1,0 +1,163 @@
+//! Caustics: light of area lights that reaches a vertex by way of a mirror or glass.
+//!
+//! A path finds this light only if its direction happens to meet the mirror or the glass, and goes on to
+//! a light from there. Few paths do, and each returns the whole radiance of the light. So directions are
+//! also sampled within the cone around a mirror or glass, and followed while they bounce on it. A path
+//! that hits a light after the same bounces finds the same light; both samplers are weighted by multiple
+//! importance sampling at the vertex, the only place where their densities differ. Light by two objects,
+//! or for a vertex within the sphere around one, is left to paths.
+//!
+//! Occlusion is tested last: most of the directions end at no light.
+//!
+//! Source: Veach 1997, thesis, ch. 9, for the weights.
+
+use super::context::PathContext;
+use super::direct_light::emitted_radiance;
+use super::effects::Effects;
+use super::scene_context::SceneContext;
+use super::specular::specular_bounce;
+use super::specular_chain::{Follower, SpecularChain};
+use super::specular_objects::SpecularObject;
+use super::surfaces::SurfaceIndex;
+use super::tracker::Tracker;
+use super::vertex::Vertex;
+use crate::geometry::{Ray, Surface};
+use crate::math::rng::Purpose;
+use crate::math::sampling::power_heuristic;
+use crate::render::counters::{Event, Work};
+use arrayvec::ArrayVec;
+use glam::DVec3;
+
+/// Part of the vertices behind the first from which a mirror or glass is aimed at. Each aim takes a third
+/// of the time of a bounce. Error squared times time in rooms of fog, over that of 0.1: of 0 it is 1.00
+/// to 1.12, of 0.25 it is 0.95 to 1.03, of 0.5 it is 0.92 where the fog only absorbs and 1.08 where it
+/// only scatters.
+const AIMS: f64 = 0.1;
+
+/// A straight piece of a chain: a ray, and the surface at its end.
+struct Link {
+    ray: Ray,
+    t: f64,
+    surface: SurfaceIndex,
+}
+
+/// A chain from a vertex to an area light.
+struct Chain {
+    links: ArrayVec<Link, { Follower::FROM_VERTEX + 1 }>,
+    /// Radiance at its beginning, by channel, through vacuum.
+    radiance: DVec3,
+}
+
+impl<E: Effects> SceneContext<'_, E> {
+    /// Radiance scattered at `vertex` of `path` of the light of area lights by way of mirrors and glass,
+    /// one of which is aimed at, or none. `None` where nothing is found.
+    pub fn caustic<W: Work>(
+        &self,
+        vertex: &Vertex,
+        path: &mut PathContext<'_, W>,
+    ) -> Option<DVec3> {
+        let probability = self.aim_probability(path.depth)?;
+        let tracker = &mut path.tracker;
+        let [u, v] = tracker.sampler.pair(Purpose::Caustic, 0);
+        // What is left of the choice is uniform again.
+        let choice = u / probability;
+        let target = self.specular_objects.get(choice as usize)?;
+        let cone = target.seen_from(vertex.point())?;
+        let direction = cone.direction([choice.fract(), v]);
+        let response = self.response(vertex, direction, tracker.work);
+        if response.value == DVec3::ZERO {
+            return None;
+        }
+        // One bounce is that at the vertex.
+        let most = path.bounces_left.saturating_sub(1) as usize;
+        let most = most.min(Follower::FROM_VERTEX);
+        let chain = self.chain_to_light(vertex.leave(direction)?, target, most, tracker)?;
+        for link in &chain.links {
+            let nearest = self.intersect(&link.ray, tracker.work)?;
+            if nearest.surface != link.surface {
+                return None;
+            }
+        }
+        let mut radiance = chain.radiance;
+        if E::MEDIA {
+            for link in &chain.links {
+                radiance *= self.transmittance(&link.ray, link.t, tracker);
+            }
+        }
+        let pdf = probability * cone.pdf();
+        let weight = power_heuristic(pdf, response.pdf) / pdf;
+        Some(response.value * radiance * weight)
+    }
+
+    /// The chain that begins with `ray`, bounces on `target` at most `most` times, and ends at an area
+    /// light, as if no other surface were there.
+    fn chain_to_light<W: Work>(
+        &self,
+        mut ray: Ray,
+        target: &SpecularObject,
+        most: usize,
+        tracker: &mut Tracker<'_, W>,
+    ) -> Option<Chain> {
+        let object = &self.radiative.objects[target.object];
+        let lights = self.radiative.area_lights.len() as u64;
+        let mut links = ArrayVec::new();
+        let mut throughput = DVec3::ONE;
+        let mut choices = [0.0; 2];
+        loop {
+            tracker.work.count(Event::SurfaceTest);
+            let crossing = object.shape.crossing(&ray, f64::INFINITY);
+            let bounces = links.len();
+            if bounces > 0 {
+                let limit = crossing.map_or(f64::INFINITY, |crossing| crossing.t);
+                tracker.work.count_times(Event::SurfaceTest, lights);
+                if let Some((index, hit)) = self.surfaces.nearest_light(&ray, limit) {
+                    let emitted = emitted_radiance(&self.radiative.area_lights[index], &hit);
+                    let (t, surface) = (hit.t, SurfaceIndex::AreaLight(index));
+                    links.push(Link { ray, t, surface });
+                    let radiance = throughput * emitted;
+                    return (radiance != DVec3::ZERO).then_some(Chain { links, radiance });
+                }
+            }
+            if bounces == most {
+                return None;
+            }
+            let hit = object.shape.hit_at(&ray, &crossing?);
+            let choice = || {
+                if bounces % 2 == 0 {
+                    choices = tracker.sampler.pair(Purpose::Caustic, 1 + bounces / 2);
+                }
+                choices[bounces % 2]
+            };
+            let bounce = specular_bounce(&object.material, &ray, &hit, choice)?;
+            let (t, surface) = (hit.t, SurfaceIndex::Object(target.object));
+            links.push(Link { ray, t, surface });
+            throughput *= bounce.weight;
+            ray = bounce.ray;
+        }
+    }
+
+    /// The chain that the bounce of `path` on `object` begins, in a direction that was sampled with the
+    /// density `scattered_pdf`.
+    pub fn chain_from_vertex<W>(
+        &self,
+        object: usize,
+        path: &PathContext<'_, W>,
+        scattered_pdf: f64,
+    ) -> SpecularChain {
+        let mut objects = self.specular_objects.iter();
+        let target = objects.find(|it| it.object == object);
+        let cone = target.and_then(|target| target.seen_from(path.ray.origin));
+        let (Some(probability), Some(cone)) = (self.aim_probability(path.depth - 1), cone) else {
+            return SpecularChain::ALONE;
+        };
+        let weight = power_heuristic(scattered_pdf, probability * cone.pdf());
+        SpecularChain::begun(Follower::Vertex(object), weight)
+    }
+
+    /// Probability that each of the objects is aimed at from the vertex behind `depth` bounces.
+    fn aim_probability(&self, depth: u32) -> Option<f64> {
+        let objects = self.specular_objects.len();
+        let aims = if depth == 0 { 1.0 } else { AIMS };
+        (objects > 0).then_some(aims / objects as f64)
+    }
+}

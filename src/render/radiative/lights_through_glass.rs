@@ -1,0 +1,97 @@
+//! Area lights seen from the eye by way of mirrors and glass.
+//!
+//! Glass reflects a few per cent, and refracts the rest. A path takes one of both ways, at random: where
+//! a light is seen reflected, few paths bring back all of it, and the pixels are noisier than all others.
+//! So lights are also looked for along both ways, from the eye on, and what is found is complete: paths
+//! count lights only behind more bounces.
+
+use super::direct_light::emitted_radiance;
+use super::effects::Effects;
+use super::scene_context::SceneContext;
+use super::specular::specular_bounces;
+use super::specular_chain::{Follower, SpecularChain};
+use super::surfaces::{Intersection, SurfaceIndex};
+use super::tracker::Tracker;
+use crate::geometry::Ray;
+use crate::render::counters::Work;
+use glam::DVec3;
+
+impl<E: Effects> SceneContext<'_, E> {
+    /// Radiance of area lights along `ray` from the eye, which ends at `end`, behind one specular bounce
+    /// or more: up to [`Follower::FROM_EYE`], and no more than `limit`.
+    pub fn lights_through_glass<W: Work>(
+        &self,
+        ray: &Ray,
+        end: &Intersection,
+        limit: u32,
+        tracker: &mut Tracker<'_, W>,
+    ) -> DVec3 {
+        if !self.is_followed_from_eye() {
+            return DVec3::ZERO;
+        }
+        self.lights_behind(ray, end, Follower::FROM_EYE.min(limit as usize), tracker)
+    }
+
+    /// Radiance of area lights along `ray`, which ends at `end`, behind one to `most` bounces.
+    fn lights_behind<W: Work>(
+        &self,
+        ray: &Ray,
+        end: &Intersection,
+        most: usize,
+        tracker: &mut Tracker<'_, W>,
+    ) -> DVec3 {
+        let SurfaceIndex::Object(index) = end.surface else {
+            return DVec3::ZERO;
+        };
+        if most == 0 {
+            return DVec3::ZERO;
+        }
+        let material = &self.radiative.objects[index].material;
+        let mut radiance = DVec3::ZERO;
+        for way in specular_bounces(material, ray, &end.hit)
+            .into_iter()
+            .flatten()
+        {
+            let Some(next) = self.intersect(&way.ray, tracker.work) else {
+                continue;
+            };
+            let beyond = match next.surface {
+                SurfaceIndex::AreaLight(light) => {
+                    let emitted = emitted_radiance(&self.radiative.area_lights[light], &next.hit);
+                    self.attenuated(emitted, &way.ray, next.hit.t, tracker)
+                }
+                SurfaceIndex::Object(_) => self.lights_behind(&way.ray, &next, most - 1, tracker),
+            };
+            radiance += way.share * way.weight * beyond;
+        }
+        self.attenuated(radiance, ray, end.hit.t, tracker)
+    }
+
+    /// `radiance` from the distance `t` of `ray`, seen from its origin.
+    fn attenuated<W: Work>(
+        &self,
+        radiance: DVec3,
+        ray: &Ray,
+        t: f64,
+        tracker: &mut Tracker<'_, W>,
+    ) -> DVec3 {
+        if !E::MEDIA || radiance == DVec3::ZERO {
+            return radiance;
+        }
+        radiance * self.transmittance(ray, t, tracker)
+    }
+
+    /// The chain that the first bounce of a path from the eye begins.
+    pub fn chain_from_eye(&self) -> SpecularChain {
+        if self.is_followed_from_eye() {
+            SpecularChain::begun(Follower::Eye, 0.0)
+        } else {
+            SpecularChain::ALONE
+        }
+    }
+
+    /// Behind mirrors alone a path finds as much.
+    fn is_followed_from_eye(&self) -> bool {
+        self.specular_objects.iter().any(|it| it.is_glass)
+    }
+}
