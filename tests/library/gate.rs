@@ -6,9 +6,13 @@
 
 use crate::common::simulated::{Sampling, Shape, faults, replicates, sampled, scene, silent};
 use rayon::prelude::*;
+use std::path::Path;
 use volref::compare::significance::at_least;
 use volref::compare::stochastic::{FALSE_ALARM, judge_at};
 use volref::film::Film;
+use volref::render::{self, Seed, plans};
+use volref::scene::Scene;
+use volref::suite::{Golden, Suite};
 
 /// Pixels on a side: 64 blocks, of which the edges cut none and the scene's many.
 const SIDE: usize = 64;
@@ -284,5 +288,82 @@ fn power_in_full() {
         let (side, trials) = (192, 10);
         let title = format!("{} noise, {side} × {side} pixels", shape.name);
         print(&title, trials, &power(trials, side, shape));
+    }
+}
+
+/// Cases of the suite and samples per pixel of renderings in which faults are looked for.
+const OF_THE_SUITE: [(&str, u32); 10] = [
+    ("smoke/cornell", 64),
+    ("smoke/cornell", 1024),
+    ("procedural/gain-0.5", 64),
+    ("procedural/gain-0.5", 1024),
+    ("fog/rate-0.1", 64),
+    ("fog/rate-0.1", 1024),
+    ("fog/spotlight", 64),
+    ("fog/spotlight", 1024),
+    ("fog/backward", 64),
+    ("fog/backward", 1024),
+];
+
+/// The golden of a case of `suite`, and the level of one case of all.
+fn golden(suite: &Suite, name: &str) -> (Film, f64) {
+    let case = suite.cases().iter().find(|case| case.name == name).unwrap();
+    let film = Golden::read(&suite.store(), case).unwrap().film;
+    (film, FALSE_ALARM / suite.cases().len() as f64)
+}
+
+/// The table of faults in renderings beside goldens: for each, whether the gate calls it out with the
+/// variance stated and without; and with it stated, beside the goldens of another suite,
+/// `$VOLREF_BEFORE`, and those of this one.
+#[test]
+#[ignore = "minutes: the figures of the guide"]
+fn faults_beside_goldens() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let suite = Suite::open(root).unwrap();
+    let before = std::env::var_os("VOLREF_BEFORE");
+    let before = before.map(|folder| Suite::open(Path::new(&folder)).unwrap());
+    let mut rows: Vec<[String; 2]> = Vec::new();
+    for (name, samples) in OF_THE_SUITE {
+        let scene = Scene::load(&root.join(format!("fixtures/scenes/{name}.toml"))).unwrap();
+        let sampling = render::Sampling {
+            samples: Some(samples),
+            seed: Seed::Given(1),
+        };
+        let honest = render::render(&plans(&scene), sampling, &|| {})
+            .unwrap()
+            .film;
+        let (now, level) = golden(&suite, name);
+        let mut tests = vec![
+            ("none", honest.clone()),
+            ("a copy of the golden", now.clone()),
+        ];
+        let spoilt = faults().into_iter();
+        tests.extend(spoilt.map(|(fault, spoil)| (fault, spoil(&honest))));
+        let mark = |golden: &Film, test: &Film, level| {
+            let passed = judge_at(golden, test, level).unwrap().passed;
+            if passed { "-" } else { "x" }
+        };
+        let started = !rows.is_empty();
+        for (row, (fault, test)) in tests.iter().enumerate() {
+            if !started {
+                rows.push([format!("| {fault} |"), format!("| {fault} |")]);
+            }
+            let stated = mark(&now, test, level);
+            rows[row][0] += &format!(" {stated} {} |", mark(&now, &silent(test), level));
+            if let Some(before) = &before {
+                let (golden, level) = golden(before, name);
+                rows[row][1] += &format!(" {} {stated} |", mark(&golden, test, level));
+            }
+        }
+        assert!(
+            rows[0][0].ends_with("- - |"),
+            "{name}: an honest image fails"
+        );
+    }
+    println!("{OF_THE_SUITE:?}");
+    for table in 0..=usize::from(before.is_some()) {
+        for row in &rows {
+            println!("{}", row[table]);
+        }
     }
 }
