@@ -122,6 +122,7 @@ impl Stream {
     /// # Panics
     ///
     /// As [`Stream::uniform`].
+    // One copy, with the rounds within: a copy at each caller takes 5 to 8 % more time in rooms of fog.
     #[inline(never)]
     pub fn pair(&self, bounce: u32, purpose: Purpose, pair: u32) -> [f64; 2] {
         let [a, b, c, d] = philox4x32_10(self.counter(bounce, purpose, pair), self.key);

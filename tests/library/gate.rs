@@ -333,6 +333,7 @@ fn faults_beside_goldens() {
             .unwrap()
             .film;
         let (now, level) = golden(&suite, name);
+        let before = before.as_ref().map(|suite| golden(suite, name));
         let mut tests = vec![
             ("none", honest.clone()),
             ("a copy of the golden", now.clone()),
@@ -350,9 +351,8 @@ fn faults_beside_goldens() {
             }
             let stated = mark(&now, test, level);
             rows[row][0] += &format!(" {stated} {} |", mark(&now, &silent(test), level));
-            if let Some(before) = &before {
-                let (golden, level) = golden(before, name);
-                rows[row][1] += &format!(" {} {stated} |", mark(&golden, test, level));
+            if let Some((before, level)) = &before {
+                rows[row][1] += &format!(" {} {stated} |", mark(before, test, *level));
             }
         }
         assert!(

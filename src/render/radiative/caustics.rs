@@ -59,7 +59,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let probability = self.aim_probability(path.depth)?;
         let tracker = &mut path.tracker;
         let [u, v] = tracker.sampler.pair(Purpose::Caustic, 0);
-        // What is left of the choice is uniform again.
+        // The rest of the choice is uniform again.
         let choice = u / probability;
         let target = self.specular_objects.get(choice as usize)?;
         let cone = target.seen_from(vertex.point())?;

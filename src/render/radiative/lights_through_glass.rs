@@ -17,8 +17,8 @@ use crate::render::counters::Work;
 use glam::DVec3;
 
 impl<E: Effects> SceneContext<'_, E> {
-    /// Radiance of area lights along `ray` from the eye, which ends at `end`, behind one specular bounce
-    /// or more: up to [`Follower::FROM_EYE`], and no more than `limit`.
+    /// Radiance of area lights along `ray` from the eye, which ends at `end`, a mirror or glass: behind up
+    /// to [`Follower::FROM_EYE`] specular bounces, and no more than `limit`.
     pub fn lights_through_glass<W: Work>(
         &self,
         ray: &Ray,
@@ -32,7 +32,7 @@ impl<E: Effects> SceneContext<'_, E> {
         self.lights_behind(ray, end, Follower::FROM_EYE.min(limit as usize), tracker)
     }
 
-    /// Radiance of area lights along `ray`, which ends at `end`, behind one to `most` bounces.
+    /// Radiance of area lights along `ray`, which ends at `end`, behind at most `most` bounces.
     fn lights_behind<W: Work>(
         &self,
         ray: &Ray,
@@ -40,45 +40,27 @@ impl<E: Effects> SceneContext<'_, E> {
         most: usize,
         tracker: &mut Tracker<'_, W>,
     ) -> DVec3 {
-        let SurfaceIndex::Object(index) = end.surface else {
-            return DVec3::ZERO;
-        };
-        if most == 0 {
-            return DVec3::ZERO;
-        }
-        let material = &self.radiative.objects[index].material;
         let mut radiance = DVec3::ZERO;
-        for way in specular_bounces(material, ray, &end.hit)
-            .into_iter()
-            .flatten()
-        {
-            let Some(next) = self.intersect(&way.ray, tracker.work) else {
-                continue;
-            };
-            let beyond = match next.surface {
-                SurfaceIndex::AreaLight(light) => {
-                    let emitted = emitted_radiance(&self.radiative.area_lights[light], &next.hit);
-                    self.attenuated(emitted, &way.ray, next.hit.t, tracker)
+        match end.surface {
+            SurfaceIndex::AreaLight(index) => {
+                radiance = emitted_radiance(&self.radiative.area_lights[index], &end.hit);
+            }
+            SurfaceIndex::Object(index) if most > 0 => {
+                let material = &self.radiative.objects[index].material;
+                let ways = specular_bounces(material, ray, &end.hit);
+                for way in ways.into_iter().flatten() {
+                    if let Some(next) = self.intersect(&way.ray, tracker.work) {
+                        let beyond = self.lights_behind(&way.ray, &next, most - 1, tracker);
+                        radiance += way.share * way.weight * beyond;
+                    }
                 }
-                SurfaceIndex::Object(_) => self.lights_behind(&way.ray, &next, most - 1, tracker),
-            };
-            radiance += way.share * way.weight * beyond;
+            }
+            SurfaceIndex::Object(_) => {}
         }
-        self.attenuated(radiance, ray, end.hit.t, tracker)
-    }
-
-    /// `radiance` from the distance `t` of `ray`, seen from its origin.
-    fn attenuated<W: Work>(
-        &self,
-        radiance: DVec3,
-        ray: &Ray,
-        t: f64,
-        tracker: &mut Tracker<'_, W>,
-    ) -> DVec3 {
-        if !E::MEDIA || radiance == DVec3::ZERO {
-            return radiance;
+        if E::MEDIA && radiance != DVec3::ZERO {
+            radiance *= self.transmittance(ray, end.hit.t, tracker);
         }
-        radiance * self.transmittance(ray, t, tracker)
+        radiance
     }
 
     /// The chain that the first bounce of a path from the eye begins.
