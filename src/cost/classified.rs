@@ -10,8 +10,8 @@ use crate::render::classified::empty_space::{EmptySpace, Skipping};
 use crate::render::classified::field::{GridField, ScalarField};
 use crate::render::classified::ray_caster::RayCaster;
 use crate::render::classified::shading::{Shaded, Shading};
-use crate::render::classified::steps::Steps;
-use crate::render::classified::volume_shadow::{SamplePoint, Visibility, VolumeShadow, shadow_ray};
+use crate::render::classified::steps::{SamplePoint, Steps};
+use crate::render::classified::volume_shadow::{Visibility, VolumeShadow, shadow_ray};
 use crate::render::counters::{Event, Work};
 use crate::scene::{Classified, Shadow};
 use crate::volume::{DensityField, GridDensity, Interpolation, relative_gradients};
@@ -239,23 +239,17 @@ fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
 
 /// Shading, if there is any.
 impl Shading for Option<Shaded> {
-    type Location<F: ScalarField> = F::Location;
-
-    fn location<F: ScalarField>(location: F::Location) -> F::Location {
-        location
-    }
-
     fn shade<F: ScalarField, W: Work>(
         &self,
         colour: DVec3,
         field: &F,
-        place: &F::Location,
+        location: &F::Location,
         point: DVec3,
         ray: &Ray,
         work: &mut W,
     ) -> DVec3 {
         match self {
-            Some(shaded) => shaded.shade(colour, field, place, point, ray, work),
+            Some(shaded) => shaded.shade(colour, field, location, point, ray, work),
             None => colour,
         }
     }

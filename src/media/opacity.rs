@@ -18,7 +18,7 @@ pub fn over_length(opacity: f64, ratio: f64) -> f64 {
 }
 
 /// [`over_length`] of several opacities, each over its own ratio: the same bits, in less time.
-#[inline]
+#[inline(always)]
 pub fn over_lengths<const N: usize>(opacities: [f64; N], ratios: [f64; N]) -> [f64; N] {
     let mut depths = math::ln_1p_of_several(opacities.map(|opacity| -opacity));
     for (depth, ratio) in depths.iter_mut().zip(ratios) {

@@ -3,7 +3,7 @@
 //! A lookup has two halves: finding the [`Cell`] around a point, and reading a grid there.
 //! Density and gradient at one point share the first half.
 
-use super::{Grid, Lattice, NodePoint};
+use super::{Cells, Grid, Lattice, NodePoint};
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
@@ -83,11 +83,11 @@ impl Lerp for DVec3 {}
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
     /// Index of the node with the smallest coordinates.
-    low: usize,
+    pub(super) low: usize,
     /// How far away in the array the neighbour along each axis is (0 where clamped).
-    step: [usize; 3],
+    pub(super) step: [usize; 3],
     /// Position between the two nodes of each axis.
-    t: DVec3,
+    pub(super) t: DVec3,
 }
 
 impl Cell {
@@ -175,6 +175,12 @@ impl Cell {
 pub trait Reconstruction: Copy + Sync {
     /// The value of `grid` at the point of `cell`.
     fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value;
+
+    /// The values of `grid` at the points of `cells`, each with the bits of [`Reconstruction::read`].
+    #[inline(always)]
+    fn read_several<const N: usize>(self, grid: &Grid<f32>, cells: &Cells<N>) -> [f64; N] {
+        std::array::from_fn(|index| self.read(grid, &cells.cell(index)))
+    }
 }
 
 impl Reconstruction for Interpolation {
@@ -195,6 +201,11 @@ impl Reconstruction for Trilinear {
     #[inline]
     fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
         cell.trilinear(grid)
+    }
+
+    #[inline(always)]
+    fn read_several<const N: usize>(self, grid: &Grid<f32>, cells: &Cells<N>) -> [f64; N] {
+        cells.trilinear(grid)
     }
 }
 

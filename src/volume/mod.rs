@@ -31,6 +31,7 @@ mod raw_volume;
 mod samples;
 mod source;
 mod splat;
+mod trilinear_batch;
 mod walk;
 
 pub use blob::Blob;
@@ -64,4 +65,5 @@ pub use raw_volume::RawVolume;
 pub use samples::{Element, Encoding, Endian, Layout};
 pub use source::FileRead;
 pub use splat::{Splatting, splat, splat_weights};
+pub use trilinear_batch::{Cells, NodePoints};
 pub use walk::{Visit, Walk};

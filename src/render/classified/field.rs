@@ -1,7 +1,7 @@
 //! The scalar field along a ray, and its reconstruction between nodes.
 
 use crate::render::counters::{Event, Work};
-use crate::volume::{Cell, Grid, Lattice, NodePoint, Reconstruction};
+use crate::volume::{Cell, Cells, Grid, Lattice, NodePoint, NodePoints, Reconstruction};
 use glam::DVec3;
 
 /// A scalar field with gradients, reconstructed from a lattice.
@@ -12,6 +12,9 @@ pub trait ScalarField: Sync {
     /// Location of a point in the lattice: found once, used for density and gradient.
     type Location;
 
+    /// Locations of several points.
+    type Locations<const N: usize>;
+
     /// The lattice below the field.
     fn lattice(&self) -> &Lattice;
 
@@ -20,6 +23,21 @@ pub trait ScalarField: Sync {
 
     /// Density at a location.
     fn density<W: Work>(&self, location: &Self::Location, work: &mut W) -> f64;
+
+    /// The locations of several points.
+    fn locate_several<const N: usize>(&self, points: &NodePoints<N>) -> Self::Locations<N>;
+
+    /// One of several locations.
+    fn location<const N: usize>(locations: &Self::Locations<N>, index: usize) -> Self::Location;
+
+    /// Densities at several locations, each with the bits of [`ScalarField::density`]; `count` of them
+    /// are looked up for a sample.
+    fn densities<const N: usize, W: Work>(
+        &self,
+        locations: &Self::Locations<N>,
+        count: usize,
+        work: &mut W,
+    ) -> [f64; N];
 
     /// Stored gradient at a location, reconstructed like the density, in the unit it is stored in.
     fn gradient<W: Work>(
@@ -50,6 +68,8 @@ impl<'g, R: Reconstruction> GridField<'g, R> {
 impl<R: Reconstruction> ScalarField for GridField<'_, R> {
     type Location = Cell;
 
+    type Locations<const N: usize> = Cells<N>;
+
     fn lattice(&self) -> &Lattice {
         self.grid.lattice()
     }
@@ -65,6 +85,27 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
     fn density<W: Work>(&self, location: &Cell, work: &mut W) -> f64 {
         work.count(Event::DensityLookup);
         self.reconstruction.read(self.grid, location)
+    }
+
+    #[inline(always)]
+    fn locate_several<const N: usize>(&self, points: &NodePoints<N>) -> Cells<N> {
+        Cells::around(self.grid.lattice(), points)
+    }
+
+    #[inline(always)]
+    fn location<const N: usize>(cells: &Cells<N>, index: usize) -> Cell {
+        cells.cell(index)
+    }
+
+    #[inline(always)]
+    fn densities<const N: usize, W: Work>(
+        &self,
+        cells: &Cells<N>,
+        count: usize,
+        work: &mut W,
+    ) -> [f64; N] {
+        work.count_times(Event::DensityLookup, count as u64);
+        self.reconstruction.read_several(self.grid, cells)
     }
 
     #[inline(always)]
@@ -89,6 +130,8 @@ impl ScalarField for ConstantField<'_> {
 
     type Location = NodePoint;
 
+    type Locations<const N: usize> = NodePoints<N>;
+
     fn lattice(&self) -> &Lattice {
         self.0
     }
@@ -99,6 +142,23 @@ impl ScalarField for ConstantField<'_> {
 
     fn density<W: Work>(&self, _: &NodePoint, _: &mut W) -> f64 {
         self.1
+    }
+
+    fn locate_several<const N: usize>(&self, points: &NodePoints<N>) -> NodePoints<N> {
+        *points
+    }
+
+    fn location<const N: usize>(points: &NodePoints<N>, index: usize) -> NodePoint {
+        NodePoint(DVec3::from_array(points.map(|axis| axis[index])))
+    }
+
+    fn densities<const N: usize, W: Work>(
+        &self,
+        _: &NodePoints<N>,
+        _: usize,
+        _: &mut W,
+    ) -> [f64; N] {
+        [self.1; N]
     }
 
     fn gradient<W: Work>(

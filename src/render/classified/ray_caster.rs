@@ -18,32 +18,17 @@ use super::compositing::{CompositingOrder, Layers};
 use super::empty_space::Skipping;
 use super::field::ScalarField;
 use super::shading::Shading;
-use super::steps::Steps;
-use super::volume_shadow::{SamplePoint, Visibility};
+use super::steps::{SamplePoint, Steps};
+use super::volume_shadow::Visibility;
 use crate::geometry::{Aabb, Ray};
 use crate::media::{TransferFunction, over_lengths};
 use crate::render::counters::{Event, Work};
-use crate::volume::{NodeLine, NodePoint};
-use arrayvec::ArrayVec;
+use crate::volume::NodeLine;
 use glam::DVec3;
 
 /// Samples that are looked up before the first of them is composited. None waits for another, so that
 /// a processor works on several at once, and their opacities over their steps are computed together.
 const BATCH: usize = 8;
-
-/// A sample of a ray, before it is classified.
-struct Sample<L> {
-    /// Distance from the origin of the ray.
-    t: f64,
-    located: Located<L>,
-}
-
-/// The density at a location of the field.
-struct Located<L> {
-    density: f64,
-    /// As much of the location as shading needs.
-    location: L,
-}
 
 /// A ray caster. Its parts are types, so that an image is rendered by code compiled for exactly the
 /// effects that the scene asks for.
@@ -71,11 +56,14 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
     RayCaster<'_, F, O, S, V, E>
 {
     /// The samples of `ray`, composited.
+    // Always, as all in the loop below: compiled into the loop over pixels it takes a twentieth less time.
+    #[inline(always)]
     pub fn layers<W: Work>(&self, ray: &Ray, work: &mut W) -> Layers {
         self.layers_by(self.step, ray, work)
     }
 
     /// The same with samples `step` apart.
+    #[inline(always)]
     pub fn layers_by<W: Work>(&self, step: f64, ray: &Ray, work: &mut W) -> Layers {
         let mut layers = Layers::default();
         let Some(span) = self.bounds.span(ray) else {
@@ -86,12 +74,13 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         let reach = line.reach(step);
         let reference_length = self.transfer_function.reference_length;
         let whole_step = step / reference_length;
-        let mut batch = ArrayVec::<Sample<S::Location<F>>, BATCH>::new();
-        let (mut opacities, mut lengths) = ([0.0; BATCH], [0.0; BATCH]);
-        let mut colours = [DVec3::ZERO; BATCH];
+        // By sample of a batch: distance, position and relative length of its step.
+        let (mut distances, mut lengths) = ([0.0; BATCH], [0.0; BATCH]);
+        let mut points = [[0.0; BATCH]; 3];
         let (mut done, mut in_empty_space) = (0, true);
         while done < steps.count() {
-            while done < steps.count() && !batch.is_full() {
+            let mut count = 0;
+            while done < steps.count() && count < BATCH {
                 let (t, length) = steps.sample(O::index(done, steps.count()));
                 let nodes = line.at(t);
                 // Behind a batch whose last sample is not transparent, the block is most likely not empty. To ask
@@ -104,31 +93,41 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
                     }
                 }
                 done += 1;
+                distances[count] = t;
+                for (axis, points) in points.iter_mut().enumerate() {
+                    points[count] = nodes.0[axis];
+                }
                 // The last step of a ray is shorter.
-                lengths[batch.len()] = if length == step {
+                lengths[count] = if length == step {
                     whole_step
                 } else {
                     length / reference_length
                 };
-                let located = self.located(nodes, work);
-                batch.push(Sample { t, located });
+                count += 1;
             }
-            for (index, sample) in batch.iter().enumerate() {
-                let (opacity, colour) = self.transfer_function.look(sample.located.density);
-                (opacities[index], colours[index]) = (opacity, colour);
-                in_empty_space = opacity == 0.0;
-                work.count_times(Event::Attenuation, u64::from(opacity != 0.0));
+            if count == 0 {
+                break;
             }
-            // Over the steps; those behind the end of the batch are not used.
+            // Those behind the end of a batch are computed too, and not used.
+            let locations = self.field.locate_several(&points);
+            let densities = self.field.densities(&locations, count, work);
+            let (opacities, colours) = self.transfer_function.look_at_several(densities);
+            let visible = opacities[..count].iter().filter(|opacity| **opacity != 0.0);
+            work.count_times(Event::Attenuation, visible.count() as u64);
+            in_empty_space = opacities[count - 1] == 0.0;
+            // Over the steps.
             let opacities = over_lengths(opacities, lengths);
-            for (index, sample) in batch.drain(..).enumerate() {
+            for index in 0..count {
                 let opacity = opacities[index];
                 if opacity == 0.0 {
                     continue; // adds exactly nothing, whatever its colour
                 }
-                let (world, nodes) = (ray.at(sample.t), line.at(sample.t));
+                let t = distances[index];
+                let (world, nodes) = (ray.at(t), line.at(t));
                 let point = SamplePoint { world, nodes };
-                let radiance = self.source(ray, point, &sample.located, colours[index], work);
+                let location = F::location(&locations, index);
+                let (density, colour) = (densities[index], colours[index]);
+                let radiance = self.source(ray, point, &location, density, colour, work);
                 layers = O::add(layers, radiance * opacity, opacity);
                 if self.order.is_over(&layers) {
                     return layers;
@@ -138,45 +137,39 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         layers
     }
 
-    /// The density at `nodes`.
+    /// Radiance of a sample of the given `density` at `point`, which is `location` in the field, if it were
+    /// opaque, as seen along `ray`; `colour` is that of its density.
     #[inline(always)]
-    fn located<W: Work>(&self, nodes: NodePoint, work: &mut W) -> Located<S::Location<F>> {
-        let location = self.field.locate(nodes);
-        let density = self.field.density(&location, work);
-        let location = S::location::<F>(location);
-        Located { density, location }
-    }
-
-    /// Radiance of `sample`, at `point`, if it were opaque, as seen along `ray`; `colour` is that of its density.
-    #[inline]
     fn source<W: Work>(
         &self,
         ray: &Ray,
         point: SamplePoint,
-        sample: &Located<S::Location<F>>,
+        location: &F::Location,
+        density: f64,
         colour: DVec3,
         work: &mut W,
     ) -> DVec3 {
         work.count(Event::EmissionTerm);
-        let (field, location) = (&self.field, &sample.location);
+        let field = &self.field;
         let shaded = self
             .shading
             .shade(colour, field, location, point.world, ray, work);
         let visibility = self.visibility.at(point, field, &self.skipping, work);
-        shaded * (self.transfer_function.emission(sample.density) * visibility)
+        shaded * (self.transfer_function.emission(density) * visibility)
     }
 
     /// Density at the world point `world` of `ray`, and the radiance of an opaque sample there; 0
     /// where it is transparent.
     pub fn at<W: Work>(&self, ray: &Ray, world: DVec3, work: &mut W) -> (f64, DVec3) {
         let nodes = self.field.lattice().to_nodes(world);
-        let located = self.located(nodes, work);
-        let density = located.density;
+        let location = self.field.locate(nodes);
+        let density = self.field.density(&location, work);
         let (opacity, colour) = self.transfer_function.look(density);
         if opacity == 0.0 {
             return (density, DVec3::ZERO);
         }
-        let radiance = self.source(ray, SamplePoint { world, nodes }, &located, colour, work);
+        let point = SamplePoint { world, nodes };
+        let radiance = self.source(ray, point, &location, density, colour, work);
         (density, radiance)
     }
 }

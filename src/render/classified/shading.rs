@@ -11,18 +11,13 @@ use glam::DVec3;
 
 /// Shading of samples.
 pub trait Shading: Sync {
-    /// The part of the location of a sample that is needed.
-    type Location<F: ScalarField>;
-
-    /// That part of `location`.
-    fn location<F: ScalarField>(location: F::Location) -> Self::Location<F>;
-
-    /// The colour of a sample at world `point`, of unshaded `colour`, as seen along `ray`.
+    /// The colour of a sample at world `point` and `location` in the field, of unshaded `colour`, as seen
+    /// along `ray`.
     fn shade<F: ScalarField, W: Work>(
         &self,
         colour: DVec3,
         field: &F,
-        location: &Self::Location<F>,
+        location: &F::Location,
         point: DVec3,
         ray: &Ray,
         work: &mut W,
@@ -34,15 +29,11 @@ pub trait Shading: Sync {
 pub struct Unshaded;
 
 impl Shading for Unshaded {
-    type Location<F: ScalarField> = ();
-
-    fn location<F: ScalarField>(_: F::Location) {}
-
     fn shade<F: ScalarField, W: Work>(
         &self,
         colour: DVec3,
         _: &F,
-        (): &(),
+        _: &F::Location,
         _: DVec3,
         _: &Ray,
         _: &mut W,
@@ -63,13 +54,6 @@ pub struct Shaded {
 }
 
 impl Shading for Shaded {
-    type Location<F: ScalarField> = F::Location;
-
-    #[inline(always)]
-    fn location<F: ScalarField>(location: F::Location) -> F::Location {
-        location
-    }
-
     #[inline]
     fn shade<F: ScalarField, W: Work>(
         &self,

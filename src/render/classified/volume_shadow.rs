@@ -2,13 +2,13 @@
 
 use super::empty_space::Skipping;
 use super::field::ScalarField;
-use super::steps::Steps;
+use super::steps::{SamplePoint, Steps};
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math;
 use crate::media::{Appearance, TransferFunction, over_length};
 use crate::render::counters::{Event, Work};
 use crate::scene::Shadow;
-use crate::volume::{NodeLine, NodePoint};
+use crate::volume::NodeLine;
 use glam::DVec3;
 
 /// Visibility of the light from samples.
@@ -21,15 +21,6 @@ pub trait Visibility: Sync {
         skipping: &S,
         work: &mut W,
     ) -> f64;
-}
-
-/// The position of a sample.
-#[derive(Clone, Copy, Debug)]
-pub struct SamplePoint {
-    /// World position.
-    pub world: DVec3,
-    /// Position in node units.
-    pub nodes: NodePoint,
 }
 
 /// The ray from a world point towards `light`, and its span inside the volume; `None` where it has no

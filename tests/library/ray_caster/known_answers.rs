@@ -19,7 +19,7 @@ use volref::render::classified::ray_caster::RayCaster;
 use volref::render::classified::shading::Unshaded;
 use volref::render::classified::volume_shadow::Unshadowed;
 use volref::render::counters::Work;
-use volref::volume::{Grid, Lattice, NodePoint};
+use volref::volume::{Grid, Lattice, NodePoint, NodePoints};
 
 fn entries(case: &str) -> Vec<Value> {
     let text = include_str!("../../../fixtures/known-answers/compositing.json");
@@ -148,6 +148,8 @@ struct Extinction<S> {
 impl<S: Fn(f64) -> f64 + Sync> ScalarField for Extinction<S> {
     type Location = NodePoint;
 
+    type Locations<const N: usize> = NodePoints<N>;
+
     fn lattice(&self) -> &Lattice {
         &self.lattice
     }
@@ -158,6 +160,23 @@ impl<S: Fn(f64) -> f64 + Sync> ScalarField for Extinction<S> {
 
     fn density<W: Work>(&self, point: &NodePoint, _: &mut W) -> f64 {
         (self.sigma)(point.0.z * self.lattice.spacing().z).sqrt()
+    }
+
+    fn locate_several<const N: usize>(&self, points: &NodePoints<N>) -> NodePoints<N> {
+        *points
+    }
+
+    fn location<const N: usize>(points: &NodePoints<N>, index: usize) -> NodePoint {
+        NodePoint(DVec3::from_array(points.map(|axis| axis[index])))
+    }
+
+    fn densities<const N: usize, W: Work>(
+        &self,
+        points: &NodePoints<N>,
+        _: usize,
+        work: &mut W,
+    ) -> [f64; N] {
+        std::array::from_fn(|index| self.density(&Self::location(points, index), work))
     }
 
     fn gradient<W: Work>(&self, _: &Grid<[f32; 3]>, _: &NodePoint, _: &mut W) -> DVec3 {
