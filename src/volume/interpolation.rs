@@ -3,7 +3,7 @@
 //! A lookup has two halves: finding the [`Cell`] around a point, and reading a grid there.
 //! Density and gradient at one point share the first half.
 
-use super::{Cells, Grid, Lattice, NodePoint};
+use super::{Grid, Lattice, NodePoint};
 use glam::DVec3;
 use std::ops::{Add, Mul, Sub};
 
@@ -168,55 +168,6 @@ impl Cell {
             }
         }
         grid.values()[index].value()
-    }
-}
-
-/// A reconstruction of values between the nodes.
-pub trait Reconstruction: Copy + Sync {
-    /// The value of `grid` at the point of `cell`.
-    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value;
-
-    /// The values of `grid` at the points of `cells`, each with the bits of [`Reconstruction::read`].
-    #[inline(always)]
-    fn read_several<const N: usize>(self, grid: &Grid<f32>, cells: &Cells<N>) -> [f64; N] {
-        std::array::from_fn(|index| self.read(grid, &cells.cell(index)))
-    }
-}
-
-impl Reconstruction for Interpolation {
-    #[inline]
-    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
-        match self {
-            Interpolation::Nearest => cell.nearest(grid),
-            Interpolation::Trilinear => cell.trilinear(grid),
-        }
-    }
-}
-
-/// Linear along each axis between the eight nodes around.
-#[derive(Clone, Copy, Debug)]
-pub struct Trilinear;
-
-impl Reconstruction for Trilinear {
-    #[inline]
-    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
-        cell.trilinear(grid)
-    }
-
-    #[inline(always)]
-    fn read_several<const N: usize>(self, grid: &Grid<f32>, cells: &Cells<N>) -> [f64; N] {
-        cells.trilinear(grid)
-    }
-}
-
-/// The value of the nearest node.
-#[derive(Clone, Copy, Debug)]
-pub struct Nearest;
-
-impl Reconstruction for Nearest {
-    #[inline]
-    fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
-        cell.nearest(grid)
     }
 }
 

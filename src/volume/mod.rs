@@ -3,6 +3,7 @@
 
 mod blob;
 mod blocks;
+mod cells;
 mod course_grid;
 mod cubic;
 mod error;
@@ -28,14 +29,15 @@ mod parameter;
 mod perlin;
 mod point_cloud;
 mod raw_volume;
+mod reconstruction;
 mod samples;
 mod source;
 mod splat;
-mod trilinear_batch;
 mod walk;
 
 pub use blob::Blob;
 pub use blocks::Blocks;
+pub use cells::{Cells, NodePoints};
 pub use course_grid::{read_course_grid, write_course_grid};
 pub use cubic::CubicSegment;
 pub use error::{VolumeError, VolumeFault};
@@ -46,9 +48,7 @@ pub use fractal::{FractalDensity, FractalParameters, MOST_OCTAVES};
 pub use gradient::{gradients, relative_gradients};
 pub use grid::{Grid, GridError};
 pub use grid_density::GridDensity;
-pub use interpolation::{
-    Cell, Interpolation, Lerp, Nearest, Node, Reconstruction, Scalar, Trilinear,
-};
+pub use interpolation::{Cell, Interpolation, Lerp, Node, Scalar};
 pub use lattice::{Centring, Lattice, LatticeError, NodePoint};
 pub use layers::{ConstantDensity, ExponentialLayer, LinearRamp};
 pub use load_options::{LoadOptions, NonFinite};
@@ -62,8 +62,8 @@ pub use orientation::{Axes, AxisSteps, Orientation};
 pub use parameter::{InvalidParameter, require};
 pub use perlin::perlin_noise;
 pub use raw_volume::RawVolume;
+pub use reconstruction::{Nearest, Reconstruction, Trilinear};
 pub use samples::{Element, Encoding, Endian, Layout};
 pub use source::FileRead;
 pub use splat::{Splatting, splat, splat_weights};
-pub use trilinear_batch::{Cells, NodePoints};
 pub use walk::{Visit, Walk};

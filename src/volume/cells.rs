@@ -1,4 +1,4 @@
-//! Trilinear interpolation at several points at once, with the bits of [`Cell::trilinear`].
+//! The cells around several points, and trilinear interpolation there, with the bits of [`Cell::trilinear`].
 //!
 //! The operations are those of one point, in the same order. They stand in loops over the points without a
 //! branch, of which a compiler makes vector instructions; only the nodes are read one by one.
