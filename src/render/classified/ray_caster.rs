@@ -108,7 +108,7 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
             if count == 0 {
                 break;
             }
-            // Those behind the end of a batch are computed too, and not used.
+            // Samples behind the end of a batch are computed too, and not used.
             let locations = self.field.locate_several(&points);
             let densities = self.field.densities(&locations, count, work);
             let (opacities, colours) = self.transfer_function.look_at_several(densities);
