@@ -7,6 +7,7 @@ mod directions;
 mod equiangular;
 mod free_flight;
 mod heuristic;
+mod lobe;
 
 pub use directions::{
     Cone, cosine_hemisphere, cosine_hemisphere_pdf, from_cosine, sphere, sphere_pdf,
@@ -16,3 +17,4 @@ pub use free_flight::{
     free_flight, optical_distance, truncated_free_flight_pdf, truncated_optical_distance,
 };
 pub use heuristic::power_heuristic;
+pub use lobe::Lobe;

@@ -56,7 +56,7 @@ impl<E: Effects> SceneContext<'_, E> {
         vertex: &Vertex,
         path: &mut PathContext<'_, W>,
     ) -> Option<DVec3> {
-        let probability = self.aim_probability(path.depth)?;
+        let probability = self.aim_probability(path.vertices)?;
         let tracker = &mut path.tracker;
         let [u, v] = tracker.sampler.pair(Purpose::Caustic, 0);
         // The rest of the choice is uniform again.
@@ -147,17 +147,18 @@ impl<E: Effects> SceneContext<'_, E> {
         let mut objects = self.specular_objects.iter();
         let target = objects.find(|it| it.object == object);
         let cone = target.and_then(|target| target.seen_from(path.ray.origin));
-        let (Some(probability), Some(cone)) = (self.aim_probability(path.depth - 1), cone) else {
+        let (Some(probability), Some(cone)) = (self.aim_probability(path.vertices - 1), cone)
+        else {
             return SpecularChain::ALONE;
         };
         let weight = power_heuristic(scattered_pdf, probability * cone.pdf());
         SpecularChain::begun(Follower::Vertex(object), weight)
     }
 
-    /// Probability that each of the objects is aimed at from the vertex behind `depth` bounces.
-    fn aim_probability(&self, depth: u32) -> Option<f64> {
+    /// Probability that each of the objects is aimed at from a vertex behind `before` others.
+    fn aim_probability(&self, before: u32) -> Option<f64> {
         let objects = self.specular_objects.len();
-        let aims = if depth == 0 { 1.0 } else { AIMS };
+        let aims = if before == 0 { 1.0 } else { AIMS };
         (objects > 0).then_some(aims / objects as f64)
     }
 }

@@ -14,10 +14,14 @@ pub struct PathContext<'c, W> {
     pub ray: Ray,
     /// Fraction, by channel, of the radiance along the ray that reaches the eye.
     pub throughput: DVec3,
+    /// The part of the throughput that path guiding has brought about, a factor.
+    pub guidance: f64,
     /// The bounce at which the ray starts.
     pub previous: PreviousBounce,
     /// Bounces so far: the scattering order of light found next is one more.
     pub depth: u32,
+    /// Vertices so far that scatter into a range of directions.
+    pub vertices: u32,
     /// Bounces left within the limit of the scene.
     pub bounces_left: u32,
     /// The media along the ray.
@@ -89,8 +93,10 @@ impl<'c, W> PathContext<'c, W> {
         PathContext {
             ray,
             throughput: DVec3::ONE,
+            guidance: 1.0,
             previous: PreviousBounce::Eye,
             depth: 0,
+            vertices: 0,
             bounces_left: limit,
             segments: &mut scratch.segments,
             previous_segments: &mut scratch.previous_segments,

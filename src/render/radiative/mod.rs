@@ -13,7 +13,7 @@
 //! queries of estimators to a scene |
 //! | [`context`], [`specular_chain`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
 //! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
-//! | [`media`], [`medium`], [`majorants`], [`surfaces`], [`specular_objects`] | the media and surfaces of a scene |
+//! | [`media`], [`medium`], [`majorants`], [`surfaces`], [`specular_objects`], [`guiding`] | the media, surfaces and lights of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
 pub mod area_light_along;
@@ -23,6 +23,7 @@ pub mod direct_light;
 pub mod effects;
 pub mod emission;
 pub mod free_flight;
+pub mod guiding;
 pub mod intersection;
 pub(super) mod kernels;
 pub mod light_vertices;

@@ -65,6 +65,8 @@ struct Bounce {
     ray: Ray,
     /// Response over density, by channel.
     weight: DVec3,
+    /// The part of the weight that path guiding brings about.
+    guidance: f64,
     previous: PreviousBounce,
 }
 
@@ -160,12 +162,15 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             }
             if let Interaction::Scattering(vertex, _) = &interaction {
                 radiance += path.throughput * self.connections(vertex, path);
+                path.vertices += 1;
             }
             let Some(bounce) = self.bounce(&interaction, path) else {
                 return Ok(radiance);
             };
             path.throughput *= bounce.weight;
-            let survival = survival(path.throughput, first_throughput);
+            path.guidance *= bounce.guidance;
+            // A path that is guided to much light has a small weight; it must not end for that.
+            let survival = survival(path.throughput / path.guidance, first_throughput);
             if survival < 1.0 {
                 if path.tracker.sampler.one(Purpose::Roulette) >= survival {
                     return Ok(radiance);
@@ -305,6 +310,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 Some(Bounce {
                     ray: scattered.ray,
                     weight: scattered.weight,
+                    guidance: scattered.guidance,
                     previous: match *collided_at {
                         Some(t) => PreviousBounce::Medium(PreviousCollision { pdf, ray, t }),
                         None => PreviousBounce::Surface(pdf),
@@ -319,6 +325,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 Some(Bounce {
                     ray: bounce.ray,
                     weight: bounce.weight,
+                    guidance: 1.0,
                     previous: PreviousBounce::Specular(self.specular_chain(*object, path)),
                 })
             }

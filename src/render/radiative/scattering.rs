@@ -1,6 +1,7 @@
 //! Scattering at a vertex: the phase functions of media, the reflectance of diffuse surfaces.
 
 use super::effects::Effects;
+use super::guiding::{Guide, Technique};
 use super::media::{Set, members};
 use super::medium::Medium;
 use super::sampler::Sampler;
@@ -38,6 +39,9 @@ pub struct SampledDirection {
     pub weight: DVec3,
     /// Density of the direction, per steradian, as [`Response::pdf`].
     pub pdf: f64,
+    /// Density without path guiding over that with it: the part of the weight that guiding brings
+    /// about.
+    pub guidance: f64,
 }
 
 impl<E: Effects> SceneContext<'_, E> {
@@ -53,7 +57,13 @@ impl<E: Effects> SceneContext<'_, E> {
                 point,
                 direction: arrived,
                 set,
-            } => self.medium_response(*set, *point, arrived.cosine_to(direction), work),
+            } => {
+                let response =
+                    self.medium_response(*set, *point, arrived.cosine_to(direction), work);
+                let guide = self.guide(*set, *point);
+                let pdf = guide.map_or(response.pdf, |it| it.pdf(direction, response.pdf));
+                Response { pdf, ..response }
+            }
             Vertex::Diffuse {
                 normal,
                 reflectance,
@@ -82,8 +92,25 @@ impl<E: Effects> SceneContext<'_, E> {
                 direction,
                 set,
             } => {
-                let (phase, weight) = self.sample_phase(*set, *point, throughput, sampler, *work);
+                let guide = self.guide(*set, *point);
                 let [u, v] = sampler.pair(Purpose::PhaseDirection, 0);
+                let (technique, u) = match &guide {
+                    Some(guide) => guide.technique(u),
+                    None => (Technique::Phase, u),
+                };
+                if let (Some(guide), Technique::Guide) = (&guide, technique) {
+                    let ray = vertex.leave(guide.sample([u, v])?)?;
+                    let cosine = direction.cosine_to(ray.direction);
+                    let response = self.medium_response(*set, *point, cosine, *work);
+                    let pdf = guide.pdf(ray.direction, response.pdf);
+                    return Some(SampledDirection {
+                        ray,
+                        weight: response.value / pdf,
+                        pdf,
+                        guidance: response.pdf / pdf,
+                    });
+                }
+                let (phase, weight) = self.sample_phase(*set, *point, throughput, sampler, *work);
                 let deflection = if E::ANISOTROPIC {
                     phase.deflection(u)
                 } else {
@@ -91,10 +118,17 @@ impl<E: Effects> SceneContext<'_, E> {
                 };
                 let local = deflection.direction(v);
                 let ray = vertex.leave(Frame::around(*direction).to_world(local))?;
-                let pdf = self
+                let by_phase = self
                     .medium_response(*set, *point, deflection.cos, *work)
                     .pdf;
-                Some(SampledDirection { ray, weight, pdf })
+                let pdf = guide.map_or(by_phase, |it| it.pdf(ray.direction, by_phase));
+                let guidance = by_phase / pdf;
+                Some(SampledDirection {
+                    ray,
+                    weight: weight * guidance,
+                    pdf,
+                    guidance,
+                })
             }
             Vertex::Diffuse {
                 normal,
@@ -108,9 +142,24 @@ impl<E: Effects> SceneContext<'_, E> {
                     ray,
                     weight: *reflectance,
                     pdf,
+                    guidance: 1.0,
                 })
             }
         }
+    }
+
+    /// Path guiding at a collision with the media in `set` at `point`.
+    fn guide(&self, set: Set, point: DVec3) -> Option<Guide<'_>> {
+        if !E::SURFACES {
+            return None;
+        }
+        let mean_cosine = if E::ANISOTROPIC {
+            let phases = self.scattering_members(set).map(|medium| medium.phase);
+            phases.fold(0.0, |most: f64, phase| most.max(phase.mean_cosine().abs()))
+        } else {
+            0.0
+        };
+        self.guiding.at(point, mean_cosine)
     }
 
     /// Response of the media in `set` at `point`: their phase functions in the proportion of their

@@ -1,6 +1,7 @@
 //! A scene prepared for rendering.
 
 use super::effects::Effects;
+use super::guiding::Guiding;
 use super::media::Media;
 use super::specular_objects::SpecularObject;
 use super::surfaces::Surfaces;
@@ -23,6 +24,8 @@ pub struct SceneContext<'s, E> {
     pub area_light_extents: Vec<EmitterExtent>,
     /// Its mirrors and glass, if it has area lights.
     pub specular_objects: Vec<SpecularObject>,
+    /// Its lights, as far as paths are guided by them.
+    pub guiding: Guiding,
     effects: PhantomData<E>,
 }
 
@@ -59,6 +62,7 @@ impl<'s, E: Effects> SceneContext<'s, E> {
             } else {
                 SpecularObject::of(radiative)
             },
+            guiding: Guiding::new(radiative),
             radiative,
             media,
             surfaces: Surfaces::new(radiative),
