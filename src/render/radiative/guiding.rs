@@ -246,7 +246,8 @@ mod tests {
         assert!(error(&expected, &sampled) < 4.0);
     }
 
-    /// Other light, and a phase function of its own mind, take their part of the directions.
+    /// Other light and an anisotropic phase function lower the share; a lamp beside the fog, or in one that
+    /// only absorbs, has none.
     #[test]
     fn the_share_is_that_of_the_fluence_of_area_lights() {
         let point = DVec3::new(0.0, -1.0, 0.0);

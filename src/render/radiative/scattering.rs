@@ -121,8 +121,14 @@ impl<E: Effects> SceneContext<'_, E> {
                 let by_phase = self
                     .medium_response(*set, *point, deflection.cos, *work)
                     .pdf;
-                let pdf = guide.map_or(by_phase, |it| it.pdf(ray.direction, by_phase));
-                let guidance = by_phase / pdf;
+                let (pdf, guidance) = match &guide {
+                    Some(guide) => {
+                        let pdf = guide.pdf(ray.direction, by_phase);
+                        (pdf, by_phase / pdf)
+                    }
+                    // Not a quotient: a density may be 0.
+                    None => (by_phase, 1.0),
+                };
                 Some(SampledDirection {
                     ray,
                     weight: weight * guidance,
