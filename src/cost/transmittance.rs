@@ -240,7 +240,7 @@ fn crossing<'s>(
     let nearest = around.intersect(&ray, &mut Uncounted);
     let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
     let mut segments = MediumSegments::default();
-    segments.build(media, &ray, end);
+    segments.build::<Everything>(media, &ray, end);
     // Segments that follow one another, from the first with a heterogeneous medium.
     let sets = segments.all().iter();
     let sets = sets.map(|segment| (segment.span, media.heterogeneous(segment.set)));

@@ -1,7 +1,9 @@
 //! The faces of an axis-aligned box as a surface, and its inside as a solid.
 
 use super::hit::RELATIVE_CLEARANCE;
-use super::{Aabb, Crossing, Direction, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
+use super::{
+    Aabb, Convex, Crossing, Direction, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint,
+};
 
 /// Outward normals, by face.
 const NORMALS: [Direction; 6] = [
@@ -42,6 +44,12 @@ impl Surface for Aabb {
 impl Solid for Aabb {
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
         spans.extend(self.span(ray));
+    }
+}
+
+impl Convex for Aabb {
+    fn span(&self, ray: &Ray) -> Option<Span> {
+        Aabb::span(self, ray)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Transformed shapes.
 
 use super::box_test::BoxTest;
-use super::{Aabb, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
+use super::{Aabb, Convex, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 use glam::DVec3;
 
 /// A shape with a transform. Rays are mapped to object space, so a rotated box is still a box.
@@ -118,5 +118,16 @@ impl<S: Solid> Solid for Placed<S> {
             span.near /= scale;
             span.far /= scale;
         }
+    }
+}
+
+impl<S: Convex> Convex for Placed<S> {
+    fn span(&self, ray: &Ray) -> Option<Span> {
+        let (ray, scale) = self.ray_to_object(ray, f64::INFINITY)?;
+        let span = self.shape.span(&ray)?;
+        Some(Span {
+            near: span.near / scale,
+            far: span.far / scale,
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Enums over the shapes of a scene.
 
 use super::{
-    Aabb, ClosedMesh, Crossing, Emitter, EmitterExtent, EmitterPdf, Hit, Mesh, Placed, Ray,
+    Aabb, ClosedMesh, Convex, Crossing, Emitter, EmitterExtent, EmitterPdf, Hit, Mesh, Placed, Ray,
     Rectangle, Solid, Span, Sphere, Surface, SurfacePoint,
 };
 use glam::DVec3;
@@ -42,6 +42,19 @@ pub enum Boundary {
     PlacedBox(Placed<Aabb>),
     /// A closed mesh moved, turned or stretched.
     PlacedMesh(Placed<Arc<ClosedMesh>>),
+}
+
+/// A closed shape that is convex by its kind.
+#[derive(Clone, Copy, Debug)]
+pub enum ConvexBoundary<'s> {
+    /// A sphere.
+    Sphere(&'s Sphere),
+    /// A box along the axes.
+    Box(&'s Aabb),
+    /// A sphere moved, turned or stretched.
+    PlacedSphere(&'s Placed<Sphere>),
+    /// A box moved, turned or stretched.
+    PlacedBox(&'s Placed<Aabb>),
 }
 
 /// A shape that can emit light: one whose points can be chosen uniformly by area.
@@ -125,6 +138,27 @@ impl Solid for Boundary {
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
         each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
             shape => shape.append_spans(ray, spans));
+    }
+}
+
+impl Boundary {
+    /// The shape, if it is convex by its kind; a mesh may be anything.
+    pub fn convex(&self) -> Option<ConvexBoundary<'_>> {
+        match self {
+            Boundary::Sphere(sphere) => Some(ConvexBoundary::Sphere(sphere)),
+            Boundary::Box(bounds) => Some(ConvexBoundary::Box(bounds)),
+            Boundary::PlacedSphere(sphere) => Some(ConvexBoundary::PlacedSphere(sphere)),
+            Boundary::PlacedBox(bounds) => Some(ConvexBoundary::PlacedBox(bounds)),
+            Boundary::Mesh(_) | Boundary::PlacedMesh(_) => None,
+        }
+    }
+}
+
+impl ConvexBoundary<'_> {
+    /// The segment of `ray` inside, as [`Convex::span`].
+    pub fn span(&self, ray: &Ray) -> Option<Span> {
+        each!(self, ConvexBoundary: Sphere | Box | PlacedSphere | PlacedBox,
+            shape => Convex::span(*shape, ray))
     }
 }
 

@@ -4,8 +4,8 @@ use super::hit::RELATIVE_CLEARANCE;
 use super::ray::ahead;
 use super::shape_error::finite;
 use super::{
-    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, Ray, ShapeError, Side, Solid, Span,
-    Surface, SurfacePoint,
+    Aabb, Convex, Crossing, Direction, Emitter, EmitterExtent, Hit, Ray, ShapeError, Side, Solid,
+    Span, Surface, SurfacePoint,
 };
 use crate::math;
 use glam::DVec3;
@@ -150,10 +150,14 @@ impl Surface for Sphere {
 
 impl Solid for Sphere {
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        spans.extend(
-            self.chord(ray)
-                .and_then(|chord| ahead(chord.near, chord.far)),
-        );
+        spans.extend(self.span(ray));
+    }
+}
+
+impl Convex for Sphere {
+    fn span(&self, ray: &Ray) -> Option<Span> {
+        let chord = self.chord(ray)?;
+        ahead(chord.near, chord.far)
     }
 }
 

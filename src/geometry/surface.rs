@@ -55,3 +55,9 @@ pub trait Solid: Surface {
         spans
     }
 }
+
+/// A convex closed shape: a ray has one segment inside at most.
+pub trait Convex: Solid {
+    /// The only one of [`spans`](Solid::spans).
+    fn span(&self, ray: &Ray) -> Option<Span>;
+}

@@ -6,14 +6,17 @@ use super::optical_depth::{optical_depth, source_factor};
 ///
 /// For an unbounded medium `j/σ`, infinite without absorption.
 pub fn constant_emission(j: f64, sigma_t: f64, length: f64) -> f64 {
-    if j == 0.0 {
-        return 0.0;
-    }
-    j * visible_length(sigma_t, length)
+    emission_over(j, visible_length(sigma_t, length))
+}
+
+/// Radiance of the emission `j ≥ 0` per length over a [visible length](visible_length); nothing of
+/// no emission, however far it is seen.
+pub fn emission_over(j: f64, visible: f64) -> f64 {
+    if j == 0.0 { 0.0 } else { j * visible }
 }
 
 /// `∫₀^L e^(−σt) dt`.
-fn visible_length(sigma_t: f64, length: f64) -> f64 {
+pub fn visible_length(sigma_t: f64, length: f64) -> f64 {
     if length.is_infinite() {
         return 1.0 / sigma_t;
     }

@@ -375,7 +375,7 @@ fn line_lookups(context: &SceneContext<'_, Everything>, ray: &Ray, emission: boo
     let mut unknown = 0;
     if emission {
         let mut segments = MediumSegments::default();
-        segments.build(&context.media, ray, end);
+        segments.build::<Everything>(&context.media, ray, end);
         for segment in segments.all() {
             if context.media.heterogeneous(segment.set) == 0 {
                 continue;

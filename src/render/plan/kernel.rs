@@ -64,6 +64,8 @@ pub struct RadiativeFeatures {
     pub media: bool,
     /// Vacuum media, without extinction and emission, are treated like others.
     pub vacuum_media: bool,
+    /// One medium, homogeneous and convex, and no surfaces.
+    pub single_medium: bool,
     /// Surfaces.
     pub surfaces: bool,
     /// Emission by media.

@@ -14,6 +14,9 @@ pub trait Effects: Sync {
     const ANISOTROPIC: bool;
     /// Heterogeneous media.
     const HETEROGENEOUS: bool;
+    /// One medium, homogeneous and convex, and nothing else: the only media that kernels without
+    /// surfaces are compiled for.
+    const SINGLE_MEDIUM: bool = Self::MEDIA && !Self::SURFACES && !Self::HETEROGENEOUS;
 }
 
 /// The effects given as parameters.

@@ -29,7 +29,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let (mut radiance, mut depth) = (DVec3::ZERO, DVec3::ZERO);
         for segment in segments.all() {
             let transmittance = self.closed_transmittance(depth, work);
-            radiance += transmittance * segment.emitted(work);
+            radiance += transmittance * segment.emitted::<E, W>(work);
             depth += segment.optical_depth();
         }
         radiance
@@ -46,7 +46,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let mut throughput = DVec3::ONE;
         for segment in path.segments.all() {
             if self.media.heterogeneous(segment.set) == 0 {
-                radiance += throughput * segment.emitted(work);
+                radiance += throughput * segment.emitted::<E, W>(work);
                 throughput *= self.closed_transmittance(segment.optical_depth(), work);
                 continue;
             }
@@ -99,7 +99,7 @@ impl<E: Effects> SceneContext<'_, E> {
             let emitted;
             let whole;
             if media.heterogeneous(segment.set) == 0 {
-                (emitted, whole) = (segment.emitted(work), segment.optical_depth());
+                (emitted, whole) = (segment.emitted::<E, W>(work), segment.optical_depth());
             } else if segment.set.count_ones() == 1 {
                 let medium = media.medium(segment.set.trailing_zeros() as usize);
                 let column = medium.column(ray, segment.span, work);
@@ -171,12 +171,20 @@ impl<E: Effects> SceneContext<'_, E> {
 
 impl MediumSegment {
     /// Radiance that homogeneous media emit on the segment towards the origin of the ray.
-    fn emitted<W: Work>(&self, work: &mut W) -> DVec3 {
+    fn emitted<E: Effects, W: Work>(&self, work: &mut W) -> DVec3 {
         work.count(Event::EmissionTerm);
         let (emission, extinction) = (self.properties.emission, self.properties.extinction());
-        DVec3::from_array(std::array::from_fn(|c| {
-            emission::constant_emission(emission[c], extinction[c], self.span.length())
-        }))
+        let length = self.span.length();
+        if E::CHROMATIC {
+            DVec3::from_array(std::array::from_fn(|c| {
+                emission::constant_emission(emission[c], extinction[c], length)
+            }))
+        } else {
+            // The extinction of all channels is the same.
+            let visible = emission::visible_length(extinction.x, length);
+            let over = |emission| emission::emission_over(emission, visible);
+            DVec3::from_array(emission.to_array().map(over))
+        }
     }
 }
 

@@ -50,8 +50,9 @@ fn with_special_features<R: KernelTask>(features: RadiativeFeatures, task: R) ->
     match (features.media, features.surfaces) {
         (false, false) => task.run::<Only<false, false, false, false, false, false>>(),
         (false, true) => task.run::<Only<false, true, false, false, false, false>>(),
-        (true, false) => with_emission::<R, false>(features, task),
-        (true, true) => with_emission::<R, true>(features, task),
+        // To cut rays at the boundaries of several media costs more than to find no surfaces.
+        (true, _) if features.single_medium => with_emission::<R, false>(features, task),
+        (true, _) => with_emission::<R, true>(features, task),
     }
 }
 
@@ -241,6 +242,7 @@ mod tests {
         let choices = (0..64).map(|switches| RadiativeFeatures {
             media: switches & 1 != 0,
             vacuum_media: false,
+            single_medium: switches & 1 != 0 && switches & (2 | 32) == 0,
             surfaces: switches & 2 != 0,
             emission: switches & 4 != 0,
             chromatic: switches & 8 != 0,

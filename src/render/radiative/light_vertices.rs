@@ -185,7 +185,7 @@ impl<E: Effects> SceneContext<'_, E> {
         if distance >= end {
             return None;
         }
-        path.connection.build(&self.media, &ray, end);
+        path.connection.build::<E>(&self.media, &ray, end);
         let point = ScatteringPointSampler::<E>::new(path.connection, &ray, light)
             .ok()??
             .at(distance)?;

@@ -58,11 +58,13 @@ impl<E: Effects> LineOfSight<'_, E> {
             let heterogeneous = scene.is_heterogeneous();
             // The optical depth alone needs no segments.
             if E::EMISSION || self.scattering || !heterogeneous {
-                segments.build(&scene.media, ray, end);
+                segments.build::<E>(&scene.media, ray, end);
             }
             if heterogeneous {
                 let spans = &mut tracker.scratch.spans;
-                let depth = scene.media.optical_depth(ray, end, spans, tracker.work);
+                let depth = scene
+                    .media
+                    .optical_depth::<E, W>(ray, end, spans, tracker.work);
                 transmittance = scene.closed_transmittance(depth, tracker.work);
                 if E::EMISSION {
                     radiance +=

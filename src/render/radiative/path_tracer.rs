@@ -112,13 +112,15 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             let intersection = scene.intersect(&path.ray, path.tracker.work);
             if E::MEDIA {
                 let end = intersection.map_or(f64::INFINITY, |nearest| nearest.hit.t);
-                path.segments.build(&scene.media, &path.ray, end);
+                path.segments.build::<E>(&scene.media, &path.ray, end);
                 if E::EMISSION {
                     radiance += path.throughput * self.emission(path);
                 }
                 if path.bounces_left >= 1 {
                     radiance += path.throughput * self.single_scattering(path);
-                    radiance += path.throughput * self.area_lights_along(path);
+                    if E::SURFACES {
+                        radiance += path.throughput * self.area_lights_along(path);
+                    }
                 }
             }
             if let Some(end @ Intersection { surface, hit }) = &intersection {
@@ -286,6 +288,9 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 path.tracker.work.count(Event::FurtherScattering);
                 radiance += scene.by_light_vertices(vertex, &light, path);
             }
+        }
+        if !E::SURFACES {
+            return radiance;
         }
         radiance += scene.caustic(vertex, path).unwrap_or(DVec3::ZERO);
         if let Vertex::Diffuse { .. } = vertex {

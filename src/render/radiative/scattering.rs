@@ -270,6 +270,9 @@ impl<E: Effects> SceneContext<'_, E> {
     /// The phase function of the only medium in `set` that scatters, with which no other has to be
     /// compared.
     fn only_scatterer(&self, set: Set) -> Option<&Phase> {
+        if E::SINGLE_MEDIUM {
+            return Some(&self.media.all().first()?.phase);
+        }
         let mut scatterers = self.scattering_members(set);
         let only = scatterers.next()?;
         scatterers.next().is_none().then_some(&only.phase)

@@ -27,6 +27,11 @@ impl<E: Effects> SceneContext<'_, E> {
         work.count(Event::Attenuation);
         if E::CHROMATIC {
             work.count_times(Event::ChannelAttenuation, 2);
+        }
+        if depth == DVec3::ZERO {
+            // Of media that only absorb, where there are none, on every flight.
+            DVec3::ONE
+        } else if E::CHROMATIC {
             DVec3::from_array(depth.to_array().map(media::transmittance))
         } else {
             DVec3::splat(media::transmittance(depth.x))
@@ -42,7 +47,9 @@ impl<E: Effects> SceneContext<'_, E> {
     ) -> DVec3 {
         if !self.is_heterogeneous() {
             let spans = &mut tracker.scratch.spans;
-            let depth = self.media.optical_depth(ray, end, spans, tracker.work);
+            let depth = self
+                .media
+                .optical_depth::<E, W>(ray, end, spans, tracker.work);
             return self.closed_transmittance(depth, tracker.work);
         }
         let mut depth = DVec3::ZERO;

@@ -14,6 +14,7 @@ use volref::render::{Counters, Effect, Plan, State};
 const ALL_FEATURES: RadiativeFeatures = RadiativeFeatures {
     media: true,
     vacuum_media: true,
+    single_medium: false,
     surfaces: true,
     emission: true,
     chromatic: true,

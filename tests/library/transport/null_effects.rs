@@ -134,7 +134,7 @@ fn special_kernels() {
         within(cube(), grey(1.0, 0.8, 0.0)),
         within(ball(DVec3::X, 1.0), grey(0.7, 0.0, 0.0)),
     ]);
-    as_everything::<Only<true, false, false, false, false, false>>(&two);
+    as_everything::<Only<true, true, false, false, false, false>>(&two);
 }
 
 /// Media of no matter, across media of some, beside them and everywhere.

@@ -146,6 +146,21 @@ impl<'s> Contents<'s> {
             && !self.mesh_shades()
     }
 
+    /// The scene has one medium, which has an effect and is homogeneous and convex.
+    pub fn is_single_medium(&self) -> bool {
+        let convex = |body: &Body| {
+            let boundary = body.boundary.as_ref();
+            boundary.is_none_or(|boundary| boundary.convex().is_some())
+        };
+        match &self.scene.media[..] {
+            [body] => {
+                let has_effect = self.extinction || self.emission.is_some();
+                has_effect && body.homogeneous().is_some() && convex(body)
+            }
+            _ => false,
+        }
+    }
+
     /// One of several media is a mesh, which may cast shadows into those that scatter.
     pub fn mesh_shades(&self) -> bool {
         let is_mesh = |body: &Body| {
