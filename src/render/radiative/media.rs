@@ -168,6 +168,11 @@ impl<'s> Media<'s> {
         members(set).filter(scatters).map(|index| 1 << index).sum()
     }
 
+    /// Any of them scatters.
+    pub fn scatter(&self) -> bool {
+        !matches!(self.scattering, ScatteringExtent::Nowhere)
+    }
+
     /// A segment of `ray` that holds all points where light is scattered, if there are any.
     pub fn scattering_span(&self, ray: &Ray) -> Option<Span> {
         match &self.scattering {

@@ -26,6 +26,7 @@ pub mod free_flight;
 pub mod guiding;
 pub mod intersection;
 pub(super) mod kernels;
+pub mod light_vertex_shares;
 pub mod light_vertices;
 pub mod lights_through_glass;
 pub mod line_of_sight;

@@ -277,7 +277,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                         position,
                         index,
                     };
-                    weight_on_surface(&light, &path.ray, point, pdf)
+                    weight_on_surface(scene.light_vertices, &light, &path.ray, point, pdf)
                 }
                 _ => 1.0,
             };
@@ -286,7 +286,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         if path.bounces_left >= 2 {
             for light in scene.positioned_lights() {
                 path.tracker.work.count(Event::FurtherScattering);
-                radiance += scene.by_light_vertices(vertex, &light, path);
+                radiance += scene.by_light_vertex(vertex, &light, path);
             }
         }
         if !E::SURFACES {

@@ -2,6 +2,7 @@
 
 use super::effects::Effects;
 use super::guiding::Guiding;
+use super::light_vertex_shares::LightVertexShares;
 use super::media::Media;
 use super::specular_objects::SpecularObject;
 use super::surfaces::Surfaces;
@@ -24,6 +25,8 @@ pub struct SceneContext<'s, E> {
     pub area_light_extents: Vec<EmitterExtent>,
     /// Its mirrors and glass, if it has area lights.
     pub specular_objects: Vec<SpecularObject>,
+    /// The places of its light vertices.
+    pub light_vertices: LightVertexShares,
     /// Its lights, as far as paths are guided by them.
     pub guiding: Guiding,
     effects: PhantomData<E>,
@@ -62,6 +65,7 @@ impl<'s, E: Effects> SceneContext<'s, E> {
             } else {
                 SpecularObject::of(radiative)
             },
+            light_vertices: LightVertexShares::new(radiative, media.scatter()),
             guiding: Guiding::new(radiative),
             radiative,
             media,

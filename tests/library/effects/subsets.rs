@@ -193,9 +193,8 @@ fn forced_null_effects_do_their_own_work() {
     let radiative = Radiative::all().map(|made_of| made_of.text());
     let classified = Classified::all().map(|made_of| made_of.text());
     // Surfaces that are not there are not met, and what is not turned once is not turned again: of
-    // those, only the instructions tell (scripts/instructions.sh). A grid of one value is a
-    // homogeneous medium to every kernel: of forced heterogeneity only the code for media is seen,
-    // where there is no matter.
+    // those, only the instructions tell (scripts/instructions.sh). So they do of forced heterogeneity:
+    // a grid of one value is a homogeneous medium to every kernel.
     assert_eq!(
         that_work_when_forced(radiative),
         [
@@ -203,7 +202,6 @@ fn forced_null_effects_do_their_own_work() {
             Emission,
             SingleScattering,
             MediumShadow,
-            Heterogeneity,
             ChromaticCoefficients,
             AnisotropicPhase
         ]
