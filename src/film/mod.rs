@@ -20,6 +20,7 @@ pub use error::FilmError;
 pub use format::FilmFormat;
 pub use layered_file::LayeredFilm;
 pub use noise::Noise;
+use noise::is_sound;
 
 /// Linear, scene-referred RGB radiance, top row first; with opacity for a volume, and with noise if
 /// the radiance is a mean of random samples.
@@ -295,16 +296,13 @@ impl Film {
     /// value. If there is none, the first such pixel by variance: its variances and opacity.
     pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
         let position = |index: usize| [index % self.width, index / self.width];
-        let sound = |value: &f32| (*value >= 0.0) & (*value <= f32::MAX);
-        let broken = |value: &f32| !sound(value);
-        // Almost always all are sound, which is quicker told of all of them than of each.
         let values = self.radiance.as_flattened().iter();
         let values = values.chain(self.opacity.iter().flatten());
-        let all_sound = values.fold(true, |all, value| all & sound(value));
-        if !all_sound
-            && let Some(index) =
-                (0..self.radiance.len()).find(|&index| self.pixel(index).iter().any(broken))
-        {
+        // Almost always all are sound, which takes less than to look at each pixel.
+        let all_sound = values.fold(true, |all, value| all & is_sound(value));
+        if !all_sound {
+            let broken = |index: &usize| !self.pixel(*index).iter().all(is_sound);
+            let index = (0..self.radiance.len()).find(broken)?;
             return Some((position(index), self.pixel(index)));
         }
         let noise = self.noise.as_ref()?;

@@ -66,9 +66,15 @@ impl Noise {
 
     /// The first pixel whose variance is negative or not finite.
     pub fn first_without_variance(&self) -> Option<usize> {
-        let broken = |pixel: &[f32; 3]| pixel.iter().any(|v| !(v.is_finite() && *v >= 0.0));
+        let broken = |pixel: &[f32; 3]| !pixel.iter().all(is_sound);
         self.variance.iter().position(broken)
     }
+}
+
+/// Neither negative nor infinite, nor no number.
+// Without a branch, so that a loop over many is compiled to few instructions.
+pub(super) fn is_sound(value: &f32) -> bool {
+    (*value >= 0.0) & (*value <= f32::MAX)
 }
 
 /// Significant bits of a variance: relative rounding error at most 2⁻⁸.
