@@ -51,6 +51,15 @@ impl Aabb {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
+    /// The corners, world units.
+    pub fn corners(&self) -> [DVec3; 8] {
+        let ends = [self.min, self.max];
+        std::array::from_fn(|corner| {
+            let [x, y, z] = [0, 1, 2].map(|axis| ends[corner >> axis & 1][axis]);
+            DVec3::new(x, y, z)
+        })
+    }
+
     /// Magnitude of the largest coordinate, in world units; rounding is relative to it.
     pub fn reach(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()

@@ -115,6 +115,22 @@ impl Rectangle {
         offset.dot(*self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
+    /// Whether all `points`, in world units, lie on one side of the plane of the rectangle. Points
+    /// within the clearance of [`super::hit`] are on both sides.
+    pub fn has_on_one_side(&self, points: &[DVec3]) -> bool {
+        let reach = |points: &[DVec3]| {
+            points
+                .iter()
+                .fold(0.0, |most: f64, it| most.max(it.abs().max_element()))
+        };
+        let clearance = RELATIVE_CLEARANCE * reach(points).max(reach(&self.corners()));
+        let mut heights = points
+            .iter()
+            .map(|&point| (point - self.corner).dot(*self.normal));
+        heights.clone().all(|height| height <= clearance)
+            || heights.all(|height| height >= -clearance)
+    }
+
     /// Normal, along `edge_u × edge_v`.
     pub fn normal(&self) -> Direction {
         self.normal
@@ -149,7 +165,8 @@ impl Rectangle {
         }
     }
 
-    fn corners(&self) -> [DVec3; 4] {
+    /// The corners, in order around the rectangle, world units.
+    pub fn corners(&self) -> [DVec3; 4] {
         let Rectangle {
             corner,
             edge_u,
@@ -291,6 +308,17 @@ mod tests {
         assert_eq!((hit.t, hit.uv), (5.0, [0.75, 0.25]));
         assert_eq!(hit.side, super::super::Side::Front);
         assert!(light.hit(&ray, 5.0).is_none());
+    }
+
+    #[test]
+    fn sides_of_points() {
+        let floor = Rectangle::centred(DVec3::ZERO, DVec3::X, DVec3::Z).unwrap();
+        let on = DVec3::new(0.3, 0.0, 7.0);
+        assert!(floor.has_on_one_side(&[]));
+        assert!(floor.has_on_one_side(&[DVec3::Y, on, on + DVec3::Y * 1e-14]));
+        assert!(floor.has_on_one_side(&[DVec3::NEG_Y, on]));
+        assert!(!floor.has_on_one_side(&[DVec3::Y, on - DVec3::Y * 1e-9]));
+        assert!(!floor.has_on_one_side(&[DVec3::Y, DVec3::NEG_Y]));
     }
 
     #[test]

@@ -16,9 +16,10 @@ impl<E: Effects> SceneContext<'_, E> {
         self.surfaces.nearest(ray)
     }
 
-    /// No surface stands between the origin of `ray` and the distance `limit`.
+    /// No surface stands between the origin of `ray`, a vertex or a light, and another of them at the
+    /// distance `limit`; if that is infinite, anywhere on `ray`.
     pub fn is_unoccluded<W: Work>(&self, ray: &Ray, limit: f64, work: &mut W) -> bool {
-        work.count_times(Event::SurfaceTest, self.surfaces.count());
+        work.count_times(Event::SurfaceTest, self.surfaces.occluder_count(limit));
         !self.surfaces.block(ray, limit)
     }
 }

@@ -33,6 +33,7 @@ pub mod line_of_sight;
 pub mod majorants;
 pub mod media;
 pub mod medium;
+pub mod occluders;
 pub mod path_tracer;
 pub mod ray_majorants;
 pub mod sampler;

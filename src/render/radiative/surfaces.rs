@@ -1,6 +1,7 @@
 //! The surfaces of a scene.
 
-use crate::geometry::{Aabb, Bvh, Crossing, Hit, Ray, Surface};
+use super::occluders::{Occluders, around};
+use crate::geometry::{Bvh, Crossing, Hit, Ray, Surface};
 use crate::scene::{AreaLight, Object, Radiative};
 
 /// The nearest surface along a ray.
@@ -31,6 +32,7 @@ pub struct Surfaces<'s> {
     objects: &'s [Object],
     area_lights: &'s [AreaLight],
     hierarchy: Option<Bvh>,
+    occluders: Occluders<'s>,
 }
 
 impl<'s> Surfaces<'s> {
@@ -47,12 +49,22 @@ impl<'s> Surfaces<'s> {
             objects,
             area_lights,
             hierarchy,
+            occluders: Occluders::new(scene),
         }
     }
 
     /// Their number.
     pub fn count(&self) -> u64 {
         (self.objects.len() + self.area_lights.len()) as u64
+    }
+
+    /// Number of those that [`Surfaces::block`] may test.
+    pub fn occluder_count(&self, limit: f64) -> u64 {
+        if self.hierarchy.is_none() && limit.is_finite() {
+            self.occluders.count()
+        } else {
+            self.count()
+        }
     }
 
     /// A surface by its number: objects first, then area lights.
@@ -133,14 +145,19 @@ impl<'s> Surfaces<'s> {
         nearest.map(|(number, crossing)| self.intersection(ray, self.index(number), &crossing))
     }
 
-    /// A surface stands between the origin of `ray` and the distance `limit`.
+    /// A surface stands between the origin of `ray`, a vertex or a light, and another of them at the
+    /// distance `limit`; if that is infinite, anywhere on `ray`.
     pub fn block(&self, ray: &Ray, limit: f64) -> bool {
         let Some(hierarchy) = &self.hierarchy else {
-            return self.objects.iter().any(|it| it.shape.blocks(ray, limit))
-                || self
-                    .area_lights
-                    .iter()
-                    .any(|it| it.shape.blocks(ray, limit));
+            return if limit.is_finite() {
+                self.occluders.block(ray, limit)
+            } else {
+                self.objects.iter().any(|it| it.shape.blocks(ray, limit))
+                    || self
+                        .area_lights
+                        .iter()
+                        .any(|it| it.shape.blocks(ray, limit))
+            };
         };
         let mut blocked = false;
         hierarchy.walk(ray, 0.0, limit, |number, limit| {
@@ -151,14 +168,5 @@ impl<'s> Surfaces<'s> {
             if blocked { f64::NEG_INFINITY } else { limit }
         });
         blocked
-    }
-}
-
-/// A box around all hits of `surface`.
-fn around(surface: &impl Surface) -> Aabb {
-    let (bounds, slack) = (surface.bounds(), surface.slack());
-    Aabb {
-        min: bounds.min - slack,
-        max: bounds.max + slack,
     }
 }
