@@ -24,6 +24,7 @@ mod rectangle;
 mod shape;
 mod shape_error;
 mod sphere;
+mod sphere_test;
 mod spherical_rectangle;
 mod surface;
 mod transform;

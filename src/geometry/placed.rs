@@ -1,6 +1,7 @@
 //! Transformed shapes.
 
 use super::box_test::BoxTest;
+use super::sphere_test::SphereTest;
 use super::{Aabb, Convex, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 use glam::DVec3;
 
@@ -13,20 +14,28 @@ pub struct Placed<S> {
     shape: S,
     to_world: Transform,
     bounds: Aabb,
+    sphere: SphereTest,
     /// Bound on the distance by which a world point moves on its way to the shape and back.
     rounding: f64,
 }
+
+/// Slack of the bounds, in roundings of the way to the shape and back.
+const SLACK: f64 = 8.0;
 
 impl<S: Surface> Placed<S> {
     /// `shape`, mapped to the world by `to_world`.
     pub fn new(shape: S, to_world: Transform) -> Placed<S> {
         let object = shape.bounds();
         let bounds = to_world.bounds(&object);
+        let rounding = to_world.round_trip_error(bounds.reach(), object.reach());
+        let (centre, radius) = shape.bounding_sphere();
+        let radius = radius * to_world.lengthening() + SLACK * rounding;
         Placed {
-            rounding: to_world.round_trip_error(bounds.reach(), object.reach()),
+            sphere: SphereTest::new(to_world.point(centre), radius),
             shape,
             to_world,
             bounds,
+            rounding,
         }
     }
 
@@ -50,9 +59,12 @@ impl<S: Surface> Placed<S> {
         }
     }
 
-    /// `ray` in the space of the shape, and world lengths in its units; `None` where it misses the box
-    /// around the shape, which spares it the way there.
+    /// `ray` in the space of the shape, and world lengths in its units; `None` where it misses the sphere
+    /// or the box around the shape, which spares it the way there.
     fn ray_to_object(&self, ray: &Ray, limit: f64) -> Option<(Ray, f64)> {
+        if !self.sphere.may_meet(ray, limit) {
+            return None;
+        }
         let test = BoxTest::new(ray, &self.bounds, self.slack());
         if !test.may_meet(&self.bounds, 0.0, limit) {
             return None;
@@ -76,7 +88,7 @@ impl<S: Surface> Surface for Placed<S> {
 
     /// The bounds are rounded, too, as far as a point on its way back.
     fn slack(&self) -> f64 {
-        8.0 * self.rounding
+        SLACK * self.rounding
     }
 
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
