@@ -64,8 +64,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let target = self.specular_objects.get(choice as usize)?;
         let cone = target.seen_from(vertex.point())?;
         let direction = cone.direction([choice.fract(), v]);
-        let response = self.response(vertex, direction, tracker.work);
-        if response.value == DVec3::ZERO {
+        if !vertex.faces(direction) {
             return None;
         }
         // One bounce is that at the vertex.
@@ -78,6 +77,8 @@ impl<E: Effects> SceneContext<'_, E> {
                 return None;
             }
         }
+        // Its density takes longer than the chain, and few chains come this far.
+        let response = self.response(vertex, direction, tracker.work);
         let mut radiance = chain.radiance;
         if E::MEDIA {
             for link in &chain.links {

@@ -36,6 +36,14 @@ impl Vertex {
         }
     }
 
+    /// Whether light from `direction`, seen from here, may be scattered back along the path.
+    pub fn faces(&self, direction: Direction) -> bool {
+        match self {
+            Vertex::Medium { .. } => true,
+            Vertex::Diffuse { normal, .. } => normal.cosine_to(direction) > 0.0,
+        }
+    }
+
     /// The ray from here to `target`, and its length.
     pub fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
         match self {
