@@ -37,26 +37,8 @@ impl BoxTest {
         }
     }
 
-    /// The ray may meet `bounds` at a distance with `from ≤ t ≤ limit`. `false` is certain; `true` may
-    /// still be a miss, by rounding.
-    #[inline]
-    pub fn may_meet(&self, bounds: &Aabb, from: f64, limit: f64) -> bool {
-        let (mut near, mut far) = (from, limit);
-        for axis in 0..3 {
-            let (first, last) = if self.down[axis] {
-                (bounds.max[axis], bounds.min[axis])
-            } else {
-                (bounds.min[axis], bounds.max[axis])
-            };
-            near = larger((first - self.entry[axis]) * self.inverse[axis], near);
-            far = smaller((last - self.exit[axis]) * self.inverse[axis], far);
-        }
-        near <= far
-    }
-
     /// Distances `from ≤ t ≤ limit` at which the ray may enter each of `boxes`; infinite for a certain
     /// miss.
-    // Beside `may_meet`, not below it: one function for both takes a fifth more time in a mesh.
     #[inline]
     pub fn entries(&self, boxes: &FourBoxes, from: f64, limit: f64) -> [f64; FourBoxes::COUNT] {
         let mut near = [from; FourBoxes::COUNT];
@@ -140,7 +122,13 @@ mod tests {
         };
         let meets = |origin: [f64; 3], direction: [f64; 3], limit: f64| {
             let ray = Ray::new(origin.into(), direction.into()).unwrap();
-            BoxTest::new(&ray, &unit, 0.0).may_meet(&unit, 0.0, limit)
+            let mut boxes = FourBoxes::default();
+            boxes.set(2, &unit);
+            let entries = BoxTest::new(&ray, &unit, 0.0).entries(&boxes, 0.0, limit);
+            for other in [0, 1, 3] {
+                assert_eq!(entries[other], f64::INFINITY, "there is no such box");
+            }
+            entries[2] < f64::INFINITY
         };
         for zero in [0.0, -0.0] {
             for face in [0.0, 0.5, 1.0] {

@@ -1,6 +1,5 @@
 //! Transformed shapes.
 
-use super::box_test::BoxTest;
 use super::sphere_test::SphereTest;
 use super::{Aabb, Convex, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 use glam::DVec3;
@@ -60,13 +59,9 @@ impl<S: Surface> Placed<S> {
     }
 
     /// `ray` in the space of the shape, and world lengths in its units; `None` where it misses the sphere
-    /// or the box around the shape, which spares it the way there.
+    /// around the shape, which spares it the way there.
     fn ray_to_object(&self, ray: &Ray, limit: f64) -> Option<(Ray, f64)> {
         if !self.sphere.may_meet(ray, limit) {
-            return None;
-        }
-        let test = BoxTest::new(ray, &self.bounds, self.slack());
-        if !test.may_meet(&self.bounds, 0.0, limit) {
             return None;
         }
         self.to_world.ray_to_object(ray)
