@@ -113,8 +113,12 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
             let densities = self.field.densities(&locations, count, work);
             let (opacities, colours) = self.transfer_function.look_at_several(densities);
             let visible = opacities[..count].iter().filter(|opacity| **opacity != 0.0);
-            work.count_times(Event::Attenuation, visible.count() as u64);
+            let visible = visible.count() as u64;
+            work.count_times(Event::Attenuation, visible);
             in_empty_space = opacities[count - 1] == 0.0;
+            if visible == 0 {
+                continue; // spares the opacities over the steps
+            }
             // Over the steps.
             let opacities = over_lengths(opacities, lengths);
             for index in 0..count {
