@@ -80,6 +80,16 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         let (mut done, mut in_empty_space) = (0, true);
         while done < steps.count() {
             let mut count = 0;
+            if !in_empty_space && steps.count() - done >= BATCH {
+                let [first, last] =
+                    [done, done + BATCH - 1].map(|done| O::index(done, steps.count()));
+                if let Some(whole) = steps.whole(first, last) {
+                    distances = whole;
+                    lengths = [whole_step; BATCH];
+                    points = line.at_several(&distances);
+                    (count, done) = (BATCH, done + BATCH);
+                }
+            }
             while done < steps.count() && count < BATCH {
                 let (t, length) = steps.sample(O::index(done, steps.count()));
                 let nodes = line.at(t);
