@@ -3,6 +3,7 @@
 //! [`RayCaster::layers`](ray_caster::RayCaster::layers) is the loop along one ray; its parts have a
 //! file each.
 
+pub mod batches;
 pub mod compositing;
 pub(super) mod continuous;
 pub mod curve;

@@ -14,6 +14,7 @@
 //! Source: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering".
 
+use super::batches::{Batch, Batches};
 use super::compositing::{CompositingOrder, Layers};
 use super::empty_space::Skipping;
 use super::field::ScalarField;
@@ -25,10 +26,6 @@ use crate::media::{TransferFunction, over_lengths};
 use crate::render::counters::{Event, Work};
 use crate::volume::NodeLine;
 use glam::DVec3;
-
-/// Samples that are looked up before the first of them is composited. None waits for another, so that
-/// a processor works on several at once, and their opacities over their steps are computed together.
-const BATCH: usize = 8;
 
 /// A ray caster. Its parts are types, so that an image is rendered by code compiled for exactly the
 /// effects that the scene asks for.
@@ -69,57 +66,22 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         let Some(span) = self.bounds.span(ray) else {
             return layers;
         };
-        let steps = Steps::over(span, step);
         let line = NodeLine::new(ray, self.field.lattice());
-        let reach = line.reach(step);
         let reference_length = self.transfer_function.reference_length;
-        let whole_step = step / reference_length;
-        // By sample of a batch: distance, position and relative length of its step.
-        let (mut distances, mut lengths) = ([0.0; BATCH], [0.0; BATCH]);
-        let mut points = [[0.0; BATCH]; 3];
-        let (mut done, mut in_empty_space) = (0, true);
-        while done < steps.count() {
-            let mut count = 0;
-            if !in_empty_space && steps.count() - done >= BATCH {
-                let [first, last] =
-                    [done, done + BATCH - 1].map(|done| O::index(done, steps.count()));
-                if let Some(whole) = steps.whole(first, last) {
-                    distances = whole;
-                    lengths = [whole_step; BATCH];
-                    points = line.at_several(&distances);
-                    (count, done) = (BATCH, done + BATCH);
-                }
-            }
-            while done < steps.count() && count < BATCH {
-                let (t, length) = steps.sample(O::index(done, steps.count()));
-                let nodes = line.at(t);
-                // Behind a batch whose last sample is not transparent, the block is most likely not empty. To ask
-                // after each sample would make each wait for the one before.
-                if in_empty_space {
-                    let skipped = self.skipping.transparent_samples(nodes, reach, work);
-                    if skipped > 0 {
-                        done += skipped;
-                        continue;
-                    }
-                }
-                done += 1;
-                distances[count] = t;
-                for (axis, points) in points.iter_mut().enumerate() {
-                    points[count] = nodes.0[axis];
-                }
-                // The last step of a ray is shorter.
-                lengths[count] = if length == step {
-                    whole_step
-                } else {
-                    length / reference_length
-                };
-                count += 1;
-            }
+        let mut batches = Batches::new(Steps::over(span, step), step, line, reference_length);
+        let mut batch = Batch::default();
+        let mut in_empty_space = true;
+        loop {
+            // Behind a batch whose last sample is not transparent, the block is most likely not empty. To ask
+            // after each sample would make each wait for the one before.
+            let skipping = in_empty_space.then_some(&self.skipping);
+            batches.next::<O, W>(&mut batch, skipping, work);
+            let count = batch.count;
             if count == 0 {
-                break;
+                return layers;
             }
             // Samples behind the end of a batch are computed too, and not used.
-            let locations = self.field.locate_several(&points);
+            let locations = self.field.locate_several(&batch.points);
             let densities = self.field.densities(&locations, count, work);
             let (opacities, colours) = self.transfer_function.look_at_several(densities);
             let visible = opacities[..count].iter().filter(|opacity| **opacity != 0.0);
@@ -130,13 +92,13 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
                 continue; // spares the opacities over the steps
             }
             // Over the steps.
-            let opacities = over_lengths(opacities, lengths);
+            let opacities = over_lengths(opacities, batch.lengths);
             for index in 0..count {
                 let opacity = opacities[index];
                 if opacity == 0.0 {
                     continue; // adds exactly nothing, whatever its colour
                 }
-                let t = distances[index];
+                let t = batch.distances[index];
                 let (world, nodes) = (ray.at(t), line.at(t));
                 let point = SamplePoint { world, nodes };
                 let location = F::location(&locations, index);
@@ -148,7 +110,6 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
                 }
             }
         }
-        layers
     }
 
     /// Radiance of a sample of the given `density` at `point`, which is `location` in the field, if it were

@@ -49,10 +49,10 @@ impl Steps {
         self.count
     }
 
-    /// The distances of [`Steps::sample`] for `N > 1` samples from `first` up or down to `last`, all at once;
+    /// The distances of [`Steps::sample`] for `N > 1` samples, from the first up or down to the last, all at once;
     /// `None` where one of them is at the end of the span, with a shorter step.
     #[inline(always)]
-    pub fn whole<const N: usize>(&self, first: usize, last: usize) -> Option<[f64; N]> {
+    pub fn whole<const N: usize>(&self, [first, last]: [usize; 2]) -> Option<[f64; N]> {
         if first.max(last) + 1 >= self.count {
             return None;
         }
@@ -93,10 +93,10 @@ mod tests {
         let steps = Steps::over(Span::new(0.3, 2.7), 0.07);
         assert_eq!(steps.count(), 35);
         let one_by_one = |indices: [usize; 4]| indices.map(|index| steps.sample(index).0);
-        assert_eq!(steps.whole(30, 33), Some(one_by_one([30, 31, 32, 33])));
-        assert_eq!(steps.whole(33, 30), Some(one_by_one([33, 32, 31, 30])));
-        assert_eq!(steps.whole::<4>(31, 34), None);
-        assert_eq!(steps.whole::<4>(34, 31), None);
+        assert_eq!(steps.whole([30, 33]), Some(one_by_one([30, 31, 32, 33])));
+        assert_eq!(steps.whole([33, 30]), Some(one_by_one([33, 32, 31, 30])));
+        assert_eq!(steps.whole::<4>([31, 34]), None);
+        assert_eq!(steps.whole::<4>([34, 31]), None);
     }
 
     #[test]
