@@ -22,10 +22,10 @@ pub(super) struct BoxTest {
 }
 
 impl BoxTest {
-    /// `ray` for boxes within `bounds`, widened by their rounding and by `slack`, a length.
-    pub fn new(ray: &Ray, bounds: &Aabb, slack: f64) -> BoxTest {
+    /// `ray` for boxes within `bounds`, widened by their rounding.
+    pub fn new(ray: &Ray, bounds: &Aabb) -> BoxTest {
         let (low, high) = (bounds.min - ray.origin, bounds.max - ray.origin);
-        let wider = WIDENING * low.abs().max(high.abs()).max_element() + slack;
+        let wider = WIDENING * low.abs().max(high.abs()).max_element();
         let inverse = ray.direction.recip();
         let down = inverse.to_array().map(|inverse| inverse < 0.0);
         let shift = DVec3::from_array(down.map(|down| if down { -wider } else { wider }));
@@ -124,7 +124,7 @@ mod tests {
             let ray = Ray::new(origin.into(), direction.into()).unwrap();
             let mut boxes = FourBoxes::default();
             boxes.set(2, &unit);
-            let entries = BoxTest::new(&ray, &unit, 0.0).entries(&boxes, 0.0, limit);
+            let entries = BoxTest::new(&ray, &unit).entries(&boxes, 0.0, limit);
             for other in [0, 1, 3] {
                 assert_eq!(entries[other], f64::INFINITY, "there is no such box");
             }

@@ -158,7 +158,7 @@ impl Bvh {
         let Some(bounds) = &self.bounds else {
             return;
         };
-        let test = BoxTest::new(ray, bounds, 0.0);
+        let test = BoxTest::new(ray, bounds);
         let mut waiting = [Content::default(); WAITING];
         let mut count = 1;
         while count > 0 {
@@ -193,7 +193,7 @@ impl Bvh {
         let Some(bounds) = &self.bounds else {
             return;
         };
-        let test = BoxTest::new(ray, bounds, 0.0);
+        let test = BoxTest::new(ray, bounds);
         let mut waiting = ArrayVec::<(f64, Content), WAITING>::new();
         waiting.push((from, Content::default()));
         while let Some((entry, content)) = waiting.pop() {

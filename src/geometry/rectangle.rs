@@ -115,20 +115,16 @@ impl Rectangle {
         offset.dot(*self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
-    /// Whether all `points`, in world units, lie on one side of the plane of the rectangle. Points
-    /// within the clearance of [`super::hit`] are on both sides.
-    pub fn has_on_one_side(&self, points: &[DVec3]) -> bool {
-        let reach = |points: &[DVec3]| {
-            points
-                .iter()
-                .fold(0.0, |most: f64, it| most.max(it.abs().max_element()))
+    /// Whether all `points` and all `lights`, in world units, lie on one side of the plane of the rectangle.
+    /// Points from which a ray would start as from the rectangle itself, 2^-44 of its largest coordinate away,
+    /// are on both sides; of the lights those in the plane.
+    pub fn has_on_one_side(&self, points: &[DVec3], lights: &[DVec3]) -> bool {
+        let all_below = |normal: DVec3| {
+            let height = |point: &DVec3| (*point - self.corner).dot(normal);
+            points.iter().all(|point| height(point) <= self.clearance)
+                && lights.iter().all(|light| height(light) <= 0.0)
         };
-        let clearance = RELATIVE_CLEARANCE * reach(points).max(reach(&self.corners()));
-        let mut heights = points
-            .iter()
-            .map(|&point| (point - self.corner).dot(*self.normal));
-        heights.clone().all(|height| height <= clearance)
-            || heights.all(|height| height >= -clearance)
+        all_below(*self.normal) || all_below(-*self.normal)
     }
 
     /// Normal, along `edge_u × edge_v`.
@@ -314,11 +310,17 @@ mod tests {
     fn sides_of_points() {
         let floor = Rectangle::centred(DVec3::ZERO, DVec3::X, DVec3::Z).unwrap();
         let on = DVec3::new(0.3, 0.0, 7.0);
-        assert!(floor.has_on_one_side(&[]));
-        assert!(floor.has_on_one_side(&[DVec3::Y, on, on + DVec3::Y * 1e-14]));
-        assert!(floor.has_on_one_side(&[DVec3::NEG_Y, on]));
-        assert!(!floor.has_on_one_side(&[DVec3::Y, on - DVec3::Y * 1e-9]));
-        assert!(!floor.has_on_one_side(&[DVec3::Y, DVec3::NEG_Y]));
+        let has_on_one_side = |points: &[DVec3]| floor.has_on_one_side(points, &[]);
+        assert!(has_on_one_side(&[]));
+        assert!(has_on_one_side(&[DVec3::Y, on, on - DVec3::Y * 1e-14]));
+        assert!(has_on_one_side(&[DVec3::NEG_Y, on]));
+        assert!(!has_on_one_side(&[DVec3::Y, on - DVec3::Y * 1e-9]));
+        assert!(!has_on_one_side(&[DVec3::Y, DVec3::NEG_Y]));
+        // However far another point is.
+        assert!(!has_on_one_side(&[DVec3::Y * 1e9, on - DVec3::Y * 1e-9]));
+        // A light just behind the floor does not shine through it.
+        assert!(floor.has_on_one_side(&[DVec3::Y], &[on, DVec3::Y]));
+        assert!(!floor.has_on_one_side(&[DVec3::Y], &[on - DVec3::Y * 1e-14]));
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use super::Ray;
 use glam::DVec3;
 
-/// Relative widening of the squared radius and of the squared distance of the centre. Their
-/// difference below takes some twenty roundings, of terms no larger than the square of the distance,
-/// and so does the way from a crossing computed elsewhere: 2^-40 is 8192u.
+/// Relative widening of the squared radius and of the squared distance of the centre. Their difference
+/// below takes some twenty roundings of terms no larger than the square of the distance, and a crossing that
+/// the shape's own test finds may be 128u of the distance beside it; squared, 256u. 2^-40 is 8192u.
 const WIDENING: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A sphere around a shape.

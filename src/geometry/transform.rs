@@ -208,7 +208,10 @@ impl Transform {
     /// Upper bound on the factor by which a length grows: the root of the largest row sum of `MᵀM`
     /// (Gershgorin). Exact for scales along the axes with a rotation after them.
     pub(super) fn lengthening(&self) -> f64 {
-        norm(&(self.linear.transpose() * self.linear)).sqrt()
+        // Over a power of two, which is exact: no square leaves the range.
+        let size = f64::from_bits(self.stretch().to_bits() & (0x7ff << 52));
+        let linear = self.linear * (1.0 / size);
+        norm(&(linear.transpose() * linear)).sqrt() * size
     }
 
     /// Upper bound on the factor by which the largest coordinate of a vector grows.

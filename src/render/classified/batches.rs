@@ -34,9 +34,9 @@ pub struct Batches {
     reach: f64,
     /// Length of a step, world units.
     step: f64,
-    reference_length: f64,
-    /// The same length, relative.
+    /// The same relative to the reference length.
     relative_step: f64,
+    reference_length: f64,
     /// Samples held by batches or skipped.
     done: usize,
 }
@@ -98,7 +98,8 @@ impl Batches {
     #[inline(always)]
     fn whole<O: CompositingOrder>(&mut self, batch: &mut Batch) {
         let all = self.steps.count();
-        if all - self.done < BATCH {
+        // The last skip may have led beyond the end.
+        if all.saturating_sub(self.done) < BATCH {
             return;
         }
         let ends = [self.done, self.done + BATCH - 1].map(|done| O::index(done, all));

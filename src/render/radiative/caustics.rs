@@ -7,7 +7,7 @@
 //! importance sampling at the vertex, the only place where their densities differ. Light by two objects,
 //! or for a vertex within the sphere around one, is left to paths.
 //!
-//! Occlusion is tested last: most of the directions end at no light.
+//! Occlusion and the response of the vertex come last: most of the directions end at no light.
 //!
 //! Source: Veach 1997, thesis, ch. 9, for the weights.
 
@@ -77,7 +77,6 @@ impl<E: Effects> SceneContext<'_, E> {
                 return None;
             }
         }
-        // Its density takes longer than the chain, and few chains come this far.
         let response = self.response(vertex, direction, tracker.work);
         let mut radiance = chain.radiance;
         if E::MEDIA {

@@ -19,18 +19,20 @@ pub struct Occluders<'s> {
 impl<'s> Occluders<'s> {
     /// The occluders of `scene`: all its surfaces, if a medium fills all space.
     pub fn new(scene: &'s Radiative) -> Occluders<'s> {
-        let ends = ends_of_segments(scene);
+        let ends = around_vertices(scene);
+        let lights = scene.lights.iter().filter_map(|light| light.position());
+        let lights: Vec<DVec3> = lights.collect();
         let is_wall = |rectangle: &Rectangle| {
             let ends = ends.as_deref();
-            ends.is_some_and(|ends| rectangle.has_on_one_side(ends))
+            ends.is_some_and(|ends| rectangle.has_on_one_side(ends, &lights))
         };
         let objects = scene.objects.iter().map(|object| &object.shape);
-        let lights = scene.area_lights.iter().map(|light| &light.shape);
+        let area_lights = scene.area_lights.iter().map(|light| &light.shape);
         Occluders {
             objects: objects
                 .filter(|shape| !matches!(shape, Shape::Rectangle(it) if is_wall(it)))
                 .collect(),
-            area_lights: lights
+            area_lights: area_lights
                 .filter(|shape| !matches!(shape, Luminous::Rectangle(it) if is_wall(it)))
                 .collect(),
         }
@@ -48,9 +50,9 @@ impl<'s> Occluders<'s> {
     }
 }
 
-/// Points whose convex hull holds all vertices and all lights at a position; `None` if a medium fills
-/// all space.
-fn ends_of_segments(scene: &Radiative) -> Option<Vec<DVec3>> {
+/// Points whose convex hull holds all vertices and area lights, up to rounding; `None` if a medium fills all
+/// space.
+fn around_vertices(scene: &Radiative) -> Option<Vec<DVec3>> {
     let mut ends = Vec::new();
     for object in &scene.objects {
         match &object.shape {
@@ -67,7 +69,6 @@ fn ends_of_segments(scene: &Radiative) -> Option<Vec<DVec3>> {
     for body in &scene.media {
         ends.extend(around(body.boundary.as_ref()?).corners());
     }
-    ends.extend(scene.lights.iter().filter_map(|light| light.position()));
     Some(ends)
 }
 

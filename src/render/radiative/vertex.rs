@@ -40,7 +40,11 @@ impl Vertex {
     pub fn faces(&self, direction: Direction) -> bool {
         match self {
             Vertex::Medium { .. } => true,
-            Vertex::Diffuse { normal, .. } => normal.cosine_to(direction) > 0.0,
+            Vertex::Diffuse {
+                normal,
+                reflectance,
+                ..
+            } => normal.cosine_to(direction) > 0.0 && *reflectance != DVec3::ZERO,
         }
     }
 
