@@ -291,6 +291,15 @@ mod tests {
         assert_eq!(squash.normal(normal).dot(squash.vector(tangent)), 0.0);
     }
 
+    /// The square of such a scale leaves the range.
+    #[test]
+    fn lengths_grow_by_no_more_than_their_bound_at_any_scale() {
+        for scale in [1e-200, 1e-160, 1.0, 1e160] {
+            let stretch = Transform::scale(DVec3::new(1.0, 0.5, 0.25) * scale).unwrap();
+            assert_eq!(stretch.lengthening(), scale);
+        }
+    }
+
     #[test]
     fn maps_without_an_inverse_are_refused() {
         let flat = DVec3::new(1.0, 0.0, 1.0);
