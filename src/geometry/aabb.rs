@@ -51,7 +51,7 @@ impl Aabb {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// The corners, world units.
+    /// The corners, world units: bit `k` of the index tells which end of axis `k`, 1 the upper one.
     pub fn corners(&self) -> [DVec3; 8] {
         let ends = [self.min, self.max];
         std::array::from_fn(|corner| {

@@ -66,8 +66,6 @@ impl Mesh {
     /// The surface of a box, as twelve triangles that face outwards. A flat box is refused, since
     /// it has triangles without area.
     pub fn cuboid(bounds: &Aabb) -> Result<Mesh, MeshError> {
-        let pick = |corner: usize, axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
-        let vertices = (0..8).map(|c| DVec3::new(pick(c, 0), pick(c, 1), pick(c, 2)));
         let sides = [
             [0, 4, 6, 2],
             [1, 3, 7, 5],
@@ -79,7 +77,7 @@ impl Mesh {
         let faces = sides
             .iter()
             .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        Mesh::new(vertices.collect(), faces.collect())
+        Mesh::new(bounds.corners().to_vec(), faces.collect())
     }
 
     /// Positions, in world units.

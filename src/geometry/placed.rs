@@ -27,10 +27,9 @@ impl<S: Surface> Placed<S> {
         let object = shape.bounds();
         let bounds = to_world.bounds(&object);
         let rounding = to_world.round_trip_error(bounds.reach(), object.reach());
-        let (centre, radius) = shape.bounding_sphere();
-        let radius = radius * to_world.lengthening() + SLACK * rounding;
+        let (centre, radius) = to_world.bounding_sphere(shape.bounding_sphere());
         Placed {
-            sphere: SphereTest::new(to_world.point(centre), radius),
+            sphere: SphereTest::new(centre, radius + SLACK * rounding),
             shape,
             to_world,
             bounds,
@@ -74,11 +73,7 @@ impl<S: Surface> Surface for Placed<S> {
     }
 
     fn bounding_sphere(&self) -> (DVec3, f64) {
-        let (centre, radius) = self.shape.bounding_sphere();
-        (
-            self.to_world.point(centre),
-            radius * self.to_world.lengthening(),
-        )
+        self.to_world.bounding_sphere(self.shape.bounding_sphere())
     }
 
     /// The bounds are rounded, too, as far as a point on its way back.

@@ -115,7 +115,7 @@ impl Rectangle {
         offset.dot(*self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
-    /// Whether all `points` and all `lights`, in world units, lie on one side of the plane of the rectangle.
+    /// All `points` and all `lights`, in world units, lie on one side of the plane of the rectangle.
     /// Points from which a ray would start as from the rectangle itself, 2^-44 of its largest coordinate away,
     /// are on both sides; of the lights those in the plane.
     pub fn has_on_one_side(&self, points: &[DVec3], lights: &[DVec3]) -> bool {
@@ -161,8 +161,7 @@ impl Rectangle {
         }
     }
 
-    /// The corners, in order around the rectangle, world units.
-    pub fn corners(&self) -> [DVec3; 4] {
+    fn corners(&self) -> [DVec3; 4] {
         let Rectangle {
             corner,
             edge_u,
@@ -211,6 +210,10 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 47) as f64;
 impl Surface for Rectangle {
     fn bounds(&self) -> Aabb {
         Aabb::around(self.corners()).expect("four corners")
+    }
+
+    fn hull(&self) -> Vec<DVec3> {
+        self.corners().to_vec()
     }
 
     /// Where `ray` crosses, at a distance with `0 < t < limit`.

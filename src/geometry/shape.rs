@@ -86,6 +86,11 @@ impl Surface for Shape {
             shape => shape.bounding_sphere())
     }
 
+    fn hull(&self) -> Vec<DVec3> {
+        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
+            shape => shape.hull())
+    }
+
     fn slack(&self) -> f64 {
         each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
             shape => shape.slack())
@@ -165,6 +170,10 @@ impl ConvexBoundary<'_> {
 impl Surface for Luminous {
     fn bounds(&self) -> Aabb {
         each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.bounds())
+    }
+
+    fn hull(&self) -> Vec<DVec3> {
+        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.hull())
     }
 
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {

@@ -32,7 +32,7 @@ impl SphereTest {
         let distance_squared = away.length_squared();
         let slack = WIDENING * (self.radius_squared + distance_squared);
         let along = away.dot(*ray.direction);
-        // How far the point of the segment that is nearest to the centre is from that of the line.
+        // Distance between the two points nearest to the centre, of the segment and of the line.
         let beyond = if along < 0.0 {
             along
         } else {

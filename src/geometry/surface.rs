@@ -20,6 +20,20 @@ pub trait Surface {
         0.0
     }
 
+    /// A box around all hits.
+    fn bounds_of_hits(&self) -> Aabb {
+        let (bounds, slack) = (self.bounds(), self.slack());
+        Aabb {
+            min: bounds.min - slack,
+            max: bounds.max + slack,
+        }
+    }
+
+    /// Points whose convex hull holds all hits, up to their clearance.
+    fn hull(&self) -> Vec<DVec3> {
+        self.bounds_of_hits().corners().to_vec()
+    }
+
     /// The nearest crossing with `0 < t < limit`, in world units. Of crossings at the same distance,
     /// the one with the smallest face number.
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing>;

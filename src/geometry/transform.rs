@@ -186,11 +186,13 @@ impl Transform {
 
     /// The smallest world box around the image of `bounds`, up to rounding.
     pub fn bounds(&self, bounds: &Aabb) -> Aabb {
-        let corners = (0..8).map(|corner| {
-            let pick = |axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
-            self.point(DVec3::new(pick(0), pick(1), pick(2)))
-        });
+        let corners = bounds.corners().map(|corner| self.point(corner));
         Aabb::around(corners).expect("a box has eight corners")
+    }
+
+    /// Centre and radius of a world sphere around the image of the sphere around `centre`.
+    pub(super) fn bounding_sphere(&self, (centre, radius): (DVec3, f64)) -> (DVec3, f64) {
+        (self.point(centre), radius * self.lengthening())
     }
 
     /// Bound on the distance, in world units, by which a world point near `world_reach` moves
@@ -207,9 +209,9 @@ impl Transform {
 
     /// Upper bound on the factor by which a length grows: the root of the largest row sum of `MᵀM`
     /// (Gershgorin). Exact for scales along the axes with a rotation after them.
-    pub(super) fn lengthening(&self) -> f64 {
+    fn lengthening(&self) -> f64 {
         // Over a power of two, which is exact: no square leaves the range.
-        let size = f64::from_bits(self.stretch().to_bits() & (0x7ff << 52));
+        let size = math::power_of_two_below(self.stretch());
         let linear = self.linear * (1.0 / size);
         norm(&(linear.transpose() * linear)).sqrt() * size
     }

@@ -152,15 +152,8 @@ mod tests {
                         let right = forward.cross(up);
                         let edge = math::tan(0.5 * fov);
                         let mut widest = 0.0_f64;
-                        for corner in 0..8 {
-                            let pick = |axis: usize| {
-                                if corner >> axis & 1 == 1 {
-                                    bounds.max[axis]
-                                } else {
-                                    bounds.min[axis]
-                                }
-                            };
-                            let seen = DVec3::new(pick(0), pick(1), pick(2)) - eye;
+                        for corner in bounds.corners() {
+                            let seen = corner - eye;
                             let depth = seen.dot(forward);
                             assert!(depth > 0.0);
                             let across = seen.dot(right).abs() / (depth * edge * aspect);

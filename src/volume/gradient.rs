@@ -1,6 +1,7 @@
 //! Gradients of a scalar grid, computed once and stored at its nodes.
 
 use super::{Grid, Lattice, Scalar};
+use crate::math::power_of_two_below;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -22,12 +23,6 @@ pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
 /// and scaling the volume by a power of two changes no bit.
 pub fn relative_gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
     gradients_over(grid, power_of_two_below(grid.lattice().voxel()))
-}
-
-/// The largest power of two `≤ x`, for a [normal](f64::is_normal) `x > 0`, as every spacing is.
-fn power_of_two_below(x: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff << 52;
-    f64::from_bits(x.to_bits() & EXPONENT)
 }
 
 /// Gradients per `unit` of length, a power of two.

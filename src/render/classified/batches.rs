@@ -32,9 +32,7 @@ pub struct Batches {
     line: NodeLine,
     /// Change of a node coordinate from sample to sample, at most.
     reach: f64,
-    /// Length of a step, world units.
-    step: f64,
-    /// The same relative to the reference length.
+    /// Length of a step relative to the reference length.
     relative_step: f64,
     reference_length: f64,
     /// Samples held by batches or skipped.
@@ -42,16 +40,15 @@ pub struct Batches {
 }
 
 impl Batches {
-    /// All samples at `steps` of the length `step` along `line`.
+    /// All samples at `steps` along `line`; `reference_length` is that of the opacity, world units.
     #[inline(always)]
-    pub fn new(steps: Steps, step: f64, line: NodeLine, reference_length: f64) -> Batches {
+    pub fn new(steps: Steps, line: NodeLine, reference_length: f64) -> Batches {
         Batches {
             steps,
             line,
-            reach: line.reach(step),
-            step,
+            reach: line.reach(steps.length()),
             reference_length,
-            relative_step: step / reference_length,
+            relative_step: steps.length() / reference_length,
             done: 0,
         }
     }
@@ -75,7 +72,7 @@ impl Batches {
             if let Some(skipping) = skipping {
                 let skipped = skipping.transparent_samples(nodes, self.reach, work);
                 if skipped > 0 {
-                    self.done += skipped;
+                    self.done = all.min(self.done + skipped);
                     continue;
                 }
             }
@@ -85,7 +82,7 @@ impl Batches {
                 points[batch.count] = nodes.0[axis];
             }
             // The last step of a ray is shorter.
-            batch.lengths[batch.count] = if length == self.step {
+            batch.lengths[batch.count] = if length == self.steps.length() {
                 self.relative_step
             } else {
                 length / self.reference_length
@@ -98,8 +95,7 @@ impl Batches {
     #[inline(always)]
     fn whole<O: CompositingOrder>(&mut self, batch: &mut Batch) {
         let all = self.steps.count();
-        // The last skip may have led beyond the end.
-        if all.saturating_sub(self.done) < BATCH {
+        if all - self.done < BATCH {
             return;
         }
         let ends = [self.done, self.done + BATCH - 1].map(|done| O::index(done, all));

@@ -68,7 +68,7 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         };
         let line = NodeLine::new(ray, self.field.lattice());
         let reference_length = self.transfer_function.reference_length;
-        let mut batches = Batches::new(Steps::over(span, step), step, line, reference_length);
+        let mut batches = Batches::new(Steps::over(span, step), line, reference_length);
         let mut batch = Batch::default();
         let mut in_empty_space = true;
         loop {

@@ -49,6 +49,11 @@ impl Steps {
         self.count
     }
 
+    /// Length of all steps but the last, world units.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
     /// The distances of [`Steps::sample`] for `N > 1` samples, from the first up or down to the last, all at once;
     /// `None` where one of them is at the end of the span, with a shorter step.
     #[inline(always)]
@@ -60,9 +65,15 @@ impl Steps {
         // Whole numbers far below 2^53, so products and sums are exact.
         let mut distances = [0.0; N];
         for (number, distance) in distances.iter_mut().enumerate() {
-            *distance = self.near + (at + stride * number as f64 + 0.5) * self.length;
+            *distance = self.middle(at + stride * number as f64);
         }
         Some(distances)
+    }
+
+    /// The middle of the whole step with the number `at`.
+    #[inline(always)]
+    fn middle(&self, at: f64) -> f64 {
+        self.near + (at + 0.5) * self.length
     }
 
     /// Distance of sample `index` from the origin of the ray, and the length of its step.
@@ -70,7 +81,7 @@ impl Steps {
         // Signed, for which processors have an instruction.
         let at = index as i64 as f64;
         if index + 1 < self.count {
-            (self.near + (at + 0.5) * self.length, self.length)
+            (self.middle(at), self.length)
         } else {
             (self.near + (at * self.length + 0.5 * self.last), self.last)
         }

@@ -19,7 +19,8 @@ impl<E: Effects> SceneContext<'_, E> {
     /// No surface stands between the origin of `ray`, a vertex or a light, and another of them at the
     /// distance `limit`; if that is infinite, anywhere on `ray`.
     pub fn is_unoccluded<W: Work>(&self, ray: &Ray, limit: f64, work: &mut W) -> bool {
-        work.count_times(Event::SurfaceTest, self.surfaces.occluder_count(limit));
+        let occluders = self.surfaces.occluders(limit);
+        work.count_times(Event::SurfaceTest, occluders.count());
         !self.surfaces.block(ray, limit)
     }
 }

@@ -3,39 +3,44 @@
 //! A wall stands between no two points of its room: where all vertices and lights of a scene lie on
 //! one side of the plane of a rectangle, all segments between them do.
 
-use crate::geometry::{Aabb, Luminous, Ray, Rectangle, Shape, Surface};
+use crate::geometry::{Luminous, Ray, Rectangle, Shape, Surface};
 use crate::scene::Radiative;
 use glam::DVec3;
 
-/// Surfaces without the walls of the room.
+/// Surfaces that are tested one by one.
 #[derive(Debug)]
 pub struct Occluders<'s> {
-    /// Those that reflect or refract.
+    /// Surfaces that reflect or refract.
     objects: Vec<&'s Shape>,
-    /// Those that emit.
+    /// Surfaces that emit.
     area_lights: Vec<&'s Luminous>,
 }
 
 impl<'s> Occluders<'s> {
-    /// The occluders of `scene`: all its surfaces, if a medium fills all space.
-    pub fn new(scene: &'s Radiative) -> Occluders<'s> {
-        let ends = around_vertices(scene);
-        let lights = scene.lights.iter().filter_map(|light| light.position());
-        let lights: Vec<DVec3> = lights.collect();
-        let is_wall = |rectangle: &Rectangle| {
-            let ends = ends.as_deref();
-            ends.is_some_and(|ends| rectangle.has_on_one_side(ends, &lights))
-        };
+    /// All surfaces of `scene`.
+    pub fn all(scene: &'s Radiative) -> Occluders<'s> {
         let objects = scene.objects.iter().map(|object| &object.shape);
         let area_lights = scene.area_lights.iter().map(|light| &light.shape);
         Occluders {
-            objects: objects
-                .filter(|shape| !matches!(shape, Shape::Rectangle(it) if is_wall(it)))
-                .collect(),
-            area_lights: area_lights
-                .filter(|shape| !matches!(shape, Luminous::Rectangle(it) if is_wall(it)))
-                .collect(),
+            objects: objects.collect(),
+            area_lights: area_lights.collect(),
         }
+    }
+
+    /// The surfaces of `scene` but the walls; all, if a medium fills all space.
+    pub fn within_walls(scene: &'s Radiative) -> Occluders<'s> {
+        let mut occluders = Occluders::all(scene);
+        let Some(hull) = hull_of_vertices(scene) else {
+            return occluders;
+        };
+        let lights = scene.lights.iter().filter_map(|light| light.position());
+        let lights: Vec<DVec3> = lights.collect();
+        let is_wall = |rectangle: &Rectangle| rectangle.has_on_one_side(&hull, &lights);
+        let objects = &mut occluders.objects;
+        objects.retain(|shape| !matches!(shape, Shape::Rectangle(it) if is_wall(it)));
+        let area_lights = &mut occluders.area_lights;
+        area_lights.retain(|shape| !matches!(shape, Luminous::Rectangle(it) if is_wall(it)));
+        occluders
     }
 
     /// Their number.
@@ -52,33 +57,14 @@ impl<'s> Occluders<'s> {
 
 /// Points whose convex hull holds all vertices and area lights, up to rounding; `None` if a medium fills all
 /// space.
-fn around_vertices(scene: &Radiative) -> Option<Vec<DVec3>> {
-    let mut ends = Vec::new();
-    for object in &scene.objects {
-        match &object.shape {
-            Shape::Rectangle(rectangle) => ends.extend(rectangle.corners()),
-            shape => ends.extend(around(shape).corners()),
-        }
-    }
-    for light in &scene.area_lights {
-        match &light.shape {
-            Luminous::Rectangle(rectangle) => ends.extend(rectangle.corners()),
-            shape => ends.extend(around(shape).corners()),
-        }
-    }
+fn hull_of_vertices(scene: &Radiative) -> Option<Vec<DVec3>> {
+    let objects = scene.objects.iter().map(|object| object.shape.hull());
+    let lights = scene.area_lights.iter().map(|light| light.shape.hull());
+    let mut hull: Vec<DVec3> = objects.chain(lights).flatten().collect();
     for body in &scene.media {
-        ends.extend(around(body.boundary.as_ref()?).corners());
+        hull.extend(body.boundary.as_ref()?.hull());
     }
-    Some(ends)
-}
-
-/// A box around all hits of `surface`.
-pub fn around(surface: &impl Surface) -> Aabb {
-    let (bounds, slack) = (surface.bounds(), surface.slack());
-    Aabb {
-        min: bounds.min - slack,
-        max: bounds.max + slack,
-    }
+    Some(hull)
 }
 
 #[cfg(test)]
@@ -104,7 +90,7 @@ mod tests {
         let Model::Radiative(radiative) = &scene.panels[0].model else {
             panic!("a radiative scene");
         };
-        Occluders::new(radiative).count()
+        Occluders::within_walls(radiative).count()
     }
 
     #[test]

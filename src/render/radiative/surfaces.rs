@@ -1,6 +1,6 @@
 //! The surfaces of a scene.
 
-use super::occluders::{Occluders, around};
+use super::occluders::Occluders;
 use crate::geometry::{Bvh, Crossing, Hit, Ray, Surface};
 use crate::scene::{AreaLight, Object, Radiative};
 
@@ -32,7 +32,9 @@ pub struct Surfaces<'s> {
     objects: &'s [Object],
     area_lights: &'s [AreaLight],
     hierarchy: Option<Bvh>,
-    occluders: Occluders<'s>,
+    all: Occluders<'s>,
+    /// Without walls, unless there is a hierarchy, which has them.
+    between_vertices: Occluders<'s>,
 }
 
 impl<'s> Surfaces<'s> {
@@ -41,15 +43,20 @@ impl<'s> Surfaces<'s> {
         let (objects, area_lights) = (&scene.objects[..], &scene.area_lights[..]);
         let are_many = objects.len() + area_lights.len() > FEW;
         let hierarchy = are_many.then(|| {
-            let objects = objects.iter().map(|object| around(&object.shape));
-            let lights = area_lights.iter().map(|light| around(&light.shape));
+            let objects = objects.iter().map(|object| object.shape.bounds_of_hits());
+            let lights = area_lights.iter().map(|light| light.shape.bounds_of_hits());
             Bvh::new(&objects.chain(lights).collect::<Vec<_>>())
         });
         Surfaces {
             objects,
             area_lights,
             hierarchy,
-            occluders: Occluders::new(scene),
+            all: Occluders::all(scene),
+            between_vertices: if are_many {
+                Occluders::all(scene)
+            } else {
+                Occluders::within_walls(scene)
+            },
         }
     }
 
@@ -58,12 +65,12 @@ impl<'s> Surfaces<'s> {
         (self.objects.len() + self.area_lights.len()) as u64
     }
 
-    /// Number of those that [`Surfaces::block`] may test.
-    pub fn occluder_count(&self, limit: f64) -> u64 {
-        if self.hierarchy.is_none() && limit.is_finite() {
-            self.occluders.count()
+    /// The surfaces that [`Surfaces::block`] may test.
+    pub fn occluders(&self, limit: f64) -> &Occluders<'s> {
+        if limit.is_finite() {
+            &self.between_vertices
         } else {
-            self.count()
+            &self.all
         }
     }
 
@@ -149,15 +156,7 @@ impl<'s> Surfaces<'s> {
     /// distance `limit`; if that is infinite, anywhere on `ray`.
     pub fn block(&self, ray: &Ray, limit: f64) -> bool {
         let Some(hierarchy) = &self.hierarchy else {
-            return if limit.is_finite() {
-                self.occluders.block(ray, limit)
-            } else {
-                self.objects.iter().any(|it| it.shape.blocks(ray, limit))
-                    || self
-                        .area_lights
-                        .iter()
-                        .any(|it| it.shape.blocks(ray, limit))
-            };
+            return self.occluders(limit).block(ray, limit);
         };
         let mut blocked = false;
         hierarchy.walk(ray, 0.0, limit, |number, limit| {
