@@ -124,16 +124,28 @@ impl Cell {
     }
 
     /// The trilinear interpolant of the eight nodes: along x, then y, then z.
-    #[inline]
+    // Always, here and below: as a call it took a fifth of the time of a volume shadow.
+    #[inline(always)]
     pub fn trilinear<T: Node>(&self, grid: &Grid<T>) -> T::Value {
-        let values = grid.values();
-        let [dx, dy, dz] = self.step;
-        let along_x = |row: usize| {
-            T::Value::lerp_between(values[row].value(), values[row + dx].value(), self.t.x)
-        };
-        let along_y =
-            |plane: usize| T::Value::lerp_between(along_x(plane), along_x(plane + dy), self.t.y);
-        T::Value::lerp_between(along_y(self.low), along_y(self.low + dz), self.t.z)
+        let near = self.bilinear(grid, self.low);
+        let far = self.bilinear(grid, self.low + self.step[2]);
+        T::Value::lerp_between(near, far, self.t.z)
+    }
+
+    /// The interpolant of the four nodes from `low` along x, then y.
+    #[inline(always)]
+    fn bilinear<T: Node>(&self, grid: &Grid<T>, low: usize) -> T::Value {
+        let near = self.linear(grid, low);
+        let far = self.linear(grid, low + self.step[1]);
+        T::Value::lerp_between(near, far, self.t.y)
+    }
+
+    /// The interpolant of the two nodes from `low` along x.
+    #[inline(always)]
+    fn linear<T: Node>(&self, grid: &Grid<T>, low: usize) -> T::Value {
+        let nodes = grid.values();
+        let (near, far) = (nodes[low].value(), nodes[low + self.step[0]].value());
+        T::Value::lerp_between(near, far, self.t.x)
     }
 
     /// The trilinear interpolant on a line through the point of this cell: the coefficients of 1, u,

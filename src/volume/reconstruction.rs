@@ -29,7 +29,7 @@ impl Reconstruction for Interpolation {
 pub struct Trilinear;
 
 impl Reconstruction for Trilinear {
-    #[inline]
+    #[inline(always)]
     fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
         cell.trilinear(grid)
     }
