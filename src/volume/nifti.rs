@@ -583,20 +583,21 @@ mod tests {
             floats(bytes, 296, &[0.0, 2.0, 0.0, 2.0]);
             floats(bytes, 312, &[0.0, 0.0, 3.0, 3.0]);
         };
-        let faults: [(&dyn Fn(&mut Vec<u8>), usize, f32, &str); 8] = [
-            (&qform, 80, -1.0, "`pixdim[1]` is -1: "),
-            (&qform, 88, f32::NAN, "`pixdim[3]` is NaN: "),
-            (&qform, 260, f32::NAN, "`quatern_c` is NaN: "),
-            (&qform, 276, f32::INFINITY, "`qoffset_z` is inf: "),
-            (&sform, 280, f32::NAN, "`srow_x[0]` is NaN: "),
-            (&sform, 308, f32::NAN, "`srow_y[3]` is NaN: "),
+        type Change = fn(&mut Vec<u8>);
+        let faults: [(Change, usize, f32, &str); 8] = [
+            (qform, 80, -1.0, "`pixdim[1]` is -1: "),
+            (qform, 88, f32::NAN, "`pixdim[3]` is NaN: "),
+            (qform, 260, f32::NAN, "`quatern_c` is NaN: "),
+            (qform, 276, f32::INFINITY, "`qoffset_z` is inf: "),
+            (sform, 280, f32::NAN, "`srow_x[0]` is NaN: "),
+            (sform, 308, f32::NAN, "`srow_y[3]` is NaN: "),
             (
-                &sform,
+                sform,
                 320,
                 0.0,
                 "`sform_code` is 2, but `srow_x[2]`, `srow_y[2]` and `srow_z[2]` are all zero: ",
             ),
-            (&sform, 80, -1.0, ""),
+            (sform, 80, -1.0, ""),
         ];
         for (form, at, value, expected) in faults {
             assert!(read(&file(form)).is_ok());
