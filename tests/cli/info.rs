@@ -241,7 +241,7 @@ fn volumes_whose_header_or_text_says_something_else() {
         ),
         (
             "cut.nrrd",
-            "cut.nrrd:9:5: sample 5 is \"60\", the last of the text, with nothing behind it",
+            "cut.nrrd:8:5: sample 5 is \"60\", the last of the text, with nothing behind it",
         ),
         (
             "list.nhdr",
