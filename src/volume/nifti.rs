@@ -16,7 +16,7 @@ use super::format::{Stored, VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
-use super::{Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions};
+use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
 use crate::decoder::Guarded;
 use glam::DVec3;
 use std::io::{self, BufReader, Read};
@@ -87,7 +87,7 @@ fn layout(
         axes: Axes {
             sizes: header.sizes()?,
             steps: header.steps()?,
-            first: header.first(),
+            first: header.first()?,
             centring: Centring::Nodes,
         },
         element: header.element()?,
@@ -165,24 +165,28 @@ impl<'h> NiftiHeader<'h> {
     }
 
     fn sizes(&self) -> Result<[usize; 3], VolumeFault> {
-        let dimensions = self.short(40);
-        let count = dimensions.clamp(0, 7);
-        let sizes: Vec<i16> = (1..=count)
-            .map(|axis| self.short(40 + 2 * axis as usize))
-            .collect();
-        let three = dimensions == count
-            && sizes.len() >= 3
-            && sizes.iter().all(|&size| size > 0)
-            && sizes[3..].iter().all(|&size| size == 1);
-        if !three {
-            let sizes: Vec<String> = sizes.iter().map(i16::to_string).collect();
+        let count = self.short(40);
+        if !(3..=7).contains(&count) {
             return refused(format!(
-                "the file has {} samples: a volume has three axes and one value per sample; split \
-                the file",
-                sizes.join(" × ")
+                "`dim[0]` is {count}: a volume has three axes, and a plane is one whose `dim[3]` is 1"
             ));
         }
-        Ok(check_sizes([0, 1, 2].map(|axis| sizes[axis] as u64))?)
+        let size = |axis: i16| self.short(40 + 2 * axis as usize);
+        for axis in 1..=count {
+            let size = size(axis);
+            if size < 1 {
+                return refused(format!("`dim[{axis}]` is {size}: each axis needs a sample"));
+            }
+            if axis > 3 && size > 1 {
+                let what = if axis == 4 { "times" } else { "components" };
+                return refused(format!(
+                    "`dim[{axis}]` is {size}, a number of {what}, which are no axis of space: a \
+                     volume has one value per sample; write one of them to a file of its own, as by \
+                     `image.slicer[..., 0]` of nibabel"
+                ));
+            }
+        }
+        Ok(check_sizes([1, 2, 3].map(|axis| size(axis) as u64))?)
     }
 
     fn element(&self) -> Result<Element, VolumeFault> {
@@ -203,7 +207,7 @@ impl<'h> NiftiHeader<'h> {
         let (bits, expected) = (self.short(72), 8 * element.bytes());
         if i64::from(bits) != expected as i64 {
             return refused(format!(
-                "the header says {bits} bits to a sample, and its data type has {expected}"
+                "`bitpix` is {bits}, and the data type of the header has {expected} bits"
             ));
         }
         Ok(element)
@@ -221,7 +225,7 @@ impl<'h> NiftiHeader<'h> {
             return Ok(offset as u64);
         }
         Err(
-            format!("the data begin at byte {offset}: that must be a whole number of at least 352")
+            format!("`vox_offset` is {offset}: it must be a whole number of bytes, at least 352")
                 .into(),
         )
     }
@@ -233,7 +237,7 @@ impl<'h> NiftiHeader<'h> {
         }
         if !(slope.is_finite() && intercept.is_finite()) {
             return refused(format!(
-                "slope {slope} and intercept {intercept} of the values: both must be finite"
+                "`scl_slope` is {slope} and `scl_inter` {intercept}: both must be finite"
             ));
         }
         let (slope, intercept) = (f64::from(slope), f64::from(intercept));
@@ -248,32 +252,88 @@ impl<'h> NiftiHeader<'h> {
         self.short(252) > 0
     }
 
-    /// Rows of the sform: three numbers of the matrix and one of the origin.
-    fn sform(&self) -> [[f64; 4]; 3] {
-        [280, 296, 312].map(|at| self.floats(at))
+    /// The numbers from `at` on, which the fields `names` hold: they must be finite.
+    fn finite<const N: usize>(&self, at: usize, names: [&str; N]) -> Result<[f64; N], VolumeFault> {
+        let numbers = self.floats(at);
+        for (name, number) in names.iter().zip(numbers) {
+            if !number.is_finite() {
+                return refused(format!(
+                    "`{name}` is {number}: it must be finite; correct the header"
+                ));
+            }
+        }
+        Ok(numbers)
     }
 
-    fn first(&self) -> DVec3 {
-        if self.by_sform() {
-            DVec3::from_array(self.sform().map(|row| row[3]))
+    /// Rows of the sform: three numbers of the matrix and one of the origin.
+    fn sform(&self) -> Result<[[f64; 4]; 3], VolumeFault> {
+        let names = |row| ["[0]", "[1]", "[2]", "[3]"].map(|index| format!("srow_{row}{index}"));
+        let row = |at, row| self.finite(at, names(row).each_ref().map(String::as_str));
+        let rows = [row(280, 'x')?, row(296, 'y')?, row(312, 'z')?];
+        let is_zero = |column: &usize| rows.iter().all(|row| row[*column] == 0.0);
+        if let Some(column) = (0..3).find(is_zero) {
+            let zero = if (0..3).all(|column| is_zero(&column)) {
+                "`srow_x`, `srow_y` and `srow_z` give no axis a direction, only zeros".to_owned()
+            } else {
+                format!(
+                    "`srow_x[{column}]`, `srow_y[{column}]` and `srow_z[{column}]` are all zero"
+                )
+            };
+            // As FSL does: to take the next form in silence would hide that one is damaged.
+            let next = if self.by_qform() {
+                "the qform"
+            } else {
+                "`pixdim`"
+            };
+            let code = self.short(254);
+            return refused(format!(
+                "`sform_code` is {code}, but {zero}: correct the sform, or set `sform_code` to 0, \
+                 so that {next} counts"
+            ));
+        }
+        Ok(rows)
+    }
+
+    /// Sizes of voxels.
+    fn spacing(&self) -> Result<DVec3, VolumeFault> {
+        let spacing = self.floats(80);
+        for (axis, size) in (1..).zip(spacing) {
+            if !(size.is_finite() && size > 0.0) {
+                // Negative ones mean nothing: a turn is in the quaternion, a reflection in pixdim[0].
+                let size = size as f32;
+                return refused(format!(
+                    "`pixdim[{axis}]` is {size}: the size of a voxel must be positive and finite; \
+                     correct the header"
+                ));
+            }
+        }
+        Ok(DVec3::from_array(spacing))
+    }
+
+    fn first(&self) -> Result<DVec3, VolumeFault> {
+        Ok(if self.by_sform() {
+            DVec3::from_array(self.sform()?.map(|row| row[3]))
         } else if self.by_qform() {
-            DVec3::from_array(self.floats(268))
+            let names = ["qoffset_x", "qoffset_y", "qoffset_z"];
+            DVec3::from_array(self.finite(268, names)?)
         } else {
             DVec3::ZERO
-        }
+        })
     }
 
     fn steps(&self) -> Result<AxisSteps, VolumeFault> {
         if self.by_sform() {
-            let rows = self.sform();
+            let rows = self.sform()?;
             let column = |axis: usize| DVec3::from_array([0, 1, 2].map(|row| rows[row][axis]));
             return Ok(AxisSteps::Directed([column(0), column(1), column(2)]));
         }
-        let [handedness, dx, dy, dz] = self.floats(76);
+        let spacing = self.spacing()?;
         if !self.by_qform() {
-            return Ok(AxisSteps::Upright(DVec3::new(dx, dy, dz)));
+            return Ok(AxisSteps::Upright(spacing));
         }
-        let [b, c, d] = self.floats(256);
+        let [dx, dy, dz] = spacing.to_array();
+        let handedness = self.float(76);
+        let [b, c, d] = self.finite(256, ["quatern_b", "quatern_c", "quatern_d"])?;
         let squares = b * b + c * c + d * d;
         let (a, b, c, d) = if 1.0 - squares < NO_COSINE && squares < 1.0 + 1e-5 {
             let length = squares.sqrt();
@@ -281,9 +341,12 @@ impl<'h> NiftiHeader<'h> {
         } else if squares < 1.0 {
             ((1.0 - squares).sqrt(), b, c, d)
         } else {
-            let [b, c, d] = [256, 260, 264].map(|at| self.float(at));
-            let message = format!("the qform of the header, ({b}, {c}, {d}), is not a rotation");
-            return refused(message);
+            let [b, c, d] = [b, c, d].map(|part| part as f32);
+            return refused(format!(
+                "`quatern_b`, `quatern_c` and `quatern_d` are {b}, {c} and {d}, which is no \
+                 rotation: their squares add up to at most 1; correct the qform, or set \
+                 `qform_code` to 0"
+            ));
         };
         let dz = if handedness < 0.0 { -dz } else { dz };
         let x = DVec3::new(
@@ -301,11 +364,6 @@ impl<'h> NiftiHeader<'h> {
             2.0 * (c * d - a * b),
             a * a + d * d - c * c - b * b,
         );
-        // Negative sizes of voxels mean nothing: the turn is in the quaternion.
-        if !(dx > 0.0 && dy > 0.0 && dz != 0.0) || self.float(88) <= 0.0 {
-            let spacing = DVec3::from_array(self.floats(80));
-            return Err(LatticeError::Spacing(spacing).into());
-        }
         Ok(AxisSteps::Directed([x * dx, y * dy, z * dz]))
     }
 }
@@ -324,7 +382,7 @@ fn unread_type(code: i16) -> VolumeFault {
     };
     format!(
         "the samples are of data type {code}{name}: scalar integers of up to 64 bits, float32 and \
-         float64 are read"
+         float64 are read; write one channel as one of these"
     )
     .into()
 }
@@ -420,7 +478,8 @@ mod tests {
         );
         assert_eq!(
             read(&turned(1.0, 2.0)).unwrap_err().to_string(),
-            "the qform of the header, (0, 0, 2), is not a rotation"
+            "`quatern_b`, `quatern_c` and `quatern_d` are 0, 0 and 2, which is no rotation: their \
+             squares add up to at most 1; correct the qform, or set `qform_code` to 0"
         );
     }
 
@@ -478,30 +537,30 @@ mod tests {
             ),
             (
                 |b| short(b, 40, 2),
-                "the file has 2 × 1 samples: a volume has three axes",
+                "`dim[0]` is 2: a volume has three axes",
             ),
             (
                 |b| short(b, 40, -3),
-                "the file has  samples: a volume has three axes",
+                "`dim[0]` is -3: a volume has three axes",
             ),
-            (|b| short(b, 44, -1), "the file has 2 × -1 × 2 samples"),
+            (|b| short(b, 44, -1), "`dim[2]` is -1: each axis needs"),
             (
                 |b| short(b, 70, 128),
                 "the samples are of data type 128 (RGB): scalar integers",
             ),
             (
                 |b| short(b, 72, 8),
-                "the header says 8 bits to a sample, and its data type has 16",
+                "`bitpix` is 8, and the data type of the header has 16 bits",
             ),
-            (|b| float(b, 108, 351.0), "the data begin at byte 351"),
-            (|b| float(b, 108, f32::NAN), "the data begin at byte NaN"),
+            (|b| float(b, 108, 351.0), "`vox_offset` is 351"),
+            (|b| float(b, 108, f32::NAN), "`vox_offset` is NaN"),
             (
                 |b| float(b, 112, f32::INFINITY),
-                "slope inf and intercept 0 of the values",
+                "`scl_slope` is inf and `scl_inter` 0",
             ),
             (
                 |b| float(b, 84, 0.0),
-                "the node spacing must be positive and finite",
+                "`pixdim[2]` is 0: the size of a voxel must be positive and finite",
             ),
             (
                 |b| [42, 44, 46].iter().for_each(|&at| short(b, at, i16::MAX)),
@@ -512,15 +571,75 @@ mod tests {
             let message = message(change);
             assert!(message.starts_with(expected), "{message}");
         }
-        // With a form, impossible sizes of voxels do not come through either.
-        let negative = message(|b| {
-            short(b, 252, 1);
-            float(b, 80, -1.0);
-        });
-        assert!(
-            negative.contains("must be positive and finite"),
-            "{negative}"
-        );
+    }
+
+    /// The field that is wrong, whichever form it belongs to.
+    #[test]
+    fn faults_of_positions_name_their_field() {
+        let qform = |bytes: &mut Vec<u8>| short(bytes, 252, 1);
+        let sform = |bytes: &mut Vec<u8>| {
+            short(bytes, 254, 2);
+            floats(bytes, 280, &[0.5, 0.0, 0.0, 1.0]);
+            floats(bytes, 296, &[0.0, 2.0, 0.0, 2.0]);
+            floats(bytes, 312, &[0.0, 0.0, 3.0, 3.0]);
+        };
+        type Change = fn(&mut Vec<u8>);
+        let faults: [(Change, usize, f32, &str); 8] = [
+            (qform, 80, -1.0, "`pixdim[1]` is -1: "),
+            (qform, 88, f32::NAN, "`pixdim[3]` is NaN: "),
+            (qform, 260, f32::NAN, "`quatern_c` is NaN: "),
+            (qform, 276, f32::INFINITY, "`qoffset_z` is inf: "),
+            (sform, 280, f32::NAN, "`srow_x[0]` is NaN: "),
+            (sform, 308, f32::NAN, "`srow_y[3]` is NaN: "),
+            (
+                sform,
+                320,
+                0.0,
+                "`sform_code` is 2, but `srow_x[2]`, `srow_y[2]` and `srow_z[2]` are all zero: ",
+            ),
+            (sform, 80, -1.0, ""),
+        ];
+        for (form, at, value, expected) in faults {
+            assert!(read(&file(form)).is_ok());
+            let read = read(&file(|bytes| {
+                form(bytes);
+                float(bytes, at, value);
+            }));
+            match read {
+                Ok(_) => assert_eq!(expected, "", "what does not count is not looked at"),
+                Err(error) => assert!(error.to_string().starts_with(expected), "{error}"),
+            }
+        }
+        for (code, next) in [(0, "`pixdim`"), (1, "the qform")] {
+            let zero = message(|bytes| {
+                short(bytes, 252, code);
+                short(bytes, 254, 1);
+            });
+            assert_eq!(
+                zero,
+                format!(
+                    "`sform_code` is 1, but `srow_x`, `srow_y` and `srow_z` give no axis a \
+                     direction, only zeros: correct the sform, or set `sform_code` to 0, so that \
+                     {next} counts"
+                )
+            );
+        }
+    }
+
+    #[test]
+    fn axes_that_are_no_space() {
+        for (axis, count, what) in [(4, 4, "times"), (5, 5, "components")] {
+            let message = message(|bytes| {
+                short(bytes, 40, count);
+                for at in [48, 50] {
+                    short(bytes, at, 1);
+                }
+                short(bytes, 40 + 2 * axis, 3);
+            });
+            let expected =
+                format!("`dim[{axis}]` is 3, a number of {what}, which are no axis of space: ");
+            assert!(message.starts_with(&expected), "{message}");
+        }
     }
 
     #[test]

@@ -3,8 +3,9 @@
 //!
 //! Source: "Definition of NRRD File Format", Teem 1.9 (teem.sourceforge.net/nrrd/format.html).
 //!
-//! Grids of three axes are read, and those with further axes of a single sample. Positions of the
-//! samples:
+//! Grids of three axes are read, and those with further axes of a single sample. An axis is one of
+//! space unless `kinds` says that it is none, or `space directions` gives directions to others
+//! only. Positions of the samples, of which NaN is an unknown one, as if it were left out:
 //! - `space directions` and `space origin` give the steps and the centre of the first sample, in
 //!   the coordinates of the file's own space: left and right of a patient are not exchanged.
 //! - `axis mins` and `axis maxs` are positions of the outermost samples where the axis is centred
@@ -54,6 +55,7 @@ impl NrrdHeader {
             if source.skip_until(b'\n')? == 0 {
                 return refused("`line skip` goes beyond the end of the data");
             }
+            source.line += 1;
         }
         let remaining = source.remaining();
         let layout = &self.layout;
@@ -116,6 +118,7 @@ impl NrrdHeader {
                                    and then the data";
                     return refused(message);
                 }
+                source.line = number;
                 return Ok(header);
             }
             fields.take(&text, number)?;
@@ -135,7 +138,14 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let header = NrrdHeader::read(source)?;
     let grid = match &header.data_file {
         None => header.read_from(source, options),
-        Some(name) => header.read_from(source.open_data(name, options)?, options),
+        Some(name) => {
+            let data = source.open_data(name, options)?;
+            let grid = header.read_from(data, options);
+            grid.map_err(|fault| match fault {
+                VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
+                _ => fault,
+            })
+        }
     };
     Ok((grid?, Stored::Samples(header.layout)))
 }
@@ -228,7 +238,13 @@ impl Fields {
         if self.0.iter().any(|(other, ..)| other == field) {
             return Err(fault(format!("the field `{field}` is there twice")));
         }
-        self.0.push((field, value.trim().to_owned(), line));
+        let value = value.trim();
+        if *field == "data file" {
+            // Here, as a list of names follows the field up to the end of the header.
+            let name = *field;
+            HeaderField { name, value, line }.check_one_file()?;
+        }
+        self.0.push((field, value.to_owned(), line));
         Ok(())
     }
 
@@ -251,7 +267,7 @@ impl Fields {
         let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
         let element = self.element()?;
         let encoding = self.encoding()?;
-        let data_file = self.data_file()?;
+        let data_file = self.get("data file").map(|field| field.value.to_owned());
         let endian = match self.get("endian") {
             Some(field) => match field.value.to_ascii_lowercase().as_str() {
                 "little" => Endian::Little,
@@ -350,72 +366,90 @@ impl Fields {
         }
     }
 
-    fn data_file(&self) -> Result<Option<String>, VolumeFault> {
-        let Some(field) = self.get("data file") else {
+    /// The role of each axis; an error if one that is not of space has several samples.
+    fn roles(&self, sizes: &[u64]) -> Result<Vec<Role>, VolumeFault> {
+        let Some(field) = self.get("kinds") else {
+            return Ok(vec![Role::Space; sizes.len()]);
+        };
+        let kinds = field.each(sizes.len(), |kind| Ok(kind.to_owned()))?;
+        let role = |(axis, kind): (usize, &String)| match kind.to_ascii_lowercase().as_str() {
+            "domain" | "space" | "???" | "none" => Ok(Role::Space),
+            "stub" | "scalar" if sizes[axis] == 1 => Ok(Role::Placeholder),
+            _ if sizes[axis] == 1 => Ok(Role::Other),
+            _ => {
+                let kind = shortened(kind);
+                Err(field.no_space(axis, sizes[axis], &format!("of the kind {kind:?}")))
+            }
+        };
+        kinds.iter().enumerate().map(role).collect()
+    }
+
+    /// The directions of the axes; `None` if they are all unknown.
+    fn directions(&self, sizes: &[u64]) -> Result<Option<Vec<Option<DVec3>>>, VolumeFault> {
+        let Some(field) = self.get("space directions") else {
             return Ok(None);
         };
-        let many_files = |how| {
-            field.fault(&format!(
-                "the data are spread over several files ({how}): join them into one"
-            ))
-        };
-        let first = field.value.split_ascii_whitespace().next();
-        if first == Some("LIST") {
-            return Err(many_files("LIST"));
+        let mut directions = field.vectors(sizes.len())?;
+        if directions.iter().all(Option::is_none) {
+            return Ok(None);
         }
-        if field.value.contains('%') {
-            return Err(many_files("a pattern with %"));
+        for (axis, direction) in directions.iter_mut().enumerate() {
+            // Zero leads nowhere.
+            *direction = direction.filter(|&direction| direction != DVec3::ZERO);
+            if direction.is_none() && sizes[axis] > 1 {
+                return Err(field.no_space(axis, sizes[axis], "without a direction"));
+            }
         }
-        if field.value.is_empty() {
-            return Err(field.wrong("the name of a file"));
-        }
-        Ok(Some(field.value.to_owned()))
+        Ok(Some(directions))
     }
 
     /// Where the samples lie.
     fn axes(&self, sizes: &[u64]) -> Result<Axes, VolumeFault> {
         let dimension = sizes.len();
-        let directions = match self.get("space directions") {
-            Some(field) => Some(field.vectors(dimension)?),
-            None => None,
-        };
-        let kept = kept_axes(sizes, directions.as_deref())?;
+        let mut roles = self.roles(sizes)?;
+        let directions = self.directions(sizes)?;
+        if let Some(directions) = &directions {
+            for (role, direction) in roles.iter_mut().zip(directions) {
+                if direction.is_none() {
+                    *role = Role::Other;
+                }
+            }
+        }
+        let kept = kept_axes(sizes, &roles)?;
         let mut axes = Axes {
             sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
             steps: AxisSteps::Upright(DVec3::ONE),
             first: DVec3::ZERO,
             centring: self.centring(dimension, kept)?,
         };
-        let numbers = |name| self.numbers(name, dimension, kept);
-        let (spacings, mins, maxs) = (
-            numbers("spacings")?,
-            numbers("axis mins")?,
-            numbers("axis maxs")?,
-        );
+        let positive = |number: f64| number.is_normal() && number > 0.0;
+        let spacings = self.numbers("spacings", "positive, finite", positive, dimension, kept)?;
+        let ends = |name| self.numbers(name, "finite", f64::is_finite, dimension, kept);
+        let (mins, maxs) = (ends("axis mins")?, ends("axis maxs")?);
+        let known = |numbers: [Option<f64>; 3]| numbers.iter().any(Option::is_some);
+        let origin = match self.get("space origin") {
+            Some(field) => field.vector_in(field.value)?,
+            None => None,
+        };
+        axes.first = origin.unwrap_or_default();
         if let Some(directions) = directions {
             for (name, given) in [
                 ("spacings", spacings),
                 ("axis mins", mins),
                 ("axis maxs", maxs),
             ] {
-                if given.is_some() {
+                if known(given) {
                     return Err(both("space directions", name));
                 }
             }
-            // A kept axis without direction has no length, which no lattice accepts.
-            axes.steps = AxisSteps::Directed(kept.map(|axis| directions[axis].unwrap_or_default()));
-            if let Some(field) = self.get("space origin") {
-                axes.first = field.vector()?;
-            }
+            let steps = kept.map(|axis| directions[axis].expect("the axes of space have one"));
+            axes.steps = AxisSteps::Directed(steps);
             return Ok(axes);
         }
-        if let Some(field) = self.get("space origin") {
-            axes.first = field.vector()?;
-            if mins.is_some() || maxs.is_some() {
-                return Err(both("space origin", "axis mins or axis maxs"));
-            }
+        if origin.is_some() && (known(mins) || known(maxs)) {
+            return Err(both("space origin", "axis mins or axis maxs"));
         }
-        let mut spacing = spacings.unwrap_or([1.0; 3]);
+        let mut spacing = [1.0; 3];
         for axis in 0..3 {
             let (beyond, intervals) = match axes.centring {
                 Centring::Nodes if axes.sizes[axis] > 1 => (0.0, axes.sizes[axis] - 1),
@@ -423,21 +457,27 @@ impl Fields {
                 Centring::Nodes | Centring::Cells => (0.5, axes.sizes[axis]),
             };
             let intervals = intervals as f64;
-            let (min, max) = (mins.map(|m| m[axis]), maxs.map(|m| m[axis]));
-            if let (Some(min), Some(max)) = (min, max) {
-                let length = (max - min) / intervals;
-                // Headers are written with six digits, some with fewer.
-                let differ = (length - spacing[axis]).abs() > 1e-3 * length.abs();
-                if spacings.is_some() && differ {
-                    return refused(format!(
-                        "along axis {} the header gives a spacing of {}, and minimum and maximum \
-                         that make it {length}: keep one",
-                        kept[axis] + 1,
-                        spacing[axis]
-                    ));
-                }
-                spacing[axis] = length;
+            let (min, max) = (mins[axis], maxs[axis]);
+            let ordinal = kept[axis] + 1;
+            if let (Some(min), Some(max)) = (min, max)
+                && min >= max
+            {
+                return refused(format!(
+                    "along axis {ordinal} `axis mins` is {min} and `axis maxs` {max}, which must be \
+                     greater"
+                ));
             }
+            let between = min.zip(max).map(|(min, max)| (max - min) / intervals);
+            // Headers are written with six digits, some with fewer.
+            if let (Some(given), Some(length)) = (spacings[axis], between)
+                && (length - given).abs() > 1e-3 * length.abs()
+            {
+                return refused(format!(
+                    "along axis {ordinal} the header gives a spacing of {given}, and minimum and \
+                     maximum that make it {length}: keep one"
+                ));
+            }
+            spacing[axis] = between.or(spacings[axis]).unwrap_or(1.0);
             if let Some(min) = min {
                 axes.first[axis] = min + beyond * spacing[axis];
             } else if let Some(max) = max {
@@ -469,47 +509,71 @@ impl Fields {
         Ok(first)
     }
 
+    /// Numbers of the axes that are kept; `None` where they are unknown.
     fn numbers(
         &self,
         name: &'static str,
+        expected: &str,
+        accepts: impl Fn(f64) -> bool,
         dimension: usize,
         kept: [usize; 3],
-    ) -> Result<Option<[f64; 3]>, VolumeFault> {
+    ) -> Result<[Option<f64>; 3], VolumeFault> {
         let Some(field) = self.get(name) else {
-            return Ok(None);
+            return Ok([None; 3]);
         };
-        let all = field.each(dimension, |word| {
-            let number = word.parse().ok();
-            number.ok_or_else(|| field.wrong("a number for each axis"))
-        })?;
-        Ok(Some(kept.map(|axis| all[axis])))
+        let wrong = || {
+            field.wrong(&format!(
+                "a {expected} number for each axis, or NaN if unknown"
+            ))
+        };
+        let all: Vec<f64> = field.each(dimension, |word| word.parse().map_err(|_| wrong()))?;
+        let numbers = kept.map(|axis| Some(all[axis]).filter(|number| !number.is_nan()));
+        if numbers.into_iter().flatten().all(accepts) {
+            return Ok(numbers);
+        }
+        Err(wrong())
     }
 }
 
-/// The three axes that are left when those of a single sample that are too many are dropped:
-/// first those that have no direction, then the slowest.
-fn kept_axes(
-    sizes: &[u64],
-    directions: Option<&[Option<DVec3>]>,
-) -> Result<[usize; 3], VolumeFault> {
-    let mut kept: Vec<usize> = (0..sizes.len()).collect();
-    let nowhere = |axis: usize| directions.is_some_and(|all| all[axis].is_none());
+/// What an axis is for.
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    Space,
+    /// Keeps the place of one, with a single sample.
+    Placeholder,
+    /// Time, colour, a vector and the like.
+    Other,
+}
+
+/// The three axes of space that are left when those of a single sample that are too many are
+/// dropped: first placeholders, then the slowest.
+fn kept_axes(sizes: &[u64], roles: &[Role]) -> Result<[usize; 3], VolumeFault> {
+    let axes = (0..sizes.len()).filter(|&axis| roles[axis] != Role::Other);
+    let mut kept: Vec<usize> = axes.collect();
     while kept.len() > 3 {
-        let droppable = |&index: &usize| sizes[kept[index]] == 1;
-        let indices = || (0..kept.len()).rev().filter(droppable);
-        let without_direction = indices().find(|&index| nowhere(kept[index]));
-        let Some(index) = without_direction.or_else(|| indices().next()) else {
+        let placeholder = kept
+            .iter()
+            .rposition(|&axis| roles[axis] == Role::Placeholder);
+        let single = || kept.iter().rposition(|&axis| sizes[axis] == 1);
+        let Some(index) = placeholder.or_else(single) else {
             break;
         };
         kept.remove(index);
     }
+    let of_space = kept.len();
     kept.try_into().map_err(|_| {
-        let sizes: Vec<String> = sizes.iter().map(u64::to_string).collect();
+        let samples: Vec<String> = sizes.iter().map(u64::to_string).collect();
+        let (count, samples) = (sizes.len(), samples.join(" × "));
+        if of_space < 3 {
+            return format!(
+                "the file has {count} axes, of {samples} samples, and {of_space} of them are axes of \
+                 space: a volume has three; write a plane with a third of a single sample"
+            )
+            .into();
+        }
         format!(
-            "the file has {} axes, of {} samples: a volume has three axes and one value per \
-            sample; split the file",
-            sizes.len(),
-            sizes.join(" × ")
+            "the file has {count} axes, of {samples} samples: a volume has three axes and one value \
+             per sample; split the file"
         )
         .into()
     })
@@ -542,6 +606,42 @@ impl HeaderField<'_> {
     fn wrong(&self, expected: &str) -> VolumeFault {
         let (name, value) = (self.name, shortened(self.value));
         self.fault(&format!("`{name}` must be {expected}, not {value:?}"))
+    }
+
+    /// The error of an axis that is not of space, and has several samples.
+    fn no_space(&self, axis: usize, samples: u64, what: &str) -> VolumeFault {
+        let ordinal = axis + 1;
+        self.fault(&format!(
+            "axis {ordinal}, of {samples} samples, is {what}, and no axis of space: a volume has \
+             three, and one value per sample; write one of the {samples} to a file of its own, as \
+             by `unu slice -a {axis} -p 0`"
+        ))
+    }
+
+    /// Refuses data in several files: a list of them, or a pattern with the numbers that take the
+    /// place of its `%`.
+    fn check_one_file(&self) -> Result<(), VolumeFault> {
+        let words: Vec<&str> = self.value.split_ascii_whitespace().collect();
+        let is_number = |word: &&&str| word.parse::<i64>().is_ok();
+        let numbers = words.iter().rev().take_while(is_number).count();
+        let name = words[..words.len() - numbers].join(" ").replace("%%", "");
+        let mut conversions = name.split('%').skip(1);
+        let is_pattern = conversions.any(|rest| {
+            let rest = rest.trim_start_matches(|digit: char| digit.is_ascii_digit());
+            rest.starts_with(['d', 'u'])
+        });
+        let how = match words[..] {
+            [] => return Err(self.wrong("the name of a file")),
+            ["LIST" | "SKIPLIST"] => "a list",
+            ["LIST" | "SKIPLIST", _] if numbers == 1 => "a list",
+            // Minimum, maximum and step, and perhaps the axes of a file.
+            _ if is_pattern && (3..=4).contains(&numbers) => "a pattern with %",
+            _ => return Ok(()),
+        };
+        Err(self.fault(&format!(
+            "the data are spread over several files ({how}): join them into one, as by `unu save -f \
+             nrrd -i several.nhdr -o one.nrrd`"
+        )))
     }
 
     fn number<T: std::str::FromStr>(
@@ -585,25 +685,27 @@ impl HeaderField<'_> {
                 continue;
             }
             let end = rest.find(')').map_or(rest.len(), |end| end + 1);
-            vectors.push(Some(self.vector_in(&rest[..end])?));
+            vectors.push(self.vector_in(&rest[..end])?);
             rest = rest[end..].trim_start();
         }
         self.count(vectors.len(), dimension)?;
         Ok(vectors)
     }
 
-    fn vector(&self) -> Result<DVec3, VolumeFault> {
-        self.vector_in(self.value)
-    }
-
-    fn vector_in(&self, text: &str) -> Result<DVec3, VolumeFault> {
-        let inner = text.trim().strip_prefix('(');
+    /// `(1,0,0)`; `None` for `none` or `(nan,nan,nan)`.
+    fn vector_in(&self, text: &str) -> Result<Option<DVec3>, VolumeFault> {
+        let text = text.trim();
+        if text == "none" {
+            return Ok(None);
+        }
+        let inner = text.strip_prefix('(');
         let inner = inner.and_then(|inner| inner.strip_suffix(')'));
         let numbers: Option<Vec<f64>> =
             inner.and_then(|inner| inner.split(',').map(|n| n.trim().parse().ok()).collect());
         match numbers.as_deref() {
-            Some([x, y, z]) => Ok(DVec3::new(*x, *y, *z)),
-            _ => Err(self.wrong("vectors of three numbers, such as (1,0,0)")),
+            Some([x, y, z]) if [x, y, z].iter().all(|number| number.is_nan()) => Ok(None),
+            Some(&[x, y, z]) if DVec3::new(x, y, z).is_finite() => Ok(Some(DVec3::new(x, y, z))),
+            _ => Err(self.wrong("vectors of three finite numbers, such as (1,0,0), or none")),
         }
     }
 }
@@ -656,6 +758,138 @@ mod tests {
         assert_eq!(
             geometry("spacings: 0.5 2 3\nspace dimension: 3\nspace origin: (1, -2, 3e1)\n"),
             ([0.5, 2.0, 3.0], [1.0, -2.0, 30.0])
+        );
+    }
+
+    /// NaN, as if it were left out.
+    #[test]
+    fn what_is_unknown_about_places() {
+        let alone = geometry("spacings: 0.5 2 3\n");
+        for lines in [
+            "spacings: 0.5 2 3\naxis mins: nan NaN nan\naxis maxs: nan nan nan\n",
+            "spacings: 0.5 2 3\nspace directions: none none none\n",
+            "spacings: 0.5 2 3\nspace origin: (nan,nan,nan)\nspace directions: (nan,nan,nan) none none\n",
+            "spacings: NaN nan nan\nspace directions: (0.5,0,0) (0,2,0) (0,0,3)\nspace origin: none\n",
+        ] {
+            assert_eq!(geometry(lines), alone, "{lines}");
+        }
+        assert_eq!(geometry("spacings: nan NaN nan\n"), geometry(""));
+        assert_eq!(
+            geometry("spacings: nan 2 3\naxis mins: 1 nan 0\naxis maxs: 4 7 nan\n"),
+            ([3.0, 2.0, 3.0], [1.0, 5.0, 1.5])
+        );
+    }
+
+    #[test]
+    fn axes_that_are_no_space() {
+        let shape = "dimension: 3\nsizes: 2 2 1";
+        let of = |sizes: &str, lines: &str| {
+            let dimension = sizes.split(' ').count();
+            let header = format!("dimension: {dimension}\nsizes: {sizes}\n{lines}");
+            let read = read(&with(shape, &header));
+            read.map(|grid| grid.lattice().nodes())
+                .map_err(|error| error.to_string())
+        };
+        for kinds in ["domain SPACE ???", "none none none", "domain domain stub"] {
+            assert_eq!(of("2 2 1", &format!("kinds: {kinds}")), Ok([2, 2, 1]));
+        }
+        // The axis of a single sample that is no axis of space is the one that goes.
+        for kind in ["list", "scalar", "stub", "time", "RGB-color"] {
+            let kinds = format!("kinds: {kind} domain domain domain");
+            assert_eq!(of("1 2 2 1", &kinds), Ok([2, 2, 1]), "{kind}");
+            let kinds = format!("kinds: domain domain domain {kind}");
+            assert_eq!(of("1 2 2 1", &kinds), Ok([1, 2, 2]), "{kind}");
+        }
+        let plane = "of them are axes of space: a volume has three; write a plane with";
+        for (sizes, lines, expected) in [
+            (
+                "2 2 1",
+                "kinds: RGB-color domain domain",
+                "5: axis 1, of 2 samples, is of the kind \"RGB-color\", and no axis of space: a \
+                 volume has three, and one value per sample; write one of the 2 to a file of its \
+                 own, as by `unu slice -a 0 -p 0`",
+            ),
+            (
+                "1 2 2",
+                "kinds: domain domain time",
+                "5: axis 3, of 2 samples, is of the kind \"time\"",
+            ),
+            (
+                "2 2 1",
+                "kinds: domain list domain",
+                "5: axis 2, of 2 samples, is of the kind \"list\"",
+            ),
+            (
+                "2 2 1",
+                "kinds: stub domain domain",
+                "5: axis 1, of 2 samples, is of the kind \"stub\"",
+            ),
+            (
+                "2 1 2 1",
+                "kinds: domain domain 3-vector domain",
+                "5: axis 3, of 2 samples, is of the kind \"3-vector\"",
+            ),
+            ("1 2 2", "kinds: list domain domain", plane),
+            ("2 2", "content: a plane", plane),
+            (
+                "2 2 1",
+                "kinds: domain domain",
+                "5: `kinds` has 2 values, and the file 3 axes",
+            ),
+            (
+                "2 2 1",
+                "space directions: none (1,0,0) (0,1,0)",
+                "5: axis 1, of 2 samples, is without a direction, and no axis of space",
+            ),
+            (
+                "2 1 2",
+                "space directions: (1,0,0) (0,1,0) (0,0,0)",
+                "5: axis 3, of 2 samples, is without a direction, and no axis of space",
+            ),
+            ("2 2 1", "space directions: (1,0,0) (0,1,0) none", plane),
+        ] {
+            let message = of(sizes, lines).unwrap_err();
+            assert!(message.contains(expected), "{lines}: {message}");
+        }
+    }
+
+    #[test]
+    fn names_of_data_files() {
+        let name = |value: &str| {
+            let header = format!(
+                "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nencoding: raw\ndata file: {value}\n"
+            );
+            let header = read_nrrd_header(header.as_bytes());
+            header.map(|header| header.data_file().map(str::to_owned))
+        };
+        for file in [
+            "100%.raw",
+            "100% done.raw",
+            "%d.raw",
+            "scan 1 2 3",
+            "50%25.raw 1 2 3",
+            "LIST.raw",
+            "a list",
+        ] {
+            assert_eq!(name(file), Ok(Some(file.to_owned())));
+        }
+        for several in [
+            "LIST\na.raw\nsp ace.raw",
+            "LIST 2\na: b.raw",
+            "SKIPLIST\n3 a.raw",
+            "s%03d.raw 1 9 1",
+            "s%d.raw 9 1 -1 2",
+            "my scan %u.raw 1 9 1",
+        ] {
+            let message = name(several).unwrap_err().to_string();
+            assert!(
+                message.starts_with("6: the data are spread over several files (a "),
+                "{message}"
+            );
+        }
+        assert_eq!(
+            name("").unwrap_err().to_string(),
+            "6: `data file` must be the name of a file, not \"\""
         );
     }
 
@@ -851,19 +1085,35 @@ mod tests {
         for (lines, expected) in [
             (
                 "spacings: 0 1 1\n",
-                "the node spacing must be positive and finite",
+                "6: `spacings` must be a positive, finite number for each axis, or NaN if unknown",
             ),
             (
-                "spacings: 1 -1 1\n",
-                "the node spacing must be positive and finite",
-            ),
-            (
-                "spacings: 1 nan 1\n",
-                "the node spacing must be positive and finite",
+                "spacings: 1 -1 nan\n",
+                "6: `spacings` must be a positive, finite number",
             ),
             (
                 "spacings: 1 x 1\n",
-                "6: `spacings` must be a number for each axis",
+                "6: `spacings` must be a positive, finite number",
+            ),
+            (
+                "spacings: 1 1 1\naxis mins: 0 -inf 0\n",
+                "7: `axis mins` must be a finite number for each axis, or NaN if unknown",
+            ),
+            (
+                "axis maxs: inf 1 1\n",
+                "6: `axis maxs` must be a finite number for each axis",
+            ),
+            (
+                "axis mins: 0 1 0\naxis maxs: 1 1 1\n",
+                "along axis 2 `axis mins` is 1 and `axis maxs` 1, which must be greater",
+            ),
+            (
+                "space origin: (0,nan,0)\n",
+                "6: `space origin` must be vectors of three finite numbers",
+            ),
+            (
+                "space directions: (1,0,0) (0,inf,0) (0,0,1)\n",
+                "6: `space directions` must be vectors of three finite numbers",
             ),
             ("spacings: 1 1\n", "6: `spacings` has 2 values"),
             ("endian: middle\n", "6: `endian` must be little or big"),
@@ -873,7 +1123,7 @@ mod tests {
             ),
             (
                 "data file: LIST\n",
-                "6: the data are spread over several files (LIST)",
+                "6: the data are spread over several files (a list)",
             ),
             (
                 "data file: s%03d.raw 1 9 1\n",
@@ -890,10 +1140,6 @@ mod tests {
             (
                 "space directions: (1,0) (0,1) (1,1)\n",
                 "6: `space directions` must be vectors",
-            ),
-            (
-                "space directions: (1,0,0) (0,1,0) none\n",
-                "the node spacing must be positive and finite",
             ),
             (
                 "space directions: (1,0,0) (0,1,0) (0,0,1)\nspacings: 1 1 1\n",
@@ -934,35 +1180,111 @@ mod tests {
 
     #[test]
     fn text() {
-        let text = |data: &str| {
+        let text = |kind: &str, data: &str| {
             let header = with("encoding: raw", "encoding: ascii");
-            [&header[..header.len() - 4], data.as_bytes()].concat()
+            let header = String::from_utf8_lossy(&header[..header.len() - 4]).into_owned();
+            let header = header.replace("uchar", kind);
+            [header.as_bytes(), data.as_bytes()].concat()
         };
+        let values = |kind: &str, data: &str| read(&text(kind, data)).unwrap().values().to_vec();
+        assert_eq!(values("float", "1, 2.5 -3e1\n4\n"), [1.0, 2.5, -30.0, 4.0]);
+        assert_eq!(values("uchar", "0 255\n7.0 1e2,"), [0.0, 255.0, 7.0, 100.0]);
+        let (least, most) = (i64::MIN as f32, u64::MAX as f32);
         assert_eq!(
-            read(&text("1, 2.5 -3e1\n4")).unwrap().values(),
-            [1.0, 2.5, -30.0, 4.0]
+            values("int64", "-9223372036854775808 0 0 1e+17 "),
+            [least, 0.0, 0.0, 1e17]
         );
-        for (data, expected) in [
+        // As %.17g writes it.
+        assert_eq!(
+            values(
+                "uint64",
+                "18446744073709551615 1.8446744073709552e+19 0 0\n"
+            ),
+            [most, most, 0.0, 0.0]
+        );
+        let byte = "no uint8, a whole number from 0 to 255: correct it, or the type in the header";
+        let unended = ", the last of the text, with nothing behind it, and may have lost digits: \
+                       copy the file again, or end it with a line break if it is whole";
+        for (kind, data, expected) in [
             (
+                "uchar",
                 "1 2 3",
                 "the header declares 2 × 2 × 1 samples, 4 bytes when unpacked",
             ),
             (
-                "100 200 3",
+                "uchar",
+                "100 200 3\n",
                 "the header declares 2 × 2 × 1 samples, but the data ends after 3",
             ),
-            ("1 2 3 4 5", "there is data after the 2 × 2 × 1 samples"),
             (
-                "1 2 three 4",
-                "sample 2 of the text is \"three\", which is not a number",
+                "uchar",
+                "1 2 3 4 5\n",
+                "there is data after the 2 × 2 × 1 samples",
             ),
             (
-                "1 2 nan 4",
+                "uchar",
+                "1 2\n three 4",
+                "8:2: sample 2 is \"three\", no number",
+            ),
+            (
+                "float",
+                "1 2 nan 4 ",
                 "voxel (0, 1, 0), counted as stored, holds NaN: values must be finite",
             ),
+            (
+                "uchar",
+                "1 300 3 4\n",
+                &format!("7:3: sample 1 is \"300\", {byte}"),
+            ),
+            (
+                "uchar",
+                "1\r\n2\r\n3, 1.7\r\n",
+                &format!("9:4: sample 3 is \"1.7\", {byte}"),
+            ),
+            (
+                "uchar",
+                "1 2 nan 4\n",
+                &format!("7:5: sample 2 is \"nan\", {byte}"),
+            ),
+            (
+                "uchar",
+                "1 2 3 -1\n",
+                &format!("7:7: sample 3 is \"-1\", {byte}"),
+            ),
+            (
+                "ulonglong",
+                "1 2 3 18446744073709551616\n",
+                "7:7: sample 3 is \"18446744073709551616\", no uint64",
+            ),
+            (
+                "uchar",
+                "1 2 3 4",
+                &format!("7:7: sample 3 is \"4\"{unended}"),
+            ),
+            (
+                "uchar",
+                "1 2\n3 120",
+                &format!("8:3: sample 3 is \"120\"{unended}"),
+            ),
+            (
+                "float",
+                "1 2 3 0.12",
+                &format!("7:7: sample 3 is \"0.12\"{unended}"),
+            ),
         ] {
-            let message = message(&text(data));
+            let message = message(&text(kind, data));
             assert!(message.starts_with(expected), "{message}");
+        }
+    }
+
+    /// However much is lost, what is left is no other volume.
+    #[test]
+    fn text_that_was_cut() {
+        let whole = b"NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 1\nencoding: text\n\n\
+                      11 22\n33 44\n";
+        assert_eq!(read(whole).unwrap().values(), [11.0, 22.0, 33.0, 44.0]);
+        for length in 0..whole.len() {
+            assert!(read(&whole[..length]).is_err(), "{length} bytes");
         }
     }
 }

@@ -62,7 +62,7 @@ struct Description {
     endian: Option<Spanned<String>>,
     nodes: Spanned<[u64; 3]>,
     spacing: Option<Spanned<Spacing>>,
-    origin: Option<[f64; 3]>,
+    origin: Option<Spanned<[f64; 3]>>,
     centring: Option<Spanned<String>>,
     encoding: Option<Spanned<String>>,
     header_bytes: Option<u64>,
@@ -111,10 +111,16 @@ impl RawVolume {
             Some(Spacing::One(spacing)) => DVec3::splat(*spacing),
             Some(Spacing::Three(spacing)) => DVec3::from_array(*spacing),
         };
+        let origin = description.origin.as_ref();
+        let first = DVec3::from_array(origin.map_or([0.0; 3], |origin| *origin.get_ref()));
+        if !first.is_finite() {
+            let message = LatticeError::First(first).to_string();
+            return Err(at(origin.map(Spanned::span), &message));
+        }
         let axes = Axes {
             sizes,
             steps: AxisSteps::Upright(spacing),
-            first: DVec3::from_array(description.origin.unwrap_or_default()),
+            first,
             centring: centring.unwrap_or_default(),
         };
         if let Err(error) = axes.placement(None, Orientation::World) {
@@ -283,6 +289,11 @@ mod tests {
                 "nodes",
                 "spacing = -1.5\nnodes",
                 "4:11: the node spacing must be positive",
+            ),
+            (
+                "nodes",
+                "spacing = 2\norigin = [0, nan, 0]\nnodes",
+                "5:10: the position of the first node must be finite",
             ),
             (
                 "nodes",

@@ -69,6 +69,21 @@ impl Element {
         !matches!(self, Element::Float16 | Element::Float32 | Element::Float64)
     }
 
+    /// Least and most whole number; `None` of floating-point types.
+    fn whole_range(self) -> Option<(i128, i128)> {
+        let bits = 8 * self.bytes();
+        match self {
+            Element::Int8 | Element::Int16 | Element::Int32 | Element::Int64 => {
+                let half = 1 << (bits - 1);
+                Some((-half, half - 1))
+            }
+            Element::Uint8 | Element::Uint16 | Element::Uint32 | Element::Uint64 => {
+                Some((0, (1 << bits) - 1))
+            }
+            Element::Float16 | Element::Float32 | Element::Float64 => None,
+        }
+    }
+
     /// Its name, such as `uint16`.
     pub fn name(self) -> &'static str {
         let found = Self::ALL.iter().find(|(_, element)| *element == self);
@@ -131,7 +146,7 @@ pub(super) fn read_grid(
             let mut unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
             read_unpacked(&mut unpacked, remaining, layout, options)
         }
-        // A digit and a blank are the shortest sample; the last may go without the blank.
+        // A digit and a blank are the shortest sample; a last one without the blank is told later.
         Encoding::Text => read_as(layout, options, &mut |samples| {
             let most = 0.5 * samples.bytes_each as f64;
             samples.check_density(remaining.saturating_add(1), most)?;
@@ -352,7 +367,11 @@ impl<'l> Samples<'l> {
 
     fn read_text(&mut self, source: &mut VolumeSource) -> Result<(), VolumeFault> {
         let separates = |byte: u8| byte.is_ascii_whitespace() || byte == b',';
-        let mut word: Vec<u8> = Vec::new();
+        let mut word = Word {
+            bytes: Vec::new(),
+            line: source.line + 1,
+            column: 1,
+        };
         loop {
             let buffer = source.fill_buf()?;
             let length = buffer.len();
@@ -364,39 +383,72 @@ impl<'l> Samples<'l> {
             source.consume(length);
             for byte in bytes {
                 if !separates(byte) {
-                    word.push(byte);
-                    if word.len() > LONGEST_NUMBER {
-                        return Err(self.not_a_number(&word));
+                    word.bytes.push(byte);
+                    if word.bytes.len() > LONGEST_NUMBER {
+                        return Err(self.wrong_word(&word, "no number"));
                     }
-                } else if !word.is_empty() {
-                    self.take_word(&mut word)?;
+                    continue;
+                }
+                self.take_word(&mut word)?;
+                word.column += 1;
+                if byte == b'\n' {
+                    (word.line, word.column) = (word.line + 1, 1);
                 }
             }
         }
-        if !word.is_empty() {
-            self.take_word(&mut word)?;
+        // Writers end the last number as they do the others; one that is cut short is a number, too.
+        if !word.bytes.is_empty() && self.values.len() + 1 == self.count {
+            let message = "the last of the text, with nothing behind it, and may have lost digits: \
+                           copy the file again, or end it with a line break if it is whole";
+            return Err(self.wrong_word(&word, message));
         }
+        self.take_word(&mut word)?;
         if self.values.len() < self.count {
             return Err(self.ends());
         }
         Ok(())
     }
 
-    fn take_word(&mut self, word: &mut Vec<u8>) -> Result<(), VolumeFault> {
+    /// Takes the sample that `word` stands for, if there is one, and leaves it empty.
+    fn take_word(&mut self, word: &mut Word) -> Result<(), VolumeFault> {
+        if word.bytes.is_empty() {
+            return Ok(());
+        }
         if self.values.len() == self.count {
             return Err(self.goes_on());
         }
-        let number = std::str::from_utf8(word).ok();
-        let number: Option<f64> = number.and_then(|text| text.parse().ok());
-        let number = number.ok_or_else(|| self.not_a_number(word))?;
-        word.clear();
+        let text = std::str::from_utf8(&word.bytes).unwrap_or_default();
+        let number: f64 = text
+            .parse()
+            .map_err(|_| self.wrong_word(word, "no number"))?;
+        if let Some((least, most)) = self.layout.element.whole_range() {
+            let fits = match text.parse::<i128>() {
+                Ok(whole) => (least..=most).contains(&whole),
+                // Some write large ones as 1e+17.
+                Err(_) => number.fract() == 0.0 && (least as f64..=most as f64).contains(&number),
+            };
+            if !fits {
+                let element = self.layout.element.name();
+                let message = format!(
+                    "no {element}, a whole number from {least} to {most}: correct it, or the type \
+                     in the header"
+                );
+                return Err(self.wrong_word(word, &message));
+            }
+        }
+        word.column += word.bytes.len();
+        word.bytes.clear();
         self.grow(1)?;
         self.push(&[0; 1], |_: [u8; 1]| number)
     }
 
-    fn not_a_number(&self, word: &[u8]) -> VolumeFault {
-        let (index, text) = (self.values.len(), String::from_utf8_lossy(word));
-        format!("sample {index} of the text is {text:?}, which is not a number").into()
+    /// The error of a word of the text.
+    fn wrong_word(&self, word: &Word, message: &str) -> VolumeFault {
+        let (index, text) = (self.values.len(), String::from_utf8_lossy(&word.bytes));
+        let Word { line, column, .. } = word;
+        VolumeFault::Line(format!(
+            "{line}:{column}: sample {index} is {text:?}, {message}"
+        ))
     }
 
     /// The data end early.
@@ -427,6 +479,15 @@ impl<'l> Samples<'l> {
             .map(|size| size.to_string())
             .join(" × ")
     }
+}
+
+/// A word of a text, as far as it was read.
+struct Word {
+    bytes: Vec<u8>,
+    /// Line of its first byte, the first being 1.
+    line: usize,
+    /// Column of its first byte, in bytes, the first being 1.
+    column: usize,
 }
 
 /// Reads until `bytes` are full or the source ends. The number of bytes read.

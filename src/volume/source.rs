@@ -20,6 +20,8 @@ pub(super) struct VolumeSource<'b> {
     path: PathBuf,
     /// Bytes that are left.
     remaining: u64,
+    /// Lines that ended before the next byte, where a reader of text counts them.
+    pub line: usize,
     reader: BufReader<Hashed<'b>>,
     /// The file of the data, if it is another.
     data: Option<Box<VolumeSource<'b>>>,
@@ -60,6 +62,7 @@ impl<'b> VolumeSource<'b> {
         VolumeSource {
             path: path.to_owned(),
             remaining: length,
+            line: 0,
             reader: BufReader::with_capacity(1 << 16, Hashed { bytes, hasher }),
             data: None,
         }

@@ -204,3 +204,75 @@ fn files_that_are_no_volumes() {
         folder.volref(&["info", file]).expect(2, &[part]);
     }
 }
+
+/// Each of these would be another volume than the one that was meant.
+#[test]
+fn volumes_whose_header_or_text_says_something_else() {
+    let folder = Folder::new();
+    let nrrd = |kind: &str, encoding: &str, more: &str| {
+        format!(
+            "NRRD0005\ntype: {kind}\ndimension: 3\nsizes: 3 2 1\nencoding: {encoding}\n{more}\n"
+        )
+    };
+    let raw = |more: &str| nrrd("uchar", "raw", more) + "\n123456";
+    let mut nifti = fixture("grid.nii");
+    nifti[280..328].fill(0);
+    folder.write("zero.nii", nifti);
+    folder.write("colour.nrrd", raw("kinds: RGB-color domain domain"));
+    folder.write("inf.nrrd", raw("spacings: 1 2 3\naxis mins: 0 inf 0"));
+    folder.write("cut.nrrd", nrrd("short", "text", "") + "1 2 3\n4 5 60");
+    folder.write(
+        "list.nhdr",
+        nrrd("uchar", "raw", "data file: LIST\na.raw\nsp ace.raw"),
+    );
+    folder.write(
+        "text.nhdr",
+        nrrd("uchar", "text", "line skip: 1\ndata file: text.txt"),
+    );
+    folder.write("text.txt", "six numbers\n1 2 3\n4 300 6\n");
+    for (file, part) in [
+        (
+            "colour.nrrd",
+            "colour.nrrd:6: axis 1, of 3 samples, is of the kind \"RGB-color\", and no axis of space",
+        ),
+        (
+            "inf.nrrd",
+            "inf.nrrd:7: `axis mins` must be a finite number",
+        ),
+        (
+            "cut.nrrd",
+            "cut.nrrd:8:5: sample 5 is \"60\", the last of the text, with nothing behind it",
+        ),
+        (
+            "list.nhdr",
+            "list.nhdr:6: the data are spread over several files (a list)",
+        ),
+        (
+            "text.nhdr",
+            "text.nhdr: its data file text.txt:3:3: sample 4 is \"300\", no uint8",
+        ),
+        (
+            "zero.nii",
+            "zero.nii: `sform_code` is 1, but `srow_x`, `srow_y` and `srow_z` give no axis a direction",
+        ),
+    ] {
+        folder.volref(&["info", file]).expect(2, &[part]);
+    }
+    // Unknown positions and a sign in a name are nothing wrong.
+    folder.write(
+        "nan.nhdr",
+        nrrd(
+            "uchar",
+            "raw",
+            "axis mins: nan nan nan\ndata file: 100%.raw",
+        ),
+    );
+    folder.write("100%.raw", "123456");
+    let run = folder.volref(&["info", "nan.nhdr"]);
+    run.expect(0, &[]);
+    assert!(
+        run.stdout.contains("3 × 2 × 1, 6 in total"),
+        "{}",
+        run.stdout
+    );
+}
