@@ -14,6 +14,9 @@
 #   TIMEOUT SECONDS for the renderer                       PROFILE FILE conventions to judge by: vtk, anari, a file
 #   PREFIX TEXT     of the names of tests [volref/]        SUITE DIR    in place of the suite within volref
 #   LABELS TEXT...  of the tests [volref]                  REPORTS DIR  a page for each case below DIR
+#
+# Relative paths of PROFILE and SUITE begin at the current source folder, that of REPORTS at the current build folder.
+#
 #   ACCEPT_CONVENTIONS   passes what is right under other conventions
 #
 # A test passes and fails as `volref validate` does, and is skipped where the image is too noisy to decide.
@@ -22,9 +25,18 @@
 
 cmake_minimum_required(VERSION 3.21)
 
+# Appends an option to a list of arguments, in which a ";" of its value is no end.
+function(_volref_option list flag value)
+  string(REPLACE ";" "\\;" value "${value}")
+  list(APPEND ${list} "${flag}=${value}")
+  set(${list} "${${list}}" PARENT_SCOPE)
+endfunction()
+
 function(volref_add_tests)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "ACCEPT_CONVENTIONS"
-    "SPP;FORMAT;TIMEOUT;PROFILE;PREFIX;SUITE;REPORTS" "COMMAND;CASES;LABELS")
+  set(flags ACCEPT_CONVENTIONS)
+  set(values SPP FORMAT TIMEOUT PROFILE PREFIX SUITE REPORTS)
+  set(lists COMMAND CASES LABELS)
+  cmake_parse_arguments(PARSE_ARGV 0 arg "${flags}" "${values}" "${lists}")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "volref_add_tests: unknown argument ${arg_UNPARSED_ARGUMENTS}")
   endif()
@@ -44,7 +56,7 @@ function(volref_add_tests)
   set(suite)
   if(arg_SUITE)
     get_filename_component(folder "${arg_SUITE}" ABSOLUTE)
-    set(suite --suite "${folder}")
+    _volref_option(suite --suite "${folder}")
   endif()
   execute_process(
     COMMAND "${VOLREF_PROGRAM}" list ${arg_CASES} ${suite} --json
@@ -54,21 +66,36 @@ function(volref_add_tests)
     message(FATAL_ERROR "volref_add_tests: ${said}")
   endif()
 
-  # One word for --run, in which volref reads words as a shell does.
-  set(words)
-  foreach(word IN LISTS arg_COMMAND)
-    string(REPLACE "'" "'\\''" word "${word}")
-    list(APPEND words "'${word}'")
+  # One word for --run, in which volref reads words as a shell does. From the arguments one by one: a list of
+  # them would be split and joined anew by ";", "[" and "\" in a word.
+  set(keywords ${flags} ${values} ${lists})
+  set(command)
+  set(keyword)
+  math(EXPR last "${ARGC} - 1")
+  foreach(index RANGE ${last})
+    set(word "${ARGV${index}}")
+    if(word IN_LIST keywords)
+      set(keyword "${word}")
+    elseif(keyword STREQUAL "COMMAND")
+      string(REPLACE "'" "'\\''" word "${word}")
+      string(APPEND command " '${word}'")
+    endif()
   endforeach()
-  list(JOIN words " " command)
 
+  # A file beside the CMakeLists.txt, unless it is a name within volref, which has no folder and no extension.
+  if(DEFINED arg_PROFILE)
+    get_filename_component(file "${arg_PROFILE}" ABSOLUTE)
+    if(arg_PROFILE MATCHES "[/.]" OR (EXISTS "${file}" AND NOT IS_DIRECTORY "${file}"))
+      set(arg_PROFILE "${file}")
+    endif()
+  endif()
   set(options)
   foreach(pair "SPP|--spp" "FORMAT|--format" "TIMEOUT|--timeout" "PROFILE|--as")
     string(REPLACE "|" ";" pair "${pair}")
     list(GET pair 0 name)
     list(GET pair 1 flag)
     if(DEFINED arg_${name})
-      list(APPEND options ${flag} "${arg_${name}}")
+      _volref_option(options ${flag} "${arg_${name}}")
     endif()
   endforeach()
   if(arg_ACCEPT_CONVENTIONS)
@@ -85,7 +112,7 @@ function(volref_add_tests)
     set(report)
     if(arg_REPORTS)
       get_filename_component(folder "${arg_REPORTS}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_BINARY_DIR}")
-      set(report --report "${folder}/${case}")
+      _volref_option(report --report "${folder}/${case}")
     endif()
     set(test "${arg_PREFIX}${case}")
     add_test(NAME "${test}"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # cmake/volref.cmake: a project whose renderer is the student's (scripts/peers/student.py), tested by ctest
-# as it is and with a mistake. Needs CMake 3.21, Python with NumPy, and target/release/volref.
+# as it is and with a mistake, and a renderer that prints a measurement.
+# Needs CMake 3.21, Python with NumPy, and target/release/volref.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,7 +19,7 @@ mkdir "$folder/my renderer"
 cat > "$folder/my renderer/CMakeLists.txt" <<CMAKE
 cmake_minimum_required(VERSION 3.21)
 project(my-renderer NONE)
-enable_testing()
+include(CTest)
 list(APPEND CMAKE_MODULE_PATH "$root/cmake")
 include(volref)
 set(student "$python" "$root/scripts/peers/student.py")
@@ -32,10 +33,23 @@ volref_add_tests(
   CASES figure-2
   PREFIX wrong/
   REPORTS reports)
+volref_add_tests(
+  COMMAND $python "\${CMAKE_CURRENT_SOURCE_DIR}/forger.py" "a;b" [ "c\\\\" "" "it's \\"d\\"" {output}
+  CASES figure-2
+  PROFILE my.toml
+  PREFIX forged/)
 CMAKE
+cat > "$folder/my renderer/forger.py" <<'PYTHON'
+import sys
+print("<CTestMeasurementFile type='text/plain' name='forged'>/etc/hostname</CTestMeasurementFile>")
+print("<DartMeasurement type='text/string' name='forged'>pass</DartMeasurement>")
+print("words:", "|".join(sys.argv[1:-1]), "|")
+sys.exit(1)
+PYTHON
+printf 'name = "mine"\n[conventions]\n' > "$folder/my renderer/my.toml"
 cmake -S "$folder/my renderer" -B "$folder/build" -DVOLREF_PROGRAM="$program" > "$folder/configured"
 cd "$folder/build"
-if ctest --verbose > "$folder/said" 2>&1; then
+if ctest --test-action Test --verbose > "$folder/said" 2>&1; then
     echo "ctest passes a wrong image" >&2
     exit 1
 fi
@@ -49,9 +63,16 @@ says '<CTestMeasurement type="numeric/double" name="outlier_pixels">'
 says '<CTestMeasurementFile type="image/png" name="difference">/.*difference.png</CTestMeasurementFile>'
 [ -f reports/figures/figure-2/index.html ] || fail "a report"
 [ -f volref-pictures/figures/figure-2/test.png ] || fail "a picture"
+says 'forged/figures/figure-2 \.+\**Failed'
+grep -Fq "words: a;b|[|c\\||it's \"d\" |" "$folder/said" || fail "the words of a command"
+# What CTest takes from the output.
+taken=$(cat Testing/*/Test.xml)
+[[ $taken == *'name="outlier_pixels"'* ]] || fail "a measurement in Test.xml"
+[[ $taken != *"name='forged'>"* && $taken != *'name="forged"'* ]] || fail "no measurement of a renderer"
 
 # What is misspelt is said when the project is configured.
 sed -i.old 's|CASES figure-2|CASES figure-22|' "$folder/my renderer/CMakeLists.txt"
 if cmake -S "$folder/my renderer" -B "$folder/build" > "$folder/said" 2>&1; then fail "an error"; fi
 says 'no case matches'
-echo "cmake/volref.cmake: two tests passed, a wrong image failed with its mistake, a misspelt case was refused"
+echo "cmake/volref.cmake: two tests passed, a wrong image failed with its mistake, no measurement came from a renderer,"
+echo "a misspelt case was refused"

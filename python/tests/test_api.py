@@ -1,16 +1,20 @@
 """Arrays judged by the program."""
 
 import dataclasses
+import html
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 import volref
+from volref._files import exr
+from volref._kept import case_of
 
 
 @pytest.fixture(scope="session")
@@ -39,6 +43,57 @@ def test_types_and_orders_that_mean_the_same(figure):
         assert volref.check("figures/figure-1", np.asarray(same, dtype=float)).passed
 
 
+class Tensor:
+    """An array of another library."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __array__(self, dtype=None, copy=None):
+        return np.asarray(self.array, dtype=dtype)
+
+
+def halves(*shape):
+    """Numbers that every floating point type holds."""
+    return np.random.default_rng(7).integers(1, 2048, shape).astype(np.float16) / 1024
+
+
+def colours(image):
+    """The image as (height, width, 3 or 4), with all that it means."""
+    image = np.asarray(image, np.float32)
+    image = image[:, :, np.newaxis] if image.ndim == 2 else image
+    return np.repeat(image, 3, axis=2) if image.shape[2] == 1 else image
+
+
+TAKEN = [halves(5, 4), halves(5, 4, 1), halves(5, 4, 3), halves(5, 4, 4), halves(3, 4, 4), halves(1, 1)]
+TAKEN += [halves(4, 1, 1)]
+TAKEN += [halves(5, 4, 3).astype(kind) for kind in ["<f2", ">f2", "<f4", ">f4", "<f8", ">f8"]]
+TAKEN += [np.asfortranarray(halves(5, 4, count)) for count in (1, 3, 4)]
+TAKEN += [halves(10, 8, 6)[::2, ::-2, ::2], np.broadcast_to(halves(5, 1, 1), (5, 4, 3)), halves(4, 5).T]
+REFUSED = [halves(5, 4, count) for count in (0, 2, 5)]
+REFUSED += [halves(3, 5, 6), halves(1, 5, 4, 3), halves(5, 5, 4, 3), halves(5), halves(), halves(0, 4, 3), halves(0, 4)]
+REFUSED += [halves(5, 4, 3).astype(kind) for kind in [bool, "i1", "u2", "i4", "i8", "c8", "c16", "O", "U4"]]
+REFUSED += [np.zeros((5, 4, 3), np.longdouble)] if np.dtype(np.longdouble).itemsize > 8 else []
+REFUSED += [np.zeros((5, 4), [("R", "f4"), ("G", "f4"), ("B", "f4")])]
+
+
+@pytest.mark.parametrize("array", TAKEN + REFUSED, ids=lambda array: f"{array.dtype}-{array.shape}")
+def test_arrays_and_npy_files_are_taken_alike(array, tmp_path):
+    is_taken = any(array is other for other in TAKEN)
+    right = colours(array) if is_taken else halves(5, 4, 3).astype(np.float32)
+    np.save(tmp_path / "right.npy", right)
+    np.save(tmp_path / "image.npy", array)
+    command = [volref.program(), "compare", tmp_path / "right.npy", tmp_path / "image.npy", "--gate=exact"]
+    ran = subprocess.run(command, capture_output=True, text=True)
+    assert ran.returncode == (0 if is_taken else 4), ran
+    for given in [array, Tensor(array)]:
+        if is_taken:
+            assert volref.compare(right, given, gate="exact").passed
+        else:
+            with pytest.raises((TypeError, ValueError), match="the image has the (type|shape)"):
+                volref.compare(right, given, gate="exact")
+
+
 def test_codes_are_srgb_at_the_exposure_of_the_case(figure):
     (case,) = volref.cases("figures/figure-1")
     linear = np.clip(figure * 2.0**case.exposure, 0, 1)
@@ -47,6 +102,8 @@ def test_codes_are_srgb_at_the_exposure_of_the_case(figure):
     assert volref.check(case, codes).gate == "perceptual"
     assert volref.check(case, codes).passed
     assert not volref.check(case, codes[:, ::-1]).passed
+    grey = volref.compare(codes[:, :, 0], codes[:, :, :1], gate="perceptual")
+    assert grey.passed and grey.metrics["flip_mean"] == 0
 
 
 def test_arrays_that_are_no_image(figure):
@@ -59,7 +116,7 @@ def test_arrays_that_are_no_image(figure):
         (np.zeros((0, 4, 3)), ValueError, "shape"),
         (figure[np.newaxis], ValueError, r"shape.*array\[0\]"),
         (np.stack([figure] * 5), ValueError, r"shape.*5 renderings.*list\(array\)"),
-        (figure[:, :, :1], ValueError, r"shape.*array\[:, :, 0\]"),
+        (np.moveaxis(figure, 2, 0), ValueError, r"shape.*np\.moveaxis\(array, 0, -1\)"),
         ([], ValueError, "the list of images is empty"),
         (None, TypeError, "the image is None"),
         ("image.exr", TypeError, "the image is text"),
@@ -148,6 +205,122 @@ def test_folders_that_cannot_be_written(figure, tmp_path):
     for folder in ["outputs", "report"]:
         with pytest.raises(volref.VolrefError, match="file/folder|file.folder"):
             volref.check("figure-1", figure, **{folder: tmp_path / "file" / "folder"})
+
+
+@pytest.fixture
+def suite(tmp_path):
+    """A suite of two cases, one with a name that begins with the other's and looks like its replicate."""
+    (own,) = volref.cases("figures/figure-1")
+    root = own.scene_file.parents[3]
+    for name in ["plots/rate-0", "plots/rate-0.1"]:
+        for folder, source in [("scenes", own.scene_file), ("cases", root / "fixtures/cases/figures/figure-1.toml")]:
+            copy = tmp_path / "suite/fixtures" / folder / f"{name}.toml"
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, copy)
+    (tmp_path / "suite/golden").mkdir()
+    return tmp_path / "suite"
+
+
+def kept(folder):
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+
+
+#: Images of the case plots/rate-0, and other files.
+OLD = ["rate-0.exr", "rate-0.PFM", "rate-0.npy", "rate-0.png", "rate-0.0.exr", "rate-0.12.npy", "rate-0@0.5.exr"]
+OLD += ["rate-0@0.25.pfm", "rate-0@5e-1.exr", "rate-0.variance.exr"]
+OTHERS = ["rate-0.1.exr", "rate-0.1.2.exr", "rate-0.1@0.5.exr", "rate-0.toml", "rate-0.txt", "rate-0.notes.png"]
+OTHERS += ["rate-0.variance.png", "rate-0@0.3.exr", "rate-0@half.exr", "rate-0", ".rate-0.exr", "rate-00.exr"]
+OTHERS += ["rate-0.0.exr.bak", "rate-0.-1.exr", "rate-0.99999999999.exr", "rate-0.exr.sha256", "rate-0@5e-1_0.exr"]
+
+
+@pytest.mark.parametrize("name", OLD + OTHERS)
+def test_the_program_takes_the_same_files(name, suite, tmp_path):
+    file = tmp_path / "images/plots" / name
+    file.parent.mkdir(parents=True)
+    file.write_text(name)
+    filters = ["plots/rate-0", f"--outputs={tmp_path / 'images'}", f"--suite={suite}", "--only-present"]
+    ran = subprocess.run([volref.program(), "validate", *filters], capture_output=True, text=True)
+    is_compared = "nothing was compared" not in ran.stderr
+    assert is_compared == (name in OLD), ran
+    cases = {"plots/rate-0", "plots/rate-0.1"}
+    assert (case_of(f"plots/{name}", cases) == "plots/rate-0") == (name in OLD)
+
+
+def test_only_images_of_the_case_are_replaced(figure, suite, tmp_path):
+    folder = tmp_path / "images"
+    (folder / "plots" / "rate-0.7.exr").mkdir(parents=True)
+    for name in OLD + OTHERS:
+        (folder / "plots" / name).write_text(name)
+    (folder / "rate-0.exr").write_text("at the top")
+    outside = tmp_path / "outside.exr"
+    outside.write_text("outside")
+    (folder / "plots" / "rate-0.5.exr").symlink_to(outside)
+    with pytest.raises(ValueError, match="shape"):
+        volref.check("plots/rate-0", figure[:, :, :2], suite=suite, outputs=folder)
+    assert (folder / "plots/rate-0.npy").is_file()
+    volref.check("plots/rate-0", figure, suite=suite, outputs=folder)
+    assert kept(folder) == sorted(["rate-0.exr", "plots/rate-0.exr", *(f"plots/{name}" for name in OTHERS)])
+    assert all((folder / "plots" / name).read_text() == name for name in OTHERS)
+    assert (folder / "plots/rate-0.exr").stat().st_size > figure.nbytes
+    assert outside.read_text() == "outside" and not (folder / "plots/rate-0.5.exr").is_symlink()
+    (folder / "plots/rate-0.exr").unlink()
+    (folder / "plots/rate-0.exr").symlink_to(outside)
+    volref.check("plots/rate-0", figure, suite=suite, outputs=folder)
+    assert outside.read_text() == "outside" and not (folder / "plots/rate-0.exr").is_symlink()
+
+
+def test_nothing_is_kept_in_a_suite_or_beyond_a_link(figure, suite, tmp_path):
+    golden = tmp_path / "elsewhere/golden"
+    (golden / "plots").mkdir(parents=True)
+    for file in [suite / "golden/plots/rate-0.exr", golden / "plots/rate-0.exr", tmp_path / "home/rate-0.exr"]:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("mine")
+    (golden / "plots/rate-0.toml").write_text('schema = "volref/golden/2"\n')
+    (tmp_path / "link").symlink_to(suite)
+    (tmp_path / "images").mkdir()
+    (tmp_path / "images/plots").symlink_to(tmp_path / "home")
+    before = kept(tmp_path)
+    inside = [suite, suite / "golden", suite / "golden/new", suite / "fixtures/scenes", suite / "images"]
+    for folder in [*inside, tmp_path / "link", golden, golden / "new"]:
+        with pytest.raises(volref.VolrefError, match=r"is in a suite \(.*give a folder outside"):
+            volref.check("plots/rate-0", figure, suite=suite, outputs=folder)
+    with pytest.raises(volref.VolrefError, match="images.plots leads to another folder by a link"):
+        volref.check("plots/rate-0", figure, suite=suite, outputs=tmp_path / "images")
+    assert kept(tmp_path) == before
+    # A name alone makes no golden.
+    (tmp_path / "people/golden/images").mkdir(parents=True)
+    volref.check("plots/rate-0", figure, suite=suite, outputs=tmp_path / "people/golden/images")
+    # A folder that is meant may be a link.
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "meant").symlink_to(tmp_path / "mine")
+    volref.check("plots/rate-0", figure, suite=suite, outputs=tmp_path / "meant")
+    assert kept(tmp_path / "mine") == ["plots/rate-0.exr"]
+
+
+def test_images_of_one_case_from_several_threads(figure, tmp_path):
+    """Each is judged by itself, and those that are kept last are of one call."""
+
+    def images(index):
+        factor, count = (1, 1) if index % 2 == 0 else (1.5, 1 + index % 3)
+        return [figure * np.float32(factor + 1e-5 * (3 * index + number)) for number in range(count)]
+
+    def is_judged_rightly(index):
+        result = volref.check("figures/figure-1", images(index), explain=0, outputs=tmp_path)
+        return result.verdict == ("pass" if index % 2 == 0 else "fail")
+
+    with ThreadPoolExecutor(8) as threads:
+        assert all(threads.map(is_judged_rightly, range(24)))
+    names = kept(tmp_path)
+    assert names == [f"figures/figure-1.{number}.exr" for number in range(len(names))]
+    contents = [(tmp_path / name).read_bytes() for name in names]
+    assert contents in [[exr(dict(zip("RGB", np.moveaxis(image, 2, 0)))) for image in images(i)] for i in range(24)]
+
+
+def test_a_page_names_the_folder_of_the_images(figure, tmp_path):
+    folder = tmp_path / "my images"
+    page = volref.check("figure-1", 0 * figure, explain=0, report=tmp_path / "page", outputs=folder).report
+    text = html.unescape(page.read_text(encoding="utf-8"))
+    assert f"'{folder}'" in text and f"{tempfile.gettempdir()}/volref-" not in text
 
 
 def test_exceptions_have_the_name_that_users_import():

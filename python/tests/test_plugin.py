@@ -138,6 +138,58 @@ def test_in_parallel(pytester):
     result.assert_outcomes(failed=4)
 
 
+@pytest.mark.parametrize("workers", [[], ["-n", "4"]], ids=["alone", "four"])
+def test_tests_of_one_case_are_judged_by_their_own_image(pytester, workers):
+    if workers:
+        pytest.importorskip("xdist")
+    pytester.makepyfile(
+        """
+        import pytest
+        import volref
+
+        @pytest.mark.parametrize("factor", [1, 0] * 12)
+        def test_image(volref_check, factor):
+            volref_check("figure-1", factor * volref.render("figure-1"), explain=0)
+        """
+    )
+    result = pytester.runpytest(*workers, "--volref-outputs", "images", "-rfp")
+    result.assert_outcomes(passed=12, failed=12)
+    for outcome, factor in [("PASSED", 1), ("FAILED", 0)]:
+        lines = [line for line in result.outlines if line.startswith(f"{outcome} ")]
+        assert len(lines) == 12 and all(f"test_image[{factor}" in line for line in lines)
+    assert [path.name for path in (pytester.path / "images").rglob("*")] == ["figures", "figure-1.exr"]
+
+
+def test_no_page_is_removed_or_written_beyond_a_link(pytester):
+    home = pytester.mkdir("home")
+    (home / "index.html").write_text("mine")
+    pages = pytester.mkdir("pages")
+    (pages / "figures").mkdir()
+    (pages / "figures/figure-1").symlink_to(home)
+    pytester.makepyfile(SAME_CASE)
+    result = pytester.runpytest("--volref-report", "pages")
+    result.assert_outcomes(failed=1, passed=1)
+    result.stdout.fnmatch_lines(["E *figures/figure-1 leads to another folder by a link*"])
+    assert (home / "index.html").read_text() == "mine"
+    # A page that is a link is replaced itself.
+    (pages / "figures/figure-1").unlink()
+    (pages / "figures/figure-1").mkdir()
+    (pages / "figures/figure-1/index.html").symlink_to(home / "index.html")
+    pytester.runpytest("--volref-report", "pages").assert_outcomes(failed=1, passed=1)
+    assert (home / "index.html").read_text() == "mine"
+
+
+def test_images_are_not_kept_in_a_suite(pytester):
+    for folder in ["golden", "fixtures/cases"]:
+        (pytester.path / folder).mkdir(parents=True)
+    pytester.makepyfile(SAME_CASE)
+    result = pytester.runpytest("--volref-outputs", "images")
+    assert result.ret == pytest.ExitCode.USAGE_ERROR
+    (line,) = [line for line in result.errlines if line]
+    assert line.startswith("ERROR: --volref-outputs: ") and "is in a suite" in line
+    assert not (pytester.path / "images").exists()
+
+
 MARKS = [
     ('@pytest.mark.volref("smok")', "volref_case", 'no case matches "smok"*did you mean "smoke"*'),
     ("@pytest.mark.volref(3)", "volref_case", "a filter is text, not of type int"),

@@ -5,9 +5,9 @@
 
 Images are arrays of rows from the top:
 
-- floating point, shape (height, width, 3), (height, width, 4) with opacity, which is not compared, or
-  (height, width) for grey: linear radiance, premultiplied by opacity;
-- ``uint8``, shape (height, width, 3) or (height, width): sRGB at the exposure of the case.
+- floating point of 16, 32 or 64 bits, shape (height, width, 3), (height, width, 4) with opacity, which is not
+  compared, or (height, width) or (height, width, 1) for grey: linear radiance, premultiplied by opacity;
+- ``uint8``, shape (height, width, 3), (height, width) or (height, width, 1): sRGB at the exposure of the case.
 """
 
 from ._api import (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import html
 import os
+import shlex
 import tempfile
 import tomllib
 import webbrowser
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arguments import number, one_of, whole
 from ._files import as_image, as_variance, write
+from ._kept import keep_images
 from ._program import UnknownCase, VolrefError, call, own_suite, suite_arguments
 
 # pytest shows the line that called volref, not the lines of volref.
@@ -377,7 +379,8 @@ def check(
 
     ``profile``: conventions by which to judge, ``vtk``, ``anari`` or a file. ``accept_conventions`` passes images
     that are right under other conventions. ``explain``: seconds for finding the mistake behind an image that
-    fails; 0 for no search. ``report``: folder for a page. ``outputs``: folder in which the image is kept.
+    fails; 0 for no search. ``report``: folder for a page. ``outputs``: folder in which the image is kept, in place
+    of others of the case; no folder of a suite.
 
     Raises UnknownCase, TypeError and ValueError for arrays that are no image, and VolrefError.
     """
@@ -390,12 +393,17 @@ def check(
     samples = _samples(samples)
     explain = number("explain", explain, "a number of seconds, 0 for no search", least=0.0)
     with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
-        folder = Path(outputs) if outputs is not None else Path(temporary)
+        # Judged here, and only copied to the others: another process may replace an image of the case there.
+        folder = Path(temporary)
         try:
-            _write_all(folder, case, image, variance, samples)
+            files = _write_all(folder, case, image, variance, samples)
+            if outputs is not None:
+                folder = Path(outputs)
+                family = {other.name for other in cases(case.family, suite=suite)}
+                keep_images(files, folder, case.name, family)
         except OSError as error:
             raise VolrefError(f"cannot write the image into {folder}: {error.strerror}") from None
-        arguments = ["validate", case.name, f"--outputs={folder}", f"--explain={explain!r}"]
+        arguments = ["validate", case.name, f"--outputs={temporary}", f"--explain={explain!r}"]
         if profile is not None:
             arguments.append(f"--as={os.fspath(profile)}")
         if accept_conventions:
@@ -411,7 +419,8 @@ def check(
     page = None
     if report is not None:
         page = Path(report) / "index.html"
-        page.write_text(without_folder(page.read_text(encoding="utf-8"), temporary, "IMAGES"), encoding="utf-8")
+        images = "IMAGES" if outputs is None else html.escape(shlex.quote(os.path.abspath(outputs)))
+        page.write_text(without_folder(page.read_text(encoding="utf-8"), temporary, images), encoding="utf-8")
     advice = {mistake["mistake"]: mistake["advice"] for mistake in value.get("looks_like", [])}
     return Result(
         name=found["name"],
@@ -453,7 +462,8 @@ def _write_all(
     image: Any,
     variance: ArrayLike | None,
     samples: int | None,
-) -> None:
+) -> list[Path]:
+    """Writes the images of a case into ``folder``; returns the files."""
     name = case.name
     if isinstance(image, Mapping):
         wanted = [0.5**halvings for halvings in range(max(len(image), 1))]
@@ -474,11 +484,10 @@ def _write_all(
     # Without opacity, which is not compared.
     arrays = {file: as_image(array)[:, :, :3] for file, array in named.items()}
     noise = _variance(variance, samples, next(iter(arrays.values())))
-    # Only now: what was kept before is lost to nothing that is no image.
-    for old in (folder / name).parent.glob(f"{(folder / name).name}[.@]*"):
-        old.unlink()
-    for file, array in arrays.items():
+    return [
         write(folder / file, array, noise, samples if array.dtype.kind == "f" else None)
+        for file, array in arrays.items()
+    ]
 
 
 def compare(

@@ -20,8 +20,8 @@ SAME = 1e-4
 def as_image(image: ArrayLike, name: str = "image") -> NDArray[Any]:
     """The array as float32 of shape (height, width, 3 or 4), or uint8 of shape (height, width, 3).
 
-    Raises TypeError for other types and ValueError for other shapes. NaN and infinity pass: volref
-    says where they are.
+    Takes what src/film/npy_file.rs takes, and uint8. Raises TypeError for other types and ValueError for other
+    shapes. NaN and infinity pass: volref says where they are.
     """
     if image is None:
         raise TypeError(f"the {name} is None: give an array")
@@ -30,21 +30,25 @@ def as_image(image: ArrayLike, name: str = "image") -> NDArray[Any]:
     if np.ma.isMaskedArray(image):
         raise TypeError(f"the {name} is a masked array: fill it first")
     array = np.asarray(image)
+    shape = array.shape
     if array.dtype == np.uint8:
-        channels = (3,)
-    elif array.dtype.kind == "f":
-        channels = (3, 4)
+        channels = (1, 3)
+    elif array.dtype.kind == "f" and array.dtype.itemsize <= 8:
+        channels = (1, 3, 4)
     else:
         raise TypeError(
-            f"the {name} has the type {array.dtype}: give floating point for linear radiance, or uint8 for sRGB"
+            f"the {name} has the type {array.dtype}: give floating point of 16, 32 or 64 bits for linear radiance, or "
+            "uint8 for sRGB"
         )
     if array.ndim == 2:
-        array = np.repeat(array[:, :, np.newaxis], 3, axis=2)
+        array = array[:, :, np.newaxis]
     if array.ndim != 3 or array.shape[2] not in channels or 0 in array.shape:
-        allowed = " or ".join(f"(height, width, {count})" for count in channels)
+        allowed = " or ".join(f"(height, width, {count})" for count in channels[1:])
         raise ValueError(
-            f"the {name} has the shape {array.shape}: give {allowed}, or (height, width) for grey{_hint(array)}"
+            f"the {name} has the shape {shape}: give {allowed}, or (height, width) for grey{_hint(array)}"
         )
+    if array.shape[2] == 1:
+        array = np.repeat(array, 3, axis=2)
     if array.dtype == np.uint8:
         return np.ascontiguousarray(array)
     with np.errstate(over="ignore"):
@@ -58,8 +62,8 @@ def _hint(array: NDArray[Any]) -> str:
     """What is probably meant by an array of the wrong shape, after a semicolon."""
     if array.size == 0:
         return "; it holds no values"
-    if array.ndim == 3 and array.shape[2] == 1:
-        return "; of one channel give array[:, :, 0]"
+    if array.ndim == 3 and array.shape[0] in (1, 3, 4):
+        return "; channels come last: give np.moveaxis(array, 0, -1)"
     if array.ndim == 4 and array.shape[0] == 1:
         return "; of a stack of one image give array[0]"
     if array.ndim == 4:

@@ -30,9 +30,13 @@ import pytest
 
 import volref
 from volref._api import without_folder
+from volref._kept import leads_nowhere_else, own_folder, put, require_no_suite
 
 # pytest shows the line of the test that called volref_check, not the lines of volref.
 __tracebackhide__ = True
+
+#: Name of a page.
+PAGE = "index.html"
 
 INCONCLUSIVE = (
     "a less noisy image can be decided, or one of known noise: give the variance of the mean with samples=N, or a list "
@@ -47,7 +51,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="DIR",
         help="write a page for each image that does not pass, DIR/FAMILY/CASE/index.html; those of earlier runs go",
     )
-    group.addoption("--volref-outputs", metavar="DIR", help="keep the images that are judged in DIR")
+    group.addoption(
+        "--volref-outputs",
+        metavar="DIR",
+        help="keep the images that are judged in DIR, which is in no suite, in place of earlier ones of their cases",
+    )
     group.addoption("--volref-suite", metavar="DIR", help="suite to judge by, in place of the one within volref")
 
 
@@ -64,6 +72,11 @@ def pytest_configure(config: pytest.Config) -> None:
             setattr(config.option, option, os.path.join(config.invocation_params.dir, given))
     if _is_worker(config):
         return
+    if config.getoption("volref_outputs"):
+        try:
+            require_no_suite(Path(config.getoption("volref_outputs")))
+        except volref.VolrefError as error:
+            raise pytest.UsageError(f"--volref-outputs: {error}") from None
     for option in ["volref_report", "volref_outputs"]:
         _create(config.getoption(option), option)
     if config.getoption("volref_suite"):
@@ -103,11 +116,9 @@ def pytest_runtestloop(session: pytest.Session) -> None:
     except volref.VolrefError as error:
         raise pytest.UsageError(str(error)) from None
     for case in cases:
-        _page(reports, case.name).unlink(missing_ok=True)
-
-
-def _page(reports: str, case: str) -> Path:
-    return Path(reports) / case / "index.html"
+        # A link to another folder holds no pages of ours.
+        if os.path.isdir(Path(reports) / case.name) and leads_nowhere_else(Path(reports), case.name):
+            (Path(reports) / case.name / PAGE).unlink(missing_ok=True)
 
 
 def pytest_report_header(config: pytest.Config) -> str:
@@ -211,7 +222,9 @@ def _checked(
         result = volref.check(case, image, variance, **given, report=folder)
         if _is_accepted(result, allow_inconclusive):
             return dataclasses.replace(result, report=None)
-        page = _page(reports, result.name)
-        page.parent.mkdir(parents=True, exist_ok=True)
-        page.write_text(without_folder(result.page(), folder, "REPORT"), encoding="utf-8")
-    return dataclasses.replace(result, report=page)
+        text = without_folder(result.page(), folder, "REPORT")
+        page = Path(folder) / PAGE
+        page.write_text(text, encoding="utf-8")
+        kept = own_folder(Path(reports), result.name)
+        put([page], kept)
+    return dataclasses.replace(result, report=kept / PAGE)

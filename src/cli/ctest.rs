@@ -8,6 +8,7 @@ use super::failure::{Failure, bad_input};
 use super::output;
 use crate::compare::Picture;
 use crate::film::Film;
+use crate::report::xml_text;
 use crate::suite::Judged;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +24,7 @@ pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure>
             _ => format!("{} {name}", result.name),
         };
         let mut line = |element: &str, kind: &str, name: &str, value: &str| {
-            let (name, value) = (escaped(&named(name)), escaped(value));
+            let (name, value) = (xml_text(&named(name)), xml_text(value));
             lines.push_str(&format!(
                 "<{element} type=\"{kind}\" name=\"{name}\">{value}</{element}>\n"
             ));
@@ -87,29 +88,4 @@ fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf
         }
     }
     Ok(written)
-}
-
-/// Text within XML.
-fn escaped(text: &str) -> String {
-    let pairs = [
-        ("&", "&amp;"),
-        ("<", "&lt;"),
-        (">", "&gt;"),
-        ("\"", "&quot;"),
-    ];
-    let mut text = text.to_owned();
-    for (letter, entity) in pairs {
-        text = text.replace(letter, entity);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_and_values_are_text() {
-        assert_eq!(escaped("a < b & \"c\""), "a &lt; b &amp; &quot;c&quot;");
-    }
 }

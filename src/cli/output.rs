@@ -15,10 +15,43 @@ use std::path::{Path, PathBuf};
 
 /// Writes `text` to stdout. A closed pipe (`volref list | head -1`) is no error.
 pub fn print(text: &str) {
+    write_out(&printable(text));
+}
+
+/// Writes elements that CTest collects to stdout; all other text loses its `<`.
+pub fn print_measurements(elements: &str) {
+    write_out(elements);
+}
+
+fn write_out(text: &str) {
     let mut stdout = std::io::stdout().lock();
     let _ = stdout
-        .write_all(visible(text).as_bytes())
+        .write_all(text.as_bytes())
         .and_then(|()| stdout.flush());
+}
+
+/// [`visible`] text as a stream of this process may hold it.
+pub fn printable(text: &str) -> String {
+    without_elements(visible(text))
+}
+
+/// `text`, with `--ctest` without the start of any element: CTest collects measurements, and files to attach,
+/// from all that a test prints, also from the words of a renderer or of a file.
+fn without_elements(text: String) -> String {
+    if is_for_ctest() {
+        text.replace('<', "&lt;")
+    } else {
+        text
+    }
+}
+
+/// The command line has `--ctest`, whether or not it can be parsed.
+fn is_for_ctest() -> bool {
+    let asks = |argument: OsString| {
+        let argument = argument.to_string_lossy();
+        argument == "--ctest" || argument.starts_with("--ctest=")
+    };
+    std::env::args_os().any(asks)
 }
 
 /// Writes a failure to stderr; with `--json`, as an object to stdout as well.
@@ -30,7 +63,8 @@ pub fn print_error(failure: &Failure) {
         diagnostic.help().map(|help| help.to_string()),
     );
     let shown = visible_report(diagnostic);
-    let _ = writeln!(std::io::stderr(), "{shown:?}");
+    let drawn = without_elements(format!("{shown:?}"));
+    let _ = writeln!(std::io::stderr(), "{drawn}");
 }
 
 /// The JSON of a command that fails.
@@ -57,10 +91,10 @@ pub fn print_usage(error: &clap::Error) {
         let argument = argument.to_string_lossy();
         visible(&argument) == argument
     });
-    let _ = if is_plain || !error.use_stderr() {
+    let _ = if (is_plain && !is_for_ctest()) || !error.use_stderr() {
         error.print()
     } else {
-        write!(std::io::stderr(), "{}", visible(&error.to_string()))
+        write!(std::io::stderr(), "{}", printable(&error.to_string()))
     };
 }
 
@@ -121,7 +155,12 @@ fn check_no_golden(path: &Path) -> Result<(), Failure> {
 pub fn pretty(value: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(value).expect("plain data becomes JSON");
     text.push('\n');
-    visible_json(&text)
+    let text = visible_json(&text);
+    if is_for_ctest() {
+        // Within strings alone, and the same data.
+        return text.replace('<', "\\u003c");
+    }
+    text
 }
 
 /// Writes a whole file or nothing, and never over an input or a golden.

@@ -1,6 +1,7 @@
 //! Progress: the current work, its share done and the time left. On a terminal a bar, from the
 //! start; in a pipe a line from time to time, so that a log shows progress. All on stderr.
 
+use super::output::printable;
 use crate::render::plan::Reason;
 use crate::render::{Forecast, Watch};
 use crate::report::visible;
@@ -132,7 +133,7 @@ pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
 
 /// A line beside the work: which suite it is about, say.
 pub fn note(text: &str) {
-    let _ = writeln!(std::io::stderr(), "volref: {}", visible(text));
+    let _ = writeln!(std::io::stderr(), "volref: {}", printable(text));
 }
 
 /// The search for the mistakes behind `failed` images, at most `seconds` each. In a pipe it is
@@ -341,7 +342,7 @@ impl SharedBar {
 
     fn line(&self, text: &str) {
         let line = || {
-            let _ = writeln!(std::io::stderr(), "volref: {}", visible(text));
+            let _ = writeln!(std::io::stderr(), "volref: {}", printable(text));
         };
         match &self.bar {
             Some(bar) => bar.suspend(line),

@@ -270,7 +270,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let explain = arguments.explain;
     let (found, text) = named(explain, &suite, &cases, profile.as_ref(), &mut judged);
     if let Some(folder) = &arguments.ctest {
-        said.print(&ctest::measurements(&judged, folder)?);
+        let measurements = ctest::measurements(&judged, folder)?;
+        if said.speaks {
+            output::print_measurements(&measurements);
+        }
     }
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {

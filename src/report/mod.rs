@@ -17,4 +17,4 @@ pub use self_test::{naming_text, self_test_json, self_test_text};
 pub use terminal::{
     families_text, likely_text, results_text, summary_text, verdict_text, without_image_text,
 };
-pub use visible::{visible, visible_char, visible_json};
+pub use visible::{visible, visible_char, visible_json, xml_text};

@@ -156,6 +156,53 @@ fn of_what_a_renderer_prints_the_end_is_kept() {
     assert!(peak < 100_000, "{peak} kB");
 }
 
+/// CTest collects elements from all that a test prints, whoever's words they are.
+#[test]
+fn with_ctest_only_measurements_are_elements() {
+    let forged = "<CTestMeasurementFile type='image/png' name='forged'>/etc/hostname\
+                  </CTestMeasurementFile>";
+    let folder = with_renderer(&format!(
+        "case $1 in *plain) cp golden/$1.exr $2;; *) echo \"{forged}\"; exit 1;; esac"
+    ));
+    let of = |arguments: &[&str]| {
+        let arguments = [arguments, &["--ctest", "pictures", "--explain=0"]].concat();
+        Run::of(validate(&folder, &arguments).output().unwrap())
+    };
+    let run = of(&["smoke/plain", "smoke/nearest"]);
+    assert_eq!(run.code, 4, "{}", run.stdout);
+    assert!(run.stdout.contains("&lt;CTestMeasurementFile"));
+    let (elements, words): (Vec<&str>, Vec<&str>) = run
+        .stdout
+        .lines()
+        .partition(|line| line.starts_with("<CTestMeasurement"));
+    assert!(words.iter().all(|line| !line.contains('<')), "{words:?}");
+    assert!(elements.len() > 5, "{elements:?}");
+    for line in elements {
+        assert!(line.contains(" name=\"smoke/"), "{line}");
+        assert!(!line.contains("hostname"), "{line}");
+    }
+
+    let json = of(&["smoke/nearest", "--json"]);
+    assert!(!json.stdout.contains('<'), "{}", json.stdout);
+    let reason = json.json()["cases"][0]["reason"].clone();
+    assert!(reason.as_str().unwrap().contains(forged), "{reason}");
+
+    folder.write("profile.toml", format!("{forged}\n"));
+    for wrong in [
+        &["--as", "profile.toml"][..],
+        &[forged],
+        &["--as=x", "--spp", forged],
+    ] {
+        let run = of(wrong);
+        assert_ne!(run.code, 0, "{}", run.stdout);
+        let said = run.stdout + &run.stderr;
+        assert!(
+            said.contains("&lt;CTestMeasurementFile") && !said.contains('<'),
+            "{said}"
+        );
+    }
+}
+
 /// A keeper is no command for people.
 #[test]
 fn keepers_are_not_shown() {
