@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Makes the derivatives that travel with the goldens, golden/sensitivities/FAMILY/CASE.exr, of blocks (by the
 # refractive index: of pixels) by all numbers of a scene: of the cases that are given, or of all sampled cases of fog, smoke and procedural volumes.
-# They are needed again where the scene of a case changes; an hour on two cores.
+# They are needed again where the scene of a case changes; an hour on two cores. The records of the goldens get
+# their hashes; where a scene has changed, accept its new image first, without the old file.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,3 +23,4 @@ for case in "${cases[@]}"; do
     mkdir -p "golden/sensitivities/$(dirname "$case")"
     "$volref" sensitivity "fixtures/scenes/$case.toml" --all --spp "$spp" -o "golden/sensitivities/$case.exr"
 done
+"$volref" accept "${cases[@]}" --keep-images --reason "Sensitivities made anew"

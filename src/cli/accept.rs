@@ -72,7 +72,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             Change::Unchanged => ("unchanged", "kept, with its old reason".to_owned()),
             Change::SamePicture => (
                 "recorded",
-                "same image; its record (scene, plan, truth or quick rendering) changed".to_owned(),
+                "same image; its record (scene, plan, truth, quick rendering or sensitivities) changed".to_owned(),
             ),
             Change::Replaced(difference) => ("replaced", difference.clone()),
         };

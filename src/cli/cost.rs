@@ -2,7 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::suite::scene_file;
+use super::suite::{NamedScene, named_scene};
 use super::{Outcome, progress};
 use crate::cost::results::{Cost, Machine};
 use crate::cost::timing::{Clock, RUNS};
@@ -41,15 +41,14 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
-    for scene in &mut arguments.scenes {
-        *scene = scene_file(scene)?;
-    }
-    let inputs: Vec<&Path> = arguments.scenes.iter().map(PathBuf::as_path).collect();
+pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
+    let named = arguments.scenes.iter().map(|scene| named_scene(scene));
+    let named: Vec<NamedScene> = named.collect::<Result<_, _>>()?;
+    let inputs: Vec<&Path> = named.iter().map(|scene| scene.file.as_path()).collect();
     output::check(&[arguments.json.file()], &inputs)?;
     let mut scenes = Vec::new();
-    for path in inputs {
-        scenes.push(Scene::load(path)?);
+    for NamedScene { file, name } in &named {
+        scenes.push((name, Scene::load(file)?));
     }
     if let Some(folder) = &arguments.report {
         output::make_folder(folder)?;
@@ -70,10 +69,10 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         bar.expect(budget);
     }
     let mut costs: Vec<Cost> = Vec::new();
-    for scene in &scenes {
-        let name = scene.path.display().to_string();
+    for (name, scene) in &scenes {
         let report = |what: &str| bar.set_message(format!("{name}: {what}"));
-        costs.extend(cost(scene, &options, &report).map_err(|error| failure(&name, &error))?);
+        let found = cost(scene, name, &options, &report);
+        costs.extend(found.map_err(|error| failure(name, &error))?);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -125,10 +124,9 @@ fn page(costs: &[Cost], machine: Option<&Machine>) -> String {
 fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
     let mut pictures = Vec::new();
     for (index, cost) in costs.iter().enumerate() {
-        let stem = Path::new(&cost.scene).file_stem().unwrap_or_default();
-        let mut name = stem.display().to_string();
+        let mut name = stem(cost).to_owned();
         // Another panel, or another scene of the same name.
-        let same = |other: &&Cost| Path::new(&other.scene).file_stem() == Some(stem);
+        let same = |other: &&Cost| stem(other) == name;
         let before = costs[..index].iter().filter(same).count();
         if before > 0 {
             name.push_str(&format!("-{}", before + 1));
@@ -139,6 +137,13 @@ fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
         }
     }
     pictures
+}
+
+/// Name of the scene without its folder or family, for files.
+fn stem(cost: &Cost) -> &str {
+    let name = cost.scene.rsplit(['/', '\\']).next().unwrap_or_default();
+    // The point in the name of a case, such as threshold-1.25, begins no extension.
+    name.strip_suffix(".toml").unwrap_or(name)
 }
 
 /// Seconds on the command line: up to a year, which overflows no clock.

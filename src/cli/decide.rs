@@ -3,7 +3,7 @@
 use super::made::{Ask, Made};
 use super::output::number_of;
 use super::{interrupt, progress};
-use crate::compare::Picture;
+use crate::compare::{Picture, are_comparable};
 use crate::film::Film;
 use crate::suite::{Case, CaseResult, Cause, Judged, Looks, Output, Verdict, stop_all};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -108,6 +108,13 @@ fn together(films: &[Film]) -> Option<Film> {
         [one] => Some(one.clone()),
         several => Film::from_replicates(several).ok(),
     }
+}
+
+/// The image has the size of the golden, and finite values.
+fn can_be_added(picture: &Picture, judged: &Judged) -> bool {
+    let golden = judged.evidence.golden.as_ref();
+    let both = golden.zip(picture.radiance());
+    both.is_some_and(|(golden, film)| are_comparable(golden, film))
 }
 
 /// The image states the noise of its samples; else it takes several.
@@ -255,7 +262,7 @@ impl OpenCase<'_> {
             self.spent[0] += start.elapsed().as_secs_f64();
             self.spent[1] += f64::from(spp);
             match &made.output {
-                Output::Picture(picture) if picture.radiance().is_some() => {
+                Output::Picture(picture) if can_be_added(picture, &judged[self.index]) => {
                     films.extend(picture.radiance().cloned());
                 }
                 Output::Unusable(_) | Output::Missing(_) if interrupt::is_cut_short() => {
@@ -270,8 +277,17 @@ impl OpenCase<'_> {
                     result.reason = reason.clone();
                     return;
                 }
-                _ => {
-                    self.given_up = Some("a later call made another kind of image".to_owned());
+                // No statistics: the verdict is that on this image alone.
+                Output::Picture(_) | Output::Refined(_) => {
+                    let calls = self.calls;
+                    self.given_up = Some(format!(
+                        "the image of call {calls} cannot be added to the others"
+                    ));
+                    self.to_keep.clear();
+                    let mut now = again.judged(self.case, made, self.looks.count() + 1);
+                    let notes = std::mem::take(&mut judged[self.index].result.notes);
+                    now.result.notes.splice(0..0, notes);
+                    judged[self.index] = now;
                     return;
                 }
             }

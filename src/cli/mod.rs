@@ -98,12 +98,12 @@ impl From<String> for Outcome {
 /// code.
 pub fn main(suite: SuiteFiles) -> ExitCode {
     embedded::hold(suite);
-    let exit = run();
+    let exit = output::exit_after_output(run());
     embedded::remove_temporary();
-    exit
+    exit.into()
 }
 
-fn run() -> ExitCode {
+fn run() -> Exit {
     failure::draw_errors_for_the_terminal();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -115,7 +115,7 @@ fn run() -> ExitCode {
                 Exit::Passed
             };
             output::print_usage(&error);
-            return exit.into();
+            return exit;
         }
     };
     let result = match arguments.command {
@@ -142,11 +142,11 @@ fn run() -> ExitCode {
     match result {
         Ok(outcome) => {
             output::print(&outcome.text);
-            outcome.exit.into()
+            outcome.exit
         }
         Err(failure) => {
             output::print_error(&failure);
-            failure.exit.into()
+            failure.exit
         }
     }
 }

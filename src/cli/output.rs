@@ -10,10 +10,14 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
-/// Writes `text` to stdout. A closed pipe (`volref list | head -1`) is no error.
+/// First error in writing to stdout.
+static STDOUT_ERROR: OnceLock<io::Error> = OnceLock::new();
+
+/// Writes `text` to stdout; [`exit_after_output`] heeds an error.
 pub fn print(text: &str) {
     write_out(&printable(text));
 }
@@ -24,10 +28,31 @@ pub fn print_measurements(elements: &str) {
 }
 
 fn write_out(text: &str) {
-    let mut stdout = std::io::stdout().lock();
-    let _ = stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush());
+    let mut stdout = io::stdout().lock();
+    note_error(stdout.write_all(text.as_bytes()));
+}
+
+/// Flushes stdout, and notes an error of this or of the write before. A closed pipe
+/// (`volref list | head -1`) is none.
+fn note_error(written: io::Result<()>) {
+    match written.and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            STDOUT_ERROR.get_or_init(|| error);
+        }
+        _ => {}
+    }
+}
+
+/// The exit code of a command that ends with `exit`. Output that could not be written is an error, in words on
+/// stderr: whoever reads it would take the part that was for the whole.
+pub fn exit_after_output(exit: Exit) -> Exit {
+    let Some(error) = STDOUT_ERROR.get() else {
+        return exit;
+    };
+    let message = format!("cannot write to standard output: {error}");
+    let failure = Failure::new(Exit::BadInput, message, Some(remedy(error.kind())));
+    write_to_stderr(&failure);
+    Exit::first_of([exit, failure.exit])
 }
 
 /// [`visible`] text as a stream of this process may hold it.
@@ -62,9 +87,13 @@ pub fn print_error(failure: &Failure) {
         diagnostic.to_string(),
         diagnostic.help().map(|help| help.to_string()),
     );
-    let shown = visible_report(diagnostic);
+    write_to_stderr(failure);
+}
+
+fn write_to_stderr(failure: &Failure) {
+    let shown = visible_report(failure.report.as_ref());
     let drawn = without_elements(format!("{shown:?}"));
-    let _ = writeln!(std::io::stderr(), "{drawn}");
+    let _ = writeln!(io::stderr(), "{drawn}");
 }
 
 /// The JSON of a command that fails.
@@ -83,18 +112,19 @@ fn print_error_object(exit: Exit, message: String, help: Option<String>) {
 /// Writes clap's message about the command line, or the help. If the arguments contain control
 /// characters, which the message repeats, it has no colours.
 pub fn print_usage(error: &clap::Error) {
-    if error.use_stderr() {
-        print_error_object(Exit::BadInput, error.to_string(), None);
+    if !error.use_stderr() {
+        return note_error(error.print());
     }
+    print_error_object(Exit::BadInput, error.to_string(), None);
     let mut arguments = std::env::args_os();
     let is_plain = arguments.all(|argument| {
         let argument = argument.to_string_lossy();
         visible(&argument) == argument
     });
-    let _ = if (is_plain && !is_for_ctest()) || !error.use_stderr() {
+    let _ = if is_plain && !is_for_ctest() {
         error.print()
     } else {
-        write!(std::io::stderr(), "{}", printable(&error.to_string()))
+        write!(io::stderr(), "{}", printable(&error.to_string()))
     };
 }
 

@@ -87,9 +87,25 @@ fn here_or_embedded() -> Result<Suite, Failure> {
     Ok(Suite::open(&embedded::unpacked()?)?)
 }
 
-/// The scene that `given` names: a file, or a case of the suite.
+/// A scene that was named on the command line.
+pub struct NamedScene {
+    /// Its file.
+    pub file: PathBuf,
+    /// The case, or the file as it was given.
+    pub name: String,
+}
+
+/// The file of the [`named_scene`].
 pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
-    let as_given = Ok(given.to_owned());
+    named_scene(given).map(|scene| scene.file)
+}
+
+/// The scene that `given` names: a file, or a case of the suite.
+pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
+    let as_given = Ok(NamedScene {
+        file: given.to_owned(),
+        name: given.display().to_string(),
+    });
     let is_file_name = given
         .extension()
         .is_some_and(|extension| extension == "toml");
@@ -100,7 +116,10 @@ pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
     let is_it = |case: &&Case| case.name == name || case.name.ends_with(&format!("/{name}"));
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
     match cases[..] {
-        [case] => Ok(case.scene.clone()),
+        [case] => Ok(NamedScene {
+            file: case.scene.clone(),
+            name: case.name.clone(),
+        }),
         // No file either: the error names the nearest case.
         [] if given.extension().is_none() && !is_in_a_place(given) => {
             match suite.select(&[name.to_owned()]) {

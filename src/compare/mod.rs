@@ -37,6 +37,7 @@ pub use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
 pub use sensitivity::{Sensitivity, change_in_words};
 pub use stochastic::Stochastic;
 
+use crate::film::Film;
 use incomparable::NON_FINITE;
 
 /// Every gate for a pair of images. If several are the default for a pair, the first is used.
@@ -61,6 +62,11 @@ pub fn default_gate(reference: &Picture, test: &Picture) -> (&'static dyn ImageG
         .into_iter()
         .filter_map(|gate| Some((gate, gate.default_reason(reference, test)?)));
     claims.next().unwrap_or((&Deterministic, ""))
+}
+
+/// Images of one size, with finite pixels and variances: the gates compare no others.
+pub fn are_comparable(reference: &Film, test: &Film) -> bool {
+    incomparable::films(&Stochastic, reference, test).is_none()
 }
 
 /// Meaning of a metric of any gate.

@@ -4,10 +4,9 @@ use super::image::in_voxels;
 use super::results::{Cost, Level, Parameter, Recommendation, Study, Sweep};
 use super::study::WANTED;
 use crate::scene::{Model, Panel};
-use std::path::Path;
 
 /// Recommended settings of the reference renderer for each wanted error, from its own sweeps.
-pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommendation> {
+pub fn recommendations(cost: &Cost, panel: &Panel) -> Vec<Recommendation> {
     let ours = |study: &&Study| matches!(study.name, "image" | "samples");
     let Some(study) = cost.studies.iter().find(ours) else {
         return vec![Recommendation {
@@ -24,7 +23,7 @@ pub fn recommendations(cost: &Cost, panel: &Panel, path: &Path) -> Vec<Recommend
     };
     let given = SceneSettings::of(panel, sweep);
     WANTED
-        .map(|error| recommendation(error, sweep, &given, path))
+        .map(|error| recommendation(error, sweep, &given, &cost.scene))
         .into()
 }
 
@@ -51,7 +50,7 @@ impl SceneSettings {
             Model::Curve(_) => (String::new(), 0.0),
         };
         SceneSettings {
-            setting,
+            setting: in_sentence(sweep.parameter, &setting),
             price: price_at(sweep, value),
         }
     }
@@ -64,7 +63,7 @@ impl SceneSettings {
             Some(times) if (times - 1.0).abs() < 0.02 => format!(", the scene's own {setting}"),
             Some(times) => {
                 let times = in_words(times);
-                format!(": {times} times the work of the scene's own {setting}")
+                format!(", {times} times the work of the scene's own {setting}")
             }
             None => String::new(),
         }
@@ -100,11 +99,13 @@ fn price_at(sweep: &Sweep, value: f64) -> Option<f64> {
     Some(nearest.work.price() * share)
 }
 
-fn recommendation(error: f64, sweep: &Sweep, given: &SceneSettings, path: &Path) -> Recommendation {
-    let (text, command) = text_and_command(error, sweep, given, path);
+fn recommendation(error: f64, sweep: &Sweep, given: &SceneSettings, scene: &str) -> Recommendation {
+    let (text, command) = text_and_command(error, sweep, given, scene);
+    // Digits of the product that say nothing.
+    let percent = (error * 1e8).round() / 1e6;
     Recommendation {
         error,
-        text: format!("for an error of {error:.0e} {text}"),
+        text: format!("for an error of {percent} %: {text}"),
         command,
     }
 }
@@ -113,20 +114,17 @@ fn text_and_command(
     error: f64,
     sweep: &Sweep,
     given: &SceneSettings,
-    path: &Path,
+    scene: &str,
 ) -> (String, Option<String>) {
     let known = sweep.order.known;
     let good = sweep.levels.iter().rev();
     let good = good.take_while(|level| known <= error && level.error.l2 <= error);
     if let Some(level) = good.last() {
-        let steps = match sweep.parameter {
-            Parameter::Step => "steps of ",
-            _ => "",
-        };
+        let setting = in_sentence(sweep.parameter, &level.setting);
         let relative = given.relative(level.work.price());
         return (
-            format!("use {steps}{}{relative}", level.setting),
-            Some(command(sweep.parameter, &level.setting, path)),
+            format!("{setting}{relative}"),
+            Some(command(sweep.parameter, &level.setting, scene)),
         );
     }
     let Some(finest) = sweep.levels.last() else {
@@ -152,14 +150,14 @@ fn text_and_command(
             let is_advised = samples <= MOST_ADVISED;
             return (
                 text,
-                is_advised.then(|| command(sweep.parameter, &setting, path)),
+                is_advised.then(|| command(sweep.parameter, &setting, scene)),
             );
         }
     }
     let text = match sweep.cut {
         Some(_) => NO_TIME.to_owned(),
         None => format!(
-            "no setting of the sweep is fine enough: the last one is off by {:.1e}",
+            "no setting of the sweep is fine enough; the last one is off by {:.1e}",
             finest.error.l2
         ),
     };
@@ -185,7 +183,15 @@ fn in_words(number: f64) -> String {
     }
 }
 
-fn command(parameter: Parameter, setting: &str, path: &Path) -> String {
+/// `steps of 0.5 voxels`, `64 samples`.
+fn in_sentence(parameter: Parameter, setting: &str) -> String {
+    match parameter {
+        Parameter::Step => format!("steps of {setting}"),
+        _ => setting.to_owned(),
+    }
+}
+
+fn command(parameter: Parameter, setting: &str, scene: &str) -> String {
     let option = match parameter {
         Parameter::Samples => {
             let count = setting.split(' ').next().unwrap_or_default();
@@ -193,10 +199,9 @@ fn command(parameter: Parameter, setting: &str, path: &Path) -> String {
         }
         _ => format!("--step \"{setting}\""),
     };
-    let scene = path.display().to_string();
     format!(
         "volref render {} -o image.exr {option}",
-        shell_words::quote(&scene)
+        shell_words::quote(scene)
     )
 }
 
@@ -242,19 +247,19 @@ mod tests {
             setting: "64 samples".to_owned(),
             price: Some(640.0),
         };
-        let advice = recommendation(1e-4, &sweep, &given, Path::new("fog.toml"));
+        let advice = recommendation(1e-4, &sweep, &given, "fog.toml");
         assert_eq!(
             advice.text,
-            "for an error of 1e-4 no measured setting is enough, up to 64 samples; \
+            "for an error of 0.01 %: no measured setting is enough, up to 64 samples; \
              if noise continues to fall as the root of the samples, about 63 million samples will \
-             do: \
+             do, \
              984375 times the work of the scene's own 64 samples"
         );
         assert_eq!(advice.command, None);
-        let advice = recommendation(0.1, &sweep, &given, Path::new("my fog.toml"));
+        let advice = recommendation(0.1, &sweep, &given, "my fog.toml");
         assert_eq!(
             advice.text,
-            "for an error of 1e-1 use 64 samples, the scene's own 64 samples"
+            "for an error of 10 %: 64 samples, the scene's own 64 samples"
         );
         let command = "volref render 'my fog.toml' -o image.exr --spp 64";
         assert_eq!(advice.command.as_deref(), Some(command));

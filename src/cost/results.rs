@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 /// The cost of accuracy in one scene, or in one panel of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Cost {
-    /// The scene, as named by the user.
+    /// The scene, as named by the user: a file, or a case.
     pub scene: String,
     /// Title of the panel, where the scene has several.
     pub panel: Option<String>,

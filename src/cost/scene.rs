@@ -10,7 +10,6 @@ use crate::render::radiative::effects::Everything;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::{Plan, RenderError};
 use crate::scene::{Classified, Compositing, Model, Panel, Radiative, Scene};
-use std::path::Path;
 use thiserror::Error;
 
 /// Options of the studies.
@@ -33,16 +32,18 @@ pub enum CostError {
     Render(#[from] RenderError),
 }
 
-/// Cost of accuracy in `scene`, panel by panel. `report` is called with what is done next.
+/// Cost of accuracy in `scene`, panel by panel; results and commands call it `name`. `report` is called with what
+/// is done next.
 pub fn cost(
     scene: &Scene,
+    name: &str,
     options: &Options,
     report: &dyn Fn(&str),
 ) -> Result<Vec<Cost>, CostError> {
     let several = scene.panels.len() > 1;
     let panels = scene.panels.iter().enumerate();
     let costs = panels.map(|(index, panel)| {
-        let mut cost = panel_cost(panel, &scene.path, options, report)?;
+        let mut cost = panel_cost(panel, name, options, report)?;
         if several {
             let title = panel.title.clone();
             cost.panel = Some(title.unwrap_or_else(|| format!("panel {}", index + 1)));
@@ -65,7 +66,7 @@ struct Inquiry<'a> {
 
 fn panel_cost(
     panel: &Panel,
-    path: &Path,
+    name: &str,
     options: &Options,
     report: &dyn Fn(&str),
 ) -> Result<Cost, CostError> {
@@ -74,7 +75,7 @@ fn panel_cost(
     let panel = whole.as_ref().map_or(panel, |(panel, _)| panel);
     let mut inquiry = Inquiry {
         cost: Cost {
-            scene: path.display().to_string(),
+            scene: name.to_owned(),
             ..Cost::default()
         },
         panel,
@@ -130,7 +131,7 @@ fn panel_cost(
         let note = "times were not measured: the budget was used up";
         cost.notes.push(note.to_owned());
     }
-    cost.recommendations = advice::recommendations(&cost, panel, path);
+    cost.recommendations = advice::recommendations(&cost, panel);
     Ok(cost)
 }
 

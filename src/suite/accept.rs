@@ -4,16 +4,19 @@
 mod tests;
 
 use super::finding::MARGIN;
-use super::golden::{Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash};
+use super::golden::{
+    Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash, sensitivities_file,
+};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
 use super::truth::judge_by_truth;
 use super::units::{CaseUnits, RenderingUnits, Unit, UnitError, UnitFolder};
 use super::verify::judge_quick;
-use super::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError};
+use super::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::known_answers::Formula;
 use crate::render::{self, Detail, plans};
+use crate::scene::Scene;
 use miette::Diagnostic;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -217,14 +220,21 @@ pub(super) fn accept_with(
         };
         images.push(image);
     }
+    let mut sensitivities = Vec::new();
+    for task in &tasks {
+        sensitivities.push(sensitivities_of(task, store)?);
+    }
     watch.begin_all(tasks.iter().map(|task| task.work(kept)).sum());
     let mut accepted = Vec::new();
     let mut files = Vec::new();
-    for (task, image) in tasks.iter().zip(images) {
+    for ((task, image), sensitivities) in tasks.iter().zip(images).zip(sensitivities) {
         watch.begin_case(&task.case.name);
         let resumed = task.units().any(|unit| kept.has(unit));
-        let pictures = task.pictures(renderer, kept, image, watch)?;
-        let (change, mut new) = prepare(task, pictures, store, reason)?;
+        let image = GoldenImage {
+            sensitivities,
+            ..task.pictures(renderer, kept, image, watch)?
+        };
+        let (change, mut new) = prepare(task, image, store, reason)?;
         accepted.push(Accepted {
             case: task.case.name.clone(),
             change,
@@ -303,11 +313,10 @@ impl CaseUnits<'_> {
             case: self.case.name.clone(),
             reason,
         };
-        let golden = Golden::read(store, self.case).map_err(|error| nothing(error.to_string()))?;
+        let golden = Golden::read_with_any_sensitivities(store, self.case)
+            .map_err(|error| nothing(error.to_string()))?;
         let provenance = &golden.provenance;
-        if provenance.scene != scene_hash(&self.scene)
-            || provenance.inputs != input_hashes(&self.scene)
-        {
+        if !is_of(&golden, &self.scene) {
             return Err(nothing("its golden is of another scene".to_owned()));
         }
         let (has, wanted) = (provenance.samples, u64::from(converged.samples));
@@ -385,6 +394,7 @@ impl CaseUnits<'_> {
             // Half of the spacing of 32-bit numbers besides.
             error: error_bound.map(|bound| bound + f64::from(f32::EPSILON) / 2.0),
             quick: quick.as_ref().map(pinned),
+            sensitivities: None,
         })
     }
 
@@ -404,6 +414,7 @@ impl CaseUnits<'_> {
             film: known.film,
             error: Some(known.error),
             quick: Some(pinned(rendering)),
+            sensitivities: None,
         })
     }
 }
@@ -441,6 +452,36 @@ fn check_converged(
 /// How well the limit of a case is known, at least: error of a pixel relative to the brightest.
 const LIMIT_KNOWN: f64 = 1e-6;
 
+/// The file of sensitivities that the golden of a case is to record, if there is one. The file stays as it is:
+/// before the record is replaced as after it, it is the file of one of the two.
+fn sensitivities_of(task: &CaseUnits<'_>, store: &Store) -> Result<Option<Vec<u8>>, AcceptError> {
+    let case = task.case;
+    let fails = |fault: String| {
+        Err(AcceptError::incomplete(
+            case,
+            GoldenError::sensitivities(case, fault),
+        ))
+    };
+    if let Some(bytes) = store.read(&sensitivities_file(case))? {
+        return match sensitivities::decoded(&bytes, &task.scene) {
+            Ok(_) => Ok(Some(bytes)),
+            Err(fault) => fails(fault),
+        };
+    }
+    match Golden::read_with_any_sensitivities(store, case) {
+        Ok(old) if old.provenance.sensitivities.is_some() && is_of(&old, &task.scene) => {
+            fails("is missing".to_owned())
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Whether `golden` was made from `scene`, and from the same files.
+fn is_of(golden: &Golden, scene: &Scene) -> bool {
+    let made_from = &golden.provenance;
+    made_from.scene == scene_hash(scene) && made_from.inputs == input_hashes(scene)
+}
+
 type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
 /// How the golden of a case will change, and the files that change it.
@@ -453,7 +494,7 @@ fn prepare(
     let CaseUnits { case, scene, .. } = task;
     let plans = plans(scene);
     let mut damaged = false;
-    let old = match Golden::read(store, case) {
+    let old = match Golden::read_with_any_sensitivities(store, case) {
         Ok(golden) => Some(golden),
         Err(GoldenError::Store(error)) => return Err(error.into()),
         Err(GoldenError::Missing(_)) => None,
@@ -464,11 +505,11 @@ fn prepare(
     };
     let same_file = |old: &Golden| {
         old.provenance.case == case.name
-            && old.provenance.scene == scene_hash(scene)
+            && is_of(old, scene)
             && old.provenance.plan == plan_hash(&plans)
             && old.provenance.exposure == case.exposure
-            && old.provenance.inputs == input_hashes(scene)
             && old.provenance.quick == golden.quick
+            && old.provenance.sensitivities == golden.sensitivities_hash()
             && old.provenance.truth.as_deref() == case.truth.map(|formula| formula.name)
     };
     let change = match &old {

@@ -173,11 +173,15 @@ impl CheckedGolden {
     }
 
     /// With the kept sensitivities of a stochastic `case`, by which images of other renderers are judged.
-    pub fn with_sensitivities(mut self, case: &Case, store: &Store) -> CheckedGolden {
-        if case.sampling.is_some() {
-            self.sensitivities = sensitivities::kept(case, &self.scene, store);
+    pub fn with_sensitivities(mut self, case: &Case) -> Result<CheckedGolden, CaseFinding> {
+        let kept = self.golden.sensitivities.as_deref();
+        if let Some(bytes) = kept.filter(|_| case.sampling.is_some()) {
+            self.sensitivities = sensitivities::decoded(bytes, &self.scene).map_err(|fault| {
+                let reason = GoldenError::sensitivities(case, fault).to_string();
+                CaseFinding::new(Verdict::Error, Cause::Golden, reason)
+            })?;
         }
-        self
+        Ok(self)
     }
 
     /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged

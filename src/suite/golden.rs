@@ -7,7 +7,7 @@ use crate::render::Plan;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Version of the pinned `libm`, whose last bits every image depends on. `Cargo.toml` pins it;
@@ -34,6 +34,9 @@ pub struct Provenance {
     pub pixels: String,
     /// Hash of the preview file.
     pub preview: String,
+    /// Hash of the file of sensitivities, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivities: Option<String>,
     /// Exposure of the preview, in stops.
     pub exposure: f64,
     /// Hash of the canonical scene: every key with its value.
@@ -118,6 +121,15 @@ pub(super) struct GoldenImage {
     pub error: Option<f64>,
     /// The rendering that `verify` repeats.
     pub quick: Option<Quick>,
+    /// Its file of sensitivities, if there is one.
+    pub sensitivities: Option<Vec<u8>>,
+}
+
+impl GoldenImage {
+    /// The value of [`Provenance::sensitivities`].
+    pub fn sensitivities_hash(&self) -> Option<String> {
+        self.sensitivities.as_deref().map(hash)
+    }
 }
 
 /// A golden with its image and provenance.
@@ -127,6 +139,8 @@ pub struct Golden {
     pub provenance: Provenance,
     /// The image.
     pub film: Film,
+    /// Its file of sensitivities, if there is one.
+    pub(super) sensitivities: Option<Vec<u8>>,
 }
 
 /// The commands that make the golden of a case: the one to look at its image, and the one to accept it.
@@ -181,9 +195,37 @@ pub enum GoldenError {
         /// Hash at acceptance.
         expected: String,
     },
+    /// Sensitivities that are not those of the golden.
+    #[error(
+        "{file} {fault}; restore the golden from version control, or make this file anew (volref \
+        sensitivity {} --all -o FILE) and record it (volref accept {case} --keep-images --reason ...)",
+        scene.display()
+    )]
+    Sensitivities {
+        /// Their file.
+        file: String,
+        /// Fault of the file, as the end of a sentence.
+        fault: String,
+        /// `family/name`.
+        case: String,
+        /// Their scene.
+        scene: PathBuf,
+    },
     /// The files below the goldens are in disorder.
     #[error(transparent)]
     Store(#[from] StoreError),
+}
+
+impl GoldenError {
+    /// [`GoldenError::Sensitivities`] of `case`.
+    pub(super) fn sensitivities(case: &Case, fault: impl Into<String>) -> GoldenError {
+        GoldenError::Sensitivities {
+            file: shown(&sensitivities_file(case)),
+            fault: fault.into(),
+            case: case.name.clone(),
+            scene: case.scene.clone(),
+        }
+    }
 }
 
 /// First twelve digits of a hash: enough to tell two apart by eye.
@@ -214,21 +256,56 @@ pub(super) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
         .collect()
 }
 
+/// A path below the goldens, for people.
+fn shown(file: &Path) -> String {
+    format!("golden/{}", file.display())
+}
+
 /// The three files of the golden of `case`: image, preview, provenance; relative to the folder
 /// of goldens.
 pub(super) fn files(case: &Case) -> [PathBuf; 3] {
     [".exr", ".png", ".toml"].map(|extension| PathBuf::from(format!("{}{extension}", case.name)))
 }
 
+/// Folder of sensitivities among the goldens.
+pub(super) const SENSITIVITIES: &str = "sensitivities";
+
+/// The file of sensitivities of `case`, relative to the folder of goldens.
+pub(super) fn sensitivities_file(case: &Case) -> PathBuf {
+    PathBuf::from(SENSITIVITIES).join(format!("{}.exr", case.name))
+}
+
 impl Golden {
     /// Reads and checks the golden of `case`. Never writes.
     pub fn read(store: &Store, case: &Case) -> Result<Golden, GoldenError> {
-        let paths = files(case);
-        let contents = store.read_all(&paths)?;
+        let golden = Golden::read_with_any_sensitivities(store, case)?;
+        let found = golden.sensitivities.as_deref().map(hash);
+        let fault = match (found, &golden.provenance.sensitivities) {
+            (found, recorded) if found == *recorded => return Ok(golden),
+            (None, _) => "is missing".to_owned(),
+            (Some(found), Some(recorded)) => format!(
+                "has changed since it was accepted: its hash is {}, the golden records {}",
+                short(&found),
+                short(recorded)
+            ),
+            (Some(_), None) => "is not recorded by the golden".to_owned(),
+        };
+        Err(GoldenError::sensitivities(case, fault))
+    }
+
+    /// [`Golden::read`], whatever sensitivities are there: an accept records them anew.
+    pub(super) fn read_with_any_sensitivities(
+        store: &Store,
+        case: &Case,
+    ) -> Result<Golden, GoldenError> {
+        let [image, preview, record] = files(case);
+        let paths = [image, preview, record, sensitivities_file(case)];
+        let mut contents = store.read_all(&paths)?;
+        let sensitivities = contents.pop().flatten();
         if contents.iter().all(Option::is_none) {
             return Err(GoldenError::Missing(AcceptAdvice::of(case)));
         }
-        let shown = |index: usize| format!("golden/{}", paths[index].display());
+        let shown = |index: usize| shown(&paths[index]);
         let mut bytes = Vec::new();
         for (index, content) in contents.into_iter().enumerate() {
             bytes.push(content.ok_or_else(|| GoldenError::Incomplete(shown(index)))?);
@@ -269,7 +346,11 @@ impl Golden {
                 });
             }
         }
-        Ok(Golden { provenance, film })
+        Ok(Golden {
+            provenance,
+            film,
+            sensitivities,
+        })
     }
 
     /// The golden of `case` made from an image, of which the error is known if it is a known answer,
@@ -278,10 +359,14 @@ impl Golden {
         case: &Case,
         scene: &Scene,
         plans: &[Plan<'_>],
-        GoldenImage { film, error, quick }: GoldenImage,
+        image: GoldenImage,
         reasons: Reasons<'_>,
         replaces: String,
     ) -> Result<Vec<(PathBuf, Vec<u8>)>, FilmError> {
+        let sensitivities = image.sensitivities_hash();
+        let GoldenImage {
+            film, error, quick, ..
+        } = image;
         let exr = film.to_exr()?;
         let png = film.to_png(case.exposure);
         let provenance = Provenance {
@@ -292,6 +377,7 @@ impl Golden {
             replaces,
             pixels: film.pixel_hash(),
             preview: hash(&png),
+            sensitivities,
             exposure: case.exposure,
             scene: scene_hash(scene),
             plan: plan_hash(plans),

@@ -335,8 +335,9 @@ pub(super) struct Subject<'c> {
 
 impl<'c> Subject<'c> {
     pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
-        let checked = CheckedGolden::load(case, store).map_err(|finding| finding.reason)?;
-        let checked = checked.with_sensitivities(case, store);
+        let checked = CheckedGolden::load(case, store);
+        let checked = checked.and_then(|checked| checked.with_sensitivities(case));
+        let checked = checked.map_err(|finding| finding.reason)?;
         let samples = case.sampling.map_or(1, |sampling| sampling.quick);
         Ok(Subject {
             case,

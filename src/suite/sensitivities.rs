@@ -2,9 +2,9 @@
 //!
 //! `golden/sensitivities/FAMILY/CASE.exr` has a layer for each number, of blocks of 8 × 8 pixels or, of a
 //! number that shows in smaller details, of pixels. What a layer was computed from stands in the comment of
-//! the file: a file of another scene is not used.
+//! the file, and its hash in the record of the golden.
 
-use super::golden::{input_hashes, scene_hash};
+use super::golden::{Golden, input_hashes, scene_hash};
 use super::name_hash;
 use super::{Case, Store};
 use crate::compare::Sensitivity;
@@ -13,7 +13,6 @@ use crate::film::{Film, LayeredFilm};
 use crate::render::{Detail, Plan, plans};
 use crate::scene::Scene;
 use crate::sensitivity::{Dependence, Differences, derivative, numbers};
-use std::path::PathBuf;
 
 /// The part of a step by which a number is changed to see whether it can be.
 const SLIGHT: f64 = 1e-3;
@@ -30,9 +29,6 @@ const AROUND: usize = 2;
 
 /// Their squares over their variances, at least: half of the squares is then no noise.
 const KNOWN: f64 = 2.0;
-
-/// Folder among the goldens.
-pub(super) const FOLDER: &str = "sensitivities";
 
 /// The derivatives of blocks of `scene` by its numbers, from `spp` samples a pixel on each side, in
 /// `pairs` pairs of renderings. Of a fine number they are of pixels, from 16 times as many samples.
@@ -129,18 +125,16 @@ fn origin(scene: &Scene) -> String {
     format!("scene {} files {inputs}", scene_hash(scene))
 }
 
-/// The sensitivities kept for `case`, whose scene is `scene`: none if there are none, or none of this
-/// scene.
-pub(super) fn kept(case: &Case, scene: &Scene, store: &Store) -> Vec<Sensitivity> {
-    let path = PathBuf::from(FOLDER).join(format!("{}.exr", case.name));
-    let Ok(Some(bytes)) = store.read(&path) else {
-        return Vec::new();
-    };
-    let Ok(layered) = LayeredFilm::from_exr(&bytes) else {
-        return Vec::new();
-    };
+/// The sensitivities in the `bytes` of a file.
+///
+/// # Errors
+///
+/// If it cannot be read, or is not of `scene`; as the end of a sentence.
+pub(super) fn decoded(bytes: &[u8], scene: &Scene) -> Result<Vec<Sensitivity>, String> {
+    let layered =
+        LayeredFilm::from_exr(bytes).map_err(|error| format!("cannot be read: {error}"))?;
     if layered.comment != origin(scene) {
-        return Vec::new();
+        return Err("was made from another scene, or from other files".to_owned());
     }
     let mut layers = layered.layers;
     let kept = numbers(scene).into_iter().filter_map(|number| {
@@ -160,7 +154,7 @@ pub(super) fn kept(case: &Case, scene: &Scene, store: &Store) -> Vec<Sensitivity
             derivative,
         })
     });
-    kept.collect()
+    Ok(kept.collect())
 }
 
 /// The case whose image tells the numbers called `names` apart best, if any does: where their
@@ -168,7 +162,8 @@ pub(super) fn kept(case: &Case, scene: &Scene, store: &Store) -> Vec<Sensitivity
 pub fn telling_case<'c>(cases: &'c [Case], store: &Store, names: [&str; 2]) -> Option<&'c Case> {
     let likeness = |case: &Case| {
         case.sampling?;
-        let known = kept(case, &case.load_scene().ok()?, store);
+        let golden = Golden::read(store, case).ok()?;
+        let known = decoded(&golden.sensitivities?, &case.load_scene().ok()?).ok()?;
         let [a, b] = names.map(|name| known.iter().find(|it| it.name == name));
         let [a, b] = [&a?.derivative, &b?.derivative];
         let shared = |a: &Film, b: &Film, is_same: bool| {
@@ -201,6 +196,7 @@ mod tests {
     use crate::compare::stochastic::FINE_BLOCK;
     use crate::math::rng::{Purpose, Stream};
     use crate::suite::Suite;
+    use crate::suite::golden::SENSITIVITIES;
     use std::path::Path;
 
     /// Those that are kept belong to the scenes as they are, and to some case.
@@ -210,23 +206,19 @@ mod tests {
         let suite = Suite::open(root).unwrap();
         let store = suite.store();
         let mut files = 0;
-        for folder in std::fs::read_dir(root.join("golden").join(FOLDER)).unwrap() {
+        for folder in std::fs::read_dir(root.join("golden").join(SENSITIVITIES)).unwrap() {
             files += std::fs::read_dir(folder.unwrap().path()).unwrap().count();
         }
         let mut used = 0;
         for case in suite.cases().iter().filter(|case| case.sampling.is_some()) {
-            let path = PathBuf::from(FOLDER).join(format!("{}.exr", case.name));
-            if store.read(&path).unwrap().is_none() {
+            let Some(bytes) = Golden::read(&store, case).unwrap().sensitivities else {
                 continue;
-            }
+            };
             used += 1;
             let scene = case.load_scene().unwrap();
-            let kept = kept(case, &scene, &store);
+            let kept = decoded(&bytes, &scene).unwrap();
             let name = &case.name;
-            assert!(
-                !kept.is_empty(),
-                "{name}: of another scene; run scripts/regenerate-sensitivities.sh {name}"
-            );
+            assert!(!kept.is_empty(), "{name}");
             for sensitivity in &kept {
                 let edge = match &*sensitivity.name {
                     "index" => FINE_BLOCK,

@@ -55,10 +55,8 @@ fn validate_among(
     // What images converge to does not depend on conventions.
     let profile = profile.filter(|_| !matches!(output, Output::Refined(_)));
     let checked = CheckedGolden::load(case, store);
-    let checked = checked.map(|checked| CheckedGolden {
-        cases,
-        ..checked.with_sensitivities(case, store)
-    });
+    let checked = checked.and_then(|checked| checked.with_sensitivities(case));
+    let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
     let checked = checked.and_then(|checked| match profile {
         Some(profile) => checked.under(profile),
         None => Ok(checked),

@@ -172,7 +172,7 @@ fn provenance_that_was_changed() {
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: the image has 12 × 10 pixels, but golden/smoke/plain.toml says 6 × 10; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `record_reason`, `replaces`, `pixels`, `preview`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`, `truth`, `quick`; restore it from version control
+                  golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `record_reason`, `replaces`, `pixels`, `preview`, `sensitivities`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`, `truth`, `quick`; restore it from version control
     error         smoke/plain [seconds]
                   golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
@@ -358,4 +358,144 @@ fn reports_are_not_written_over_goldens_or_cases() {
         run.expect(2, &["is in the folder of the goldens"]);
     }
     assert_eq!(suite.files(), before);
+}
+
+const SENSITIVITIES: &str = "golden/sensitivities/fog/room.exr";
+
+/// Exit code of `verify` and `validate`, which have to agree, and what both say of the case.
+fn checked(suite: &Folder) -> (i32, String) {
+    let before = suite.files();
+    let verified = suite.volref(&["verify", "fog/room", "--json"]);
+    let validated = ["validate", "fog/room", "--outputs", "images", "--json"];
+    let validated = suite.volref(&validated);
+    assert_eq!(suite.files(), before, "nothing is written");
+    let [verified_says, validated_says] = [&verified, &validated].map(|run| {
+        let reason = &run.json()["cases"][0]["reason"];
+        reason.as_str().unwrap().to_owned()
+    });
+    if verified.code == 0 {
+        assert_eq!(validated.code, 0, "{validated_says}");
+        return (0, String::new());
+    }
+    assert_eq!(
+        verified.code, validated.code,
+        "{verified_says}\n{validated_says}"
+    );
+    assert_eq!(verified_says, validated_says);
+    (verified.code, verified_says)
+}
+
+/// A file of sensitivities is sealed as the image is.
+#[test]
+fn sensitivities_are_part_of_the_golden() {
+    let suite =
+        Folder::with_room("converged_samples = 256\nresolution = 0.9\nmean_resolution = 0.9");
+    suite.accept_all();
+    let scene = "fixtures/scenes/fog/room.toml";
+    suite.write(
+        "other.toml",
+        suite.text(scene).replace("albedo = 0\n", "albedo = 0.1\n"),
+    );
+    std::fs::create_dir_all(suite.path("images/fog")).unwrap();
+    let image = ["-o", "images/fog/room.exr", "--spp", "64", "--seed", "7"];
+    suite
+        .volref(&[&["render", scene], &image[..]].concat())
+        .expect(0, &[]);
+    assert_eq!(checked(&suite).0, 0);
+
+    std::fs::create_dir_all(suite.path("golden/sensitivities/fog")).unwrap();
+    for (scene, file) in [(scene, SENSITIVITIES), ("other.toml", "other.exr")] {
+        let made = [
+            "sensitivity",
+            scene,
+            "--all",
+            "--spp",
+            "1",
+            "--pairs",
+            "2",
+            "-o",
+            file,
+        ];
+        suite.volref(&made).expect(0, &[]);
+    }
+    let remedies = [
+        format!("{SENSITIVITIES} "),
+        "restore the golden from version control".to_owned(),
+        format!("volref sensitivity {scene} --all -o FILE"),
+        "volref accept fog/room --keep-images".to_owned(),
+    ];
+    let fails = |suite: &Folder, fault: &str| {
+        let (code, said) = checked(suite);
+        assert_eq!(code, 3, "{said}");
+        for part in remedies.iter().map(String::as_str).chain([fault]) {
+            assert!(said.contains(part), "{part:?} is not in: {said}");
+        }
+    };
+    let accept = ["accept", "fog/room", "--keep-images", "--reason", "anew"];
+    fails(&suite, "is not recorded by the golden");
+    let run = suite.volref(&accept);
+    assert!(
+        run.stdout.starts_with("recorded "),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    assert_eq!(checked(&suite).0, 0);
+    let run = suite.volref(&accept);
+    assert!(run.stdout.starts_with("unchanged "), "{}", run.stdout);
+
+    let whole = suite.read(SENSITIVITIES);
+    let mut damaged = whole.clone();
+    damaged[whole.len() / 2] ^= 1;
+    for (bytes, fault, is_accepted) in [
+        (Some(damaged), "has changed since it was accepted", None),
+        (
+            Some(whole[..100].to_owned()),
+            "has changed since",
+            Some("cannot be read"),
+        ),
+        (
+            Some(suite.read("other.exr")),
+            "has changed since",
+            Some("made from another scene"),
+        ),
+        (None, "is missing", Some("is missing")),
+    ] {
+        match bytes {
+            Some(bytes) => suite.write(SENSITIVITIES, bytes),
+            None => suite.remove(SENSITIVITIES),
+        }
+        fails(&suite, fault);
+        let before = suite.files();
+        if let Some(words) = is_accepted {
+            suite
+                .volref(&accept)
+                .expect(2, &["fog/room", SENSITIVITIES, words]);
+            assert_eq!(suite.files(), before);
+        }
+        suite.write(SENSITIVITIES, &whole);
+    }
+    assert_eq!(checked(&suite).0, 0);
+    // Recorded by hand, the seal of the record tells.
+    let record = "golden/fog/room.toml";
+    let text = suite.text(record);
+    let kept = text
+        .lines()
+        .filter(|line| !line.starts_with("sensitivities"));
+    let kept: Vec<&str> = kept.collect();
+    assert_eq!(kept.len() + 1, text.lines().count());
+    suite.write(record, kept.join("\n"));
+    suite.remove(SENSITIVITIES);
+    let (code, said) = checked(&suite);
+    assert_eq!(code, 3);
+    assert!(said.contains("golden/fog/room.toml has changed"), "{said}");
+
+    // Of a scene that has changed, neither the image nor the sensitivities are left.
+    suite.write(record, text);
+    suite.write(scene, suite.read("other.toml"));
+    suite
+        .volref(&["accept", "fog/room", "--reason", "new"])
+        .expect(0, &[]);
+    suite.volref(&["verify", "fog/room"]).expect(0, &[]);
+    assert!(!suite.text(record).contains("sensitivities"));
 }

@@ -2,6 +2,7 @@
 
 use crate::folder::Folder;
 use serde_json::Value;
+use volref::film::Film;
 
 /// A suite of one stochastic case whose golden has little noise.
 fn room() -> Folder {
@@ -208,5 +209,51 @@ fn usage() {
     ] {
         let run = folder.volref(&[&["validate"][..], arguments].concat());
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+    }
+}
+
+/// Bad images from a later call on: the verdict is that on a single image of their kind.
+#[cfg(unix)]
+#[test]
+fn bad_images_of_later_calls_fail_like_single_ones() {
+    let folder = room();
+    let image = |side: usize, pixel: &dyn Fn(usize) -> f32| {
+        let means = (0..side * side).map(|at| [pixel(at); 3]).collect();
+        let variances = vec![[0.01; 3]; side * side];
+        Film::with_noise(side, side, means, variances, 16)
+    };
+    let images = [
+        ("nan", image(16, &|_| f32::NAN)),
+        (
+            "infinite",
+            image(16, &|at| if at == 40 { f32::INFINITY } else { 0.5 }),
+        ),
+        ("size", image(8, &|_| 0.5)),
+    ];
+    for (name, film) in &images {
+        folder.write(&format!("{name}.exr"), film.to_exr().unwrap());
+        folder.write(&format!("{name}.npy"), film.to_npy());
+    }
+    let kinds = images
+        .iter()
+        .flat_map(|(name, _)| [(name, "exr"), (name, "npy")]);
+    for ((name, format), from) in kinds.zip([2, 3, 2, 5, 3, 2]) {
+        let bad = format!("cp {name}.{format} {{output}}");
+        let (code, alone) = validated(&folder, &bad, &["--format", format]);
+        assert_eq!((code, alone["verdict"].as_str()), (1, Some("fail")));
+        let good = renderer("--seed {seed}");
+        let command = format!("sh -c 'if [ {{seed}} -lt {from} ]; then {good}; else {bad}; fi'");
+        let kept = format!("kept-{name}-{format}");
+        let arguments = ["--decide", "--format", format, "--keep", &kept];
+        let (code, case) = validated(&folder, &command, &arguments);
+        let said = format!("{name}.{format}: {case}");
+        assert_eq!((code, &case["verdict"]), (1, &alone["verdict"]), "{said}");
+        assert_eq!(case["metrics"], alone["metrics"], "{said}");
+        assert_eq!(case["reason"], alone["reason"], "{said}");
+        let call = format!("the image of call {from} cannot be added");
+        assert!(notes(&case).contains(&call), "{said}");
+        // What is kept is what failed.
+        let kept = folder.read(&format!("{kept}/fog/room.{format}"));
+        assert!(kept == folder.read(&format!("{name}.{format}")), "{said}");
     }
 }

@@ -86,6 +86,15 @@ fn it_is_kept_and_never_changed() {
     folder
         .volref(&["suite", "--extract", "copy"])
         .expect(2, &["exists already"]);
+    // The sensitivities of the suite are sealed, too.
+    let file = "golden/sensitivities/fog/absorption.exr";
+    let mut damaged = folder.read(&format!("copy/{file}"));
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    folder.write(&format!("copy/{file}"), damaged);
+    let run = folder.volref(&["verify", "fog/absorption", "--suite", "copy"]);
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    assert!(run.stdout.contains(file), "{}", run.stdout);
     let shown = folder.volref(&["suite", "--json"]).json();
     assert!(shown["files"].as_u64().unwrap() > 1000);
 }

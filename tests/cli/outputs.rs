@@ -1,6 +1,6 @@
 //! Outputs that cannot be written.
 
-use crate::folder::Folder;
+use crate::folder::{Folder, Run};
 
 /// Every command that writes a file, and that file's option.
 #[test]
@@ -116,4 +116,130 @@ fn failures_are_json_where_json_is_asked_for() {
     let written = folder.volref(&["plan", "absent.toml", "--json=plan.json"]);
     assert_eq!(written.stdout, "");
     assert!(!folder.path("plan.json").exists());
+}
+
+/// The names in the list of commands that clap prints.
+#[cfg(target_os = "linux")]
+fn commands(folder: &Folder) -> Vec<String> {
+    let help = folder.volref(&["--help"]).stdout;
+    let (_, list) = help.split_once("Commands:\n").unwrap();
+    let lines = list.lines().take_while(|line| !line.is_empty());
+    // Lines of a long description begin further to the right.
+    let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let names = names.filter(|name| !name.is_empty()).map(str::to_owned);
+    names.collect()
+}
+
+/// Arguments with which the command prints something and ends without an error.
+#[cfg(target_os = "linux")]
+fn arguments(command: &str) -> &'static [&'static str] {
+    match command {
+        "verify" => &["curve"],
+        "validate" => &["curve", "--outputs", "images"],
+        "compare" => &["image.exr", "image.exr"],
+        "render" => &["scene.toml", "-o", "out.exr"],
+        "plan" | "sensitivity" => &["scene.toml"],
+        "cost" => &["scene.toml", "--runs", "0", "--budget", "0.000001"],
+        "export" => &["scene.toml", "--to", "bundle", "-o", "bundle"],
+        "accept" => &["curve", "--reason", "none"],
+        "units" => &["fog"],
+        "merge" => &["kept"],
+        "selftest" => &["curve", "--quick"],
+        "info" => &["cloud.obj"],
+        "completions" => &["bash"],
+        "list" | "suite" | "schema" | "man" | "help" => &[],
+        _ => panic!("no arguments for {command} here"),
+    }
+}
+
+/// `/dev/full` is a full disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_behind_stdout_is_an_error_of_every_command() {
+    let folder = Folder::with_goldens();
+    let scenes = Folder::with_scenes();
+    for name in ["cloud.obj", "scene.toml"] {
+        folder.write(name, scenes.read(name));
+    }
+    let room = Folder::with_room("converged_samples = 128\nresolution = 0.9");
+    for (name, contents) in room.files() {
+        folder.write(&name, contents);
+    }
+    folder.write("images/curve.exr", folder.read("golden/plots/curve.exr"));
+    folder.write("image.exr", folder.read("golden/plots/curve.exr"));
+    folder
+        .volref(&["verify", "curve", "--results", "kept"])
+        .expect(0, &[]);
+
+    let mut lines = vec![vec!["--version".to_owned()], vec!["--help".to_owned()]];
+    let commands = commands(&folder);
+    assert!(commands.len() > 15, "{commands:?}");
+    for command in &commands {
+        let line: Vec<String> = [command.as_str()]
+            .iter()
+            .chain(arguments(command))
+            .map(|word| (*word).to_owned())
+            .collect();
+        let help = vec![command.clone(), "--help".to_owned()];
+        let described = folder.volref(&["help", command]).stdout;
+        if described.contains("--json[=<FILE>]") {
+            lines.push([line.clone(), vec!["--json".to_owned()]].concat());
+        }
+        lines.extend((command != "help").then_some(help));
+        lines.push(line);
+    }
+    assert!(
+        lines
+            .iter()
+            .filter(|line| line.ends_with(&["--json".to_owned()]))
+            .count()
+            > 10
+    );
+    for line in lines {
+        let words: Vec<&str> = line.iter().map(String::as_str).collect();
+        let run = folder.volref(&words);
+        assert!(
+            run.code != 2 && !run.stdout.is_empty(),
+            "{words:?}: {}",
+            run.stderr
+        );
+        let full = std::fs::File::options()
+            .write(true)
+            .open("/dev/full")
+            .unwrap();
+        let run = Run::of(folder.command(&words).stdout(full).output().unwrap());
+        let shown = format!("{words:?}: {}", run.message());
+        assert_eq!(run.code, 2, "{shown}");
+        for part in [
+            "cannot write to standard output: No space left",
+            "help: free some space",
+        ] {
+            assert!(shown.contains(part), "{shown}");
+        }
+    }
+
+    // The error of the command is said, too.
+    let full = std::fs::File::options()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let mut command = folder.command(&["plan", "absent.toml", "--json"]);
+    let run = Run::of(command.stdout(full).output().unwrap());
+    run.expect(
+        2,
+        &[
+            "absent.toml: cannot read",
+            "cannot write to standard output",
+        ],
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let folder = Folder::with_goldens();
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let run = Run::of(folder.command(&["list"]).stdout(writer).output().unwrap());
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }

@@ -594,7 +594,7 @@ fn orders_in_a_scene_with_a_grid() {
         clock: Clock::NONE,
         seed: 0,
     };
-    let costs = cost(&scene, &options, &|_| ()).unwrap();
+    let costs = cost(&scene, "scene", &options, &|_| ()).unwrap();
     let study = &costs[0].studies[0];
     assert_eq!(study.name, "transmittance");
     for sweep in &study.sweeps {

@@ -13,11 +13,14 @@ pub fn cost_text(costs: &[Cost], machine: Option<&Machine>) -> String {
         text.push_str(&scene(cost));
         text.push('\n');
     }
+    for headline in words::headlines(costs) {
+        text.push_str(&wrapped(&headline, 0));
+    }
     let judgement = words::judgement(costs);
     for (_, fault) in &judgement.faults {
         text.push_str(&wrapped(fault, 0));
     }
-    text.push_str(&wrapped(&judgement.headline, 0));
+    text.push_str(&wrapped(&judgement.counts, 0));
     if let Some(machine) = machine {
         let facts = words::machine(machine).into_iter();
         let facts: Vec<_> = facts

@@ -249,10 +249,19 @@ pub(super) fn judged(level: &Level) -> f64 {
     level.error_of_order.unwrap_or(level.error).l2
 }
 
+/// The setting for the largest of the wanted errors, in a sentence for each scene.
+pub(super) fn headlines(costs: &[Cost]) -> Vec<String> {
+    let of = |cost: &Cost| {
+        let advice = cost.recommendations.first()?;
+        Some(format!("{}, {}", scene(cost), advice.text))
+    };
+    costs.iter().filter_map(of).collect()
+}
+
 /// Verdicts of a report, counted.
 pub(super) struct Judgement {
     pub(super) mark: Mark,
-    pub(super) headline: String,
+    pub(super) counts: String,
     /// Orders and estimators that are not as expected, or not known: mark and words.
     pub(super) faults: Vec<(Mark, String)>,
 }
@@ -352,13 +361,13 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
         None => Mark::Good,
         Some((mark, _)) => *mark,
     };
-    let headline = match parts.is_empty() {
+    let counts = match parts.is_empty() {
         true => "There were no predicted orders to check.".to_owned(),
         false => format!("{}.", parts.join("; ")),
     };
     Judgement {
         mark,
-        headline,
+        counts,
         faults,
     }
 }
