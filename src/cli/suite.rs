@@ -84,7 +84,7 @@ fn here_or_embedded() -> Result<Suite, Failure> {
     if is_suite(Path::new(HERE)) {
         return Ok(Suite::open(Path::new(HERE))?);
     }
-    Ok(Suite::open(&embedded::unpacked()?)?)
+    embedded::open()
 }
 
 /// The scene that `given` names: a file, or a case of the suite.
