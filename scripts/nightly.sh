@@ -39,6 +39,7 @@ campaign "the gate: false alarms of 1000 suites, power" cargo test --release --t
 campaign "200,000 scenes, others every day" env VOLREF_SCENES=200000 "VOLREF_SCENES_SEED=$(date +%Y%m%d)" \
     cargo test --release --test library any_scene::
 campaign "light transport at four times the samples" env VOLREF_NIGHTLY=1 cargo test --release --test library transport::
+campaign "300 kills of accept, units and merge" scripts/kills.sh 300
 campaign "many samples of every known answer" cargo test --release --test library known_answer_images:: -- \
     --ignored --nocapture
 campaign "formulas to their last bits, on five times the inputs" env VOLREF_NIGHTLY=1 cargo test --release --test library \

@@ -4,6 +4,8 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use crate::partial_file;
+
 /// An output could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {action} {}: {cause}{kept}; {}", path.display(), remedy(cause.kind()))]
@@ -22,7 +24,8 @@ pub struct WriteError {
 ///
 /// The bytes are written to a temporary file in the same directory, synced and renamed, so a
 /// reader sees the old file or all of the new one, also after a crash. On an error the
-/// temporary file is removed and the old file stays.
+/// temporary file is removed and the old file stays. A process that is killed leaves it to the next
+/// one that writes there.
 ///
 /// - An existing file passes its permission bits on; a new one gets those that the umask
 ///   leaves. Owner, hard links and extended attributes of an existing file are not kept.
@@ -35,30 +38,29 @@ pub struct WriteError {
 /// [`WriteError`] names the file, what the operating system said and how to mend it. Missing
 /// directories are an error, not created.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let fail = |action, path: &Path, kept| {
-        let path = path.to_path_buf();
-        move |cause| WriteError {
-            action,
-            path,
-            cause,
-            kept,
-        }
-    };
-    const KEPT: &str = " (whatever was there before is untouched)";
+    match destination(path).map_err(failed("look at", path, KEPT))? {
+        Destination::Stream => write_to_stream(path, bytes).map_err(failed("write to", path, "")),
+        Destination::File(target) => replace(path, &target, bytes),
+    }
+}
 
-    let target = match destination(path).map_err(fail("look at", path, KEPT))? {
-        Destination::Stream => {
-            return write_to_stream(path, bytes).map_err(fail("write to", path, ""));
-        }
-        Destination::File(target) => target,
-    };
-    let directory = directory_of(&target);
+/// Puts a file into the place of whatever file or link is called `path`, as [`write_atomically`] does, but
+/// without following the link.
+pub(crate) fn write_in_place_of(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    replace(path, path, bytes)
+}
+
+/// Replaces the file `target`, which messages call `path`.
+fn replace(path: &Path, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let directory = directory_of(target);
     let mut aside =
-        temporary_beside(&target).map_err(fail("create a temporary file in", directory, KEPT))?;
-    aside.write_all(bytes).map_err(fail("write", path, KEPT))?;
-    if let Ok(existing) = fs::metadata(&target) {
+        temporary_in(directory).map_err(failed("create a temporary file in", directory, KEPT))?;
+    aside
+        .write_all(bytes)
+        .map_err(failed("write", path, KEPT))?;
+    if let Ok(existing) = fs::metadata(target) {
         let permissions = existing.permissions();
-        (aside.as_file().set_permissions(permissions)).map_err(fail(
+        (aside.as_file().set_permissions(permissions)).map_err(failed(
             "pass on the permissions of",
             path,
             KEPT,
@@ -67,13 +69,36 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     aside
         .as_file()
         .sync_all()
-        .map_err(fail("write", path, KEPT))?;
-    (aside.persist(&target).map_err(|error| error.error)).map_err(fail("replace", path, KEPT))?;
-    sync_directory(directory).map_err(fail(
+        .map_err(failed("write", path, KEPT))?;
+    (aside.persist(target).map_err(|error| error.error)).map_err(failed("replace", path, KEPT))?;
+    sync_directory(directory).map_err(failed(
         "sync the directory",
         directory,
         " (the new file is in place, but might not survive a power cut)",
     ))
+}
+
+const KEPT: &str = " (whatever was there before is untouched)";
+
+impl WriteError {
+    /// The failure of an action before anything was changed.
+    pub(crate) fn untouched(action: &'static str, path: &Path, cause: io::Error) -> WriteError {
+        failed(action, path, KEPT)(cause)
+    }
+}
+
+fn failed(
+    action: &'static str,
+    path: &Path,
+    kept: &'static str,
+) -> impl FnOnce(io::Error) -> WriteError {
+    let path = path.to_path_buf();
+    move |cause| WriteError {
+        action,
+        path,
+        cause,
+        kept,
+    }
 }
 
 /// Where the bytes for a path have to go.
@@ -124,15 +149,8 @@ fn write_to_stream(path: &Path, bytes: &[u8]) -> io::Result<()> {
     stream.flush()
 }
 
-fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".volref-").suffix(".partial");
-    // tempfile's own choice is 0600, private to the user; the umask applies to this one.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder
-        .tempfile_in(directory_of(target))
-        .map_err(without_temporary_name)
+fn temporary_in(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+    partial_file::create(directory).map_err(without_temporary_name)
 }
 
 /// The system's own error, where tempfile has put the random name of its file into the message:

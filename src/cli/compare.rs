@@ -98,7 +98,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     if let Some(path) = &arguments.heatmap {
         if reference.size() == test.size() {
-            write_heatmap(path, &reference, &test, arguments.exposure)?;
+            output::write(path, &heatmap(&reference, &test, arguments.exposure)?)?;
         } else {
             note = "\nno heat map: the images differ in size\n";
         }
@@ -140,16 +140,14 @@ fn check_heatmap(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes the perceived difference of two images of one size as PNG.
-pub fn write_heatmap(
-    path: &Path,
-    reference: &Picture,
-    test: &Picture,
-    exposure: f64,
-) -> Result<(), Failure> {
+/// The perceived difference of two images of one size as PNG.
+pub fn heatmap(reference: &Picture, test: &Picture, exposure: f64) -> Result<Vec<u8>, Failure> {
     let srgb = |picture: &Picture| picture.srgb(exposure).map_err(bad_input);
     let errors = flip(&srgb(reference)?, &srgb(test)?, DEFAULT_PIXELS_PER_DEGREE)
         .map_err(|error| bad_input(format!("no heat map: {error}")))?;
-    let png = Film::codes_to_png(&magma(&errors), errors.width(), errors.height());
-    output::write(path, &png)
+    Ok(Film::codes_to_png(
+        &magma(&errors),
+        errors.width(),
+        errors.height(),
+    ))
 }

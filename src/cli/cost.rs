@@ -54,6 +54,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         output::make_folder(folder)?;
     }
     let page_path = (arguments.report.as_ref()).map(|folder| folder.join("index.html"));
+    page_path.as_deref().map_or(Ok(()), output::check_own)?;
     output::check(&[arguments.json.file(), page_path.as_deref()], &[])?;
     let options = Options {
         clock: Clock {
@@ -83,17 +84,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let mut files = vec![page];
         files.extend(report::cost_csv(&costs));
         files.extend(pictures(&costs));
-        let files: Vec<_> = files
-            .into_iter()
-            .map(|(name, text)| (folder.join(name), text))
-            .collect();
+        let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
         let mut outputs = vec![arguments.json.file()];
-        outputs.extend(files.iter().map(|(path, _)| Some(path.as_path())));
+        outputs.extend(paths.iter().map(|path| Some(path.as_path())));
         output::check(&outputs, &[])?;
-        for (path, text) in &files {
-            output::write(path, text.as_bytes())?;
+        paths.iter().try_for_each(|path| output::check_own(path))?;
+        for (name, text) in &files {
+            output::write_within(folder, Path::new(name), text.as_bytes())?;
         }
-        text.push_str(&format!("\nreport: {}\n", files[0].0.display()));
+        text.push_str(&format!("\nreport: {}\n", paths[0].display()));
     }
     let value = report::cost_json(&costs, machine.as_ref());
     arguments.json.instead_of(text, &value).map(Outcome::from)

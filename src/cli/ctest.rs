@@ -3,7 +3,7 @@
 //!
 //! Source: <https://cmake.org/cmake/help/latest/command/ctest_test.html#additional-test-measurements>.
 
-use super::compare::write_heatmap;
+use super::compare::heatmap;
 use super::failure::{Failure, bad_input};
 use super::output;
 use crate::compare::Picture;
@@ -60,16 +60,16 @@ pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure>
 fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
     let evidence = &judged.evidence;
     let exposure = evidence.exposure;
-    let folder = folder.join(&judged.result.name);
-    output::make_folder(&folder)?;
     let mut written = Vec::new();
+    let mut write_png = |name: &'static str, png: &[u8]| -> Result<(), Failure> {
+        let file = Path::new(&judged.result.name).join(format!("{name}.png"));
+        written.push((name, output::write_within(folder, &file, png)?));
+        Ok(())
+    };
     let mut write = |name: &'static str, picture: &Picture| -> Result<(), Failure> {
-        let path = folder.join(format!("{name}.png"));
         let srgb = picture.srgb(exposure).map_err(bad_input)?;
         let png = Film::codes_to_png(srgb.pixels(), srgb.width(), srgb.height());
-        output::write(&path, &png)?;
-        written.push((name, path));
-        Ok(())
+        write_png(name, &png)
     };
     let golden = evidence.golden.clone().map(Picture::Radiance);
     if let Some(golden) = &golden {
@@ -81,10 +81,9 @@ fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf
     if let (Some(golden), Some(test)) = (&golden, &evidence.test)
         && golden.size() == test.size()
     {
-        let path = folder.join("difference.png");
         // Of values that are no numbers there is none.
-        if write_heatmap(&path, golden, test, exposure).is_ok() {
-            written.push(("difference", path));
+        if let Ok(png) = heatmap(golden, test, exposure) {
+            write_png("difference", &png)?;
         }
     }
     Ok(written)

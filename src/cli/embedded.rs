@@ -2,7 +2,7 @@
 
 use super::failure::{Exit, Failure};
 use super::{interrupt, progress};
-use crate::suite::{CACHE_VARIABLE, EmbeddedSuite, cache_of_the_user};
+use crate::suite::{CACHE_VARIABLE, EmbeddedSuite, Suite, cache_of_the_user};
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use tempfile::TempDir;
@@ -25,29 +25,36 @@ pub fn suite() -> EmbeddedSuite {
     EmbeddedSuite::new(FILES.get().map(|files| files()).unwrap_or_default())
 }
 
-/// The folder of the suite of the program: in the user's folder for caches, where it stays, else in a
-/// temporary one, which is removed [at the end](remove_temporary).
-pub fn unpacked() -> Result<PathBuf, Failure> {
+/// The suite of the program, unpacked into the user's folder for caches, where it stays, else into a
+/// temporary one, which is removed [at the end](remove_temporary). Others' files beside its own are not
+/// part of it.
+pub fn open() -> Result<Suite, Failure> {
     let suite = suite();
-    let name = suite.name();
-    let cache = cache_of_the_user().map(|folder| folder.join("suite").join(name));
-    let cached = cache.filter(|folder| suite.unpack(folder).is_ok());
-    let folder = match cached {
-        Some(folder) => folder,
-        None => temporary(&suite).map_err(|error| {
-            let message = format!("cannot unpack the suite within volref: {error}");
-            let help = format!(
-                "name a folder that can be written: {CACHE_VARIABLE}=DIR; or a suite: --suite DIR"
-            );
-            Failure::new(Exit::BadInput, message, Some(&help))
-        })?,
+    let cache = cache_of_the_user().map(|folder| folder.join("suite").join(suite.name()));
+    let cached = cache.map(|folder| match suite.unpack_privately(&folder) {
+        Ok(()) => Ok(folder),
+        Err(error) => Err(format!("; not in {}: {error}", folder.display())),
+    });
+    let (folder, why) = match cached {
+        Some(Ok(folder)) => (folder, String::new()),
+        other => {
+            let why = other.and_then(Result::err).unwrap_or_default();
+            let folder = temporary(&suite).map_err(|error| {
+                let message = format!("cannot unpack the suite within volref: {error}{why}");
+                let help = format!(
+                    "name a folder that can be written: {CACHE_VARIABLE}=DIR; or a suite: --suite DIR"
+                );
+                Failure::new(Exit::BadInput, message, Some(&help))
+            })?;
+            (folder, why)
+        }
     };
     progress::note(&format!(
-        "the suite of volref {}, in {}",
+        "the suite of volref {}, in {}{why}",
         env!("CARGO_PKG_VERSION"),
         folder.display()
     ));
-    Ok(folder)
+    Ok(Suite::open_unpacked(&folder, &suite)?)
 }
 
 fn temporary(suite: &EmbeddedSuite) -> std::io::Result<PathBuf> {

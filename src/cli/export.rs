@@ -5,6 +5,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::scene_file;
 use crate::exchange::{self, Export, Format, Refusal};
+use crate::partial_file;
 use crate::scene::Scene;
 use serde_json::json;
 use std::fs;
@@ -102,19 +103,16 @@ fn write_into(folder: &Path, export: &Export) -> io::Result<()> {
     if let Some((name, _)) = folder_in_the_way {
         return Err(io::Error::other(format!("{name} is a folder")));
     }
-    let aside = tempfile::Builder::new()
-        .prefix(".volref-")
-        .suffix(".partial")
-        .tempdir_in(folder)?;
+    let mut aside = Vec::new();
     for (name, bytes) in &export.files {
-        let mut file = fs::File::create(aside.path().join(name))?;
+        let mut file = partial_file::create(folder)?;
         file.write_all(bytes)?;
-        file.sync_all()?;
+        file.as_file().sync_all()?;
+        aside.push((name, file));
     }
-    let (main, others): (Vec<_>, Vec<_>) =
-        (export.files.iter()).partition(|(name, _)| *name == export.main);
-    for (name, _) in others.into_iter().chain(main) {
-        fs::rename(aside.path().join(name), folder.join(name))?;
+    aside.sort_by_key(|(name, _)| **name == export.main);
+    for (name, file) in aside {
+        file.persist(folder.join(name))?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `--results`: results kept for `volref merge`.
 
-use super::failure::{Exit, Failure};
+use super::failure::{Exit, Failure, bad_input};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{output, progress};
@@ -28,11 +28,16 @@ impl KeepArgument {
         selection: &Selection,
         suite: &Suite,
     ) -> Result<Option<ResultFolder>, Failure> {
-        let folder = match &self.results {
+        let mut folder = match &self.results {
             Some(folder) => folder.clone(),
             None if partition.is_whole() => return Ok(None),
             None => selection.kept_folder(suite),
         };
+        // A link that the user names is meant; one in the place of .volref is not.
+        if self.results.is_some() && folder.is_symlink() {
+            folder = folder.canonicalize().unwrap_or(folder);
+        }
+        ResultFolder::open(&folder).check().map_err(bad_input)?;
         output::make_folder(&folder)?;
         Ok(Some(ResultFolder::open(folder)))
     }

@@ -4,6 +4,7 @@
 use super::failure::{Exit, Failure, bad_input};
 use super::visible_report::visible_report;
 use crate::atomic_file::{directory_of, file_behind, remedy, write_atomically};
+use crate::own_file;
 use crate::regular_file::{self, Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
 use clap::Args;
@@ -197,11 +198,28 @@ pub fn pretty(value: &impl Serialize) -> String {
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     check_no_input(path)?;
     check_no_golden(path)?;
-    write_atomically(path, bytes).map_err(|error| {
-        let cause = &error.cause;
-        let message = format!("cannot write {}: {cause}", path.display());
-        Failure::new(Exit::BadInput, message, Some(remedy(cause.kind())))
-    })
+    write_atomically(path, bytes).map_err(|error| not_written(path, &error.cause))
+}
+
+/// As [`write`], the file `inner` of a folder that the user named: volref chose the name of the file, so
+/// that neither a link nor a pipe of this name was meant to be written through.
+pub fn write_within(folder: &Path, inner: &Path, bytes: &[u8]) -> Result<PathBuf, Failure> {
+    own_file::make_folder(folder, directory_of(inner)).map_err(bad_input)?;
+    let path = folder.join(inner);
+    check_no_input(&path)?;
+    check_no_golden(&path)?;
+    own_file::write(&path, bytes).map_err(|error| not_written(&path, &error.cause))?;
+    Ok(path)
+}
+
+/// Fails if [`write_within`] would fail, for something other than a file in the place of the file at `path`.
+pub fn check_own(path: &Path) -> Result<(), Failure> {
+    own_file::check(path).map_err(|cause| not_written(path, &cause))
+}
+
+fn not_written(path: &Path, cause: &std::io::Error) -> Failure {
+    let message = format!("cannot write {}: {cause}", path.display());
+    Failure::new(Exit::BadInput, message, Some(remedy(cause.kind())))
 }
 
 /// Fails if [`write`] would fail for one of the outputs, or if one would overwrite another. Called

@@ -64,6 +64,7 @@ impl ResultFiles {
         for path in outputs.into_iter().flatten() {
             check_not_golden(path, suite)?;
         }
+        page.as_deref().map_or(Ok(()), output::check_own)?;
         output::check(&outputs, &[])
     }
 
@@ -89,8 +90,8 @@ impl ResultFiles {
             output::write(path, report::results_junit(&results).as_bytes())?;
         }
         if let Some(folder) = &self.report {
-            let path = page_in(folder);
-            output::write(&path, page(findings, &results).as_bytes())?;
+            let page = page(findings, &results);
+            let path = output::write_within(folder, Path::new(PAGE), page.as_bytes())?;
             text.push_str(&format!("\nreport: {}\n", path.display()));
         }
         let mut json = match findings.command {
@@ -105,8 +106,11 @@ impl ResultFiles {
 }
 
 fn page_in(folder: &Path) -> PathBuf {
-    folder.join("index.html")
+    folder.join(PAGE)
 }
+
+/// Name of the page within the folder of a report.
+const PAGE: &str = "index.html";
 
 fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
     let evidence: Vec<Evidence> = findings.judged.iter().map(|j| j.evidence.clone()).collect();

@@ -84,7 +84,7 @@ fn here_or_embedded() -> Result<Suite, Failure> {
     if is_suite(Path::new(HERE)) {
         return Ok(Suite::open(Path::new(HERE))?);
     }
-    Ok(Suite::open(&embedded::unpacked()?)?)
+    embedded::open()
 }
 
 /// A scene that was named on the command line.

@@ -70,6 +70,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut is_kept: Vec<bool> = is_kept.collect();
     let mut computed = None;
     if arguments.compute {
+        of_cases.iter().for_each(|of| folder.sweep(&of.case.name));
         let missing = units.iter().zip(&is_kept).filter(|(_, is_kept)| !**is_kept);
         let missing: Vec<&UnitOfCase<'_>> = missing.map(|(unit, _)| unit).collect();
         render::with_threads(arguments.threads, || compute(&missing, &folder))??;

@@ -11,11 +11,12 @@ use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
 use super::{Outcome, compare, ctest, decide, interrupt, output, progress};
-use crate::atomic_file::write_atomically;
-use crate::compare::Promise;
+use crate::atomic_file::{directory_of, write_in_place_of};
+use crate::compare::{Picture, Promise};
 use crate::exchange::{self, Format};
 use crate::film::Film;
 use crate::math::exp2;
+use crate::own_file;
 use crate::regular_file::{self, note_input};
 use crate::report;
 use crate::scene::{Classified, Panel, Scene};
@@ -540,7 +541,7 @@ impl RendererRun<'_> {
                 _ => format!("{number}.exr"),
             };
             let path = image_of(&self.folder, case, &extension);
-            write_atomically(&path, &film.to_exr()?)?;
+            own_file::write(&path, &film.to_exr()?)?;
             is_replaced |= path == last;
         }
         if !is_replaced {
@@ -607,6 +608,9 @@ impl RendererRun<'_> {
             Ok(outputs) => outputs,
             Err(error) => return Output::Unusable(error.to_string()),
         };
+        if self.arguments.keep.is_some() {
+            self.keep_files(case, &outputs);
+        }
         match read(&outputs, &self.folder, case) {
             Output::Missing(_) => Output::Missing(format!(
                 "the renderer succeeded, but did not write {}.{}, the file that {{output}} stood for \
@@ -632,6 +636,18 @@ impl RendererRun<'_> {
                 Output::Picture(Box::new(picture.with_samples(ask.spp)))
             }
             output => output,
+        }
+    }
+
+    /// Puts files in the place of links that the renderer left in the folder of the case: what they lead to need
+    /// not stay. Of one that leads nowhere the verdict says so.
+    fn keep_files(&self, case: &Case, outputs: &Outputs) {
+        let folder = image_of(&self.folder, case, &self.arguments.format);
+        let is_in_it = |file: &&Path| file.parent() == folder.parent() && file.is_symlink();
+        for file in outputs.files().filter(is_in_it) {
+            if let Ok(bytes) = regular_file::read(file, Picture::MOST_BYTES) {
+                let _ = write_in_place_of(file, &bytes);
+            }
         }
     }
 
@@ -731,9 +747,9 @@ impl RendererRun<'_> {
         let output = self
             .folder
             .join(format!("{name}.{}", self.arguments.format));
-        if let Some(folder) = output.parent() {
-            std::fs::create_dir_all(folder).map_err(not_run)?;
-        }
+        // In a folder that a link leads to, an image of an earlier run might be a file of the user's.
+        own_file::make_folder(&self.folder, directory_of(Path::new(&name)))
+            .map_err(|error| Output::Unusable(format!("the renderer could not be run: {error}")))?;
         // An image of an earlier run would be taken for one of this.
         match std::fs::remove_file(&output) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {

@@ -61,6 +61,9 @@ pub fn named(
         return (Likenesses::default(), String::new());
     }
     let predictions = Predictions::of_the_user();
+    if let Some(reason) = predictions.refusal() {
+        progress::note(&format!("the cache of predictions is not used: {reason}"));
+    }
     let (found, was_cut_short) = interrupt::can_be_cut_short(|| {
         let bar = progress::mistakes(failed, explain);
         let search = Search {

@@ -213,6 +213,10 @@ pub(super) fn accept_with(
         .collect::<Result<Vec<_>, _>>()?;
     let mut images = Vec::new();
     for task in &mut tasks {
+        if task.case.sampling.is_some() {
+            let place = kept.check(&task.case.name);
+            place.map_err(|error| AcceptError::incomplete(task.case, error))?;
+        }
         let image = if request.keep_images {
             task.keep_image(store)?
         } else {

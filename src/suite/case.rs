@@ -1,6 +1,6 @@
 //! The suite: every manifest in its folder is a case.
 
-use super::{Answer, Store, mistakes, row_name};
+use super::{Answer, EmbeddedSuite, Store, mistakes, row_name};
 use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
 use crate::hard_cases::rows;
 use crate::known_answers::{self, Footprint, Formula};
@@ -11,7 +11,7 @@ use crate::scene::reader::{Document, Reader};
 use crate::scene::{Scene, SceneError, SceneResult};
 use miette::Diagnostic;
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -169,6 +169,8 @@ pub struct Suite {
     cases: Vec<Case>,
     /// `family/name` of manifests that cannot be read, with the files.
     unreadable: Vec<(String, PathBuf)>,
+    /// The files that belong to it, relative to the root; `None` if all there do.
+    own: Option<BTreeSet<PathBuf>>,
 }
 
 /// Errors in finding a suite or its cases.
@@ -214,6 +216,17 @@ impl Suite {
     /// The suite in the folder `root`: reads every manifest, renders nothing. A mistake in a manifest
     /// is an error of whoever [selects](Suite::select) its case.
     pub fn open(root: &Path) -> Result<Suite, SuiteError> {
+        Suite::open_with(root, None)
+    }
+
+    /// As [`open`](Self::open), of an embedded suite that was unpacked into `root`: other files there are no
+    /// cases and no goldens.
+    pub fn open_unpacked(root: &Path, embedded: &EmbeddedSuite) -> Result<Suite, SuiteError> {
+        let own = embedded.paths().map(Path::to_owned);
+        Suite::open_with(root, Some(own.collect()))
+    }
+
+    fn open_with(root: &Path, own: Option<BTreeSet<PathBuf>>) -> Result<Suite, SuiteError> {
         let shown = root;
         // Not ./fixtures: shown in messages, the short way reads better.
         let root = if root == Path::new(".") {
@@ -229,8 +242,9 @@ impl Suite {
             root: root.to_owned(),
             cases: Vec::new(),
             unreadable: Vec::new(),
+            own,
         };
-        for path in records(&folder)? {
+        for path in suite.records(CASES)? {
             match read_manifest(&path) {
                 Ok(case) => suite.cases.push(case),
                 Err(_) => suite.unreadable.push((name_of(&path), path)),
@@ -284,6 +298,19 @@ impl Suite {
         files
     }
 
+    /// The files `*/*.toml` of a part of the suite, sorted.
+    fn records(&self, part: &str) -> Result<Vec<PathBuf>, SuiteError> {
+        let mut records = records(&self.root.join(part))?;
+        records.retain(|path| {
+            let is_own = |own: &BTreeSet<PathBuf>| {
+                let path = path.strip_prefix(&self.root);
+                path.is_ok_and(|path| own.contains(path))
+            };
+            self.own.as_ref().is_none_or(is_own)
+        });
+        Ok(records)
+    }
+
     /// The manifest of a case.
     pub(super) fn manifest_of(&self, case: &Case) -> PathBuf {
         self.root.join(CASES).join(format!("{}.toml", case.name))
@@ -300,7 +327,7 @@ impl Suite {
         if !root.is_dir() {
             return Ok(Vec::new());
         }
-        let records = records(&root)?.into_iter();
+        let records = self.records(GOLDEN)?.into_iter();
         let names = records.filter_map(|path| {
             let path = path.with_extension("");
             let name = path.strip_prefix(&root).ok()?;

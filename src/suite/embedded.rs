@@ -2,11 +2,10 @@
 //!
 //! Scenes name files beside them, and renderers that are run read scenes: both need a folder.
 
-use crate::regular_file;
+use crate::{own_file, partial_file, private_folder, regular_file};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// The files of a suite, held by the program.
 #[derive(Clone, Debug)]
@@ -44,19 +43,35 @@ impl EmbeddedSuite {
         hasher.finalize().to_hex().chars().take(16).collect()
     }
 
+    /// Paths of all files, relative to the root of the suite.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(|(path, _)| path.as_path())
+    }
+
+    /// Writes the files below `root` for the user alone, as [`unpack`](Self::unpack).
+    ///
+    /// # Errors
+    ///
+    /// If others could change the folder, too: they could replace a file after it was compared.
+    pub fn unpack_privately(&self, root: &Path) -> io::Result<()> {
+        private_folder::make(root)?;
+        self.unpack(root)
+    }
+
     /// Writes the files below `root`, except those that are there already, each one whole or not at all:
     /// several processes may do so at once.
     pub fn unpack(&self, root: &Path) -> io::Result<()> {
         for (path, bytes) in &self.files {
             let path = root.join(path);
-            let found = regular_file::read(&path, bytes.len() as u64);
-            if found.is_ok_and(|found| found == *bytes) {
+            let folder = path.parent().unwrap_or(root);
+            partial_file::sweep(folder);
+            let found = || regular_file::read(&path, bytes.len() as u64);
+            if own_file::check(&path).is_ok() && found().is_ok_and(|found| found == *bytes) {
                 continue;
             }
-            let folder = path.parent().unwrap_or(root);
             fs::create_dir_all(folder)?;
             // Not synced: whatever a crash leaves is looked at again before it is used.
-            let mut file = NamedTempFile::new_in(folder)?;
+            let mut file = partial_file::create(folder)?;
             file.write_all(bytes)?;
             file.persist(&path)?;
         }

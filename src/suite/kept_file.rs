@@ -1,9 +1,10 @@
 //! Files that one process leaves for another: a hash of the rest, a line of JSON that says what it is,
 //! and the contents. A file that was cut off, or changed, is not read.
 
-use crate::atomic_file::{WriteError, write_atomically};
+use crate::atomic_file::{WriteError, directory_of};
 use crate::compare::Picture;
-use crate::regular_file;
+use crate::own_file::{self, FolderError};
+use crate::{partial_file, regular_file};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// A file could not be kept.
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
-    /// Its folder cannot be made.
+    /// Its folder cannot be made, or something else is in its place.
     #[error("cannot create {}: {error}", folder.display())]
     Folder {
         /// Where.
@@ -44,20 +45,36 @@ impl KeepError {
 /// Largest file read, in bytes: 4 GiB, as of other images.
 pub(super) const MOST_BYTES: u64 = Picture::MOST_BYTES;
 
-/// Writes a file that says what it is; returns its bytes. Another process that writes the same at once does
-/// no harm.
-pub(super) fn write(path: &Path, head: &impl Serialize, body: &[u8]) -> Result<u64, KeepError> {
-    let head = serde_json::to_vec(head).map_err(|error| KeepError::encode(path, error))?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|error| KeepError::Folder {
-        folder: folder.to_owned(),
-        error,
-    })?;
+impl From<FolderError> for KeepError {
+    fn from(FolderError { folder, error }: FolderError) -> KeepError {
+        KeepError::Folder { folder, error }
+    }
+}
+
+/// Writes the file `inner` of the folder `root`, which says what it is; returns its bytes. Another process
+/// that writes the same at once does no harm.
+pub(super) fn write(
+    root: &Path,
+    inner: &Path,
+    head: &impl Serialize,
+    body: &[u8],
+) -> Result<u64, KeepError> {
+    let path = root.join(inner);
+    let head = serde_json::to_vec(head).map_err(|error| KeepError::encode(&path, error))?;
+    own_file::make_folder(root, directory_of(inner))?;
     let rest = [&head[..], b"\n", body].concat();
     let hash = blake3::hash(&rest).to_hex();
     let bytes = [hash.as_bytes(), b"\n", &rest].concat();
-    write_atomically(path, &bytes)?;
+    own_file::write(&path, &bytes)?;
     Ok(bytes.len() as u64)
+}
+
+/// The folder that `folder` is in, and its name: as a pair of which the second must be no link.
+pub(super) fn in_its_folder(folder: &Path) -> (&Path, &Path) {
+    match (folder.parent(), folder.file_name()) {
+        (Some(parent), Some(name)) => (parent, Path::new(name)),
+        _ => (folder, Path::new("")),
+    }
 }
 
 /// Kind and contents that a file states; the reason if it is not as it was written.
@@ -78,9 +95,10 @@ pub(super) fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, Vec<u8>), Str
 
 /// Hides `folder`, and what it holds, from version control wherever it is.
 pub(super) fn hide(folder: &Path) {
+    partial_file::sweep(folder);
     let ignore = folder.join(IGNORE);
     if !ignore.exists() {
-        let _ = write_atomically(&ignore, b"*\n");
+        let _ = own_file::write(&ignore, IGNORES_ALL);
     }
 }
 
@@ -88,10 +106,16 @@ pub(super) fn hide(folder: &Path) {
 pub(super) fn remove_if_empty(folder: &Path) {
     let is_hidden = |entry: std::fs::DirEntry| entry.file_name() == IGNORE;
     let only_hidden = |entries: std::fs::ReadDir| entries.flatten().all(is_hidden);
-    if std::fs::read_dir(folder).is_ok_and(only_hidden) {
-        let _ = std::fs::remove_file(folder.join(IGNORE));
-        let _ = std::fs::remove_dir(folder);
+    if !std::fs::read_dir(folder).is_ok_and(only_hidden) {
+        return;
     }
+    let ignore = folder.join(IGNORE);
+    let is_ours = || regular_file::read(&ignore, IGNORES_ALL.len() as u64);
+    if own_file::check(&ignore).is_ok() && is_ours().is_ok_and(|text| text == IGNORES_ALL) {
+        let _ = std::fs::remove_file(ignore);
+    }
+    let _ = std::fs::remove_dir(folder);
 }
 
 const IGNORE: &str = ".gitignore";
+const IGNORES_ALL: &[u8] = b"*\n";

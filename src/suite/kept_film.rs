@@ -17,14 +17,19 @@ pub(super) fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, Film), String
     Ok((head, film))
 }
 
-/// Keeps `film` at `path` behind a head; how many bytes that takes.
+/// Keeps `film` as the file `inner` of the folder `root`, behind a head; how many bytes that takes.
 ///
 /// # Errors
 ///
 /// If it cannot be written.
-pub(super) fn write(path: &Path, head: &impl Serialize, film: &Film) -> Result<u64, KeepError> {
+pub(super) fn write(
+    root: &Path,
+    inner: &Path,
+    head: &impl Serialize,
+    film: &Film,
+) -> Result<u64, KeepError> {
     let exr = film
         .to_exr()
-        .map_err(|error| KeepError::encode(path, error))?;
-    kept_file::write(path, head, &exr)
+        .map_err(|error| KeepError::encode(&root.join(inner), error))?;
+    kept_file::write(root, inner, head, &exr)
 }

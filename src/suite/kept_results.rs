@@ -10,6 +10,7 @@ use super::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use crate::compare::flip::SrgbImage;
 use crate::compare::{FitMap, Picture};
 use crate::film::Film;
+use crate::own_file;
 use flate2::Compression;
 use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
@@ -169,6 +170,30 @@ impl ResultFolder {
         self.root.join(RESULTS)
     }
 
+    /// Fails where results could not be kept, for a link or something else in the place of a folder.
+    ///
+    /// # Errors
+    ///
+    /// The folder, with a remedy.
+    pub fn check(&self) -> Result<(), KeepError> {
+        let (root, name) = kept_file::in_its_folder(&self.root);
+        Ok(own_file::check_folder(root, &name.join(RESULTS))?)
+    }
+
+    /// Writes a file of `run`.
+    fn write(
+        &self,
+        run: &Run,
+        file: &str,
+        head: &impl Serialize,
+        body: &[u8],
+    ) -> Result<(), KeepError> {
+        let (root, name) = kept_file::in_its_folder(&self.root);
+        let inner = name.join(RESULTS).join(run.id()).join(file);
+        kept_file::write(root, &inner, head, body)?;
+        Ok(())
+    }
+
     fn of_run(&self, run: &Run) -> PathBuf {
         self.path().join(run.id())
     }
@@ -179,7 +204,7 @@ impl ResultFolder {
     ///
     /// If it cannot be written.
     pub fn begin(&self, run: &Run) -> Result<(), KeepError> {
-        kept_file::write(&self.of_run(run).join(RUN), run, b"")?;
+        self.write(run, RUN, run, b"")?;
         kept_file::hide(&self.root);
         Ok(())
     }
@@ -194,15 +219,15 @@ impl ResultFolder {
             run: run.id(),
             case: case.to_owned(),
         };
-        let path = |extension: &str| self.of_run(run).join(format!("{case}.{extension}"));
-        let (found, images) = (path(FOUND), path(IMAGES));
         if let Some(judged) = judged {
             let evidence = &judged.evidence;
             let of_case = Images {
                 golden: evidence.golden.clone(),
                 test: evidence.test.as_ref().map(StoredPicture::of),
             };
-            kept_file::write(&images, &head, &packed(&images, &of_case)?)?;
+            let images = format!("{case}.{IMAGES}");
+            let body = packed(Path::new(&images), &of_case)?;
+            self.write(run, &images, &head, &body)?;
         }
         let of_case = judged.map(|judged| Found {
             result: judged.result.clone(),
@@ -214,8 +239,9 @@ impl ResultFolder {
                 ..judged.evidence.clone()
             },
         });
-        kept_file::write(&found, &head, &packed(&found, &of_case)?)?;
-        Ok(())
+        let found = format!("{case}.{FOUND}");
+        let body = packed(Path::new(&found), &of_case)?;
+        self.write(run, &found, &head, &body)
     }
 
     /// Keeps what a self-test found in a case.
@@ -228,9 +254,9 @@ impl ResultFolder {
             run: run.id(),
             case: found.case.clone(),
         };
-        let path = self.of_run(run).join(format!("{}.{TRIALS}", found.case));
-        kept_file::write(&path, &head, &packed(&path, found)?)?;
-        Ok(())
+        let trials = format!("{}.{TRIALS}", found.case);
+        let body = packed(Path::new(&trials), found)?;
+        self.write(run, &trials, &head, &body)
     }
 
     /// Findings of a self-test in a case; `None` if none were kept.

@@ -29,6 +29,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::atomic_file::directory_of;
+use crate::own_file;
 use crate::regular_file::{self, OpenError, ReadError};
 use journal::{Journal, JournalEntry};
 use name::{DRAFT, JOURNAL, LOCK, StoreName};
@@ -195,12 +196,13 @@ impl<D: Disk> Store<D> {
             entries.push(JournalEntry::new(name, bytes));
         }
 
+        let journal = Journal::new(entries);
+        self.check_inside(&journal)?;
         let _lock = self.lock()?;
         self.finish_interrupted()?;
-        if entries.is_empty() {
+        if journal.entries.is_empty() {
             return Ok(());
         }
-        let journal = Journal::new(entries);
         let contents = files.iter().map(|(_, bytes)| bytes.as_slice());
         if let Err(failure) = self.stage(&journal, contents) {
             return Err(self.give_up(&journal, failure));
@@ -209,15 +211,35 @@ impl<D: Disk> Store<D> {
         self.install(&journal).map_err(StoreError::Unfinished)
     }
 
+    /// Fails where a directory of the journal leads, by a link, out of the folder that the root is in:
+    /// the suite. Version control stores such links.
+    fn check_inside(&self, journal: &Journal) -> Result<(), StoreError> {
+        let Ok(home) = directory_of(&self.root).canonicalize() else {
+            return Ok(()); // yet to be made
+        };
+        let mut directories = journal.directories(&self.root);
+        directories.insert(self.root.clone());
+        for directory in directories {
+            let real = directory.canonicalize();
+            if real.is_ok_and(|real| !real.starts_with(&home)) {
+                let cause = io::Error::other(
+                    "a link leads from there out of the suite: put a folder in its place",
+                );
+                let failure = failed("write goldens into", &directory)(cause);
+                return Err(StoreError::Untouched(failure));
+            }
+        }
+        Ok(())
+    }
+
     fn lock(&self) -> Result<Lock, StoreError> {
         let lock = self.root.join(LOCK);
         self.create_directory(&self.root)
             .map_err(StoreError::Untouched)?;
-        // To open a named pipe for writing is to wait for its reader.
-        if let Err(error @ OpenError::NotAFile(_)) = regular_file::check_kind(&lock) {
-            let failure = failed("open the lock file", &lock)(error.into());
-            return Err(StoreError::Untouched(failure));
-        }
+        // To open a named pipe for writing is to wait for its reader, and a link may lead to a user's file.
+        own_file::check(&lock)
+            .map_err(failed("open the lock file", &lock))
+            .map_err(StoreError::Untouched)?;
         let opened = File::options()
             .create(true)
             .truncate(false)
@@ -249,6 +271,7 @@ impl<D: Disk> Store<D> {
     /// Carries a decided accept through and undoes an undecided one. Readers see no difference.
     fn finish_interrupted(&self) -> Result<(), StoreError> {
         if let Some(journal) = self.journal()? {
+            self.check_inside(&journal)?;
             // All of them first, so that nothing is changed if one has to be refused.
             for entry in &journal.entries {
                 self.recorded(&journal, entry)?
@@ -259,7 +282,10 @@ impl<D: Disk> Store<D> {
         let draft = self.root.join(DRAFT);
         if let Some(bytes) = read_if_present(&draft)? {
             match Journal::parse(&bytes) {
-                Ok(journal) => self.unstage(&journal),
+                Ok(journal) => {
+                    self.check_inside(&journal)?;
+                    self.unstage(&journal)
+                }
                 Err(_cut_off) => self.remove_draft(),
             }
             .map_err(StoreError::Untouched)?;

@@ -12,6 +12,8 @@ use super::kept_film;
 use super::program_hash::{hash, program_hash};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
 use crate::film::Film;
+use crate::own_file;
+use crate::partial_file;
 use crate::render::{self, Detail, Plan, plans};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -183,7 +185,7 @@ impl<'c> CaseUnits<'c> {
     ///
     /// # Errors
     ///
-    /// If it cannot be rendered or written.
+    /// If it cannot be rendered or written. Before it is rendered, if there is no place for it.
     pub fn compute(
         &self,
         unit: &Unit,
@@ -193,6 +195,8 @@ impl<'c> CaseUnits<'c> {
         let of_unit = |of: &&RenderingUnits| of.units.contains(unit);
         let of = self.renderings.iter().find(of_unit);
         let of = of.ok_or_else(|| UnitError::new(self.case, "this is no unit of it"))?;
+        let place = folder.check(&self.case.name);
+        place.map_err(|error| UnitError::new(self.case, error))?;
         let film = self.rendered(&ReferenceRenderer, of.rendering, unit, progress)?;
         folder
             .put(unit, &film)
@@ -280,7 +284,17 @@ fn units(case: &Case, scene: &Scene, plans: &[Plan<'_>], rendering: CaseRenderin
     bands(width, height, samples).map(unit).collect()
 }
 
+/// Name of the folder of units.
+const UNITS: &str = "units";
+
 const EXTENSION: &str = "unit";
+
+/// The name is an identifier, as of [`Unit::file`].
+fn is_name_of_unit(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let is_hash = stem.len() == 64 && stem.bytes().all(|byte| byte.is_ascii_hexdigit());
+    is_hash && path.extension().is_some_and(|of| of == EXTENSION)
+}
 
 /// A folder of finished units, hidden from version control.
 #[derive(Clone, Debug)]
@@ -297,7 +311,7 @@ impl UnitFolder {
 
     /// Where they are.
     pub fn path(&self) -> PathBuf {
-        self.root.join("units")
+        self.root.join(UNITS)
     }
 
     /// Whether there is a file of this unit; it may be damaged.
@@ -316,6 +330,20 @@ impl UnitFolder {
         (found == *unit).then_some(film)
     }
 
+    /// Fails where the units of `case` could not be kept, for a link or something else in the place of a
+    /// folder.
+    pub(super) fn check(&self, case: &str) -> Result<(), KeepError> {
+        let (root, name) = kept_file::in_its_folder(&self.root);
+        Ok(own_file::check_folder(root, &name.join(UNITS).join(case))?)
+    }
+
+    /// Removes what killed processes left among the units of `case`.
+    pub fn sweep(&self, case: &str) {
+        if self.check(case).is_ok() {
+            partial_file::sweep(&self.path().join(case));
+        }
+    }
+
     /// Keeps the rows of `unit`.
     pub(super) fn put(&self, unit: &Unit, film: &Film) -> Result<(), KeepError> {
         let path = self.path().join(unit.file());
@@ -323,22 +351,35 @@ impl UnitFolder {
         if unit.program.is_empty() {
             return Err(KeepError::encode(&path, "the program cannot be read"));
         }
-        kept_film::write(&path, unit, film)?;
+        let (root, name) = kept_file::in_its_folder(&self.root);
+        kept_film::write(root, &name.join(UNITS).join(unit.file()), unit, film)?;
         kept_file::hide(&self.root);
         Ok(())
     }
 
-    /// Removes the kept units of `case`, and folders left empty.
+    /// Removes the kept units of `case`, and folders left empty. Other files there stay, and so does what a
+    /// link leads to.
     pub(super) fn forget(&self, case: &str) {
-        let folder = self.path().join(case);
-        if std::fs::remove_dir_all(&folder).is_err() {
+        if self.check(case).is_err() {
             return;
         }
-        for folder in folder.ancestors().skip(1) {
+        let folder = self.path().join(case);
+        let Ok(entries) = std::fs::read_dir(&folder) else {
+            return;
+        };
+        for entry in entries.flatten() {
+            let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+            if is_file && is_name_of_unit(&entry.path()) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+        partial_file::sweep(&folder);
+        for folder in folder.ancestors() {
             if folder == self.root || std::fs::remove_dir(folder).is_err() {
                 break;
             }
         }
+        partial_file::sweep(&self.root);
         kept_file::remove_if_empty(&self.root);
     }
 
@@ -366,6 +407,7 @@ impl UnitFolder {
     ///
     /// If it cannot be written, or the unit that is here has other bits.
     pub fn add(&self, unit: &Unit, film: &Film) -> Result<Added, AddError> {
+        self.sweep(&unit.case);
         match self.get(unit) {
             Some(here) if here.pixel_hash() == film.pixel_hash() => Ok(Added::WasHere),
             Some(_) => Err(AddError::OtherBits),

@@ -21,6 +21,8 @@ mod hostile;
 mod info;
 mod inputs;
 mod known_answers;
+#[cfg(unix)]
+mod links;
 mod list;
 mod merge;
 mod mutated_inputs;

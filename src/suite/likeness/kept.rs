@@ -6,13 +6,15 @@
 //! files, mistakes, pixels and samples, and the executable itself, so that no prediction ever comes
 //! from other code, a build under development included.
 //!
-//! Nothing here is an error: what cannot be read, is damaged or cannot be written is rendered.
+//! Nothing here is an error: what cannot be read, is damaged or cannot be written is rendered. A folder that
+//! others can change is not used: a prediction is believed.
 
 use crate::film::Film;
+use crate::private_folder;
 use crate::suite::kept_film;
 use crate::suite::program_hash::{hash, program_hash};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 use std::time::SystemTime;
 
 /// Environment variable for the folder of the cache; empty for no cache.
@@ -31,6 +33,8 @@ const EXTENSION: &str = "prediction";
 #[derive(Debug, Default)]
 pub struct Predictions {
     folder: Option<PathBuf>,
+    /// Reason why the folder is not used, once it was looked at.
+    refusal: OnceLock<Option<String>>,
     /// Bytes in the folder, once it was looked at.
     bytes: Mutex<Option<u64>>,
 }
@@ -41,7 +45,7 @@ impl Predictions {
         Predictions::default()
     }
 
-    /// Keeps predictions in `folder`, which need not exist.
+    /// Keeps predictions in `folder`, which need not exist, and is used if nobody else can write there.
     pub fn in_folder(folder: impl Into<PathBuf>) -> Predictions {
         Predictions {
             folder: Some(folder.into()),
@@ -73,16 +77,33 @@ impl Predictions {
 
     /// Keeps a prediction.
     pub(super) fn put(&self, key: &str, film: &Film) {
-        if let Some(path) = self.path(key)
-            && let Ok(bytes) = kept_film::write(&path, &key, film)
+        if let Some(folder) = self.usable_folder()
+            && let Ok(bytes) = kept_film::write(&folder, &file(key), &key, film)
         {
-            self.keep_small(path.parent().unwrap_or(Path::new(".")), bytes);
+            self.keep_small(&folder, bytes);
         }
     }
 
+    /// Reason why nothing is kept where it was to be; a sentence.
+    pub fn refusal(&self) -> Option<&str> {
+        let folder = self.subfolder()?;
+        let look = || match private_folder::make(&folder) {
+            Ok(()) => None,
+            Err(error) => Some(format!("{}: {error}", folder.display())),
+        };
+        self.refusal.get_or_init(look).as_deref()
+    }
+
+    fn subfolder(&self) -> Option<PathBuf> {
+        Some(self.folder.as_ref()?.join("predictions"))
+    }
+
+    fn usable_folder(&self) -> Option<PathBuf> {
+        self.subfolder().filter(|_| self.refusal().is_none())
+    }
+
     fn path(&self, key: &str) -> Option<PathBuf> {
-        let folder = self.folder.as_ref()?.join("predictions");
-        Some(folder.join(format!("{key}.{EXTENSION}")))
+        Some(self.usable_folder()?.join(file(key)))
     }
 
     /// Removes the oldest files where `written` bytes more are too many.
@@ -125,6 +146,10 @@ fn folder_of_the_user(variable: &dyn Fn(&str) -> Option<PathBuf>) -> Option<Path
         absolute("HOME")?.join(".cache")
     };
     Some(folder.join("volref"))
+}
+
+fn file(key: &str) -> PathBuf {
+    PathBuf::from(format!("{key}.{EXTENSION}"))
 }
 
 struct KeptPrediction {

@@ -1,0 +1,411 @@
+//! Links, pipes, folders that others can write to and left-overs, where volref chooses the names of files.
+
+use crate::folder::{Folder, Run};
+use std::collections::BTreeMap;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longer than anything here takes, on any machine.
+const LONG: Duration = Duration::from_secs(120);
+
+/// A run that has to end: whoever opens a pipe without a reader waits.
+fn ended(mut command: Command) -> Run {
+    let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > LONG {
+            child.kill().unwrap();
+            panic!("{command:?} waits");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Run::of(child.wait_with_output().unwrap())
+}
+
+fn run(folder: &Folder, arguments: &[&str]) -> Run {
+    ended(folder.command(arguments))
+}
+
+fn link(folder: &Folder, to: &str, name: &str) {
+    let path = folder.path(name);
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    symlink(folder.path(to), path).unwrap();
+}
+
+fn pipe(folder: &Folder, name: &str) {
+    let path = folder.path(name);
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    let made = Command::new("mkfifo").arg(path).status().unwrap();
+    assert!(made.success());
+}
+
+/// Puts into the place of a file what must not be written through: in turn a link to a user's file, a link that
+/// leads nowhere, and a pipe. Each time `run` is to refuse it, and the user's files stay as they are.
+fn traps(folder: &Folder, place: &str, run: impl Fn()) {
+    folder.write("home/precious", "mine");
+    let set = |trap: usize| match trap {
+        0 => link(folder, "home/precious", place),
+        1 => link(folder, "home/new", place),
+        _ => pipe(folder, place),
+    };
+    for trap in 0..3 {
+        let _ = std::fs::remove_file(folder.path(place));
+        set(trap);
+        run();
+        assert_eq!(folder.text("home/precious"), "mine", "{place} {trap}");
+        assert!(!folder.path("home/new").exists(), "{place} {trap}");
+    }
+    folder.remove(place);
+}
+
+/// What a user keeps elsewhere: also files that look like those of volref.
+fn home(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
+    let unit = format!("{}.unit", "a".repeat(64));
+    for below in [
+        "",
+        "units/",
+        "units/fog/",
+        "units/fog/room/",
+        "fog/room/",
+        "room/",
+    ] {
+        folder.write(&format!("home/{below}{unit}"), "mine");
+        folder.write(&format!("home/{below}notes.txt"), "mine");
+        folder.write(&format!("home/{below}.volref-abcdef.partial"), "mine");
+    }
+    at_home(folder)
+}
+
+fn at_home(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
+    let mut files = folder.files();
+    files.retain(|name, _| name.starts_with("home/"));
+    files
+}
+
+const SAMPLING: &str = "converged_samples = 128\nresolution = 0.9";
+
+#[test]
+fn units_go_through_no_link_and_nothing_behind_one_is_deleted() {
+    for place in [
+        ".volref",
+        ".volref/units",
+        ".volref/units/fog",
+        ".volref/units/fog/room",
+    ] {
+        let folder = Folder::with_room(SAMPLING);
+        let before = home(&folder);
+        link(&folder, "home", place);
+        let words = ["a symbolic link", place, "move that away"];
+        run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(2, &words);
+        assert!(!folder.path("golden").exists());
+        run(&folder, &["units", "--compute"]).expect(2, &words);
+        assert_eq!(at_home(&folder), before, "{place}");
+
+        let other = Folder::with_room(SAMPLING);
+        assert_eq!(other.volref(&["units", "--compute"]).code, 0);
+        let from = other.path(".volref").display().to_string();
+        run(&folder, &["merge", &from]).expect(2, &words);
+        assert_eq!(at_home(&folder), before, "{place}");
+    }
+}
+
+#[test]
+fn units_alone_are_deleted_where_they_were() {
+    let folder = Folder::with_room(SAMPLING);
+    let mine = [
+        ".volref/units/fog/room/notes.txt",
+        ".volref/units/fog/room/short.unit",
+        ".volref/units/fog/room/deep/er.unit",
+        ".volref/.volref-abcdefg.partial",
+    ];
+    mine.iter().for_each(|name| folder.write(name, "mine"));
+    folder.write(".volref/units/fog/room/.volref-abcdef.partial", "left");
+    folder.write(".volref/.volref-abcdef.partial", "left");
+    run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(0, &[]);
+    let files = folder.files();
+    let left: Vec<_> = files
+        .keys()
+        .filter(|name| name.starts_with(".volref/"))
+        .collect();
+    let mut expected = mine.to_vec();
+    expected.push(".volref/.gitignore");
+    expected.sort();
+    assert_eq!(left, expected);
+}
+
+#[test]
+fn units_and_what_hides_them_are_no_pipes_and_no_links() {
+    let folder = Folder::with_room(SAMPLING);
+    let units = folder.volref(&["units", "--json"]).json();
+    let unit = units["units"][0]["file"].as_str().unwrap().to_owned();
+    traps(&folder, &unit, || {
+        run(&folder, &["units", "--compute"]).expect(2, &["is in its place: move that away"]);
+        // Nothing can be kept there; that alone is no obstacle.
+        run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(0, &[]);
+    });
+    traps(&folder, ".volref/.gitignore", || {
+        run(&folder, &["units", "--compute"]).expect(0, &[]);
+    });
+}
+
+#[test]
+fn results_go_through_no_link_and_wait_at_no_pipe() {
+    let folder = Folder::with_goldens();
+    let part = ["verify", "smoke/plain", "--partition", "slice:1/1"];
+    let before = home(&folder);
+    for place in [".volref", ".volref/results"] {
+        link(&folder, "home", place);
+        run(&folder, &part).expect(2, &["a symbolic link", "move that away"]);
+        assert_eq!(at_home(&folder), before, "{place}");
+        folder.remove(place);
+    }
+    assert_eq!(run(&folder, &part).code, 0);
+    let names = folder.files().into_keys();
+    let results: Vec<String> = names.filter(|name| name.contains("/results/")).collect();
+    assert_eq!(results.len(), 3, "{results:?}");
+    for result in results {
+        traps(&folder, &result, || {
+            run(&folder, &part).expect(2, &["is in its place: move that away"]);
+        });
+    }
+    // A link that the user names is meant.
+    std::fs::create_dir(folder.path("elsewhere")).unwrap();
+    link(&folder, "elsewhere", "kept");
+    assert_eq!(
+        run(&folder, &[&part[..], &["--results", "kept"]].concat()).code,
+        0
+    );
+    assert!(folder.path("elsewhere/results").is_dir());
+}
+
+#[test]
+fn goldens_stay_in_their_suite() {
+    let folder = Folder::with_goldens();
+    let accept = ["accept", "smoke/plain", "--reason", "denser"];
+    folder.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
+    let outside = Folder::new();
+    for place in ["golden/smoke", "golden"] {
+        std::fs::rename(folder.path(place), outside.path("moved")).unwrap();
+        symlink(outside.path("moved"), folder.path(place)).unwrap();
+        let before = outside.files();
+        run(&folder, &accept).expect(2, &["out of the suite", "put a folder in its place"]);
+        assert_eq!(outside.files(), before, "{place}");
+        folder.remove(place);
+        std::fs::rename(outside.path("moved"), folder.path(place)).unwrap();
+    }
+    traps(&folder, "golden/.lock", || {
+        run(&folder, &accept).expect(2, &[".lock", "move that away"]);
+    });
+    // Within the suite a link is the user's own affair.
+    std::fs::rename(folder.path("golden/smoke"), folder.path("goldens-of-smoke")).unwrap();
+    link(&folder, "goldens-of-smoke", "golden/smoke");
+    run(&folder, &accept).expect(0, &[]);
+    assert_eq!(folder.volref(&["verify", "smoke/plain"]).code, 0);
+}
+
+#[test]
+fn reports_and_pictures_are_written_through_nothing() {
+    let folder = Folder::with_goldens();
+    let verify = ["verify", "smoke/plain", "--report", "report"];
+    traps(&folder, "report/index.html", || {
+        run(&folder, &verify).expect(2, &["cannot write report/index.html", "move that away"]);
+    });
+    let cost = [
+        "cost",
+        "fixtures/scenes/smoke/plain.toml",
+        "--runs",
+        "0",
+        "--report",
+        "costs",
+    ];
+    traps(&folder, "costs/index.html", || {
+        run(&folder, &cost).expect(2, &["cannot write costs/index.html", "move that away"]);
+    });
+    folder.write(
+        "images/smoke/plain.exr",
+        folder.read("golden/smoke/plain.exr"),
+    );
+    let ctest = [
+        "validate",
+        "smoke/plain",
+        "--outputs",
+        "images",
+        "--ctest",
+        "pictures",
+    ];
+    traps(&folder, "pictures/smoke/plain/test.png", || {
+        run(&folder, &ctest).expect(2, &["pictures/smoke/plain/test.png", "move that away"]);
+    });
+    std::fs::remove_dir_all(folder.path("pictures/smoke")).unwrap();
+    link(&folder, "home", "pictures/smoke");
+    run(&folder, &ctest).expect(2, &["pictures/smoke", "a symbolic link"]);
+    assert_eq!(at_home(&folder).len(), 1);
+    // A file that the user names is written through, as ever.
+    link(&folder, "home/list", "list.json");
+    run(&folder, &["list", "--json=list.json"]).expect(0, &[]);
+    assert!(folder.path("home/list").is_file());
+}
+
+#[test]
+fn kept_images_are_files() {
+    let folder = Folder::with_goldens();
+    folder.write(
+        "renderer.sh",
+        "cp golden/$1.exr own.exr; ln -s \"$PWD/own.exr\" $2\n",
+    );
+    let validate = |more: &[&str]| {
+        let command = [
+            "validate",
+            "smoke/plain",
+            "--run",
+            "sh renderer.sh {case} {output}",
+        ];
+        run(&folder, &[&command[..], more].concat())
+    };
+    assert_eq!(validate(&["--keep", "kept"]).code, 0);
+    let kept = folder.path("kept/smoke/plain.exr");
+    assert!(!kept.is_symlink());
+    assert!(folder.read("kept/smoke/plain.exr") == folder.read("golden/smoke/plain.exr"));
+    folder.write("home/plain.exr", "mine");
+    std::fs::remove_dir_all(folder.path("kept/smoke")).unwrap();
+    link(&folder, "home", "kept/smoke");
+    let refused = validate(&["--keep", "kept"]);
+    assert_eq!(refused.code, 4);
+    assert!(
+        refused.stdout.contains("a symbolic link"),
+        "{}",
+        refused.stdout
+    );
+    assert_eq!(folder.text("home/plain.exr"), "mine");
+}
+
+/// A run with a cache in the folder, and what it says of it.
+fn cached(folder: &Folder, arguments: &[&str]) -> (Run, String) {
+    let mut command = folder.command(arguments);
+    command.env("VOLREF_CACHE", folder.path("cache"));
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (Run::of(output), said)
+}
+
+fn mode(path: &Path) -> u32 {
+    std::fs::metadata(path).unwrap().permissions().mode() & 0o7777
+}
+
+fn set_mode(path: &Path, mode: u32) {
+    std::fs::set_permissions(path, PermissionsExt::from_mode(mode)).unwrap();
+}
+
+/// Only in a folder of one's own is what was compared still so when it is read.
+#[test]
+fn a_cache_that_others_can_change_is_not_used() {
+    let folder = Folder::new();
+    let list = ["list", "figures"];
+    let (run, said) = cached(&folder, &list);
+    assert_eq!(run.code, 0, "{said}");
+    assert!(!said.contains("not in"), "{said}");
+    assert_eq!(mode(&folder.path("cache")), 0o700);
+
+    let suites: Vec<_> = std::fs::read_dir(folder.path("cache/suite"))
+        .unwrap()
+        .collect();
+    let suite = suites[0].as_ref().unwrap().path();
+    assert_eq!((suites.len(), mode(&suite)), (1, 0o700));
+    // Other files in it are no cases, and what was cut off is removed.
+    let cases = suite.join("fixtures/cases");
+    let manifest = std::fs::read(cases.join("figures/figure-1.toml")).unwrap();
+    std::fs::create_dir(cases.join("planted")).unwrap();
+    for planted in ["figures/planted.toml", "planted/case.toml"] {
+        std::fs::write(cases.join(planted), &manifest).unwrap();
+    }
+    std::fs::write(suite.join("golden/figures/planted.toml"), "").unwrap();
+    std::fs::write(cases.join("figures/.volref-abcdef.partial"), "").unwrap();
+    let (again, _) = cached(&folder, &list);
+    assert_eq!(again.stdout, run.stdout);
+    assert_eq!(cached(&folder, &["verify", "planted"]).0.code, 5);
+    assert!(!cases.join("figures/.volref-abcdef.partial").exists());
+
+    // A link to the right contents is not compared now and read later.
+    let golden = suite.join("golden/figures/figure-2.exr");
+    std::fs::rename(&golden, folder.path("theirs.exr")).unwrap();
+    symlink(folder.path("theirs.exr"), &golden).unwrap();
+    cached(&folder, &list).0.expect(0, &[]);
+    assert!(!golden.is_symlink());
+
+    for (open, place) in [(0o777, "cache"), (0o720, "cache/suite"), (0o1777, "suite")] {
+        let place = if place == "suite" {
+            suite.clone()
+        } else {
+            folder.path(place)
+        };
+        let before = mode(&place);
+        set_mode(&place, open);
+        std::fs::write(&golden, "changed").unwrap();
+        let (run, said) = cached(&folder, &["verify", "figure-2"]);
+        assert_eq!(run.code, 0, "{said}");
+        assert!(
+            said.contains("others can write in") && said.contains("chmod go-w"),
+            "{said}"
+        );
+        assert_eq!(std::fs::read(&golden).unwrap(), b"changed");
+        set_mode(&place, before);
+    }
+    cached(&folder, &["verify", "figure-2"]).0.expect(0, &[]);
+    assert!(std::fs::read(&golden).unwrap() == std::fs::read(folder.path("theirs.exr")).unwrap());
+}
+
+#[test]
+fn predictions_of_others_are_not_believed() {
+    let folder = Folder::with_goldens();
+    folder.write(
+        "images/smoke/plain.exr",
+        folder.read("golden/smoke/shadow.exr"),
+    );
+    let validate = ["validate", "smoke/plain", "--outputs", "images"];
+    std::fs::create_dir_all(folder.path("cache/predictions")).unwrap();
+    set_mode(&folder.path("cache/predictions"), 0o777);
+    let (run, said) = cached(&folder, &validate);
+    assert_eq!(run.code, 1, "{said}");
+    assert!(said.contains("predictions is not used"), "{said}");
+    let kept = || {
+        std::fs::read_dir(folder.path("cache/predictions"))
+            .unwrap()
+            .count()
+    };
+    assert_eq!(kept(), 0);
+    set_mode(&folder.path("cache/predictions"), 0o700);
+    let (_, said) = cached(&folder, &validate);
+    assert!(!said.contains("is not used") && kept() > 0, "{said}");
+}
+
+/// The next command that writes into a folder removes what a killed one left there, and nothing else.
+#[test]
+fn what_was_cut_off_is_removed() {
+    let folder = Folder::with_scenes();
+    let left = ".volref-Abc123.partial";
+    for place in ["", "out/", "bundle/"] {
+        folder.write(&format!("{place}{left}"), "cut off");
+        folder.write(&format!("{place}.volref-abcdefg.partial"), "mine");
+    }
+    let held = std::fs::File::create(folder.path("out/.volref-held00.partial")).unwrap();
+    held.lock().unwrap();
+    run(&folder, &["render", "scene.toml", "-o", "out/image.exr"]).expect(0, &[]);
+    run(
+        &folder,
+        &["export", "scene.toml", "--to", "bundle", "-o", "bundle"],
+    )
+    .expect(0, &[]);
+    let files = folder.files();
+    assert!(files.contains_key(left), "nothing was written there");
+    for place in ["out/", "bundle/"] {
+        assert!(!files.contains_key(&format!("{place}{left}")), "{place}");
+        assert!(files.contains_key(&format!("{place}.volref-abcdefg.partial")));
+    }
+    assert!(
+        files.contains_key("out/.volref-held00.partial"),
+        "its writer lives"
+    );
+}
