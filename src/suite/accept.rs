@@ -144,6 +144,8 @@ pub trait AcceptWatch: Sync {
     fn begin_case(&self, case: &str);
     /// So much of the work is done.
     fn worked(&self, work: u64);
+    /// Something unexpected, in a sentence.
+    fn note(&self, text: &str);
 }
 
 /// Turns the steps of a rendering into work.
@@ -222,7 +224,7 @@ pub(super) fn accept_with(
     let mut files = Vec::new();
     for (task, image) in tasks.iter().zip(images) {
         watch.begin_case(&task.case.name);
-        let resumed = task.units().any(|unit| kept.has(unit));
+        let resumed = task.units().any(|unit| kept.is_intact(unit));
         let pictures = task.pictures(renderer, kept, image, watch)?;
         let (change, mut new) = prepare(task, pictures, store, reason)?;
         accepted.push(Accepted {
@@ -278,8 +280,10 @@ impl CaseUnits<'_> {
         watch: &dyn AcceptWatch,
     ) -> Result<Film, AcceptError> {
         let film = |unit: &Unit| {
-            if let Some(film) = kept.get(unit) {
-                return Ok(film);
+            match kept.get(unit) {
+                Ok(Some(film)) => return Ok(film),
+                Ok(None) => {}
+                Err(reason) => watch.note(&format!("computed again: {reason}")),
             }
             let steps = StepsOfWork::new(watch, unit.paths);
             let film = self.rendered(renderer, of.rendering, unit, &steps)?;

@@ -42,7 +42,7 @@ impl KeepError {
 }
 
 /// Largest file read, in bytes: 4 GiB, as of other images.
-pub(super) const MOST_BYTES: u64 = Picture::MOST_BYTES;
+const MOST_BYTES: u64 = Picture::MOST_BYTES;
 
 /// Writes a file that says what it is; returns its bytes. Another process that writes the same at once does
 /// no harm.

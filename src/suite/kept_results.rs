@@ -4,7 +4,7 @@
 //! judged by any process anywhere. A result is kept with the run that it belongs to, and in two files:
 //! what was found, and the images behind it, which only a report and the search for mistakes need.
 
-use super::kept_file::{self, KeepError, MOST_BYTES};
+use super::kept_file::{self, KeepError};
 use super::program_hash::hash;
 use super::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use crate::compare::flip::SrgbImage;
@@ -133,6 +133,8 @@ pub enum KeptResult {
 struct Head {
     run: String,
     case: String,
+    /// Bytes of the contents, unpacked.
+    unpacked: u64,
 }
 
 /// Result of a case without its images.
@@ -169,40 +171,37 @@ impl ResultFolder {
         self.root.join(RESULTS)
     }
 
-    fn of_run(&self, run: &Run) -> PathBuf {
-        self.path().join(run.id())
+    /// The file of a case in a run with this identifier.
+    fn file(&self, run: &str, case: &str, extension: &str) -> PathBuf {
+        self.path().join(run).join(format!("{case}.{extension}"))
     }
 
-    /// Says what the results of `run` belong to. Every part does.
+    /// Says what the results of `run` belong to, and returns its identifier. Every part does.
     ///
     /// # Errors
     ///
     /// If it cannot be written.
-    pub fn begin(&self, run: &Run) -> Result<(), KeepError> {
-        kept_file::write(&self.of_run(run).join(RUN), run, b"")?;
+    pub fn begin(&self, run: &Run) -> Result<String, KeepError> {
+        let id = run.id();
+        kept_file::write(&self.path().join(&id).join(RUN), run, b"")?;
         kept_file::hide(&self.root);
-        Ok(())
+        Ok(id)
     }
 
-    /// Keeps the result of a case; `None` of one that was passed over.
+    /// Keeps the result of a case in the run with this identifier; `None` of one that was passed over.
     ///
     /// # Errors
     ///
     /// If it cannot be written.
-    pub fn keep(&self, run: &Run, case: &str, judged: Option<&Judged>) -> Result<(), KeepError> {
-        let head = Head {
-            run: run.id(),
-            case: case.to_owned(),
-        };
-        let path = |extension: &str| self.of_run(run).join(format!("{case}.{extension}"));
-        let (found, images) = (path(FOUND), path(IMAGES));
+    pub fn keep(&self, run: &str, case: &str, judged: Option<&Judged>) -> Result<(), KeepError> {
+        let images = self.file(run, case, IMAGES);
         if let Some(judged) = judged {
             let evidence = &judged.evidence;
             let of_case = Images {
                 golden: evidence.golden.clone(),
                 test: evidence.test.as_ref().map(StoredPicture::of),
             };
-            kept_file::write(&images, &head, &packed(&images, &of_case)?)?;
+            write_packed(&images, run, case, &of_case)?;
         }
         let of_case = judged.map(|judged| Found {
             result: judged.result.clone(),
@@ -214,8 +213,7 @@ impl ResultFolder {
                 ..judged.evidence.clone()
             },
         });
-        kept_file::write(&found, &head, &packed(&found, &of_case)?)?;
-        Ok(())
+        write_packed(&self.file(run, case, FOUND), run, case, &of_case)
     }
 
     /// Keeps what a self-test found in a case.
@@ -223,14 +221,9 @@ impl ResultFolder {
     /// # Errors
     ///
     /// If it cannot be written.
-    pub fn keep_trials(&self, run: &Run, found: &CaseTrials) -> Result<(), KeepError> {
-        let head = Head {
-            run: run.id(),
-            case: found.case.clone(),
-        };
-        let path = self.of_run(run).join(format!("{}.{TRIALS}", found.case));
-        kept_file::write(&path, &head, &packed(&path, found)?)?;
-        Ok(())
+    pub fn keep_trials(&self, run: &str, found: &CaseTrials) -> Result<(), KeepError> {
+        let path = self.file(run, &found.case, TRIALS);
+        write_packed(&path, run, &found.case, found)
     }
 
     /// Findings of a self-test in a case; `None` if none were kept.
@@ -238,25 +231,29 @@ impl ResultFolder {
     /// # Errors
     ///
     /// A sentence why what was kept cannot be used.
-    pub fn trials(&self, run: &Run, case: &str) -> Result<Option<CaseTrials>, String> {
-        let path = self.of_run(run).join(format!("{case}.{TRIALS}"));
+    pub fn trials(&self, run: &str, case: &str) -> Result<Option<CaseTrials>, String> {
+        let path = self.file(run, case, TRIALS);
         if !path.exists() {
             return Ok(None);
         }
-        unpacked(&path, run, case).map(Some)
+        let trials: CaseTrials = unpacked(&path, run, case)?;
+        if trials.case != case {
+            return Err(format!("{}: {OTHER_CASE}", path.display()));
+        }
+        Ok(Some(trials))
     }
 
-    /// The runs that there are results of.
+    /// The runs that there are results of, by their identifiers.
     ///
     /// # Errors
     ///
     /// A sentence about the first file of a run that cannot be used.
-    pub fn runs(&self) -> Result<Vec<Run>, String> {
+    pub fn runs(&self) -> Result<BTreeMap<String, Run>, String> {
         let folders = std::fs::read_dir(self.path())
             .into_iter()
             .flatten()
             .flatten();
-        let mut runs = Vec::new();
+        let mut runs = BTreeMap::new();
         for folder in folders {
             let path = folder.path().join(RUN);
             if !path.exists() {
@@ -265,23 +262,22 @@ impl ResultFolder {
             let (run, _) = kept_file::read::<Run>(&path)
                 .map_err(|reason| format!("{}: {reason}", path.display()))?;
             // By its name it is found.
-            if self.of_run(&run) == folder.path() {
-                runs.push(run);
+            let id = run.id();
+            if folder.file_name() == *id {
+                runs.insert(id, run);
             }
         }
-        runs.sort_by_key(Run::id);
         Ok(runs)
     }
 
     /// State of a case, with its images where they are wanted.
     pub fn get(
         &self,
-        run: &Run,
+        run: &str,
         case: &str,
         wants_images: impl Fn(&CaseResult) -> bool,
     ) -> KeptResult {
-        let path = |extension: &str| self.of_run(run).join(format!("{case}.{extension}"));
-        let (found, images) = (path(FOUND), path(IMAGES));
+        let [found, images] = [FOUND, IMAGES].map(|extension| self.file(run, case, extension));
         if !found.exists() {
             return KeptResult::Missing;
         }
@@ -289,6 +285,13 @@ impl ResultFolder {
             let Some(of_case) = unpacked::<Option<Found>>(&found, run, case)? else {
                 return Ok(None);
             };
+            if of_case.result.name != case {
+                return Err(format!("{}: {OTHER_CASE}", found.display()));
+            }
+            if !of_case.fit.as_ref().is_none_or(|fit| fit.is_whole()) {
+                let fault = "its picture of a difference has not one value per block";
+                return Err(format!("{}: {fault}", found.display()));
+            }
             let mut judged = Judged {
                 result: CaseResult {
                     cause: of_case.cause,
@@ -359,27 +362,65 @@ const FOUND: &str = "result";
 const IMAGES: &str = "images";
 const TRIALS: &str = "trials";
 
-/// `value` as compressed MessagePack, in which every number keeps its bits.
-fn packed(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, KeepError> {
-    let packed = rmp_serde::to_vec_named(value).map_err(|error| KeepError::encode(path, error))?;
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
-    let encoded = encoder.write_all(&packed).and_then(|()| encoder.finish());
-    encoded.map_err(|error| KeepError::encode(path, error))
+/// Fault of a file.
+const OTHER_CASE: &str = "it belongs to another case or run";
+
+/// Bytes that `packed` bytes unpack to, at most: 64 MiB, an image of 2000 × 2000 pixels, or 64 times as many.
+fn most_unpacked(packed: usize) -> u64 {
+    (packed as u64).saturating_mul(64).max(1 << 26)
 }
 
-/// The contents of a file of `case`, as [`packed`]; the reason if there are none: a sentence.
-fn unpacked<T: DeserializeOwned>(path: &Path, run: &Run, case: &str) -> Result<T, String> {
+/// Keeps `value` at `path`, as compressed MessagePack, in which every number keeps its bits.
+fn write_packed(
+    path: &Path,
+    run: &str,
+    case: &str,
+    value: &impl Serialize,
+) -> Result<(), KeepError> {
+    let failed = |error: std::io::Error| KeepError::encode(path, error);
+    let bytes = rmp_serde::to_vec_named(value).map_err(|error| KeepError::encode(path, error))?;
+    let packed = |how| {
+        let mut encoder = DeflateEncoder::new(Vec::new(), how);
+        encoder.write_all(&bytes)?;
+        encoder.finish()
+    };
+    let mut body = packed(Compression::fast()).map_err(failed)?;
+    let unpacked = bytes.len() as u64;
+    // A large image of one colour.
+    if unpacked > most_unpacked(body.len()) {
+        body = packed(Compression::none()).map_err(failed)?;
+    }
+    let head = Head {
+        run: run.to_owned(),
+        case: case.to_owned(),
+        unpacked,
+    };
+    kept_file::write(path, &head, &body)?;
+    Ok(())
+}
+
+/// The contents of a file of `case`, as [`write_packed`] writes it; the reason if there are none: a sentence.
+fn unpacked<T: DeserializeOwned>(path: &Path, run: &str, case: &str) -> Result<T, String> {
     let read = || {
         let (head, body) = kept_file::read::<Head>(path)?;
-        if (head.run, head.case.as_str()) != (run.id(), case) {
-            return Err("it belongs to another case or run".to_owned());
+        if (head.run.as_str(), head.case.as_str()) != (run, case) {
+            return Err(OTHER_CASE.to_owned());
         }
-        let mut packed = Vec::new();
-        let mut decoder = DeflateDecoder::new(&body[..]).take(MOST_BYTES);
+        let (stated, packed) = (head.unpacked, body.len());
+        if stated > most_unpacked(packed) {
+            return Err(format!(
+                "it says that its {packed} bytes unpack to {stated}: volref writes none like it"
+            ));
+        }
+        let mut bytes = Vec::new();
+        let mut decoder = DeflateDecoder::new(&body[..]).take(stated.saturating_add(1));
         decoder
-            .read_to_end(&mut packed)
+            .read_to_end(&mut bytes)
             .map_err(|error| error.to_string())?;
-        rmp_serde::from_slice(&packed).map_err(|error| error.to_string())
+        if bytes.len() as u64 != stated {
+            return Err("it unpacks to another number of bytes than it says".to_owned());
+        }
+        rmp_serde::from_slice(&bytes).map_err(|error| error.to_string())
     };
     read().map_err(|reason: String| format!("{}: {reason}", path.display()))
 }
