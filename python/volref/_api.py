@@ -388,7 +388,7 @@ def check(
     again = copy.deepcopy({**locals(), "report": None, "outputs": None})
     case = _case(name, suite)
     samples = _samples(samples)
-    explain = number("explain", explain, "a number of seconds, 0 for no search", least=0.0)
+    explain = number("explain", explain, "a number of seconds up to 1e9, 0 for no search", least=0.0, most=1e9)
     with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
         folder = Path(outputs) if outputs is not None else Path(temporary)
         try:
