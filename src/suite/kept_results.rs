@@ -424,3 +424,37 @@ fn unpacked<T: DeserializeOwned>(path: &Path, run: &str, case: &str) -> Result<T
     };
     read().map_err(|reason: String| format!("{}: {reason}", path.display()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is packed to less than a 64th, as large images of one colour are, is written as it is.
+    #[test]
+    fn flat_contents_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flat");
+        let flat = "a".repeat(70 << 20);
+        write_packed(&path, "run", "case", &flat).unwrap();
+        assert!(std::fs::metadata(&path).unwrap().len() > 70 << 20);
+        let read: String = unpacked(&path, "run", "case").unwrap();
+        assert!(read == flat);
+        write_packed(&path, "run", "case", &flat[..1 << 20]).unwrap();
+        assert!(std::fs::metadata(&path).unwrap().len() < 1 << 16);
+        let other = unpacked::<String>(&path, "run", "other").unwrap_err();
+        assert!(other.ends_with(OTHER_CASE), "{other}");
+    }
+
+    #[test]
+    fn pictures_of_differences_have_whole_rows() {
+        let fit = |columns, difference, fitted| FitMap {
+            columns,
+            difference: vec![[0.0; 3]; difference],
+            fitted: vec![[0.0; 3]; fitted],
+        };
+        assert!(fit(3, 6, 6).is_whole());
+        for broken in [fit(0, 6, 6), fit(4, 6, 6), fit(3, 6, 5), fit(3, 0, 0)] {
+            assert!(!broken.is_whole());
+        }
+    }
+}
