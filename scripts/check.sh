@@ -34,6 +34,13 @@ cargo clippy --all-targets -- -D warnings
 step "tests, as in the README"
 cargo test
 
+step "licences, sources and duplicates of dependencies"
+if command -v cargo-deny >/dev/null; then
+    cargo deny check bans licenses sources
+else
+    echo "only the licences, by a test: that needs cargo-deny"
+fi
+
 step "documentation"
 RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
 

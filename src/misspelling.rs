@@ -9,11 +9,20 @@ pub fn nearest<'n>(word: &str, names: impl IntoIterator<Item = &'n str>) -> Opti
         return None;
     }
     let word = word.to_lowercase();
-    let edits = |name: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &word);
-    let names = names.into_iter().map(|name| (edits(name), name));
-    let (edits, name) = names.min()?;
-    // Half the letters wrong is no misspelling any more.
-    (2 * edits <= name.len()).then_some(name)
+    let near = names.into_iter().filter_map(|name| {
+        let lower = name.to_lowercase();
+        let edits = strsim::damerau_levenshtein(&lower, &word);
+        // Half the letters wrong is no misspelling any more.
+        let is_near = 2 * edits <= name.len() && are_near_numbers(&lower, &word);
+        is_near.then_some((edits, name))
+    });
+    near.min().map(|(_, name)| name)
+}
+
+/// One digit may be wrong, missing or too many, or two exchanged: with more, another number is meant.
+fn are_near_numbers(one: &str, other: &str) -> bool {
+    let digits = |text: &str| text.replace(|letter: char| !letter.is_ascii_digit(), "");
+    strsim::damerau_levenshtein(&digits(one), &digits(other)) <= 1
 }
 
 #[cfg(test)]
@@ -28,5 +37,20 @@ mod tests {
         assert_eq!(nearest("nosuch", names), None);
         assert_eq!(nearest("fog", []), None);
         assert_eq!(nearest(&"fog".repeat(100), names), None);
+    }
+
+    #[test]
+    fn another_number_is_not_a_misspelling() {
+        let names = ["figure-1", "figure-12", "frame-0001"];
+        assert_eq!(nearest("figure-20001", names), None);
+        assert_eq!(nearest("figure-345", names), None);
+        assert_eq!(nearest("frame-2345", names), None);
+        assert_eq!(nearest("figure-21", names), Some("figure-1"));
+        assert_eq!(nearest("figure-122", names), Some("figure-12"));
+        assert_eq!(nearest("figure-9", names), Some("figure-1"));
+        assert_eq!(nearest("firgure-1", names), Some("figure-1"));
+        assert_eq!(nearest("frame-0010", names), Some("frame-0001"));
+        assert_eq!(nearest("figuer", names), Some("figure-1"));
+        assert_eq!(nearest("frame0001", names), Some("frame-0001"));
     }
 }

@@ -391,7 +391,7 @@ def check(
     again = copy.deepcopy({**locals(), "report": None, "outputs": None})
     case = _case(name, suite)
     samples = _samples(samples)
-    explain = number("explain", explain, "a number of seconds, 0 for no search", least=0.0)
+    explain = number("explain", explain, "a number of seconds up to 1e9, 0 for no search", least=0.0, most=1e9)
     with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
         # Judged here, and only copied to the others: another process may replace an image of the case there.
         folder = Path(temporary)

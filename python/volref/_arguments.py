@@ -19,7 +19,7 @@ def whole(argument: str, value: Any, least: int, most: int) -> int:
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(f"{argument} is {value!r}, of type {type(value).__name__}: {allowed}")
     if not least <= value <= most or value != int(value):
-        raise ValueError(f"{argument} is {value}: {allowed}")
+        raise ValueError(f"{argument} is {shown(value)}: {allowed}")
     return int(value)
 
 
@@ -28,9 +28,23 @@ def number(argument: str, value: Any, allowed: str, least: float = -math.inf, mo
     for what is no number, and ValueError for another number."""
     if not isinstance(value, numbers.Real):
         raise TypeError(f"{argument} is {value!r}, of type {type(value).__name__}: give {allowed}")
-    if not math.isfinite(value) or not least <= value <= most:
-        raise ValueError(f"{argument} is {value}: give {allowed}")
-    return float(value)
+    try:
+        real = float(value)
+    except OverflowError:
+        # A whole number, or a fraction, beyond all floats.
+        real = math.inf
+    if not math.isfinite(real) or not least <= real <= most:
+        raise ValueError(f"{argument} is {shown(value)}: give {allowed}")
+    return real
+
+
+def shown(value: Any) -> str:
+    """``value`` for a message: of a number with more digits than anyone reads, the first."""
+    try:
+        text = str(value)
+    except ValueError:
+        return "a number of thousands of digits"
+    return text if len(text) <= 40 else f"{text[:20]}… ({len(text)} characters)"
 
 
 def one_of(argument: str, value: Any, names: Sequence[str]) -> str:

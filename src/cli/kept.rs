@@ -81,7 +81,7 @@ pub fn keep(
     part: &[String],
     judged: &[Judged],
 ) -> Result<(), Failure> {
-    keep_with(folder, run, || {
+    keep_with(folder, run, |run| {
         for judged in judged {
             folder.keep(run, &judged.result.name, Some(judged))?;
         }
@@ -100,24 +100,24 @@ pub fn keep(
 ///
 /// If it cannot be written.
 pub fn keep_trials(folder: &ResultFolder, run: &Run, found: &[CaseTrials]) -> Result<(), Failure> {
-    keep_with(folder, run, || {
+    keep_with(folder, run, |run| {
         found.iter().try_for_each(|of| folder.keep_trials(run, of))
     })
 }
 
-/// Keeps results by `keep`, and says where.
+/// Keeps results by `keep`, which is given the identifier of the run, and says where.
 fn keep_with(
     folder: &ResultFolder,
     run: &Run,
-    keep: impl FnOnce() -> Result<(), KeepError>,
+    keep: impl FnOnce(&str) -> Result<(), KeepError>,
 ) -> Result<(), Failure> {
-    let kept = folder.begin(run).and_then(|()| keep());
-    kept.map_err(|error| {
+    let kept = folder.begin(run).and_then(|run| keep(&run).map(|()| run));
+    let id = kept.map_err(|error| {
         let message = format!("the results cannot be kept: {error}");
         let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
         Failure::new(Exit::BadInput, message, Some(help))
     })?;
-    let place = folder.path().join(run.id());
+    let place = folder.path().join(id);
     progress::note(&format!("results kept in {}", place.display()));
     Ok(())
 }

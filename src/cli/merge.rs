@@ -83,7 +83,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         });
     };
     let of_units = units.as_ref().map(|units| units.json());
-    let mut outcome = joined_results(&arguments, &suite, &run, &folders, of_units)?;
+    let results = ResultsOfRun {
+        id: run.id(),
+        run,
+        folders,
+    };
+    let mut outcome = joined_results(&arguments, &suite, &results, of_units)?;
     if let Some(units) = units {
         if !arguments.files.prints_json() {
             outcome.text.push_str(&format!("\n{}", units.text()));
@@ -91,6 +96,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         outcome.exit = Exit::first_of([outcome.exit, units.exit()]);
     }
     Ok(outcome)
+}
+
+/// A run, and where there are results of it.
+struct ResultsOfRun {
+    run: Run,
+    id: String,
+    folders: Vec<ResultFolder>,
 }
 
 /// The folder of units and results that `folder` is or has.
@@ -134,8 +146,8 @@ fn damaged_run(reason: String) -> Failure {
 fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run>, Failure> {
     let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
     for folder in folders {
-        for run in folder.runs().map_err(damaged_run)? {
-            runs.entry(run.id()).or_insert((run, folder.path()));
+        for (id, run) in folder.runs().map_err(damaged_run)? {
+            runs.entry(id).or_insert((run, folder.path()));
         }
     }
     if let Some(id) = &arguments.run {
@@ -166,10 +178,10 @@ fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run
 fn joined_results(
     arguments: &Arguments,
     suite: &Suite,
-    run: &Run,
-    folders: &[ResultFolder],
+    results: &ResultsOfRun,
     units: Option<Value>,
 ) -> Result<Outcome, Failure> {
+    let run = &results.run;
     let version = env!("CARGO_PKG_VERSION");
     let theirs = run.settings.get("volref").map_or("unknown", String::as_str);
     if theirs != version {
@@ -194,7 +206,7 @@ fn joined_results(
         cases.extend(case);
     }
     if run.command == SELF_TEST {
-        return joined_self_test(arguments, run, &cases, folders);
+        return joined_self_test(arguments, results, &cases);
     }
     let profile = run.settings.get("profile");
     let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
@@ -205,7 +217,7 @@ fn joined_results(
     };
     let joined = progress::during("joining", || {
         let cases = run.cases.par_iter();
-        let found = cases.map(|(name, _)| of_case(name, run, folders, &wants_images));
+        let found = cases.map(|(name, _)| of_case(name, results, &wants_images));
         found.collect::<Result<Vec<KeptResult>, Failure>>()
     })?;
     let (mut judged, mut missing) = (Vec::new(), Vec::new());
@@ -221,14 +233,14 @@ fn joined_results(
     if is_verified && run.is_everything {
         judged.extend(suite::without_case(suite)?);
     }
-    let results: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
+    let found: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
     let (found, text) = if is_verified {
-        let text = verify::in_words(&results, arguments.verbose, suite);
+        let text = verify::in_words(&found, arguments.verbose, suite);
         (Likenesses::default(), text)
     } else {
         let said = PrintedVerdicts {
             speaks: !arguments.files.prints_json(),
-            widest: results
+            widest: found
                 .iter()
                 .map(|result| result.name.len())
                 .max()
@@ -236,8 +248,8 @@ fn joined_results(
             folds_missing: !arguments.verbose,
             waits: false,
         };
-        results.iter().for_each(|result| said.verdict(result));
-        said.print(&(said.without_image(&results) + &report::summary_text(&results)));
+        found.iter().for_each(|result| said.verdict(result));
+        said.print(&(said.without_image(&found) + &report::summary_text(&found)));
         let explain = arguments.explain;
         named(explain, suite, &cases, profile.as_ref(), &mut judged)
     };
@@ -262,17 +274,17 @@ fn joined_results(
 /// nobody caught may be caught there.
 fn joined_self_test(
     arguments: &Arguments,
-    run: &Run,
+    results: &ResultsOfRun,
     cases: &[&Case],
-    folders: &[ResultFolder],
 ) -> Result<Outcome, Failure> {
     arguments.files.check_no_results()?;
+    let run = &results.run;
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for (name, _) in &run.cases {
         let mut of_case: Option<(CaseTrials, &ResultFolder)> = None;
         let mut reason = NO_RESULT.to_owned();
-        for folder in folders {
-            match folder.trials(run, name) {
+        for folder in &results.folders {
+            match folder.trials(&results.id, name) {
                 Err(damage) => reason = damage,
                 Ok(None) => {}
                 Ok(Some(trials)) => {
@@ -327,14 +339,13 @@ fn contradicting_self_tests(name: &str, folders: [&ResultFolder; 2]) -> Failure 
 /// If two have other verdicts.
 fn of_case(
     name: &str,
-    run: &Run,
-    folders: &[ResultFolder],
+    results: &ResultsOfRun,
     wants_images: &(dyn Fn(&CaseResult) -> bool + Sync),
 ) -> Result<KeptResult, Failure> {
     let mut best: Option<(Box<Judged>, &ResultFolder)> = None;
     let mut other = KeptResult::Missing;
-    for folder in folders {
-        match (folder.get(run, name, wants_images), &other) {
+    for folder in &results.folders {
+        match (folder.get(&results.id, name, wants_images), &other) {
             (KeptResult::Judged(found), _) => {
                 if let Some((one, here)) = &best
                     && one.result.verdict != found.result.verdict

@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure, bad_input};
 use super::output::number_of;
 use super::progress;
 use super::suite::Selection;
-use crate::suite::{AddError, Added, CaseUnits, Suite, Unit, UnitFolder, read_unit};
+use crate::suite::{AddError, Added, Case, CaseUnits, Suite, Unit, UnitFile, UnitFolder};
 use serde_json::{Value, json};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -47,20 +47,29 @@ pub fn joined_units(
     let mut of_cases: BTreeMap<String, (CaseUnits<'_>, Vec<&PathBuf>)> = BTreeMap::new();
     let mut refused: Vec<(&PathBuf, String)> = Vec::new();
     let mut damaged = BTreeSet::new();
+    let by_name: BTreeMap<&str, &Case> = suite
+        .cases()
+        .iter()
+        .map(|case| (case.name.as_str(), case))
+        .collect();
     for file in files {
         bar.inc(1);
-        let unit = match read_unit(file) {
-            Ok((unit, _)) => unit,
+        let mut damage = |reason: String| {
+            joined.unused.push(format!("{}: {reason}", file.display()));
+            damaged.extend(file.file_name());
+        };
+        let kept = match UnitFile::read(file) {
+            Ok(kept) => kept,
             Err(reason) => {
-                joined.unused.push(format!("{}: {reason}", file.display()));
-                damaged.extend(file.file_name());
+                damage(reason);
                 continue;
             }
         };
+        let unit = &kept.unit;
         let (of, files) = match of_cases.entry(unit.case.clone()) {
             Entry::Occupied(of_case) => of_case.into_mut(),
             Entry::Vacant(of_case) => {
-                let Some(case) = suite.cases().iter().find(|case| case.name == unit.case) else {
+                let Some(case) = by_name.get(unit.case.as_str()) else {
                     let what = format!("of {}, which is no case of this suite", unit.case);
                     refused.push((file, what));
                     continue;
@@ -68,8 +77,10 @@ pub fn joined_units(
                 of_case.insert((CaseUnits::of(case)?, Vec::new()))
             }
         };
-        match of.matching(&unit) {
-            Ok(_) => files.push(file),
+        // Only now: an image is as large as the unit says, and this is one of the case.
+        match of.matching(unit).map(|_| kept.film()) {
+            Ok(Ok(_)) => files.push(file),
+            Ok(Err(reason)) => damage(reason),
             Err(what) => refused.push((file, what)),
         }
     }
@@ -88,7 +99,9 @@ pub fn joined_units(
         let mut here = BTreeSet::new();
         for file in files {
             bar.inc(1);
-            let (unit, film) = read_unit(file).map_err(bad_input)?;
+            let kept = UnitFile::read(file).map_err(bad_input)?;
+            let film = kept.film().map_err(bad_input)?;
+            let unit = kept.unit;
             match to.add(&unit, &film) {
                 Ok(Added::New) => joined.added += 1,
                 Ok(Added::WasHere) => {}

@@ -31,6 +31,7 @@ mod selftest;
 mod sensitivity;
 mod suite;
 mod suite_command;
+mod threads;
 mod units;
 mod validate;
 mod verdicts;
@@ -118,6 +119,14 @@ fn run() -> Exit {
             return exit;
         }
     };
+    let started = match arguments.command {
+        Command::Keep(_) => Ok(()),
+        _ => threads::start(),
+    };
+    if let Err(failure) = started {
+        output::print_error(&failure);
+        return failure.exit.into();
+    }
     let result = match arguments.command {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Validate(arguments) => validate::run(*arguments),

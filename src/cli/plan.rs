@@ -57,6 +57,8 @@ struct PlanJson<'s> {
     schema: &'static str,
     scene: &'s PathBuf,
     image: ImageJson,
+    /// Of the values of all volumes.
+    volume_bytes: u64,
     panels: Vec<PanelJson<'s>>,
 }
 
@@ -178,6 +180,13 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         HumanBytes(image),
         HumanBytes(most)
     );
+    let volume_bytes = scene.volume_bytes();
+    if volume_bytes > 0 {
+        text.push_str(&format!(
+            "volumes    {} of values\n",
+            HumanBytes(volume_bytes)
+        ));
+    }
     let mut panels = Vec::new();
     for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
         let panel = plan.panel;
@@ -214,6 +223,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             bytes: image,
             most_bytes: most,
         },
+        volume_bytes,
         panels,
     };
     arguments.json.instead_of(text, &value).map(Outcome::from)

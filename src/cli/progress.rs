@@ -271,6 +271,10 @@ impl AcceptWatch for Bar {
     fn worked(&self, work: u64) {
         self.shared.parts.done.fetch_add(work, Ordering::Relaxed);
     }
+
+    fn note(&self, text: &str) {
+        self.shared.line(text);
+    }
 }
 
 impl SharedBar {

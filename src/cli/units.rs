@@ -66,7 +66,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .partition
         .retain(&mut units, "units", |(_, unit)| unit.id.clone())?;
     let folder = UnitFolder::open(arguments.selection.kept_folder(&suite));
-    let is_kept = units.par_iter().map(|(_, unit)| folder.is_intact(unit));
+    let is_kept = units.par_iter().map(|(_, unit)| {
+        let film = folder.get(unit);
+        film.map(|film| film.is_some()).unwrap_or_else(|reason| {
+            progress::note(&format!("counted as missing: {reason}"));
+            false
+        })
+    });
     let mut is_kept: Vec<bool> = is_kept.collect();
     let mut computed = None;
     if arguments.compute {

@@ -147,7 +147,9 @@ fn seconds(text: &str) -> Result<f64, String> {
 pub fn search_time(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
-        _ => Err("the time for a search is a number of seconds; 0 means no search".to_owned()),
+        _ => Err(
+            "the time for a search is a number of seconds up to 1e9; 0 means no search".to_owned(),
+        ),
     }
 }
 

@@ -41,6 +41,14 @@ pub struct FitMap {
     pub fitted: Vec<[f64; 3]>,
 }
 
+impl FitMap {
+    /// Whole rows, at least one, and both values of each block.
+    pub fn is_whole(&self) -> bool {
+        let blocks = self.difference.len();
+        blocks > 0 && self.fitted.len() == blocks && blocks.checked_rem(self.columns) == Some(0)
+    }
+}
+
 /// The smallest change of a number of the scene that two images, of the noise that they have, would
 /// show with probability one half.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

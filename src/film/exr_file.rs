@@ -96,7 +96,11 @@ pub(super) fn written_parts(
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
-    let file = read_file(bytes)?;
+    decode_within(bytes, u64::MAX)
+}
+
+pub(super) fn decode_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
+    let file = read_file_within(bytes, most)?;
     picture(&file, &main_layer(&file)?)
 }
 
@@ -135,10 +139,15 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
 /// On some broken files the crate panics (chunks of another resolution than their table says, for
 /// one). In one of its own threads a panic would end the process, so it is to use none.
 pub(super) fn read_file(bytes: &[u8]) -> Result<ExrParts, FilmError> {
-    decoder::run(|| read_parts(bytes)).map_err(|stopped| FilmError::stopped("EXR", stopped))?
+    read_file_within(bytes, u64::MAX)
 }
 
-fn read_parts(bytes: &[u8]) -> Result<ExrParts, FilmError> {
+fn read_file_within(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
+    let parts = decoder::run(|| read_parts(bytes, most));
+    parts.map_err(|stopped| FilmError::stopped("EXR", stopped))?
+}
+
+fn read_parts(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let mut claimed = 0_u64;
@@ -148,6 +157,9 @@ fn read_parts(bytes: &[u8]) -> Result<ExrParts, FilmError> {
         // PXR24 drops one byte of four before it deflates.
         let pixel = header.channels.bytes_per_pixel as u64 * 3 / 4;
         claimed = claimed.saturating_add((width * height) as u64 * pixel);
+    }
+    if claimed > most {
+        return Err(FilmError::Beyond { claimed, most });
     }
     check_claim(claimed, bytes.len())?;
     for header in &meta.headers {

@@ -378,6 +378,11 @@ impl Film {
         exr_file::decode(bytes)
     }
 
+    /// As [`Film::from_exr`], of a file whose pixels, those of all its parts, take at most so many bytes.
+    pub fn from_exr_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
+        exr_file::decode_within(bytes, most)
+    }
+
     /// Reads the file of variances beside an image: an EXR whose colours are variances of the
     /// mean, and whose channel `samples.Y` is the number of samples; for
     /// [`Film::with_variance_of`].

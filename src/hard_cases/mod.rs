@@ -107,6 +107,9 @@ pub fn rows() -> impl Iterator<Item = &'static Row> {
     CATALOGUE.row.iter()
 }
 
+/// The file that the rows are from, in the sources of volref.
+pub const CATALOGUE_FILE: &str = "src/hard_cases/catalogue.toml";
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Catalogue {

@@ -126,8 +126,8 @@ pub enum Kind {
     Table(&'static Table),
     /// Several tables of one form, `[[…]]`.
     Tables(&'static Table),
-    /// Several tables that may hold any key of the whole file but this one.
-    Overrides,
+    /// Several tables, at most so many, that may hold any key of the whole file but this one.
+    Overrides(usize),
 }
 
 /// The whole number `text`, in base `radix`, as the value of `name`; fails outside of
@@ -242,7 +242,7 @@ impl Kind {
                 format!("one of {}", quoted.join(", "))
             }
             Kind::Table(_) => "a table".into(),
-            Kind::Tables(_) | Kind::Overrides => "tables in double brackets, [[…]]".into(),
+            Kind::Tables(_) | Kind::Overrides(_) => "tables in double brackets, [[…]]".into(),
         }
     }
 }
@@ -260,7 +260,7 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
     let properties: serde_json::Map<String, Value> = table
         .keys
         .iter()
-        .filter(|key| complete || !matches!(key.kind, Kind::Overrides))
+        .filter(|key| complete || !matches!(key.kind, Kind::Overrides(_)))
         .map(|key| (key.name.to_owned(), key_schema(root, key, complete)))
         .collect();
     let mut schema = json!({
@@ -278,7 +278,7 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
     if complete && !required.is_empty() {
         schema["required"] = json!(required);
     }
-    let overrides = |key: &&Key| matches!(key.kind, Kind::Overrides);
+    let overrides = |key: &&Key| matches!(key.kind, Kind::Overrides(_));
     let rules: Vec<Value> = match table.keys.iter().find(overrides) {
         _ if !complete => table.rules.iter().flat_map(limits).collect(),
         None => table.rules.iter().flat_map(demands).collect(),
@@ -382,8 +382,9 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
             // A list in a panel stands in the place of the scene's: each entry is complete.
             json!({ "type": "array", "items": table_schema(root, table, true) })
         }
-        Kind::Overrides => {
-            json!({ "type": "array", "items": table_schema(root, root, false) })
+        Kind::Overrides(most) => {
+            let items = table_schema(root, root, false);
+            json!({ "type": "array", "maxItems": most, "items": items })
         }
     };
     schema["description"] = match key.absent {

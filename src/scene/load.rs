@@ -12,10 +12,13 @@ use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
 use super::{Classified, Curve, Radiative, SceneError, SceneResult};
 use crate::geometry::Camera;
+use crate::media::Field;
 use crate::regular_file;
-use crate::volume::volume_format;
+use crate::volume::{Grid, volume_format};
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -37,8 +40,8 @@ pub const SCENE: Table = Table::new("A scene of volref: one model, the camera an
         .doc("Model: surfaces, participating media and lights."),
     Key::optional("curve", Kind::Table(&CURVE))
         .doc("Model: a plot of the transfer function."),
-    Key::optional("panel", Kind::Overrides)
-        .doc("Several images side by side: each panel is the scene with the keys of the panel replaced."),
+    Key::optional("panel", Kind::Overrides(MOST_PANELS))
+        .doc("Several images side by side, at most 256: each panel is the scene with the keys of the panel replaced."),
 ]).rules(&[Rule::ExactlyOne("model", &["classified", "radiative", "curve"])]);
 
 const FILM: Table = Table::new("The image; with panels, each of them.").keys(&[
@@ -48,6 +51,13 @@ const FILM: Table = Table::new("The image; with panels, each of them.").keys(&[
 
 /// Largest image rendered, all panels together: 16384², which is also the largest image read.
 const MOST_PIXELS: usize = 1 << 28;
+
+/// Panels at most.
+const MOST_PANELS: usize = 256;
+
+/// Values of all panels together, at most, those of the scene counted in each: more than fit into
+/// [`MOST_BYTES`] without panels.
+const MOST_VALUES: usize = 1 << 22;
 
 /// Longest scene file read: 16 MiB, some hundred thousand bodies.
 const MOST_BYTES: u64 = 1 << 24;
@@ -98,6 +108,22 @@ impl Model {
             Model::Classified(scene) => Some(&scene.camera),
             Model::Radiative(scene) => Some(&scene.camera),
             Model::Curve(_) => None,
+        }
+    }
+
+    /// The grids of its volumes.
+    fn grids(&self) -> Vec<&Arc<Grid<f32>>> {
+        match self {
+            Model::Classified(scene) => vec![&scene.grid],
+            Model::Radiative(scene) => {
+                let densities = scene.media.iter().filter_map(|body| body.density.as_ref());
+                let grids = densities.filter_map(|density| match density.field() {
+                    Field::Grid(grid) => Some(grid.shared()),
+                    _ => None,
+                });
+                grids.collect()
+            }
+            Model::Curve(_) => vec![],
         }
     }
 }
@@ -190,7 +216,8 @@ impl Scene {
         let document = Document { path: &name, text };
         let root = document.parse()?;
         let mut files = Files::new(path.parent().unwrap_or(Path::new("")));
-        let tables = panel_tables(&document, &root)?;
+        let whole = root.span();
+        let tables = panel_tables(&document, root)?;
         let lines = Lines::of(text);
         let read = |table| Panel::read(&document, &lines, table, &mut files);
         let panels = tables.iter().map(read).collect::<SceneResult<Vec<_>>>()?;
@@ -209,12 +236,23 @@ impl Scene {
         if pixels > MOST_PIXELS {
             let message =
                 format!("{pixels} pixels are too many; at most {MOST_PIXELS} are rendered");
-            return Err(document.error(Some(root.span()), message, None));
+            return Err(document.error(Some(whole), message, None));
         }
         Ok(Scene {
             path: path.to_owned(),
             panels,
         })
+    }
+
+    /// Bytes of the values of all volumes; one that several panels or media share counts once.
+    pub fn volume_bytes(&self) -> u64 {
+        let grids: BTreeMap<*const Grid<f32>, usize> = self
+            .panels
+            .iter()
+            .flat_map(|panel| panel.model.grids())
+            .map(|grid| (Arc::as_ptr(grid), size_of_val(grid.values())))
+            .collect();
+        grids.values().map(|&bytes| bytes as u64).sum()
     }
 
     /// The scene as text that changes with any change of the image, except for the contents of the
@@ -259,12 +297,12 @@ impl Scene {
 /// The root table of each panel: the scene itself, or the scene with the panel's keys put in.
 fn panel_tables<'s>(
     document: &Document<'s>,
-    root: &Spanned<DeTable<'s>>,
+    mut root: Spanned<DeTable<'s>>,
 ) -> SceneResult<Vec<Spanned<DeTable<'s>>>> {
-    let mut base = root.get_ref().clone();
-    let Some(panels) = base.remove("panel") else {
-        return Ok(vec![root.clone()]);
+    let Some(panels) = root.get_mut().remove("panel") else {
+        return Ok(vec![root]);
     };
+    let base = root.into_inner();
     let not_tables = |span| {
         let message = "`panel` must be tables in double brackets, [[panel]]";
         document.error(Some(span), message, None)
@@ -275,6 +313,26 @@ fn panel_tables<'s>(
     if items.is_empty() {
         return Err(not_tables(panels.span()));
     }
+    let too_many = |message: String| {
+        let help = "render the others from a scene of their own";
+        document.error(Some(items[0].span()), message, Some(help.to_owned()))
+    };
+    if items.len() > MOST_PANELS {
+        let message = format!(
+            "{} panels are too many: a scene has at most {MOST_PANELS}",
+            items.len()
+        );
+        return Err(too_many(message));
+    }
+    let values = values_in(&base).saturating_mul(items.len());
+    if values > MOST_VALUES {
+        let message = format!(
+            "{} panels with {} values of the scene in each are too many: at most {MOST_VALUES} values are read",
+            items.len(),
+            values / items.len(),
+        );
+        return Err(too_many(message));
+    }
     let table = |item: &Spanned<DeValue<'s>>| match item.get_ref() {
         DeValue::Table(over) if over.contains_key("panel") => {
             Err(document.error(Some(item.span()), "a panel cannot contain panels", None))
@@ -283,6 +341,18 @@ fn panel_tables<'s>(
         _ => Err(not_tables(item.span())),
     };
     items.iter().map(table).collect()
+}
+
+/// Values in a table, those in its tables and lists among them.
+fn values_in(table: &DeTable) -> usize {
+    fn values(value: &Spanned<DeValue>) -> usize {
+        1 + match value.get_ref() {
+            DeValue::Table(table) => values_in(table),
+            DeValue::Array(items) => items.iter().map(values).sum(),
+            _ => 0,
+        }
+    }
+    table.values().map(values).sum()
 }
 
 impl Panel {

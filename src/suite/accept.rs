@@ -147,6 +147,8 @@ pub trait AcceptWatch: Sync {
     fn begin_case(&self, case: &str);
     /// So much of the work is done.
     fn worked(&self, work: u64);
+    /// Something unexpected, in a sentence.
+    fn note(&self, text: &str);
 }
 
 /// Turns the steps of a rendering into work.
@@ -233,7 +235,7 @@ pub(super) fn accept_with(
     let mut files = Vec::new();
     for ((task, image), sensitivities) in tasks.iter().zip(images).zip(sensitivities) {
         watch.begin_case(&task.case.name);
-        let resumed = task.units().any(|unit| kept.has(unit));
+        let resumed = task.units().any(|unit| kept.is_intact(unit));
         let image = GoldenImage {
             sensitivities,
             ..task.pictures(renderer, kept, image, watch)?
@@ -292,8 +294,10 @@ impl CaseUnits<'_> {
         watch: &dyn AcceptWatch,
     ) -> Result<Film, AcceptError> {
         let film = |unit: &Unit| {
-            if let Some(film) = kept.get(unit) {
-                return Ok(film);
+            match kept.get(unit) {
+                Ok(Some(film)) => return Ok(film),
+                Ok(None) => {}
+                Err(reason) => watch.note(&format!("computed again: {reason}")),
             }
             let steps = StepsOfWork::new(watch, unit.paths);
             let film = self.rendered(renderer, of.rendering, unit, &steps)?;

@@ -2,7 +2,7 @@
 
 use super::{Answer, EmbeddedSuite, Store, mistakes, row_name};
 use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
-use crate::hard_cases::rows;
+use crate::hard_cases::{CATALOGUE_FILE, Row, rows};
 use crate::known_answers::{self, Footprint, Formula};
 use crate::misspelling::nearest;
 use crate::regular_file::{self, Identity};
@@ -11,7 +11,7 @@ use crate::scene::reader::{Document, Reader};
 use crate::scene::{Scene, SceneError, SceneResult};
 use miette::Diagnostic;
 use std::cell::RefCell;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -188,6 +188,15 @@ pub enum SuiteError {
         /// Error of the operating system.
         error: std::io::Error,
     },
+    /// Two cases of one name.
+    #[error("two cases are called {name}: {} and {}", files[0], files[1])]
+    #[diagnostic(help("rename one of them, with its scene and its golden"))]
+    Twice {
+        /// `family/name`.
+        name: String,
+        /// Where they are.
+        files: [String; 2],
+    },
     /// A manifest with a mistake.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -244,7 +253,9 @@ impl Suite {
             unreadable: Vec::new(),
             own,
         };
-        for path in suite.records(CASES)? {
+        let manifests = suite.records(CASES)?;
+        check_names(&manifests)?;
+        for path in manifests {
             match read_manifest(&path) {
                 Ok(case) => suite.cases.push(case),
                 Err(_) => suite.unreadable.push((name_of(&path), path)),
@@ -468,6 +479,23 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
         .map_err(failed)?;
     paths.sort();
     Ok(paths)
+}
+
+/// Fails where two manifests have one name, or a manifest that of a row of the catalogue.
+fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
+    let of_row = |row: &Row| {
+        let file = format!("row {} of the catalogue, {CATALOGUE_FILE}", row.id);
+        (row_name(row), file)
+    };
+    let mut files: BTreeMap<String, String> = rows().map(of_row).collect();
+    for path in manifests {
+        let (name, file) = (name_of(path), path.display().to_string());
+        if let Some(other) = files.insert(name.clone(), file.clone()) {
+            let files = [file, other];
+            return Err(SuiteError::Twice { name, files });
+        }
+    }
+    Ok(())
 }
 
 /// `family/name` of a manifest.

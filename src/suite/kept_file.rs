@@ -43,7 +43,7 @@ impl KeepError {
 }
 
 /// Largest file read, in bytes: 4 GiB, as of other images.
-pub(super) const MOST_BYTES: u64 = Picture::MOST_BYTES;
+const MOST_BYTES: u64 = Picture::MOST_BYTES;
 
 impl From<FolderError> for KeepError {
     fn from(FolderError { folder, error }: FolderError) -> KeepError {

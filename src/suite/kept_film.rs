@@ -6,15 +6,38 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// The film that was kept at `path`, and the head of its file.
+/// The film of `size` that was kept at `path`, and the head of its file.
 ///
 /// # Errors
 ///
 /// Fault of a file: a sentence without its subject.
-pub(super) fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, Film), String> {
+pub(super) fn read<H: DeserializeOwned>(
+    path: &Path,
+    size: [usize; 2],
+) -> Result<(H, Film), String> {
     let (head, exr) = kept_file::read(path)?;
-    let film = Film::from_exr(&exr).map_err(|error| error.to_string())?;
-    Ok((head, film))
+    Ok((head, film_of(&exr, size)?))
+}
+
+/// The film of `size`, columns and rows, in the contents of such a file.
+///
+/// # Errors
+///
+/// Fault of a file: a sentence without its subject.
+pub(super) fn film_of(exr: &[u8], size: [usize; 2]) -> Result<Film, String> {
+    // Radiance, opacity, variance and samples, of four bytes each.
+    let most = size
+        .iter()
+        .fold(8 * 4, |bytes, &side| side.saturating_mul(bytes));
+    let film = Film::from_exr_within(exr, most as u64).map_err(|error| error.to_string())?;
+    let [width, height] = [film.width(), film.height()];
+    if [width, height] != size {
+        return Err(format!(
+            "its image has {width} × {height} pixels in place of {} × {}",
+            size[0], size[1]
+        ));
+    }
+    Ok(film)
 }
 
 /// Keeps `film` as the file `inner` of the folder `root`, behind a head; how many bytes that takes.

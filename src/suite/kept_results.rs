@@ -4,7 +4,7 @@
 //! judged by any process anywhere. A result is kept with the run that it belongs to, and in two files:
 //! what was found, and the images behind it, which only a report and the search for mistakes need.
 
-use super::kept_file::{self, KeepError, MOST_BYTES};
+use super::kept_file::{self, KeepError};
 use super::program_hash::hash;
 use super::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use crate::compare::flip::SrgbImage;
@@ -134,6 +134,8 @@ pub enum KeptResult {
 struct Head {
     run: String,
     case: String,
+    /// Bytes of the contents, unpacked.
+    unpacked: u64,
 }
 
 /// Result of a case without its images.
@@ -180,54 +182,63 @@ impl ResultFolder {
         Ok(own_file::check_folder(root, &name.join(RESULTS))?)
     }
 
-    /// Writes a file of `run`.
+    /// Writes a file of the run with this identifier.
     fn write(
         &self,
-        run: &Run,
+        run: &str,
         file: &str,
         head: &impl Serialize,
         body: &[u8],
     ) -> Result<(), KeepError> {
         let (root, name) = kept_file::in_its_folder(&self.root);
-        let inner = name.join(RESULTS).join(run.id()).join(file);
+        let inner = name.join(RESULTS).join(run).join(file);
         kept_file::write(root, &inner, head, body)?;
         Ok(())
     }
 
-    fn of_run(&self, run: &Run) -> PathBuf {
-        self.path().join(run.id())
+    /// Writes a file of a case in the run with this identifier.
+    fn write_packed(
+        &self,
+        run: &str,
+        case: &str,
+        extension: &str,
+        value: &impl Serialize,
+    ) -> Result<(), KeepError> {
+        let file = format!("{case}.{extension}");
+        let (head, body) = packed(Path::new(&file), run, case, value)?;
+        self.write(run, &file, &head, &body)
     }
 
-    /// Says what the results of `run` belong to. Every part does.
+    /// The file of a case in a run with this identifier.
+    fn file(&self, run: &str, case: &str, extension: &str) -> PathBuf {
+        self.path().join(run).join(format!("{case}.{extension}"))
+    }
+
+    /// Says what the results of `run` belong to, and returns its identifier. Every part does.
     ///
     /// # Errors
     ///
     /// If it cannot be written.
-    pub fn begin(&self, run: &Run) -> Result<(), KeepError> {
-        self.write(run, RUN, run, b"")?;
+    pub fn begin(&self, run: &Run) -> Result<String, KeepError> {
+        let id = run.id();
+        self.write(&id, RUN, run, b"")?;
         kept_file::hide(&self.root);
-        Ok(())
+        Ok(id)
     }
 
-    /// Keeps the result of a case; `None` of one that was passed over.
+    /// Keeps the result of a case in the run with this identifier; `None` of one that was passed over.
     ///
     /// # Errors
     ///
     /// If it cannot be written.
-    pub fn keep(&self, run: &Run, case: &str, judged: Option<&Judged>) -> Result<(), KeepError> {
-        let head = Head {
-            run: run.id(),
-            case: case.to_owned(),
-        };
+    pub fn keep(&self, run: &str, case: &str, judged: Option<&Judged>) -> Result<(), KeepError> {
         if let Some(judged) = judged {
             let evidence = &judged.evidence;
             let of_case = Images {
                 golden: evidence.golden.clone(),
                 test: evidence.test.as_ref().map(StoredPicture::of),
             };
-            let images = format!("{case}.{IMAGES}");
-            let body = packed(Path::new(&images), &of_case)?;
-            self.write(run, &images, &head, &body)?;
+            self.write_packed(run, case, IMAGES, &of_case)?;
         }
         let of_case = judged.map(|judged| Found {
             result: judged.result.clone(),
@@ -239,9 +250,7 @@ impl ResultFolder {
                 ..judged.evidence.clone()
             },
         });
-        let found = format!("{case}.{FOUND}");
-        let body = packed(Path::new(&found), &of_case)?;
-        self.write(run, &found, &head, &body)
+        self.write_packed(run, case, FOUND, &of_case)
     }
 
     /// Keeps what a self-test found in a case.
@@ -249,14 +258,8 @@ impl ResultFolder {
     /// # Errors
     ///
     /// If it cannot be written.
-    pub fn keep_trials(&self, run: &Run, found: &CaseTrials) -> Result<(), KeepError> {
-        let head = Head {
-            run: run.id(),
-            case: found.case.clone(),
-        };
-        let trials = format!("{}.{TRIALS}", found.case);
-        let body = packed(Path::new(&trials), found)?;
-        self.write(run, &trials, &head, &body)
+    pub fn keep_trials(&self, run: &str, found: &CaseTrials) -> Result<(), KeepError> {
+        self.write_packed(run, &found.case, TRIALS, found)
     }
 
     /// Findings of a self-test in a case; `None` if none were kept.
@@ -264,25 +267,29 @@ impl ResultFolder {
     /// # Errors
     ///
     /// A sentence why what was kept cannot be used.
-    pub fn trials(&self, run: &Run, case: &str) -> Result<Option<CaseTrials>, String> {
-        let path = self.of_run(run).join(format!("{case}.{TRIALS}"));
+    pub fn trials(&self, run: &str, case: &str) -> Result<Option<CaseTrials>, String> {
+        let path = self.file(run, case, TRIALS);
         if !path.exists() {
             return Ok(None);
         }
-        unpacked(&path, run, case).map(Some)
+        let trials: CaseTrials = unpacked(&path, run, case)?;
+        if trials.case != case {
+            return Err(format!("{}: {OTHER_CASE}", path.display()));
+        }
+        Ok(Some(trials))
     }
 
-    /// The runs that there are results of.
+    /// The runs that there are results of, by their identifiers.
     ///
     /// # Errors
     ///
     /// A sentence about the first file of a run that cannot be used.
-    pub fn runs(&self) -> Result<Vec<Run>, String> {
+    pub fn runs(&self) -> Result<BTreeMap<String, Run>, String> {
         let folders = std::fs::read_dir(self.path())
             .into_iter()
             .flatten()
             .flatten();
-        let mut runs = Vec::new();
+        let mut runs = BTreeMap::new();
         for folder in folders {
             let path = folder.path().join(RUN);
             if !path.exists() {
@@ -291,23 +298,22 @@ impl ResultFolder {
             let (run, _) = kept_file::read::<Run>(&path)
                 .map_err(|reason| format!("{}: {reason}", path.display()))?;
             // By its name it is found.
-            if self.of_run(&run) == folder.path() {
-                runs.push(run);
+            let id = run.id();
+            if folder.file_name() == *id {
+                runs.insert(id, run);
             }
         }
-        runs.sort_by_key(Run::id);
         Ok(runs)
     }
 
     /// State of a case, with its images where they are wanted.
     pub fn get(
         &self,
-        run: &Run,
+        run: &str,
         case: &str,
         wants_images: impl Fn(&CaseResult) -> bool,
     ) -> KeptResult {
-        let path = |extension: &str| self.of_run(run).join(format!("{case}.{extension}"));
-        let (found, images) = (path(FOUND), path(IMAGES));
+        let [found, images] = [FOUND, IMAGES].map(|extension| self.file(run, case, extension));
         if !found.exists() {
             return KeptResult::Missing;
         }
@@ -315,6 +321,13 @@ impl ResultFolder {
             let Some(of_case) = unpacked::<Option<Found>>(&found, run, case)? else {
                 return Ok(None);
             };
+            if of_case.result.name != case {
+                return Err(format!("{}: {OTHER_CASE}", found.display()));
+            }
+            if !of_case.fit.as_ref().is_none_or(|fit| fit.is_whole()) {
+                let fault = "its picture of a difference has not one value per block";
+                return Err(format!("{}: {fault}", found.display()));
+            }
             let mut judged = Judged {
                 result: CaseResult {
                     cause: of_case.cause,
@@ -385,27 +398,102 @@ const FOUND: &str = "result";
 const IMAGES: &str = "images";
 const TRIALS: &str = "trials";
 
-/// `value` as compressed MessagePack, in which every number keeps its bits.
-fn packed(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, KeepError> {
-    let packed = rmp_serde::to_vec_named(value).map_err(|error| KeepError::encode(path, error))?;
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
-    let encoded = encoder.write_all(&packed).and_then(|()| encoder.finish());
-    encoded.map_err(|error| KeepError::encode(path, error))
+/// Fault of a file.
+const OTHER_CASE: &str = "it belongs to another case or run";
+
+/// Bytes that `packed` bytes unpack to, at most: 64 MiB, an image of 2000 × 2000 pixels, or 64 times as many.
+fn most_unpacked(packed: usize) -> u64 {
+    (packed as u64).saturating_mul(64).max(1 << 26)
 }
 
-/// The contents of a file of `case`, as [`packed`]; the reason if there are none: a sentence.
-fn unpacked<T: DeserializeOwned>(path: &Path, run: &Run, case: &str) -> Result<T, String> {
+/// `value` as compressed MessagePack, in which every number keeps its bits, for the file at `path`.
+fn packed(
+    path: &Path,
+    run: &str,
+    case: &str,
+    value: &impl Serialize,
+) -> Result<(Head, Vec<u8>), KeepError> {
+    let failed = |error: std::io::Error| KeepError::encode(path, error);
+    let bytes = rmp_serde::to_vec_named(value).map_err(|error| KeepError::encode(path, error))?;
+    let compressed = |how| {
+        let mut encoder = DeflateEncoder::new(Vec::new(), how);
+        encoder.write_all(&bytes)?;
+        encoder.finish()
+    };
+    let mut body = compressed(Compression::fast()).map_err(failed)?;
+    let unpacked = bytes.len() as u64;
+    // A large image of one colour.
+    if unpacked > most_unpacked(body.len()) {
+        body = compressed(Compression::none()).map_err(failed)?;
+    }
+    let head = Head {
+        run: run.to_owned(),
+        case: case.to_owned(),
+        unpacked,
+    };
+    Ok((head, body))
+}
+
+/// The contents of a file of `case`, as [`packed`] makes it; the reason if there are none: a sentence.
+fn unpacked<T: DeserializeOwned>(path: &Path, run: &str, case: &str) -> Result<T, String> {
     let read = || {
         let (head, body) = kept_file::read::<Head>(path)?;
-        if (head.run, head.case.as_str()) != (run.id(), case) {
-            return Err("it belongs to another case or run".to_owned());
+        if (head.run.as_str(), head.case.as_str()) != (run, case) {
+            return Err(OTHER_CASE.to_owned());
         }
-        let mut packed = Vec::new();
-        let mut decoder = DeflateDecoder::new(&body[..]).take(MOST_BYTES);
+        let (stated, packed) = (head.unpacked, body.len());
+        if stated > most_unpacked(packed) {
+            return Err(format!(
+                "it says that its {packed} bytes unpack to {stated}: volref writes none like it"
+            ));
+        }
+        let mut bytes = Vec::new();
+        let mut decoder = DeflateDecoder::new(&body[..]).take(stated.saturating_add(1));
         decoder
-            .read_to_end(&mut packed)
+            .read_to_end(&mut bytes)
             .map_err(|error| error.to_string())?;
-        rmp_serde::from_slice(&packed).map_err(|error| error.to_string())
+        if bytes.len() as u64 != stated {
+            return Err("it unpacks to another number of bytes than it says".to_owned());
+        }
+        rmp_serde::from_slice(&bytes).map_err(|error| error.to_string())
     };
     read().map_err(|reason: String| format!("{}: {reason}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is packed to less than a 64th, as large images of one colour are, is written as it is.
+    #[test]
+    fn flat_contents_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flat");
+        let flat = "a".repeat(70 << 20);
+        let write = |value: &str| {
+            let (head, body) = packed(Path::new("flat"), "run", "case", &value).unwrap();
+            kept_file::write(folder.path(), Path::new("flat"), &head, &body).unwrap();
+        };
+        write(&flat);
+        assert!(std::fs::metadata(&path).unwrap().len() > 70 << 20);
+        let read: String = unpacked(&path, "run", "case").unwrap();
+        assert!(read == flat);
+        write(&flat[..1 << 20]);
+        assert!(std::fs::metadata(&path).unwrap().len() < 1 << 16);
+        let other = unpacked::<String>(&path, "run", "other").unwrap_err();
+        assert!(other.ends_with(OTHER_CASE), "{other}");
+    }
+
+    #[test]
+    fn pictures_of_differences_have_whole_rows() {
+        let fit = |columns, difference, fitted| FitMap {
+            columns,
+            difference: vec![[0.0; 3]; difference],
+            fitted: vec![[0.0; 3]; fitted],
+        };
+        assert!(fit(3, 6, 6).is_whole());
+        for broken in [fit(0, 6, 6), fit(4, 6, 6), fit(3, 6, 5), fit(3, 0, 0)] {
+            assert!(!broken.is_whole());
+        }
+    }
 }

@@ -75,6 +75,6 @@ pub use self_test::{
 };
 pub use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};
-pub use units::{AddError, Added, CaseUnits, Unit, UnitError, UnitFolder, read_unit};
+pub use units::{AddError, Added, CaseUnits, Unit, UnitError, UnitFile, UnitFolder};
 pub use validate::{Output, validate, validate_at};
 pub use verify::{verify, without_case};

@@ -11,7 +11,7 @@ use super::kept_file::{self, KeepError};
 use super::kept_film;
 use super::program_hash::{hash, program_hash};
 use super::rendering::{CaseRendering, ReferenceRenderer, Renderer, check_class, render_case};
-use crate::film::Film;
+use crate::film::{Film, Noise};
 use crate::own_file;
 use crate::partial_file;
 use crate::render::{self, Detail, Plan, plans};
@@ -67,6 +67,29 @@ impl Unit {
         )
     }
 
+    /// The rows in `exr`, if they are what the unit says; else a sentence without its subject.
+    fn rows_from(&self, exr: &[u8]) -> Result<Film, String> {
+        let rows = (self.rows[0]..self.rows[1]).len();
+        let pixels = self.paths / u64::from(self.samples).max(1);
+        let width = pixels as usize / rows.max(1);
+        let film = kept_film::film_of(exr, [width, rows])?;
+        let samples = film.noise().map(Noise::samples);
+        if samples != Some(self.samples) || film.opacity().is_some() {
+            let has = samples.map_or("no variance".to_owned(), |of| format!("{of} samples"));
+            let has = film.opacity().map_or(has, |_| "an opacity".to_owned());
+            return Err(format!(
+                "its image has {has}, and the unit has {} samples",
+                self.samples
+            ));
+        }
+        if let Some(([x, y], _)) = film.first_without_radiance() {
+            return Err(format!(
+                "a value or variance of its image, at column {x} of row {y}, is negative or not finite"
+            ));
+        }
+        Ok(film)
+    }
+
     /// Difference of what `other` is computed from, if any: the end of a sentence.
     fn otherwise(&self, other: &Unit) -> String {
         match () {
@@ -90,6 +113,7 @@ impl Unit {
                     other.samples, self.samples
                 )
             }
+            () if self.id == other.id => "of other rows than its identifier says".to_owned(),
             () => "of other input files, or of another plan".to_owned(),
         }
     }
@@ -224,11 +248,12 @@ impl<'c> CaseUnits<'c> {
     ///
     /// The difference: the end of a sentence.
     pub fn matching(&self, other: &Unit) -> Result<&Unit, String> {
-        if let Some(unit) = self.units().find(|unit| unit.id == other.id) {
+        if let Some(unit) = self.units().find(|unit| *unit == other) {
             return Ok(unit);
         }
         let of_rendering = |unit: &&Unit| unit.rendering == other.rendering;
-        let near = self.units().find(of_rendering);
+        let same_id = self.units().find(|unit| unit.id == other.id);
+        let near = same_id.or_else(|| self.units().find(of_rendering));
         Err(near.map_or_else(
             || format!("of a {} rendering, which the case has not", other.rendering),
             |unit| unit.otherwise(other),
@@ -321,13 +346,27 @@ impl UnitFolder {
 
     /// Whether the rows of `unit` are kept, and as they were.
     pub fn is_intact(&self, unit: &Unit) -> bool {
-        self.get(unit).is_some()
+        matches!(self.get(unit), Ok(Some(_)))
     }
 
-    /// The rows of `unit`, if they were kept and are intact.
-    pub(super) fn get(&self, unit: &Unit) -> Option<Film> {
-        let (found, film) = read_unit(&self.path().join(unit.file())).ok()?;
-        (found == *unit).then_some(film)
+    /// The rows of `unit`; `None` if none were kept.
+    ///
+    /// # Errors
+    ///
+    /// A sentence about a file that is not as it was written, or of something else: as if there were none.
+    pub fn get(&self, unit: &Unit) -> Result<Option<Film>, String> {
+        let path = self.path().join(unit.file());
+        if !path.exists() {
+            return Ok(None);
+        }
+        let film = UnitFile::read(&path).and_then(|file| {
+            if file.unit != *unit {
+                return Err("it is of another unit than its name says".to_owned());
+            }
+            file.film()
+        });
+        let film = film.map_err(|reason| format!("{}: {reason}", path.display()))?;
+        Ok(Some(film))
     }
 
     /// Fails where the units of `case` could not be kept, for a link or something else in the place of a
@@ -383,14 +422,14 @@ impl UnitFolder {
         kept_file::remove_if_empty(&self.root);
     }
 
-    /// All files of units, sorted.
+    /// All files of units, sorted; links to folders, of which there may be rings, are not followed.
     pub fn files(&self) -> Vec<PathBuf> {
         let mut files = Vec::new();
         let mut folders = vec![self.path()];
         while let Some(folder) = folders.pop() {
             for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
                 let path = entry.path();
-                if path.is_dir() {
+                if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
                     folders.push(path);
                 } else if path.extension().is_some_and(|of| of == EXTENSION) {
                     files.push(path);
@@ -409,9 +448,9 @@ impl UnitFolder {
     pub fn add(&self, unit: &Unit, film: &Film) -> Result<Added, AddError> {
         self.sweep(&unit.case);
         match self.get(unit) {
-            Some(here) if here.pixel_hash() == film.pixel_hash() => Ok(Added::WasHere),
-            Some(_) => Err(AddError::OtherBits),
-            None => {
+            Ok(Some(here)) if here.pixel_hash() == film.pixel_hash() => Ok(Added::WasHere),
+            Ok(Some(_)) => Err(AddError::OtherBits),
+            Ok(None) | Err(_) => {
                 self.put(unit, film)?;
                 Ok(Added::New)
             }
@@ -441,17 +480,32 @@ pub enum AddError {
     Keep(#[from] KeepError),
 }
 
-/// The unit in the file at `path`, and its rows.
-///
-/// # Errors
-///
-/// Fault of a file: a sentence without its subject.
-pub fn read_unit(path: &Path) -> Result<(Unit, Film), String> {
-    let (unit, film): (Unit, Film) = kept_film::read(path)?;
-    if film.height() != (unit.rows[0]..unit.rows[1]).len() {
-        return Err("its image has another number of rows than it says".to_owned());
+/// A file of a unit, whose rows are still packed: how large they may be, the unit says.
+pub struct UnitFile {
+    /// The unit that it says it is.
+    pub unit: Unit,
+    exr: Vec<u8>,
+}
+
+impl UnitFile {
+    /// The file at `path`.
+    ///
+    /// # Errors
+    ///
+    /// A sentence without its subject.
+    pub fn read(path: &Path) -> Result<UnitFile, String> {
+        let (unit, exr) = kept_file::read(path)?;
+        Ok(UnitFile { unit, exr })
     }
-    Ok((unit, film))
+
+    /// The rows, if they are what the unit says.
+    ///
+    /// # Errors
+    ///
+    /// A sentence without its subject.
+    pub fn film(&self) -> Result<Film, String> {
+        self.unit.rows_from(&self.exr)
+    }
 }
 
 #[cfg(test)]

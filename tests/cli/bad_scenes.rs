@@ -91,6 +91,20 @@ fn what_an_integral_does_not_cover() {
     "#);
 }
 
+/// A panel is the whole scene again: their number times what the scene holds is what they take.
+#[test]
+fn too_many_panels() {
+    let panels = |count: usize| format!("{}[classified]", "[[panel]]\n".repeat(count));
+    let mut said = after("[classified]", &panels(257));
+    let point = "\n[[transfer_function.point]]\nvalue = 0\ncolour = 0\nopacity = 0\n";
+    let points = format!("{}\n{}", point.repeat(5000), panels(256));
+    said.push_str(&after("[classified]", &points));
+    assert_shown!(said, @r"
+    scene.toml:8:1: 257 panels are too many: a scene has at most 256 help: render the others from a scene of their own
+    scene.toml:25009:1: 256 panels with 20011 values of the scene in each are too many: at most 4194304 values are read help: render the others from a scene of their own
+    ");
+}
+
 #[test]
 fn wrong_types() {
     let mut said = String::new();
@@ -561,19 +575,12 @@ fn messages_are_short() {
     }
 }
 
-/// Panels are read in a time that grows with their number, not with its square: that took minutes.
+/// As many panels as fit into a file are refused before any of them is read: they took 9 GB.
 #[test]
-fn many_panels() {
-    let panels = 60_000;
-    let text = format!(
-        "[film]\nwidth = 1\nheight = 1\n[curve]\n{}",
-        "[[panel]]\n".repeat(panels)
-    );
-    let (done, waited) = std::sync::mpsc::channel();
-    std::thread::spawn(move || {
-        let scene = volref::scene::Scene::parse(&text, std::path::Path::new("panels.toml"));
-        done.send(scene.unwrap().panels.len())
-    });
-    let patience = std::time::Duration::from_secs(20);
-    assert_eq!(waited.recv_timeout(patience), Ok(panels));
+fn a_file_of_panels() {
+    let folder = Folder::new();
+    let panels = "[[panel]]\n".repeat(1_600_000);
+    folder.write("panels.toml", format!("[curve]\n{panels}"));
+    let run = folder.volref(&["plan", "panels.toml"]);
+    run.expect(2, &["1600000 panels are too many"]);
 }

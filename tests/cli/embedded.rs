@@ -48,6 +48,15 @@ fn an_empty_folder_is_enough() {
     assert_eq!(files.keys().find(unexpected), None);
     let run = folder.volref(&["render", "figure-9", "-o", "x.exr"]);
     run.expect(2, &["no case matches \"figure-9\"", "did you mean"]);
+    // Another number is meant, not misspelt.
+    folder.write("frames/figure-20001.exr", folder.read("figure-2.exr"));
+    let run = folder.volref(&["validate", "figures", "--outputs", "frames"]);
+    let said = format!("{}{}", run.stdout, run.stderr);
+    assert!(
+        said.contains("figure-20001.exr does not match any case"),
+        "{said}"
+    );
+    assert!(!said.contains("did you mean"), "{said}");
     let run = folder.volref(&["render", "figure-9.toml", "-o", "x.exr"]);
     run.expect(2, &["figure-9.toml", "cannot read"]);
 }

@@ -137,6 +137,38 @@ fn no_control_character_reaches_the_terminal() {
     assert!(seen + 8 > commands.len(), "{seen} of {}", commands.len());
 }
 
+/// Threads that no machine has are refused before they are started.
+#[test]
+fn threads_beyond_all_cores() {
+    let folder = Folder::with_scenes();
+    let render = ["render", "scene.toml", "-o", "image.exr"];
+    let with = |variable: &str, value: &str| {
+        let mut command = folder.command(&render);
+        Run::of(command.env(variable, value).output().unwrap())
+    };
+    for variable in ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"] {
+        let words = format!("{variable} asks for 100000 threads: at most 1024");
+        with(variable, "100000").expect(2, &[&words]);
+        assert!(!folder.path("image.exr").exists());
+    }
+    for value in ["0", "3", "none", "99999999999999999999999999"] {
+        with("RAYON_NUM_THREADS", value).expect(0, &[]);
+    }
+    let run = folder.volref(&[&render[..], &["--threads", "100000"]].concat());
+    run.expect(2, &["--threads", "1024"]);
+    // As many as there may be, where the system allows fewer.
+    let mut limited = std::process::Command::new("sh");
+    let limited = limited.args([
+        "-c",
+        "ulimit -v 1500000; exec \"$0\" render scene.toml -o image.exr",
+    ]);
+    let limited = limited
+        .arg(env!("CARGO_BIN_EXE_volref"))
+        .env("RAYON_NUM_THREADS", "1024");
+    let run = Run::of(limited.current_dir(folder.path("")).output().unwrap());
+    run.expect(2, &["RAYON_NUM_THREADS asks for 1024 threads: "]);
+}
+
 /// On stdout, too, JSON holds names as they are.
 #[test]
 fn json_holds_hostile_names_as_they_are() {

@@ -1,8 +1,14 @@
 //! `volref units` and `volref merge`: what several processes compute, joined.
 
-use crate::folder::{Folder, Run};
+use crate::folder::{Folder, MANIFEST, Run};
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::io::Write;
+use std::time::{Duration, Instant};
+use volref::film::{Film, LayeredFilm};
+use volref::suite::ResultFolder;
 
 /// Judges each of `parts` parts of a suite in a folder of results of its own, and returns these.
 fn in_parts(suite: &Folder, parts: usize, command: &[&str]) -> Vec<String> {
@@ -393,6 +399,276 @@ fn units_of_something_else_are_refused() {
         .expect(5, &["none of the 2 units"]);
 }
 
+/// Head and contents of a file that one process leaves for another.
+fn opened(file: &[u8]) -> (&[u8], &[u8]) {
+    let mut lines = file.splitn(3, |byte| *byte == b'\n').skip(1);
+    (lines.next().unwrap(), lines.next().unwrap())
+}
+
+/// Such a file, with the right hash.
+fn sealed(head: &[u8], contents: &[u8]) -> Vec<u8> {
+    let rest = [head, b"\n", contents].concat();
+    let hash = blake3::hash(&rest).to_hex();
+    [hash.as_bytes(), b"\n", &rest].concat()
+}
+
+/// Behind a right hash: other pixels, samples, variances or values than those of the unit, and more of them than
+/// its file has bytes.
+#[test]
+fn units_that_are_not_what_they_say_are_computed_again() {
+    let [computed, whole] = [(); 2].map(|()| Folder::with_room(SAMPLING));
+    assert_eq!(computed.volref(&["units", "--compute"]).code, 0);
+    whole.accept_all();
+    let units = computed.files().into_iter();
+    let units: Vec<(String, Vec<u8>)> = units.filter(|(name, _)| name.ends_with(".unit")).collect();
+    let (name, file) = &units[0];
+    let (head, exr) = opened(file);
+    let right = Film::from_exr(exr).unwrap();
+    let ([width, height], noise) = ([right.width(), right.height()], right.noise().unwrap());
+    let (radiance, variance) = (right.radiance().to_vec(), noise.variance().to_vec());
+    let samples = noise.samples();
+    let film = |width: usize, height: usize| {
+        let pixels = width * height;
+        let repeated = |values: &[[f32; 3]]| values.iter().copied().cycle().take(pixels).collect();
+        Film::with_noise(
+            width,
+            height,
+            repeated(&radiance),
+            repeated(&variance),
+            samples,
+        )
+    };
+    let with = |value: f32, of_variance: f32| {
+        let (mut radiance, mut variance) = (radiance.clone(), variance.clone());
+        (radiance[7][1], variance[7][1]) = (value, of_variance);
+        Film::with_noise(width, height, radiance, variance, samples)
+    };
+    let opaque = radiance.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+    let layers = [("variance", film(3, 2)), ("other", right.clone())];
+    let layers = LayeredFilm {
+        comment: String::new(),
+        layers: layers.map(|(name, film)| (name.to_owned(), film)).to_vec(),
+    };
+    let of = |film: Film| sealed(head, &film.to_exr().unwrap());
+    let text = std::str::from_utf8(head).unwrap();
+    let head_with = |from: &str, to: &str| {
+        assert_eq!(text.matches(from).count(), 1, "{from} in {text}");
+        sealed(text.replace(from, to).as_bytes(), exr)
+    };
+    let doubled = |values: &[[f32; 3]]| values.iter().map(|of| of.map(|it| it + it)).collect();
+    let black = Film::new(4096, 4096, vec![[0.0; 3]; 4096 * 4096]);
+    let crafted = [
+        ("wider", of(film(width + 1, height))),
+        ("narrower", of(film(width - 1, height))),
+        ("on its side", of(film(height / 2, width * 2))),
+        ("too few rows", of(film(width, height - 1))),
+        ("too many rows", of(film(width, height + 1))),
+        ("one row", of(film(width, 1))),
+        (
+            "other samples",
+            of(Film::with_noise(
+                width,
+                height,
+                radiance.clone(),
+                variance.clone(),
+                samples + 1,
+            )),
+        ),
+        (
+            "no variance",
+            of(Film::new(width, height, radiance.clone())),
+        ),
+        ("an opacity", of(Film::with_opacity(width, height, opaque))),
+        (
+            "variance of another size",
+            sealed(head, &layers.to_exr().unwrap()),
+        ),
+        ("no number", of(with(f32::NAN, 0.0))),
+        ("infinite", of(with(f32::INFINITY, 0.0))),
+        ("variance no number", of(with(1.0, f32::NAN))),
+        ("negative variance", of(with(1.0, -1.0))),
+        ("no image", sealed(head, b"no image")),
+        ("huge", of(black)),
+        (
+            "rows of the head",
+            head_with("\"rows\":[0,16]", "\"rows\":[3,1]"),
+        ),
+        ("paths of the head", head_with("\"paths\":", "\"paths\":9")),
+        (
+            "samples of the head",
+            head_with("\"samples\":", "\"samples\":1"),
+        ),
+        (
+            "another case",
+            head_with("\"case\":\"fog/room\"", "\"case\":\"../../room\""),
+        ),
+    ];
+    // Nothing tells it from a unit but the pixels.
+    let other_bits = of(Film::with_noise(
+        width,
+        height,
+        doubled(&radiance),
+        variance.clone(),
+        samples,
+    ));
+    let merging = Folder::with_room(SAMPLING);
+    for (what, crafted) in &crafted {
+        let suite = Folder::with_room(SAMPLING);
+        suite.write(&units[1].0, &units[1].1);
+        suite.write(name, crafted);
+        let listed = suite.command(&["units", "--json"]).output().unwrap();
+        let noted = String::from_utf8_lossy(&listed.stderr).into_owned();
+        assert!(noted.contains("counted as missing"), "{what}: {noted}");
+        let listed = Run::of(listed).json();
+        let kept = listed["units"].as_array().unwrap().iter();
+        assert_eq!(
+            kept.filter(|unit| unit["kept"] == true).count(),
+            1,
+            "{what}"
+        );
+
+        let folder = suite.path("").display().to_string();
+        suite.remove(&units[1].0);
+        let merged = merging.volref(&["merge", &folder]);
+        let said = format!("{}{}", merged.stdout, merged.message());
+        assert!([2, 5].contains(&merged.code), "{what}: {said}");
+        let words = ["not used: ", "nothing was copied"];
+        assert!(
+            words.iter().any(|words| said.contains(words)),
+            "{what}: {said}"
+        );
+        assert!(!merging.path(".volref").exists(), "{what}");
+
+        let accept = ["accept", "*", "--reason", "first goldens"];
+        let accepted = suite.command(&accept).output().unwrap();
+        let noted = String::from_utf8_lossy(&accepted.stderr).into_owned();
+        assert!(noted.contains("computed again"), "{what}: {noted}");
+        let accepted = Run::of(accepted);
+        assert_eq!(accepted.code, 0, "{what}: {}", accepted.stderr);
+        assert!(
+            !accepted.stdout.contains("earlier run"),
+            "{what}: {}",
+            accepted.stdout
+        );
+        assert_eq!(suite.files(), whole.files(), "{what}");
+    }
+    let suite = Folder::with_room(SAMPLING);
+    suite.write(name, other_bits);
+    let folder = suite.path("").display().to_string();
+    assert_eq!(computed.volref(&["merge", &folder]).code, 1);
+}
+
+/// Folders within themselves: each turn would make the paths of all files anew.
+#[cfg(unix)]
+#[test]
+fn rings_of_links_end() {
+    let [suite, other] = [(); 2].map(|()| Folder::with_room(SAMPLING));
+    assert_eq!(other.volref(&["units", "--compute"]).code, 0);
+    let units = other.path(".volref/units");
+    for name in ["one", "two", "three"] {
+        std::os::unix::fs::symlink(&units, units.join(name)).unwrap();
+    }
+    let kept = other.path("").display().to_string();
+    let run = suite.volref(&["merge", &kept, "--json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(run.json()["units"]["copied"], 2);
+}
+
+/// 128 MiB of zeros, which take 128 kB.
+#[test]
+fn what_unpacks_to_too_much_is_not_unpacked() {
+    let suite = Folder::with_goldens();
+    assert_eq!(suite.volref(&["verify", "--results", "kept"]).code, 0);
+    let files = suite.files();
+    let (name, file) = files
+        .iter()
+        .find(|(name, _)| name.ends_with(".result"))
+        .unwrap();
+    let (head, contents) = opened(file);
+    let mut zeros = DeflateEncoder::new(Vec::new(), Compression::best());
+    for _ in 0..128 {
+        zeros.write_all(&[0; 1 << 20]).unwrap();
+    }
+    let zeros = zeros.finish().unwrap();
+    let mut large: Value = serde_json::from_slice(head).unwrap();
+    large["unpacked"] = (128 << 20).into();
+    let large = large.to_string();
+    for (crafted, words) in [
+        (
+            sealed(large.as_bytes(), &zeros),
+            "volref writes none like it",
+        ),
+        (sealed(head, &zeros), "another number of bytes than it says"),
+        (sealed(large.as_bytes(), contents), "none like it"),
+    ] {
+        suite.write(name, crafted);
+        let run = merged(&suite, &["kept".to_owned()], &[]);
+        assert_eq!(run.code, 5, "{}", run.stderr);
+        assert!(run.stdout.contains(words), "{}", run.stdout);
+    }
+}
+
+/// In an hour, if each of them takes time in proportion to all.
+#[test]
+fn time_is_in_proportion_to_the_number_of_cases() {
+    const CASES: usize = 300_000;
+    let suite = Folder::with_goldens();
+    let version = ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+    for command in ["verify", "validate", "selftest"] {
+        let run = volref::suite::Run {
+            command: command.to_owned(),
+            settings: BTreeMap::from([version.clone()]),
+            cases: (0..CASES)
+                .map(|case| (format!("many/case-{case}"), String::new()))
+                .collect(),
+            is_everything: false,
+        };
+        ResultFolder::open(suite.path(command)).begin(&run).unwrap();
+        let start = Instant::now();
+        let run = merged(&suite, &[command.to_owned()], &[]);
+        assert_eq!(run.code, 5, "{}", run.stderr);
+        let words = format!("missing: {CASES} of {CASES} cases");
+        assert!(run.stdout.contains(&words), "{}", &run.stdout[..400]);
+        let took = start.elapsed();
+        assert!(took < Duration::from_secs(60), "{command}: {took:?}");
+    }
+}
+
+/// A manifest and a row of the catalogue, or two manifests whose names no text can hold.
+#[test]
+fn two_cases_of_one_name_are_refused() {
+    let suite = Folder::with_goldens();
+    let manifest = "fixtures/cases/hard/G1.toml";
+    suite.write(manifest, MANIFEST);
+    for command in [
+        &["list"][..],
+        &["verify", "smoke"],
+        &["validate", "--outputs", "golden"],
+    ] {
+        suite.volref(command).expect(
+            2,
+            &[
+                "two cases are called hard/G1",
+                manifest,
+                "row G1 of the catalogue",
+            ],
+        );
+    }
+    suite.remove(manifest);
+    assert_eq!(suite.volref(&["verify"]).code, 0);
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        for name in [b"\xfe.toml", b"\xff.toml"] {
+            let name = std::ffi::OsStr::from_bytes(name);
+            std::fs::write(suite.path("fixtures/cases/smoke").join(name), MANIFEST).unwrap();
+        }
+        suite
+            .volref(&["list"])
+            .expect(2, &["two cases are called smoke/?"]);
+    }
+}
+
 /// A file that was cut off is computed again; one with other bits, from the same things, is a machine
 /// that computes wrongly.
 #[test]
@@ -423,20 +699,13 @@ fn damaged_units_are_not_used() {
     suite.remove(&alone);
 
     // The head of one and the rows of another, behind a right hash.
-    let lines: Vec<&[u8]> = bytes.splitn(3, |byte| *byte == b'\n').collect();
+    let (head, _) = opened(bytes);
     let rows = other.path("rows.exr").display().to_string();
-    let render = [
-        "render",
-        "fixtures/scenes/fog/room.toml",
-        "--spp",
-        "2",
-        "-o",
-        &rows,
-    ];
+    let samples = serde_json::from_slice::<Value>(head).unwrap()["samples"].to_string();
+    let render = ["--spp", &samples, "--seed", "99", "-o", &rows];
+    let render = [&["render", "fixtures/scenes/fog/room.toml"], &render[..]].concat();
     assert_eq!(suite.volref(&render).code, 0);
-    let rest = [lines[1], b"\n", &other.read("rows.exr")].concat();
-    let hash = blake3::hash(&rest).to_hex();
-    other.write(name, [hash.as_bytes(), b"\n", &rest].concat());
+    other.write(name, sealed(head, &other.read("rows.exr")));
     let kept = other.path("").display().to_string();
     suite
         .volref(&["merge", &kept])

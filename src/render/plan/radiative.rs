@@ -53,7 +53,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]
     Plan {
         panel,
         approximations: vec![],
-        warnings: contents.warnings(&decisions),
+        warnings: contents.warnings(panel, &decisions),
         estimator: Estimator { method, why },
         decisions: decisions.0,
         kernel,

@@ -30,7 +30,7 @@ use super::vertex::Vertex;
 use crate::geometry::{Hit, Ray};
 use crate::math::rng::Purpose;
 use crate::optics::Material;
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Event, Uncounted, Work};
 use crate::scene::Radiative;
 use glam::DVec3;
 
@@ -102,6 +102,15 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             0 => Ok(radiance),
             violations => Err(PathFault::Majorant(violations)),
         }
+    }
+
+    /// Bounces of the path along `ray` with the random numbers of `sampler`.
+    pub fn bounces(&self, ray: Ray, sampler: Sampler, scratch: &mut Scratch) -> u32 {
+        let mut work = Uncounted;
+        let mut path = PathContext::new(ray, self.limit, sampler, scratch, &mut work);
+        let _ = self.traced(&mut path);
+        path.tracker.scratch.take_violations();
+        path.depth
     }
 
     fn traced<W: Work>(&self, path: &mut PathContext<'_, W>) -> Result<DVec3, PathFault> {

@@ -93,6 +93,10 @@ impl AcceptWatch for Unwatched {
     fn begin_case(&self, _: &str) {}
 
     fn worked(&self, _: u64) {}
+
+    fn note(&self, text: &str) {
+        panic!("{text}");
+    }
 }
 
 struct SampledFolder(tempfile::TempDir);

@@ -69,9 +69,9 @@ impl Predictions {
         Some(hash(&[parts, &[executable]].concat()))
     }
 
-    /// The prediction with this key, if it was kept as it was.
-    pub(super) fn get(&self, key: &str) -> Option<Film> {
-        let (key_of_file, film) = kept_film::read::<String>(&self.path(key)?).ok()?;
+    /// The prediction with this key, of `size`, if it was kept as it was.
+    pub(super) fn get(&self, key: &str, size: [usize; 2]) -> Option<Film> {
+        let (key_of_file, film) = kept_film::read::<String>(&self.path(key)?, size).ok()?;
         (key_of_file == key).then_some(film)
     }
 
@@ -207,17 +207,18 @@ mod tests {
         let predictions = Predictions::in_folder(folder.path());
         let key = predictions.key(&["scene", "mistake"]).unwrap();
         assert_ne!(predictions.key(&["scenemistake"]).unwrap(), key);
-        assert_eq!(predictions.get(&key), None);
+        assert_eq!(predictions.get(&key, [2, 1]), None);
         predictions.put(&key, &film(0.5));
-        assert_eq!(predictions.get(&key), Some(film(0.5)));
+        assert_eq!(predictions.get(&key, [2, 1]), Some(film(0.5)));
+        assert_eq!(predictions.get(&key, [1, 2]), None);
         let path = predictions.path(&key).unwrap();
         let whole = fs::read(&path).unwrap();
         for damaged in [&whole[..whole.len() - 1], &whole[..31], &[]] {
             fs::write(&path, damaged).unwrap();
-            assert_eq!(predictions.get(&key), None);
+            assert_eq!(predictions.get(&key, [2, 1]), None);
         }
         predictions.put(&key, &film(0.25));
-        assert_eq!(predictions.get(&key), Some(film(0.25)));
+        assert_eq!(predictions.get(&key, [2, 1]), Some(film(0.25)));
     }
 
     #[test]
@@ -228,7 +229,7 @@ mod tests {
         let predictions = Predictions::in_folder(&file);
         let key = predictions.key(&["scene"]).unwrap();
         predictions.put(&key, &film(0.5));
-        assert_eq!(predictions.get(&key), None);
+        assert_eq!(predictions.get(&key, [2, 1]), None);
         assert_eq!(fs::read(&file).unwrap(), b"kept");
         assert_eq!(Predictions::nowhere().key(&["scene"]), None);
     }

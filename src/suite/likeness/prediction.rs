@@ -4,7 +4,7 @@ use super::clock::SearchClock;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
 use crate::render::{Detail, Plan, Sampling, Seed, plans, render_coarse};
-use crate::scene::Scene;
+use crate::scene::{Panel, Scene};
 use crate::suite::golden::input_hashes;
 
 /// Seed of predictions, the first of a few: one that neither goldens nor renderings of users are likely to have.
@@ -65,8 +65,16 @@ pub(super) fn predicted(
         label,
         &format!("{detail:?} {samples} {seed}"),
     ]);
-    if let Some(film) = key.as_ref().and_then(|key| clock.predictions().get(key)) {
-        return Some(film);
+    let columns = |panel: &Panel| detail.columns(panel.width).count();
+    let size = [
+        edited.panels.iter().map(columns).sum(),
+        detail.rows(edited.height()).count(),
+    ];
+    let kept = key
+        .as_ref()
+        .and_then(|key| clock.predictions().get(key, size));
+    if kept.is_some() {
+        return kept;
     }
     let sampling = Sampling {
         samples: Some(samples),

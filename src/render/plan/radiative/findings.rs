@@ -5,7 +5,7 @@ use super::contents::*;
 use super::walks;
 use crate::math::rng::Stream;
 use crate::media::{Density, Phase};
-use crate::scene::{Body, Scattering};
+use crate::scene::{Body, Panel, Scattering};
 use glam::DVec3;
 
 impl Contents<'_> {
@@ -248,15 +248,20 @@ impl Contents<'_> {
         }
     }
 
+    /// Whether paths may scatter more often than anyone waits for.
+    fn has_long_paths(&self) -> bool {
+        let is_unbounded = match self.scene.scattering {
+            Scattering::Multiple(limit) => {
+                limit.is_none_or(|limit| f64::from(limit) > walks::MANY_SCATTERINGS)
+            }
+            _ => false,
+        };
+        is_unbounded && self.is_scattered()
+    }
+
     /// The media in which paths scatter more often than anyone waits for, with the expected number.
     fn long_walks(&self) -> Vec<(usize, f64, &Body)> {
-        let is_bounded = match self.scene.scattering {
-            Scattering::Multiple(limit) => {
-                limit.is_some_and(|limit| f64::from(limit) <= walks::MANY_SCATTERINGS)
-            }
-            _ => true,
-        };
-        if is_bounded || !self.is_scattered() {
+        if !self.has_long_paths() {
             return Vec::new();
         }
         let bodies = self.scene.media.iter().enumerate();
@@ -269,8 +274,8 @@ impl Contents<'_> {
             .collect()
     }
 
-    /// Keys of the file without any effect, and media that take longer than they may seem.
-    pub fn warnings(&self, decisions: &Decisions) -> Vec<Reason> {
+    /// Keys of the file without any effect, and media and surfaces that take longer than they may seem.
+    pub fn warnings(&self, panel: &Panel, decisions: &Decisions) -> Vec<Reason> {
         let mut warnings = Vec::new();
         let mut warn = |key: String, message: String| {
             if self.key_lines.has(&key) {
@@ -315,6 +320,20 @@ impl Contents<'_> {
                 warn(key.clone(), format!("{name} has no effect: {why_not}"));
             }
         }
+        let gives_up = match self.scene.scattering {
+            Scattering::Multiple(None) => "; rendering may fail, at a path of 2^26 scatterings",
+            _ => "",
+        };
+        if self.has_long_paths() && walks::are_endless_between_surfaces(panel, self.scene) {
+            let many = walks::MANY_SCATTERINGS;
+            warn(
+                SURFACE.to_owned(),
+                format!(
+                    "light is reflected between surfaces without end, as they absorb nothing and leave it no way \
+                     out{gives_up}; `max_bounces = {many}` bounds the work, and leaves out scattering of higher order"
+                ),
+            );
+        }
         for (index, order, body) in self.long_walks() {
             let key = self.key_of(index, SCATTERS);
             let depth = walks::depth_of_the_middle(self.scene, body);
@@ -328,9 +347,8 @@ impl Contents<'_> {
             } else {
                 "without end".to_owned()
             };
-            let endless = self.scene.scattering == Scattering::Multiple(None);
-            let gives_up = if endless && order > f64::from(Stream::BOUNCES) {
-                "; rendering may fail, at a path of 2^26 scatterings"
+            let gives_up = if order > f64::from(Stream::BOUNCES) {
+                gives_up
             } else {
                 ""
             };

@@ -1,8 +1,14 @@
-//! Random walks of light through thick media.
+//! Random walks of light through thick media, and between surfaces that absorb nothing.
 
 use crate::geometry::{Aabb, Surface};
+use crate::math::rng::Stream;
 use crate::media::Density;
-use crate::scene::{Body, Radiative};
+use crate::optics::Material;
+use crate::render::radiative::context::Scratch;
+use crate::render::radiative::effects::Everything;
+use crate::render::radiative::path_tracer::PathTracer;
+use crate::render::radiative::sampler::Sampler;
+use crate::scene::{Body, Panel, Radiative};
 use crate::volume::DensityField;
 use glam::DVec3;
 
@@ -55,6 +61,38 @@ pub(super) fn depth_of_the_middle(scene: &Radiative, body: &Body) -> f64 {
     let density = body.density.as_ref().map_or(1.0, mean);
     let sigma_s = body.medium.coefficients.sigma_s().max_element() * density;
     0.5 * extent(scene, body).min_element() * sigma_s
+}
+
+/// Paths from the eye that are followed between surfaces.
+const PATHS: u32 = 8;
+
+/// Whether light may be reflected between surfaces without end: in some channel nothing absorbs it, or so
+/// little that it is reflected more than [`MANY_SCATTERINGS`] times, and a path from the eye of the `panel`
+/// meets neither a light nor a way out for as long.
+pub(super) fn are_endless_between_surfaces(panel: &Panel, scene: &Radiative) -> bool {
+    let most_absorbed = (1.0 + std::f64::consts::LN_2) / MANY_SCATTERINGS;
+    let keeps_light = |channel: usize| {
+        let surfaces = scene.objects.iter().all(|object| match object.material {
+            Material::Diffuse(reflectance) | Material::Mirror(reflectance) => {
+                reflectance[channel] >= 1.0 - most_absorbed
+            }
+            Material::Glass(_) => true,
+        });
+        let absorbs = |body: &Body| body.medium.coefficients.sigma_a()[channel] > 0.0;
+        surfaces && !scene.media.iter().any(absorbs)
+    };
+    if scene.objects.is_empty() || !(0..3).any(keeps_light) {
+        return false;
+    }
+    let tracer = PathTracer::<Everything>::new(scene, Some(MANY_SCATTERINGS as u32), false);
+    let size = [panel.width, panel.height];
+    let mut scratch = Scratch::default();
+    (0..PATHS).any(|path| {
+        let across = |side: usize| side * (2 * path as usize + 1) / (2 * PATHS as usize);
+        let ray = scene.camera.ray(size.map(across), size);
+        let sampler = Sampler::new(Stream::new(0, path, 0));
+        f64::from(tracer.bounces(ray, sampler, &mut scratch)) >= MANY_SCATTERINGS
+    })
 }
 
 /// Extent of the walk: the box of the body; for one that fills all space that of the surfaces,
