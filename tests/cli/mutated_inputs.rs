@@ -16,6 +16,8 @@ mod watch;
 use kinds::{KINDS, Kind, Workshop};
 use mutation::Mutator;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::{Seek, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -66,6 +68,8 @@ fn broken_inputs_are_read_or_refused() {
         assert!(!seeds.is_empty(), "{} has nothing to begin with", kind.name);
     }
     let under_way = kept.join(format!("under-way-{seed}"));
+    // Stays open: to close a file that was cut short waits for the disk.
+    let mut under_way = File::create(under_way).unwrap();
     let mut tallies: BTreeMap<&str, Tally> = BTreeMap::new();
     let mut failures = Vec::new();
     for index in 0..mutants {
@@ -76,7 +80,9 @@ fn broken_inputs_are_read_or_refused() {
         let tally = tallies.entry(kind.name).or_default();
         let file = kept.join(format!("{}-{seed}-{index}", kind.name));
         // Before it is read: memory that runs out, or a stack, ends this process too.
-        std::fs::write(&under_way, &bytes).unwrap();
+        under_way.set_len(0).unwrap();
+        under_way.rewind().unwrap();
+        under_way.write_all(&bytes).unwrap();
         // It is in `target/mutants/under-way-SEED`. Its command has a limit of its own.
         let name = format!("{} {index} of seed {seed}", kind.name);
         let _watched = watch::during(name, 2 * PATIENCE);

@@ -84,19 +84,30 @@ pub fn seeds(workshop: &Workshop, folder: &str, extension: &str) -> Vec<Vec<u8>>
     files.map(|name| workshop.folder.read(&name)).collect()
 }
 
+/// The unit of the converged rendering, which is the picture of a golden.
+pub fn unit_place(workshop: &Workshop) -> String {
+    let mut files = files(workshop, ".volref/units", "unit").into_iter();
+    let is_converged = |name: &String| {
+        let bytes = workshop.folder.read(name);
+        let head = parts(&bytes).unwrap()[0];
+        String::from_utf8_lossy(head).contains("converged")
+    };
+    files.find(is_converged).unwrap()
+}
+
 /// Units as they are, and films that they are not of: of other sizes, without noise, with other samples.
 pub fn units(workshop: &Workshop) -> Vec<Vec<u8>> {
     let mut units = seeds(workshop, ".volref/units", "unit");
-    let [head, _] = parts(&units[0]).unwrap();
-    let head = head.to_vec();
+    let converged = workshop.folder.read(&unit_place(workshop));
+    let [head, _] = parts(&converged).unwrap();
     for (width, height) in [(16, 16), (16, 8), (8, 16), (17, 16), (1, 1), (16, 64)] {
         let values = vec![[0.5; 3]; width * height];
         for samples in [2, 4, 128] {
             let film = Film::with_noise(width, height, values.clone(), values.clone(), samples);
-            units.push(with_hash(&head, &film.to_exr().unwrap()));
+            units.push(with_hash(head, &film.to_exr().unwrap()));
         }
         let film = Film::new(width, height, values);
-        units.push(with_hash(&head, &film.to_exr().unwrap()));
+        units.push(with_hash(head, &film.to_exr().unwrap()));
     }
     units
 }

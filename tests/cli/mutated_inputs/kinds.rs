@@ -378,7 +378,7 @@ pub const KINDS: &[Kind] = &[
         seeds: kept::units,
         mutant: kept::unit,
         read: kept::read_unit_of,
-        place: |workshop| kept::place(workshop, ".volref/units", "unit"),
+        place: kept::unit_place,
         commands: &[
             "accept fog/room --reason again",
             "units fog/room",
