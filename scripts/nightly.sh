@@ -38,6 +38,8 @@ campaign "the same bits on i686, words of 32 bits" scripts/same-bits.sh --archit
 campaign "the gate: false alarms of 1000 suites, power" cargo test --release --test library gate:: -- --ignored --nocapture
 campaign "200,000 scenes, others every day" env VOLREF_SCENES=200000 "VOLREF_SCENES_SEED=$(date +%Y%m%d)" \
     cargo test --release --test library any_scene::
+campaign "a million inputs broken at random, others every day" env VOLREF_MUTANTS_COMMANDS=4 scripts/mutated-inputs.sh \
+    1000000 "$(date +%Y%m%d)"
 campaign "light transport at four times the samples" env VOLREF_NIGHTLY=1 cargo test --release --test library transport::
 campaign "300 kills of accept, units and merge" scripts/kills.sh 300
 campaign "many samples of every known answer" cargo test --release --test library known_answer_images:: -- \

@@ -116,14 +116,14 @@ fn edges(mesh: &Mesh) -> Vec<MeshEdge> {
 /// Checks the faces that share an edge.
 fn check(mesh: &Mesh, sharing: &[MeshEdge]) -> Result<(), MeshError> {
     let [from, to] = sharing[0].ends.map(|vertex| mesh.vertices()[vertex]);
-    let face = sharing[0].face + 1;
+    let face = mesh.face_name(sharing[0].face);
     match sharing {
         [a, b] if a.ascending != b.ascending => Ok(()),
         [_] => Err(MeshError::Open { from, to, face }),
         [a, b] => Err(MeshError::Orientation {
             from,
             to,
-            faces: [a.face + 1, b.face + 1],
+            faces: [a, b].map(|edge| mesh.face_name(edge.face)),
         }),
         more => Err(MeshError::Branching {
             from,

@@ -4,8 +4,8 @@ use super::bvh::Bvh;
 use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
 use super::{
-    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, MeshError, Ray, Surface, SurfacePoint,
-    Transform, length_of,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, FaceName, Hit, MeshError, Ray, Surface,
+    SurfacePoint, Transform, length_of,
 };
 use crate::math::Sum;
 use glam::DVec3;
@@ -16,6 +16,8 @@ use glam::DVec3;
 pub struct Mesh {
     vertices: Vec<DVec3>,
     faces: Vec<[usize; 3]>,
+    /// Line of each face in its file, from 1; none without a file.
+    lines: Vec<usize>,
     normals: Vec<Direction>,
     /// Area of all faces up to and including each.
     areas: Vec<f64>,
@@ -26,16 +28,24 @@ pub struct Mesh {
 impl Mesh {
     /// The mesh of these faces, each three indices into `vertices`, from 0.
     pub fn new(vertices: Vec<DVec3>, faces: Vec<[usize; 3]>) -> Result<Mesh, MeshError> {
+        Mesh::of_lines(vertices, faces, Vec::new())
+    }
+
+    /// [`new`](Mesh::new) of a file; `lines` are those where the faces begin.
+    pub(super) fn of_lines(
+        vertices: Vec<DVec3>,
+        faces: Vec<[usize; 3]>,
+        lines: Vec<usize>,
+    ) -> Result<Mesh, MeshError> {
         let mut normals = Vec::with_capacity(faces.len());
         let mut areas = Vec::with_capacity(faces.len());
         let mut boxes = Vec::with_capacity(faces.len());
         let mut area = Sum::default();
         for (index, face) in faces.iter().enumerate() {
-            let corners = corners(&vertices, *face, index + 1)?;
-            normals.push(normal(corners).ok_or(MeshError::Degenerate {
-                face: index + 1,
-                corners,
-            })?);
+            let name = face_name(&lines, index);
+            let corners = corners(&vertices, *face, name)?;
+            let face = name;
+            normals.push(normal(corners).ok_or(MeshError::Degenerate { face, corners })?);
             area.add(
                 0.5 * (corners[1] - corners[0])
                     .cross(corners[2] - corners[0])
@@ -57,6 +67,7 @@ impl Mesh {
             bvh: Bvh::new(&boxes),
             vertices,
             faces,
+            lines,
             normals,
             areas,
             bounds,
@@ -97,7 +108,12 @@ impl Mesh {
         if transform.mirrors() {
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
-        Mesh::new(vertices, faces)
+        Mesh::of_lines(vertices, faces, self.lines.clone())
+    }
+
+    /// Name of the face with this index, for messages.
+    pub(super) fn face_name(&self, index: usize) -> FaceName {
+        face_name(&self.lines, index)
     }
 
     /// All crossings at `t ≥ from` of the whole line, and maybe others, in no particular order.
@@ -226,17 +242,25 @@ impl Emitter for Mesh {
     }
 }
 
-fn corners(vertices: &[DVec3], face: [usize; 3], number: usize) -> Result<[DVec3; 3], MeshError> {
+fn face_name(lines: &[usize], index: usize) -> FaceName {
+    let number = || FaceName::Number(index + 1);
+    lines
+        .get(index)
+        .copied()
+        .map_or_else(number, FaceName::Line)
+}
+
+fn corners(vertices: &[DVec3], face: [usize; 3], name: FaceName) -> Result<[DVec3; 3], MeshError> {
     let mut corners = [DVec3::ZERO; 3];
     for (corner, &vertex) in corners.iter_mut().zip(&face) {
         *corner = *vertices.get(vertex).ok_or(MeshError::NoSuchVertex {
-            face: number,
+            face: name,
             vertex,
             count: vertices.len(),
         })?;
         if !corner.is_finite() {
             return Err(MeshError::NotFinite {
-                face: number,
+                face: name,
                 vertex: *corner,
             });
         }
@@ -284,7 +308,13 @@ mod tests {
         let mut bad = vertices();
         bad[2].z = f64::NAN;
         let error = Mesh::new(bad, vec![[0, 1, 2]]).unwrap_err();
-        assert!(matches!(error, MeshError::NotFinite { face: 1, .. }));
+        assert!(matches!(
+            error,
+            MeshError::NotFinite {
+                face: FaceName::Number(1),
+                ..
+            }
+        ));
     }
 
     #[test]

@@ -1,12 +1,30 @@
 //! Errors in meshes.
 
-use crate::decoder::Stopped;
+use super::ObjFault;
 use glam::DVec3;
+use std::fmt;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Reason for refusing a mesh. Faces are counted from 1, as triangles: polygons of a file are
-/// triangulated first.
+/// A face in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceName {
+    /// Its number, from 1.
+    Number(usize),
+    /// The line of the file where it begins, from 1; several triangles of a polygon have one.
+    Line(usize),
+}
+
+impl fmt::Display for FaceName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FaceName::Number(number) => write!(f, "face {number}"),
+            FaceName::Line(line) => write!(f, "the face in line {line}"),
+        }
+    }
+}
+
+/// Reason for refusing a mesh.
 #[derive(Debug, Error)]
 pub enum MeshError {
     /// The file cannot be opened or read.
@@ -17,40 +35,35 @@ pub enum MeshError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The text is not a Wavefront OBJ file.
-    #[error(
-        "not a mesh in Wavefront OBJ format: {0}; faces refer to vertices of the same file, counted from 1"
-    )]
-    Format(#[from] tobj::LoadError),
-    /// The reader panicked.
-    #[error("not a mesh in Wavefront OBJ format: {0}")]
-    Stopped(#[from] Stopped),
+    /// The text is not a mesh in Wavefront OBJ format. The message may begin with line and column.
+    #[error("{0}")]
+    Format(#[from] ObjFault),
     /// The mesh has no faces.
     #[error("the mesh has no faces; a file of bare points is a point cloud, not a mesh")]
     Empty,
     /// A face refers to a vertex that does not exist.
-    #[error("face {face} refers to vertex {vertex}, but there are {count} (counted from 0)")]
+    #[error("{face} refers to vertex {vertex}, but there are {count} (counted from 0)")]
     NoSuchVertex {
-        /// Number of the face, from 1.
-        face: usize,
+        /// The face.
+        face: FaceName,
         /// The vertex it refers to, from 0.
         vertex: usize,
         /// How many there are.
         count: usize,
     },
     /// A coordinate is NaN or infinite.
-    #[error("face {face} has the vertex {vertex}; coordinates must be finite")]
+    #[error("{face} has the vertex {vertex}; coordinates must be finite")]
     NotFinite {
-        /// Number of the face, from 1.
-        face: usize,
+        /// The face.
+        face: FaceName,
         /// The offending vertex.
         vertex: DVec3,
     },
     /// A face's corners lie on a line, up to rounding: it has no normal.
-    #[error("face {face} has no area: its corners {}, {} and {} lie on a line; remove it", corners[0], corners[1], corners[2])]
+    #[error("{face} has no area: its corners {}, {} and {} lie on a line; remove it", corners[0], corners[1], corners[2])]
     Degenerate {
-        /// Number of the face, from 1.
-        face: usize,
+        /// The face.
+        face: FaceName,
         /// Its corners.
         corners: [DVec3; 3],
     },
@@ -59,39 +72,39 @@ pub enum MeshError {
     Range(f64),
     /// The surface has a border and encloses nothing.
     #[error(
-        "the mesh is open: the edge from {from} to {to} belongs to face {face} only; a medium needs a closed boundary, so fill the hole"
+        "the mesh is open: the edge from {from} to {to} belongs to {face} only; a medium needs a closed boundary, so fill the hole"
     )]
     Open {
         /// One end of the edge.
         from: DVec3,
         /// The other end.
         to: DVec3,
-        /// The only face there, from 1.
-        face: usize,
+        /// The only face there.
+        face: FaceName,
     },
     /// More than two faces meet at an edge.
     #[error(
-        "{count} faces meet at the edge from {from} to {to}, among them face {face}; a closed boundary has exactly two at each"
+        "{count} faces meet at the edge from {from} to {to}, among them {face}; a closed boundary has exactly two at each"
     )]
     Branching {
         /// One end of the edge.
         from: DVec3,
         /// The other end.
         to: DVec3,
-        /// One of the faces, from 1.
-        face: usize,
+        /// One of the faces.
+        face: FaceName,
         /// How many there are.
         count: usize,
     },
     /// Two neighbours disagree about which side is outside.
-    #[error("faces {} and {} run along the edge from {from} to {to} in the same direction, so one of them is inside out; reverse the order of its corners", faces[0], faces[1])]
+    #[error("{} and {} run along the edge from {from} to {to} in the same direction, so one of them is inside out; reverse the order of its corners", faces[0], faces[1])]
     Orientation {
         /// One end of the edge.
         from: DVec3,
         /// The other end.
         to: DVec3,
-        /// The two faces, from 1.
-        faces: [usize; 2],
+        /// The two faces.
+        faces: [FaceName; 2],
     },
     /// All normals point inward.
     #[error(

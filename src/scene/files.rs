@@ -171,6 +171,8 @@ fn bad_mesh(reader: &Reader, name: &str, error: &MeshError) -> Box<SceneError> {
         }
         // Names the file itself.
         MeshError::Unreadable { .. } => error.to_string(),
+        // Begins with line and column.
+        MeshError::Format(fault) if fault.position.is_some() => format!("{name}:{fault}"),
         _ => format!("{name}: {error}"),
     };
     reader.error("file", message)

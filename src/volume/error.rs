@@ -1,6 +1,7 @@
 //! Why a volume could not be loaded.
 
 use super::LatticeError;
+use crate::geometry::ObjFault;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -44,6 +45,15 @@ impl From<String> for VolumeFault {
 impl From<&str> for VolumeFault {
     fn from(message: &str) -> VolumeFault {
         VolumeFault::File(message.to_owned())
+    }
+}
+
+impl From<ObjFault> for VolumeFault {
+    fn from(fault: ObjFault) -> VolumeFault {
+        match fault.position {
+            Some(_) => VolumeFault::Line(fault.to_string()),
+            None => VolumeFault::File(fault.message),
+        }
     }
 }
 

@@ -1,13 +1,8 @@
 //! Point clouds in Wavefront OBJ: the `v` lines, and nothing else.
-//!
-//! A line is a keyword and its numbers, separated by blanks. `#` starts a comment anywhere in a
-//! line; a backslash at the end of a line continues it on the next, and counts as a blank, but
-//! not from within a comment, where it may end a path. Lines end in LF, CRLF or CR. Only `v`
-//! lines are decoded, so names and comments may be in any encoding that contains ASCII.
 
 use super::error::{VolumeFault, refused};
+use crate::geometry::{ObjFault, Skipped, Statements, Word};
 use glam::DVec3;
-use std::collections::BTreeMap;
 
 /// A point of a cloud.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,37 +23,22 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
         let message = "the file is empty: a point cloud has a line `v x y z` for every point";
         return refused(message);
     }
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
-        let message = "this is not plain text (a zero byte or UTF-16): save the cloud as UTF-8 or \
-                       ASCII";
-        return refused(message);
-    }
     let mut points = Vec::new();
-    let mut skipped = BTreeMap::new();
-    let mut statements = Statements::new(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    let mut skipped = Skipped::default();
+    let mut statements = Statements::of(bytes)?;
     let mut words = Vec::new();
-    while statements.read_next(&mut words) {
+    while statements.read_next(&mut words)? {
         let Some((keyword, numbers)) = words.split_first() else {
             continue;
         };
-        let mut known = SKIPPED.split_ascii_whitespace();
-        if keyword.bytes == b"v" {
-            points.push(point(keyword, numbers)?);
-        } else if let Some(known) = known.find(|known| known.as_bytes() == keyword.bytes) {
-            *skipped.entry(known).or_insert(0) += 1;
-        } else {
-            let word = keyword.text();
-            return Err(keyword.fault(format!(
-                "{word:?} is not a keyword of the OBJ format: points begin with `v`; remove the \
-                line \
-                 or put `#` before it"
-            )));
+        match keyword.keyword()? {
+            "v" => points.push(point(keyword, numbers)?),
+            other => skipped.count(other),
         }
     }
     if points.is_empty() {
-        let found = describe(&skipped);
         return refused(format!(
-            "no point: a point cloud has a line `v x y z` for every point, this file has {found}"
+            "no point: a point cloud has a line `v x y z` for every point, this file has {skipped}"
         ));
     }
     if points.iter().all(|point| point.weight == 0.0) {
@@ -68,14 +48,7 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
     Ok(points)
 }
 
-/// Every keyword of the format's specification but `v`.
-const SKIPPED: &str = "
-    vn vt vp p l f o g s mg mtllib usemtl maplib usemap cstype deg bmat step curv curv2 surf
-    parm trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech
-    stech call csh
-";
-
-fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, VolumeFault> {
+fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, ObjFault> {
     let names: &[&str] = match numbers.len() {
         3 => &["x", "y", "z"],
         4 => &["x", "y", "z", "the density"],
@@ -102,118 +75,6 @@ fn point(keyword: &Word, numbers: &[Word]) -> Result<CloudPoint, VolumeFault> {
         position: DVec3::new(x, y, z),
         weight,
     })
-}
-
-/// A segment of bytes without blanks, and where it stands.
-struct Word<'a> {
-    bytes: &'a [u8],
-    position: (usize, usize),
-}
-
-impl Word<'_> {
-    /// The word for a message: made printable, and cut where it is long.
-    fn text(&self) -> String {
-        const LONGEST: usize = 40;
-        let text = String::from_utf8_lossy(self.bytes);
-        match text.char_indices().nth(LONGEST) {
-            Some((end, _)) => format!("{}…", &text[..end]),
-            None => text.into_owned(),
-        }
-    }
-
-    /// A mistake in this word.
-    fn fault(&self, message: String) -> VolumeFault {
-        let (line, column) = self.position;
-        VolumeFault::Line(format!("{line}:{column}: {message}"))
-    }
-
-    fn number(&self, name: &str) -> Result<f64, VolumeFault> {
-        let number = std::str::from_utf8(self.bytes).ok();
-        let number = number.and_then(|text| text.parse::<f64>().ok());
-        let fault = match number {
-            Some(number) if number.is_finite() => return Ok(number),
-            Some(_) => "not finite: correct or remove this point",
-            None => "not a number: write it like 0.5 or 5e-1",
-        };
-        Err(self.fault(format!("{name} is {:?}, which is {fault}", self.text())))
-    }
-}
-
-/// The statements of a file: its lines, with continued ones put together.
-struct Statements<'a> {
-    rest: &'a [u8],
-    line: usize,
-}
-
-impl<'a> Statements<'a> {
-    fn new(bytes: &'a [u8]) -> Statements<'a> {
-        Statements {
-            rest: bytes,
-            line: 0,
-        }
-    }
-
-    /// Puts the words of the next statement into `words`: none for a blank line or a comment.
-    /// False at the end of the file.
-    fn read_next(&mut self, words: &mut Vec<Word<'a>>) -> bool {
-        words.clear();
-        if self.rest.is_empty() {
-            return false;
-        }
-        let mut continued = true;
-        while continued && !self.rest.is_empty() {
-            let line = self.next_line();
-            let comment = line.iter().position(|&byte| byte == b'#');
-            let mut code = &line[..comment.unwrap_or(line.len())];
-            continued = false;
-            if comment.is_none()
-                && let Some(before) = code.trim_ascii_end().strip_suffix(b"\\")
-            {
-                code = before;
-                continued = true;
-            }
-            push_words(code, self.line, words);
-        }
-        true
-    }
-
-    fn next_line(&mut self) -> &'a [u8] {
-        let rest = self.rest;
-        let end = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r');
-        let (line, after) = match end {
-            None => (rest, rest.len()),
-            Some(end) if rest[end..].starts_with(b"\r\n") => (&rest[..end], end + 2),
-            Some(end) => (&rest[..end], end + 1),
-        };
-        self.rest = &rest[after..];
-        self.line += 1;
-        line
-    }
-}
-
-fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
-    let mut start = 0;
-    for bytes in code.split(u8::is_ascii_whitespace) {
-        if !bytes.is_empty() {
-            words.push(Word {
-                bytes,
-                position: (line, start + 1),
-            });
-        }
-        start += bytes.len() + 1;
-    }
-}
-
-/// "3 × f, 2 × vn", or that there was nothing.
-fn describe(skipped: &BTreeMap<&str, usize>) -> String {
-    if skipped.is_empty() {
-        return "only comments and blank lines".to_owned();
-    }
-    let counts = skipped.iter();
-    let counts: Vec<_> = counts
-        .map(|(keyword, count)| format!("{count} × `{keyword}`"))
-        .collect();
-    counts.join(", ")
 }
 
 #[cfg(test)]
@@ -263,7 +124,7 @@ mod tests {
             "v 1 2 3\rv 4 5 6 0.5\r",
             "\u{feff}v 1 2 3\n\n\n \t v\t4  5\t6 0.5 \t\n",
             "v 1 \\\n 2 3\nv 4 5\\\r\n6 0.5\n",
-            "v \\ \n\\\n1 2 3\nv 4 5 6 0.5\\",
+            "v \\ \n\\\n1 2 3\nv 4 5 6 0.5",
             "# ends in a path C:\\\nv 1 2 3 # C:\\\nv 4 5 6 0.5\n",
         ] {
             assert_eq!(points(text), two, "{text:?}");
@@ -301,8 +162,7 @@ mod tests {
 
     #[test]
     fn other_encodings_and_binary_files() {
-        let expected =
-            "this is not plain text (a zero byte or UTF-16): save the cloud as UTF-8 or ASCII";
+        let expected = "this is not plain text (a zero byte or UTF-16): save it as UTF-8 or ASCII";
         for bytes in [&b"\xff\xfev\0 \0"[..], b"\xfe\xff\0v", b"v 1 2 3\n\0"] {
             assert_eq!(message(bytes), expected);
         }
@@ -319,7 +179,7 @@ mod tests {
                 message(text.as_bytes()),
                 format!(
                     "{position}: \"{shown}\" is not a keyword of the OBJ format: points begin with \
-                     `v`; remove the line or put `#` before it"
+                     `v`, faces with `f`; remove the line or put `#` before it"
                 )
             );
         }
@@ -343,8 +203,10 @@ mod tests {
                 )
             );
         }
-        // Continued onto the last line of the file.
-        assert!(message(b"v 1 2\\\n").starts_with("1:1: a `v` line"));
+        // Continued onto a last line that is not there.
+        for text in ["v 1 2 \\\n", "v 1 2 \\", "v 1 2 3 \\\r"] {
+            assert!(message(text.as_bytes()).contains("the file ends where this line is to go on"));
+        }
     }
 
     #[test]

@@ -198,3 +198,78 @@ fn an_unknown_kind_of_volume() {
         ],
     );
 }
+
+/// A cube as six squares, around a corner of the origin.
+const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n\
+                    f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+/// A scene of a medium in the mesh `mesh.obj`.
+fn with_mesh(mesh: &[u8]) -> Folder {
+    let folder = Folder::new();
+    folder.write("mesh.obj", mesh);
+    folder.write(
+        "scene.toml",
+        "[film]\nwidth = 8\nheight = 8\n[camera]\neye = [3, 4, 5]\ntarget = [0.5, 0.5, 0.5]\n\
+         [radiative]\nenvironment = 1\n[[radiative.medium]]\nmesh = { file = \"mesh.obj\" }\n\
+         sigma_a = 1\n",
+    );
+    folder
+}
+
+/// However a program writes a mesh, the image is the same; what it has that is none says its line.
+#[test]
+fn meshes() {
+    let image = |mesh: &[u8]| {
+        let run = with_mesh(mesh).volref(&["render", "scene.toml", "-o", "image.exr", "--json"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        run.json()["hash"].as_str().unwrap().to_owned()
+    };
+    let cube = image(CUBE.as_bytes());
+    let latin_1 = [&b"# Zo\xeb\no caf\xe9\n"[..], CUBE.as_bytes()].concat();
+    for mesh in [
+        &format!("\u{feff}{CUBE}").into_bytes()[..],
+        &CUBE.replace('\n', "\r").into_bytes(),
+        &CUBE.replace('\n', " # comment\n").into_bytes(),
+        &CUBE.replace(" 0\n", " \\\n 0\n").into_bytes(),
+        &CUBE.replace("f 1 2 6 5", "f 1 2 \\\n6 5").into_bytes(),
+        &latin_1,
+    ] {
+        assert_eq!(image(mesh), cube, "{}", String::from_utf8_lossy(mesh));
+    }
+    let utf_16: Vec<u8> = "\u{feff}v 0 0 0\n"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    for (mesh, words) in [
+        (
+            &utf_16[..],
+            "mesh.obj: this is not plain text (a zero byte or UTF-16): save it as UTF-8",
+        ),
+        (
+            b"v 0 0 0\nv 0,5 0 0\n",
+            "mesh.obj:2:3: x is \"0,5\", which is not a number: write it like 0.5",
+        ),
+        (
+            b"v 0 0 0\nv 1 0 0\nf 1 2 3\n",
+            "mesh.obj:3:7: this face refers to vertex 3, but the file has 2",
+        ),
+        (
+            b"v 0 0 0\nf 1 1\n",
+            "mesh.obj:2:1: a face has three corners or more, this one has 2",
+        ),
+        (
+            b"v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\n\nf 1 2 3 4\n",
+            "mesh.obj:6:1: this polygon crosses itself, at its edge from [1, 0, 0] to [0, 2, 0]: split it",
+        ),
+        (
+            CUBE.strip_suffix("f 2 4 8 6\n").unwrap().as_bytes(),
+            "mesh.obj: the mesh is open: the edge from [1, 1, 0] to [1, 0, 0] belongs to the face in line 9 only",
+        ),
+    ] {
+        let folder = with_mesh(mesh);
+        let before = folder.files();
+        let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+        run.expect(2, &["scene.toml:10:17: ", words]);
+        assert_eq!(folder.files(), before, "nothing is written");
+    }
+}

@@ -30,6 +30,7 @@ mod known_answers_statistics;
 mod limits;
 mod medium_known_answers;
 mod medium_laws;
+mod mesh_files;
 mod meshes;
 mod outside_faults;
 mod pinned_crates;

@@ -1,11 +1,9 @@
 //! What we promise about other crates.
 
-use std::io::Cursor;
 use std::path::Path;
 use std::process::Command;
 use toml::Table;
 use volref::suite::LIBM_VERSION;
-use volref::volume::read_obj_points;
 
 /// Goldens remember which `libm` they were made with; it must be the one that is linked.
 #[test]
@@ -99,43 +97,4 @@ fn locked(name: &str) -> Vec<String> {
         .filter(|package| package["name"].as_str() == Some(name))
         .map(|package| package["version"].as_str().unwrap().to_owned())
         .collect()
-}
-
-/// The vertices that tobj loads, model by model.
-fn tobj_positions(text: &str) -> Vec<[f64; 3]> {
-    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let options = tobj::LoadOptions::default();
-    let loaded = tobj::load_obj_buf(&mut Cursor::new(text), &options, no_materials);
-    let (models, _) = loaded.unwrap();
-    let positions = models
-        .iter()
-        .flat_map(|model| model.mesh.positions.chunks_exact(3));
-    positions.map(|p| [p[0], p[1], p[2]]).collect()
-}
-
-fn our_positions(text: &str) -> Vec<[f64; 3]> {
-    let points = read_obj_points(text.as_bytes()).unwrap();
-    points
-        .iter()
-        .map(|point| point.position.to_array())
-        .collect()
-}
-
-/// Why point clouds have a reader of their own: for tobj a vertex that no face uses is not there,
-/// and it says nothing about that.
-#[test]
-fn tobj_loads_no_point_of_a_bare_cloud() {
-    let cloud = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-    assert_eq!(our_positions(cloud).len(), 3);
-    assert_eq!(tobj_positions(cloud), <[[f64; 3]; 0]>::default());
-}
-
-/// Where both see vertices they see the same ones. (tobj reads `f32`; these numbers are exact.)
-#[test]
-fn of_a_mesh_both_readers_see_the_same_vertices() {
-    let mesh = "# a tetrahedron\no tetrahedron\n\
-                v 0 0 0\nv 1.5 0 -0.25\nv 0 1e1 0.125\nv -2 0.5 3\n\
-                f 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
-    assert_eq!(our_positions(mesh), tobj_positions(mesh));
-    assert_eq!(our_positions(mesh).len(), 4);
 }

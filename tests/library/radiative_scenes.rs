@@ -773,11 +773,11 @@ fn shapes() {
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     8:17: points.obj: the mesh has no faces; a file of bare points is a point cloud, not a mesh
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
-    8:17: thin.obj: face 2 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
+    8:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
-    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to face 1 only; a medium needs a closed boundary, so fill the hole
+    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium needs a closed boundary, so fill the hole
         `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
-    12:17: thin.obj: face 2 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
+    12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
         `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     12:7: the box is flat: it has no inside, as a medium needs
         give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
@@ -855,7 +855,7 @@ fn places() {
         `radiative.surface[0].rectangle.edge_v`: From the corner to the other neighbour, world units.
     8:13: after its transform: a rectangle with edges [0.000000000000000000000000000001, 0, 0] and [0, 0.000000000000000000000000000001, 0] has no area; give two edges that are not parallel
         `radiative.surface[0].rectangle`: Shape: a rectangle or parallelogram.
-    8:8: after its transform: face 1 has no area: its corners [1, 1, 1], [1, 1, 1] and [1, 1, 1] lie on a line; remove it
+    8:8: after its transform: the face in line 5 has no area: its corners [1, 1, 1], [1, 1, 1] and [1, 1, 1] lie on a line; remove it
         `radiative.surface[0].mesh`: Shape: a triangle mesh.
     "#);
 }

@@ -1,12 +1,14 @@
 //! The kinds of files that are read, and who reads them.
 
 use super::mutation::Mutator;
+use super::{exr_header, kept};
 use crate::folder::Folder;
+use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use volref::compare::Picture;
 use volref::exchange::{Format, export};
-use volref::film::Film;
+use volref::film::{Film, LayeredFilm};
 use volref::geometry::{ClosedMesh, Mesh};
 use volref::render::{Plan, Sampling};
 use volref::scene::{Scene, read_procedural};
@@ -17,21 +19,30 @@ use volref::volume::{LoadOptions, load};
 pub struct Kind {
     pub name: &'static str,
     /// Files to begin with.
-    pub seeds: fn() -> Vec<Vec<u8>>,
-    /// Makes checksums right again, or not: most damage would end there.
-    pub repair: fn(Vec<u8>, &mut Mutator) -> Vec<u8>,
+    pub seeds: fn(&Workshop) -> Vec<Vec<u8>>,
+    /// Breaks one of them. Checksums are made right again, or not: most damage would end there.
+    pub mutant: fn(&[Vec<u8>], &mut Mutator) -> Vec<u8>,
     /// Reads it as the library does; what is said if it is refused.
     pub read: fn(&Workshop, &[u8]) -> Result<(), String>,
     /// Where the command finds it, in the folder of the workshop.
-    pub place: &'static str,
+    pub place: fn(&Workshop) -> String,
     /// Commands that read it there.
     pub commands: &'static [&'static str],
+    /// One in so many is given to a command as well.
+    pub share: u64,
 }
+
+/// Share of the commands of most kinds: one takes as long as many in the library.
+const SHARE: u64 = 40;
+
+/// Of kinds that only commands read to the end.
+const LARGE_SHARE: u64 = 8;
 
 /// A suite with goldens, and files of all kinds.
 pub struct Workshop {
     pub folder: Folder,
-    whole: Vec<(&'static str, Option<Vec<u8>>)>,
+    /// What stands in the place of each kind otherwise.
+    whole: BTreeMap<String, Option<Vec<u8>>>,
 }
 
 fn root() -> &'static Path {
@@ -99,12 +110,13 @@ fn journals() -> Vec<Vec<u8>> {
     ]
 }
 
-fn as_it_is(bytes: Vec<u8>, _: &mut Mutator) -> Vec<u8> {
-    bytes
+fn any(seeds: &[Vec<u8>], mutator: &mut Mutator) -> Vec<u8> {
+    mutator.mutant(seeds)
 }
 
-/// Lengths and checksums of the chunks of a PNG, in one of two.
-fn png(mut bytes: Vec<u8>, mutator: &mut Mutator) -> Vec<u8> {
+/// Lengths and checksums of the chunks of a PNG made right, in one of two.
+fn png(seeds: &[Vec<u8>], mutator: &mut Mutator) -> Vec<u8> {
+    let mut bytes = mutator.mutant(seeds);
     if mutator.chance() {
         return bytes;
     }
@@ -129,19 +141,33 @@ fn png(mut bytes: Vec<u8>, mutator: &mut Mutator) -> Vec<u8> {
 }
 
 /// What is compressed is broken before it is, in one of two.
-fn gzip(bytes: Vec<u8>, mutator: &mut Mutator) -> Vec<u8> {
+fn gzip(seeds: &[Vec<u8>], mutator: &mut Mutator) -> Vec<u8> {
     if mutator.chance() {
-        return bytes;
+        return mutator.mutant(seeds);
     }
-    let whole = &files(&VOLUMES, ".nii.gz")[0];
     let mut unpacked = Vec::new();
-    flate2::read::GzDecoder::new(&whole[..])
+    flate2::read::GzDecoder::new(&seeds[0][..])
         .read_to_end(&mut unpacked)
         .unwrap();
     let broken = mutator.mutant(&[unpacked]);
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     packed.write_all(&broken).unwrap();
     packed.finish().unwrap()
+}
+
+/// Two derivatives of blocks, one with its noise.
+fn sensitivities() -> Vec<Vec<u8>> {
+    let film = |value: f32| {
+        let values = vec![[value; 3]; 4];
+        Film::with_noise(2, 2, values.clone(), values, 128)
+    };
+    let layers = ["density", "surface[0].diffuse.reflectance"];
+    let layers = layers.map(|name| (name.to_owned(), film(0.5)));
+    let layered = LayeredFilm {
+        comment: "scene 0 files 0".to_owned(),
+        layers: layers.to_vec(),
+    };
+    vec![layered.to_exr().unwrap()]
 }
 
 fn read_scene(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
@@ -184,7 +210,7 @@ fn read_golden(workshop: &Workshop, place: &str, bytes: &[u8]) -> Result<(), Str
     let filter = ["smoke/plain".to_owned()];
     let case = suite.select(&filter).unwrap()[0];
     let golden = Golden::read(&Store::open(suite.golden_folder()), case);
-    workshop.restore_place(place);
+    workshop.restore(place);
     golden.map(drop).map_err(|error| error.to_string())
 }
 
@@ -217,30 +243,31 @@ fn read_exr(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
 }
 
 macro_rules! volume {
-    ($name:literal, $read:literal, $place:literal, $repair:expr) => {
+    ($name:literal, $read:literal, $place:literal, $mutant:expr) => {
         Kind {
             name: $name,
-            seeds: || files(&VOLUMES, concat!(".", $name)),
-            repair: $repair,
+            seeds: |_| files(&VOLUMES, concat!(".", $name)),
+            mutant: $mutant,
             read: |workshop, bytes| read_volume(workshop, $read, bytes),
-            place: $place,
+            place: |_| $place.to_owned(),
             commands: &[
                 concat!("info ", $place, " --json"),
                 concat!("info ", $place, " --json=", $place),
                 concat!("info ", $place, " --as-stored --centring cells"),
             ],
+            share: SHARE,
         }
     };
 }
 
 macro_rules! image {
-    ($name:literal, $seeds:expr, $repair:expr, $read:expr) => {
+    ($name:literal, $seeds:expr, $mutant:expr, $read:expr) => {
         Kind {
             name: $name,
-            seeds: || files(&$seeds, concat!(".", $name)),
-            repair: $repair,
+            seeds: |_| files(&$seeds, concat!(".", $name)),
+            mutant: $mutant,
             read: $read,
-            place: concat!("images/smoke/plain.", $name),
+            place: |_| concat!("images/smoke/plain.", $name).to_owned(),
             commands: &[
                 concat!("compare good.", $name, " images/smoke/plain.", $name),
                 concat!("compare images/smoke/plain.", $name, " good.", $name),
@@ -254,23 +281,44 @@ macro_rules! image {
                 ),
                 "validate smoke/plain --outputs images --json",
             ],
+            share: SHARE,
         }
     };
 }
 
 macro_rules! golden {
-    ($name:literal, $place:literal, $seeds:expr, $repair:expr) => {
+    ($name:literal, $place:literal, $seeds:expr, $mutant:expr) => {
         Kind {
             name: $name,
-            seeds: $seeds,
-            repair: $repair,
+            seeds: |_| $seeds,
+            mutant: $mutant,
             read: |workshop, bytes| read_golden(workshop, $place, bytes),
-            place: $place,
+            place: |_| $place.to_owned(),
             commands: &[
                 "verify smoke/plain",
                 "list --json",
                 "validate smoke/plain --outputs images --junit=golden/smoke/plain.toml",
             ],
+            share: SHARE,
+        }
+    };
+}
+
+macro_rules! results {
+    ($name:literal, $folder:expr) => {
+        Kind {
+            name: $name,
+            seeds: |workshop| kept::seeds(workshop, $folder, $name),
+            mutant: kept::result,
+            read: |workshop, bytes| kept::read_results(workshop, $folder, $name, bytes),
+            place: |workshop| kept::place(workshop, $folder, $name),
+            commands: &[
+                "merge parts --json",
+                "merge parts --report page",
+                "merge trials --json",
+                "merge trials --report page",
+            ],
+            share: LARGE_SHARE,
         }
     };
 }
@@ -279,91 +327,131 @@ macro_rules! golden {
 pub const KINDS: &[Kind] = &[
     Kind {
         name: "scene",
-        seeds: scenes,
-        repair: as_it_is,
+        seeds: |_| scenes(),
+        mutant: any,
         read: read_scene,
-        place: "fixtures/scenes/smoke/mutant.toml",
+        place: |_| "fixtures/scenes/smoke/mutant.toml".to_owned(),
         commands: &[
             "plan fixtures/scenes/smoke/mutant.toml --json",
             "plan fixtures/scenes/smoke/mutant.toml --json=fixtures/scenes/smoke/mutant.toml",
         ],
+        share: SHARE,
     },
     Kind {
         name: "manifest",
-        seeds: || of_families("fixtures/cases"),
-        repair: as_it_is,
+        seeds: |_| of_families("fixtures/cases"),
+        mutant: any,
         read: read_manifest,
-        place: "fixtures/cases/smoke/plain.toml",
+        place: |_| "fixtures/cases/smoke/plain.toml".to_owned(),
         commands: &[
             "list",
             "verify smoke/plain",
             "list --json=fixtures/cases/smoke/plain.toml",
         ],
+        share: SHARE,
     },
-    golden!(
-        "golden.exr",
-        "golden/smoke/plain.exr",
-        || golden(".exr"),
-        as_it_is
-    ),
-    golden!(
-        "golden.png",
-        "golden/smoke/plain.png",
-        || golden(".png"),
-        png
-    ),
+    golden!("golden.exr", "golden/smoke/plain.exr", golden(".exr"), any),
+    golden!("golden.png", "golden/smoke/plain.png", golden(".png"), png),
     golden!(
         "golden.toml",
         "golden/smoke/plain.toml",
-        || golden(".toml"),
-        as_it_is
+        golden(".toml"),
+        any
     ),
-    golden!("journal", "golden/accept.journal", journals, as_it_is),
+    Kind {
+        name: "sensitivities",
+        seeds: |_| sensitivities(),
+        mutant: any,
+        read: |_, bytes| {
+            let read = LayeredFilm::from_exr(bytes);
+            read.map(drop).map_err(|error| error.to_string())
+        },
+        place: |_| "golden/sensitivities/fog/room.exr".to_owned(),
+        commands: &[
+            "verify fog/room",
+            "validate fog/room --outputs images --explain 0 --json",
+        ],
+        share: SHARE,
+    },
+    Kind {
+        name: "unit",
+        seeds: kept::units,
+        mutant: kept::unit,
+        read: kept::read_unit_of,
+        place: kept::unit_place,
+        commands: &[
+            "accept fog/room --reason again",
+            "units fog/room",
+            "units fog/room --compute --json",
+            "merge . --json",
+        ],
+        share: LARGE_SHARE,
+    },
+    results!("result", kept::RESULTS),
+    results!("images", kept::RESULTS),
+    results!("trials", kept::TRIALS),
+    golden!("journal", "golden/accept.journal", journals(), any),
     Kind {
         name: "procedural",
-        seeds: || files(&["fuzz/corpus/procedural_xml"], ".xml"),
-        repair: as_it_is,
+        seeds: |_| files(&["fuzz/corpus/procedural_xml"], ".xml"),
+        mutant: any,
         read: read_procedural_text,
-        place: "mutant.xml",
+        place: |_| "mutant.xml".to_owned(),
         commands: &[
             "plan procedural.toml",
             "plan procedural.toml --json=mutant.xml",
         ],
+        share: SHARE,
     },
     Kind {
         name: "mesh",
-        seeds: || files(&["fixtures/meshes"], ".obj"),
-        repair: as_it_is,
+        seeds: |_| files(&["fixtures/meshes", "fuzz/corpus/obj"], ".obj"),
+        mutant: any,
         read: read_mesh,
-        place: "mesh.obj",
+        place: |_| "mesh.obj".to_owned(),
         commands: &["plan mesh.toml", "plan mesh.toml --json=mesh.obj"],
+        share: SHARE,
     },
     Kind {
         name: "obj",
-        seeds: || files(&["fuzz/corpus/obj"], ".obj"),
-        repair: as_it_is,
+        seeds: |_| files(&["fuzz/corpus/obj"], ".obj"),
+        mutant: any,
         read: |workshop, bytes| read_volume(workshop, "read.obj", bytes),
-        place: "mutant.obj",
+        place: |_| "mutant.obj".to_owned(),
         commands: &[
             "info mutant.obj",
             "info mutant.obj --resolution 8 --json=mutant.obj",
         ],
+        share: SHARE,
     },
-    volume!("bin", "read.bin", "mutant.bin", as_it_is),
-    volume!("vol", "read.vol", "mutant.vol", as_it_is),
-    volume!("nrrd", "read.nrrd", "mutant.nrrd", as_it_is),
-    volume!("nhdr", "read.nhdr", "mutant.nhdr", as_it_is),
-    volume!("nii", "read.nii", "mutant.nii", as_it_is),
+    volume!("bin", "read.bin", "mutant.bin", any),
+    volume!("vol", "read.vol", "mutant.vol", any),
+    volume!("nrrd", "read.nrrd", "mutant.nrrd", any),
+    volume!("nhdr", "read.nhdr", "mutant.nhdr", any),
+    volume!("nii", "read.nii", "mutant.nii", any),
     volume!("nii.gz", "read.nii.gz", "mutant.nii.gz", gzip),
-    volume!("raw.toml", "read.raw.toml", "mutant.raw.toml", as_it_is),
-    image!("exr", IMAGES, as_it_is, read_exr),
+    volume!("raw.toml", "read.raw.toml", "mutant.raw.toml", any),
+    Kind {
+        name: "exr-header",
+        seeds: |_| files(&IMAGES, ".exr"),
+        mutant: exr_header::mutant,
+        read: read_exr,
+        place: |_| "images/smoke/plain.exr".to_owned(),
+        commands: &[
+            "compare good.exr images/smoke/plain.exr --json",
+            "compare images/smoke/plain.exr good.exr",
+            "validate smoke/plain --outputs images --json",
+        ],
+        share: SHARE,
+    },
+    image!("exr", IMAGES, any, read_exr),
     image!("png", IMAGES, png, |workshop, bytes| read_picture(
         workshop, "read.png", bytes
     )),
-    image!("pfm", ["fixtures/images"], as_it_is, |workshop, bytes| {
+    image!("pfm", ["fixtures/images"], any, |workshop, bytes| {
         read_picture(workshop, "read.pfm", bytes)
     }),
-    image!("npy", ["fixtures/images"], as_it_is, |workshop, bytes| {
+    image!("npy", ["fixtures/images"], any, |workshop, bytes| {
         read_picture(workshop, "read.npy", bytes)
     }),
 ];
@@ -371,8 +459,34 @@ pub const KINDS: &[Kind] = &[
 impl Workshop {
     pub fn new() -> Workshop {
         let folder = Folder::with_suite();
-        let run = folder.volref(&["accept", "smoke/plain", "--reason", "first"]);
-        assert_eq!(run.code, 0, "{}", run.stderr);
+        let room = Folder::with_room("converged_samples = 128\nresolution = 0.9");
+        for (name, contents) in room.files() {
+            folder.write(&name, contents);
+        }
+        for words in [
+            &["accept", "smoke/plain", "fog/room", "--reason", "first"][..],
+            &["units", "fog/room", "--compute"],
+            &[
+                "verify",
+                "smoke/plain",
+                "--partition",
+                "slice:1/1",
+                "--results",
+                kept::RESULTS,
+            ],
+            &[
+                "selftest",
+                "smoke/plain",
+                "--quick",
+                "--partition",
+                "slice:1/1",
+                "--results",
+                kept::TRIALS,
+            ],
+        ] {
+            let run = folder.volref(words);
+            assert!([0, 6].contains(&run.code), "{}", run.stderr);
+        }
         for folder_of_all in VOLUMES.iter().chain(&IMAGES[..1]) {
             for entry in std::fs::read_dir(root().join(folder_of_all)).unwrap() {
                 let path = entry.unwrap().path();
@@ -412,22 +526,31 @@ impl Workshop {
                  diffuse = {{ reflectance = 0.5 }}\n"
             ),
         );
-        let whole = KINDS.iter().map(|kind| {
-            let path = folder.path(kind.place);
-            (kind.place, std::fs::read(path).ok())
+        let grey = Film::new(16, 16, vec![[0.5; 3]; 256]);
+        folder.write("images/fog/room.exr", grey.to_exr().unwrap());
+        let mut workshop = Workshop {
+            folder,
+            whole: BTreeMap::new(),
+        };
+        let places = KINDS.iter().map(|kind| (kind.place)(&workshop));
+        let whole = places.map(|place| {
+            let bytes = std::fs::read(workshop.folder.path(&place)).ok();
+            (place, bytes)
         });
-        let whole = whole.collect();
-        Workshop { folder, whole }
+        workshop.whole = whole.collect();
+        workshop
     }
 
-    /// Puts the file of a kind back, or takes it away where there was none.
-    pub fn restore(&self, kind: &Kind) {
-        self.restore_place(kind.place);
+    /// The place of the kind below `folder` with this extension.
+    pub fn place(&self, folder: &str, extension: &str) -> &str {
+        let mut places = self.whole.keys();
+        let is_there = |of: &&String| of.starts_with(folder) && of.ends_with(extension);
+        places.find(is_there).unwrap()
     }
 
-    fn restore_place(&self, place: &str) {
-        let (_, bytes) = self.whole.iter().find(|(name, _)| *name == place).unwrap();
-        match bytes {
+    /// Puts what stands there otherwise back, or takes away what is there.
+    pub fn restore(&self, place: &str) {
+        match &self.whole[place] {
             Some(bytes) => self.folder.write(place, bytes),
             None => self.folder.remove(place),
         }

@@ -72,7 +72,8 @@ impl Mutator {
         self.next() & 1 == 1
     }
 
-    fn one_of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
+    /// Any of them; there is one.
+    pub fn one_of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
         &all[self.below(all.len())]
     }
 
@@ -88,6 +89,18 @@ impl Mutator {
         let mut bytes = self.one_of(seeds).clone();
         for _ in 0..=self.below(4) {
             self.mutate(&mut bytes, seeds);
+        }
+        bytes
+    }
+
+    /// `seed` with one to three bytes changed: numbers and letters, mostly, of what keeps its form.
+    pub fn speckled(&mut self, seed: &[u8]) -> Vec<u8> {
+        let mut bytes = seed.to_vec();
+        for _ in 0..=self.below(3) {
+            let at = self.below(bytes.len());
+            if let Some(byte) = bytes.get_mut(at) {
+                *byte ^= 1 << self.below(8);
+            }
         }
         bytes
     }

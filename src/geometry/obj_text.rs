@@ -1,0 +1,199 @@
+//! Wavefront OBJ text as statements: one reader for meshes and for point clouds.
+//!
+//! A line is a keyword and its values, separated by blanks. `#` starts a comment anywhere in a
+//! line; a backslash at the end of a line continues it on the next, and counts as a blank, but
+//! not from within a comment, where it may end a path. Lines end in LF, CRLF or CR. Only numbers
+//! are decoded, so names and comments may be in any encoding that contains ASCII.
+//!
+//! A last line without a line end is read, since many programs write none: that it lost digits
+//! cannot be told.
+
+use std::collections::BTreeMap;
+use thiserror::Error;
+
+/// Mistake in an OBJ file, and how to mend it.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{}{message}", position.map_or(String::new(), |[line, column]| format!("{line}:{column}: ")))]
+pub struct ObjFault {
+    /// Line and column, from 1, if it is in a line.
+    pub position: Option<[usize; 2]>,
+    /// The message.
+    pub message: String,
+}
+
+impl ObjFault {
+    /// A mistake in the file as a whole.
+    fn in_file(message: &str) -> ObjFault {
+        ObjFault {
+            position: None,
+            message: message.to_owned(),
+        }
+    }
+}
+
+/// A segment of bytes without blanks, and where it stands.
+pub(crate) struct Word<'a> {
+    /// The bytes.
+    pub bytes: &'a [u8],
+    /// Line and column, from 1.
+    pub position: [usize; 2],
+}
+
+impl Word<'_> {
+    /// The word for a message: made printable, and cut where it is long.
+    pub fn text(&self) -> String {
+        const LONGEST: usize = 40;
+        let text = String::from_utf8_lossy(self.bytes);
+        match text.char_indices().nth(LONGEST) {
+            Some((end, _)) => format!("{}…", &text[..end]),
+            None => text.into_owned(),
+        }
+    }
+
+    /// A mistake in this word.
+    pub fn fault(&self, message: String) -> ObjFault {
+        ObjFault {
+            position: Some(self.position),
+            message,
+        }
+    }
+
+    /// The finite number that the word is; `name` is for the message.
+    pub fn number(&self, name: &str) -> Result<f64, ObjFault> {
+        let number = std::str::from_utf8(self.bytes).ok();
+        let number = number.and_then(|text| text.parse::<f64>().ok());
+        let fault = match number {
+            Some(number) if number.is_finite() => return Ok(number),
+            Some(_) => "not finite: correct this line",
+            None => "not a number: write it like 0.5 or 5e-1",
+        };
+        Err(self.fault(format!("{name} is {:?}, which is {fault}", self.text())))
+    }
+
+    /// The keyword of the format that the word is.
+    pub fn keyword(&self) -> Result<&'static str, ObjFault> {
+        if self.bytes == b"call" {
+            let message = "`call` includes another file, which is not read: put its lines here";
+            return Err(self.fault(message.to_owned()));
+        }
+        let mut known = KEYWORDS.split_ascii_whitespace();
+        known
+            .find(|known| known.as_bytes() == self.bytes)
+            .ok_or_else(|| {
+                let word = self.text();
+                self.fault(format!(
+                    "{word:?} is not a keyword of the OBJ format: points begin with `v`, faces with \
+                     `f`; remove the line or put `#` before it"
+                ))
+            })
+    }
+}
+
+/// Every keyword of the format's specification.
+const KEYWORDS: &str = "
+    v f vn vt vp p l o g s mg mtllib usemtl maplib usemap cstype deg bmat step curv curv2 surf
+    parm trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech
+    stech call csh
+";
+
+/// The statements of a file: its lines, with continued ones put together.
+pub(crate) struct Statements<'a> {
+    rest: &'a [u8],
+    line: usize,
+}
+
+impl<'a> Statements<'a> {
+    /// Those of a file, which must be text.
+    pub fn of(bytes: &'a [u8]) -> Result<Statements<'a>, ObjFault> {
+        if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
+            return Err(ObjFault::in_file(
+                "this is not plain text (a zero byte or UTF-16): save it as UTF-8 or ASCII",
+            ));
+        }
+        Ok(Statements {
+            rest: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes),
+            line: 0,
+        })
+    }
+
+    /// Puts the words of the next statement into `words`: none for a blank line or a comment.
+    /// False at the end of the file.
+    pub fn read_next(&mut self, words: &mut Vec<Word<'a>>) -> Result<bool, ObjFault> {
+        words.clear();
+        if self.rest.is_empty() {
+            return Ok(false);
+        }
+        loop {
+            let line = self.next_line();
+            let comment = line.iter().position(|&byte| byte == b'#');
+            let code = &line[..comment.unwrap_or(line.len())];
+            let continued = match comment {
+                None => code.trim_ascii_end().strip_suffix(b"\\"),
+                Some(_) => None,
+            };
+            push_words(continued.unwrap_or(code), self.line, words);
+            let Some(before) = continued else {
+                return Ok(true);
+            };
+            if self.rest.is_empty() {
+                return Err(ObjFault {
+                    position: Some([self.line, before.len() + 1]),
+                    message: "the file ends where this line is to go on on the next: it was cut \
+                              off, or the backslash must go"
+                        .to_owned(),
+                });
+            }
+        }
+    }
+
+    fn next_line(&mut self) -> &'a [u8] {
+        let rest = self.rest;
+        let end = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r');
+        let (line, after) = match end {
+            None => (rest, rest.len()),
+            Some(end) if rest[end..].starts_with(b"\r\n") => (&rest[..end], end + 2),
+            Some(end) => (&rest[..end], end + 1),
+        };
+        self.rest = &rest[after..];
+        self.line += 1;
+        line
+    }
+}
+
+fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
+    let mut start = 0;
+    for bytes in code.split(u8::is_ascii_whitespace) {
+        if !bytes.is_empty() {
+            words.push(Word {
+                bytes,
+                position: [line, start + 1],
+            });
+        }
+        start += bytes.len() + 1;
+    }
+}
+
+/// Statements by their keywords, for messages of what a file has.
+#[derive(Default)]
+pub(crate) struct Skipped(BTreeMap<&'static str, usize>);
+
+impl Skipped {
+    /// Counts a statement.
+    pub fn count(&mut self, keyword: &'static str) {
+        *self.0.entry(keyword).or_insert(0) += 1;
+    }
+}
+
+/// "3 × `f`, 2 × `vn`", or that there was nothing.
+impl std::fmt::Display for Skipped {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.is_empty() {
+            return f.write_str("only comments and blank lines");
+        }
+        let counts = self.0.iter();
+        let counts: Vec<_> = counts
+            .map(|(keyword, count)| format!("{count} × `{keyword}`"))
+            .collect();
+        f.write_str(&counts.join(", "))
+    }
+}

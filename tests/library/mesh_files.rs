@@ -1,0 +1,504 @@
+//! Meshes as programs write them: every dialect of OBJ is the same cube, polygons cover what they
+//! outline, and the rest is refused with its line.
+
+use glam::DVec3;
+use proptest::prelude::*;
+use std::io::Cursor;
+use volref::geometry::{ClosedMesh, Emitter, Mesh, MeshError, Surface};
+
+/// A cube as six squares.
+const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n\
+                    f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+fn read(text: impl AsRef<[u8]>) -> Result<Mesh, MeshError> {
+    Mesh::from_obj(text.as_ref())
+}
+
+type Corners = Vec<[DVec3; 3]>;
+
+fn triangles(mesh: &Mesh) -> Corners {
+    let at = |vertex: usize| mesh.vertices()[vertex];
+    mesh.faces().iter().map(|face| face.map(at)).collect()
+}
+
+#[test]
+fn a_cube_in_every_dialect() {
+    let cube = triangles(&read(CUBE).unwrap());
+    assert_eq!(cube.len(), 12);
+    let each = |keyword: &str, change: &dyn Fn(&str) -> String| {
+        let lines = CUBE.lines().map(|line| {
+            if line.starts_with(keyword) {
+                change(line)
+            } else {
+                line.to_owned()
+            }
+        });
+        lines.collect::<Vec<_>>().join("\n") + "\n"
+    };
+    let corners = |change: &dyn Fn(i64) -> String| {
+        each("f", &|line| {
+            let words = line.split(' ').skip(1);
+            let words = words.map(|word| change(word.parse().unwrap()));
+            format!("f {}", words.collect::<Vec<_>>().join(" "))
+        })
+    };
+    let texts = [
+        format!("\u{feff}{CUBE}"),
+        CUBE.replace('\n', "\r"),
+        CUBE.replace('\n', "\r\n"),
+        CUBE.trim_end().to_owned(),
+        CUBE.replace(' ', "  \t"),
+        each("", &|line| format!("{line} # {line}")),
+        each("", &|line| format!("  {line}#7")),
+        each("v", &|line| line.replacen("0", "\\\n 0", 1)),
+        each("f", &|line| format!("{} \\\r\n{}", &line[..5], &line[5..])),
+        // MeshLab, ZBrush: colours, which are not used.
+        each("v", &|line| format!("{line} 0.25 0.5 1")),
+        each("v", &|line| format!("{line} 0.25 0.5 1 1.000000")),
+        each("v", &|line| format!("{line} 1.0")),
+        each("v", &|line| {
+            line.replace('1', "+1.").replace(" 0", " .0e-3")
+        }),
+        corners(&|of| format!("{of}/1")),
+        corners(&|of| format!("{of}//1")),
+        corners(&|of| format!("{of}/1/1")),
+        corners(&|of| format!("{of}/")),
+        corners(&|of| format!("{}", of - 9)),
+        corners(&|of| format!("{}/-1/-1", of - 9)),
+        // Blender, Maya, 3ds Max.
+        format!(
+            "# Blender\nmtllib cube.mtl\no Cube\n{}vn 0 0 -1\nvt 0 0\nvt 0.5 0.5 0\ng side top\n\
+             usemtl Material #1\ns off\ns 1\n{}l 1 2\np 3\nvp 0.5\n",
+            &CUBE[..64],
+            &CUBE[64..]
+        ),
+        // Each face of its own object, material and vertices.
+        each("f", &|line| format!("o {line}\nusemtl {line}\ng\n{line}")),
+        // Vertices behind the faces.
+        format!("{}{}", &CUBE[64..], &CUBE[..64]),
+        // A corner twice in a row, and a face of two corners.
+        each("f", &|line| format!("{line} {0} {0}\nf 1 2 2", &line[2..3])),
+        // A curve, which is no surface.
+        format!("{CUBE}cstype bezier\ndeg 3\ncurv 0 1 1 2 3 4\nparm u 0 1\nend\n"),
+    ];
+    for text in &texts {
+        let mesh = read(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(triangles(&mesh), cube, "{text}");
+        assert_eq!(mesh.vertices().len(), 8, "{text}");
+        ClosedMesh::new(mesh).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    }
+    // Names in Latin-1.
+    let latin = [&b"o caf\xe9\n# Zo\xeb\n"[..], CUBE.as_bytes()].concat();
+    assert_eq!(triangles(&read(latin).unwrap()), cube);
+}
+
+#[test]
+fn what_is_refused_says_where() {
+    let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for (text, expected) in [
+        (
+            format!("{start}f 1 2 4"),
+            "4:7: this face refers to vertex 4, but the file has 3",
+        ),
+        (
+            format!("{start}f 1 2 9/4 3\nf 8 1 2"),
+            "4:7: this face refers to vertex 9, but the file has 3",
+        ),
+        (
+            format!("{start}f -1 -2 -4"),
+            "4:9: this face refers to the vertex 4 lines back, but there are 3",
+        ),
+        (
+            format!("{start}f 0 1 2"),
+            "4:3: vertex 0 is none: they are counted from 1",
+        ),
+        (
+            format!("{start}f 1 2 x"),
+            "4:7: \"x\" is no corner of a face",
+        ),
+        (format!("{start}f 1 2 3.0"), "4:7: \"3.0\" is no corner"),
+        (
+            format!("{start}f 1 2 3/1/1/1"),
+            "4:7: \"3/1/1/1\" is no corner",
+        ),
+        (format!("{start}f 1 2 3/a"), "4:7: \"3/a\" is no corner"),
+        (
+            format!("{start}f 1 2 99999999999999999999"),
+            "4:7: \"99999999999999999999\" is no corner",
+        ),
+        (
+            format!("{start}f 1 2 9223372036854775807"),
+            "4:7: this face refers to vertex 9223372036854775807",
+        ),
+        (
+            format!("{start}f 1 -9223372036854775808 2"),
+            "4:5: this face refers to the vertex",
+        ),
+        (
+            format!("{start}\nf 1 2"),
+            "5:1: a face has three corners or more, this one has 2",
+        ),
+        (
+            format!("{start}f"),
+            "4:1: a face has three corners or more, this one has 0",
+        ),
+        (
+            format!("{start}f 1 2 \\"),
+            "4:7: the file ends where this line is to go on",
+        ),
+        (
+            "v 0 0 0\nv 1 1,5 0".to_owned(),
+            "2:5: y is \"1,5\", which is not a number: write it like 0.5",
+        ),
+        (
+            "v 0 0 \\\n nan".to_owned(),
+            "2:2: z is \"nan\", which is not finite",
+        ),
+        (
+            "v 1 2".to_owned(),
+            "1:1: a `v` line of a mesh has 3 numbers (x y z)",
+        ),
+        (
+            "v 1 2 3 0.5".to_owned(),
+            "1:9: w is 0.5, and a vertex of a mesh has no weight",
+        ),
+        (
+            "v 1 2 3 1 1".to_owned(),
+            "1:1: a `v` line of a mesh has 3 numbers",
+        ),
+        (
+            format!("{start}vertex 1"),
+            "4:1: \"vertex\" is not a keyword of the OBJ format",
+        ),
+        (
+            "ply\nformat ascii 1.0".to_owned(),
+            "1:1: \"ply\" is not a keyword",
+        ),
+        (
+            format!("{start}f 1 2 3\nsurf 0 1 0 1 1 2 3"),
+            "5:1: a free-form surface is no polygon",
+        ),
+        (
+            "call other.obj".to_owned(),
+            "1:1: `call` includes another file",
+        ),
+        (
+            "\0".to_owned(),
+            "this is not plain text (a zero byte or UTF-16): save it as UTF-8",
+        ),
+        (start.to_owned(), "the mesh has no faces"),
+        (String::new(), "the mesh has no faces"),
+        (
+            format!("{start}v 2 0 0\n\nf 1 2 3\nf 1 2 4"),
+            "the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]",
+        ),
+        (
+            format!("{start}v 1 1 0\nf 1 2 3 4"),
+            "5:1: this polygon has no area, or crosses itself",
+        ),
+        (
+            format!("{start}v 2 3 0\nf 1 2 3 4"),
+            "5:1: this polygon crosses itself, at its edge from [2, 3, 0] to [0, 0, 0]",
+        ),
+        (
+            format!("{start}v 2 0 0\nv 3 0 0\nf 1 2 4 5"),
+            "6:1: this polygon has no area, or crosses itself",
+        ),
+    ] {
+        let error = read(&text).unwrap_err().to_string();
+        assert!(error.starts_with(expected), "{text:?}: {error}");
+    }
+    // Two triangles that touch at a corner, one of them turned over; and one covered twice.
+    let touching = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 1 -1 0\nv 0 -2 0\nf 1 2 3 1 4 5";
+    let twice = "v 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3 1 2 3";
+    for text in [touching, twice] {
+        let error = read(text).unwrap_err().to_string();
+        assert!(
+            error.contains("this polygon covers a place twice"),
+            "{error}"
+        );
+    }
+    let utf_16: Vec<u8> = "\u{feff}v 0 0 0\n"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let error = read(utf_16).unwrap_err().to_string();
+    assert!(error.contains("UTF-16): save it as UTF-8"), "{error}");
+    // Of closed meshes too.
+    let open = CUBE.replace("f 2 4 8 6\n", "");
+    let error = ClosedMesh::new(read(open).unwrap())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("belongs to the face in line 9 only"),
+        "{error}"
+    );
+}
+
+/// A polygon by its corners in a plane, and its area.
+const POLYGONS: &[(&[[f64; 2]], f64)] = &[
+    // A dart, an L, a comb.
+    (&[[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]], 4.0),
+    (
+        &[
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ],
+        3.0,
+    ),
+    (
+        &[
+            [0.0, 0.0],
+            [5.0, 0.0],
+            [5.0, 3.0],
+            [4.0, 3.0],
+            [4.0, 1.0],
+            [3.0, 1.0],
+            [3.0, 3.0],
+            [2.0, 3.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [0.0, 3.0],
+        ],
+        11.0,
+    ),
+    // Corners within edges.
+    (
+        &[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [0.0, 3.0]],
+        4.5,
+    ),
+    (
+        &[
+            [0.0, 0.0],
+            [0.1, 0.1],
+            [0.3, 0.3],
+            [0.7, 0.7],
+            [0.0, 1.0],
+            [0.0, 0.1],
+        ],
+        0.35,
+    ),
+    // A square with a square hole, by a slit along which the outline goes twice.
+    (
+        &[
+            [0.0, 0.0],
+            [4.0, 0.0],
+            [4.0, 4.0],
+            [0.0, 4.0],
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [3.0, 3.0],
+            [3.0, 1.0],
+            [1.0, 1.0],
+        ],
+        12.0,
+    ),
+    // A spiral, that the fan of no corner covers.
+    (
+        &[
+            [0.0, -1.0],
+            [8.0, -1.0],
+            [8.0, 8.0],
+            [1.0, 8.0],
+            [1.0, 2.0],
+            [5.0, 2.0],
+            [5.0, 5.0],
+            [4.0, 5.0],
+            [4.0, 3.0],
+            [2.0, 3.0],
+            [2.0, 7.0],
+            [7.0, 7.0],
+            [7.0, 0.0],
+            [0.0, 0.0],
+        ],
+        32.0,
+    ),
+];
+
+/// Twice the area of a polygon.
+fn shoelace(corners: &[[f64; 2]]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    corners
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a[0] * b[1] - a[1] * b[0])
+        .sum()
+}
+
+/// A prism: the polygon below and above, quadrilaterals around.
+fn prism(corners: &[[f64; 2]], place: &dyn Fn([f64; 3]) -> [f64; 3]) -> String {
+    let mut text = String::new();
+    for height in [0.0, 1.0] {
+        for &[x, y] in corners {
+            let [x, y, z] = place([x, y, height]);
+            text.push_str(&format!("v {x} {y} {z}\n"));
+        }
+    }
+    let count = corners.len();
+    let face = |corners: &mut dyn Iterator<Item = usize>| {
+        let words: Vec<_> = corners.map(|corner| corner.to_string()).collect();
+        format!("f {}\n", words.join(" "))
+    };
+    text.push_str(&face(&mut (1..=count).rev()));
+    text.push_str(&face(&mut (count + 1..=2 * count)));
+    for at in 1..=count {
+        let next = at % count + 1;
+        text.push_str(&face(&mut [at, next, next + count, at + count].into_iter()));
+    }
+    text
+}
+
+/// From each first corner, in each direction, moved, turned and scaled, a polygon covers its area
+/// once, and a prism of it is closed.
+#[test]
+fn polygons_cover_what_they_outline() {
+    let places: [&dyn Fn([f64; 3]) -> [f64; 3]; 5] = [
+        &|at| at,
+        &|[x, y, z]| [y, z, x],
+        &|[x, y, z]| [z, x, y],
+        &|[x, y, z]| [x + y - 50.0, 0.5 * y + 2.0 * z, z + x],
+        &|[x, y, z]| [x * 1e65, y * 1e65, z * 1e65],
+    ];
+    for &(polygon, area) in POLYGONS {
+        let twice = shoelace(polygon);
+        assert!((twice - 2.0 * area).abs() < 1e-12, "{polygon:?}");
+        for first in 0..polygon.len() {
+            let mut turned = polygon.to_vec();
+            turned.rotate_left(first);
+            let lines = turned.iter().map(|[x, y]| format!("v {x} {y} 7\n"));
+            let face: Vec<_> = (1..=turned.len()).map(|at| at.to_string()).collect();
+            let lines: String = lines.collect();
+            for (face, up) in [
+                (face.join(" "), 1.0),
+                (
+                    face.iter().rev().cloned().collect::<Vec<_>>().join(" "),
+                    -1.0,
+                ),
+            ] {
+                let mesh = read(format!("{lines}f {face}\n")).unwrap();
+                assert!(
+                    (mesh.area() - 0.5 * twice).abs() < 1e-12 * twice,
+                    "{polygon:?}"
+                );
+                for [a, b, c] in triangles(&mesh) {
+                    assert!((b - a).cross(c - a).z * up > 0.0, "{polygon:?}");
+                }
+            }
+            for (number, place) in places.iter().enumerate() {
+                let text = prism(&turned, place);
+                let mesh = read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+                // Along a slit four sides of the prism meet.
+                if corner_count(&turned) == turned.len() {
+                    ClosedMesh::new(mesh)
+                        .unwrap_or_else(|error| panic!("{number} {error}\n{text}"));
+                }
+            }
+        }
+    }
+}
+
+fn corner_count(polygon: &[[f64; 2]]) -> usize {
+    let corners: std::collections::BTreeSet<_> =
+        polygon.iter().map(|at| at.map(f64::to_bits)).collect();
+    corners.len()
+}
+
+/// A polygon that is not flat keeps its corners, and each edge between its neighbours.
+#[test]
+fn polygons_that_are_not_flat_are_what_they_are_from_above() {
+    let bent = "v 0 0 0.5\nv 4 0 0\nv 1 1 0.25\nv 0 4 0\nf 1 2 3 4\n";
+    assert_eq!(read(bent).unwrap().faces(), [[0, 1, 2], [0, 2, 3]]);
+    let bent = "v 4 0 0\nv 1 1 0.25\nv 0 4 0\nv 0 0 0.5\nf 1 2 3 4\n";
+    let mesh = read(bent).unwrap();
+    let mut seen: Vec<[usize; 3]> = mesh.faces().to_vec();
+    seen.iter_mut().for_each(|face| face.sort());
+    seen.sort();
+    assert_eq!(seen, [[0, 1, 3], [1, 2, 3]]);
+}
+
+/// Another reader of OBJ sees the same triangles where it can read: of the fixtures, and of convex
+/// polygons, whose fans images have been made of.
+#[test]
+fn convex_polygons_are_fans_as_in_another_reader() {
+    let fixture = |name| std::fs::read_to_string(format!("fixtures/meshes/{name}.obj")).unwrap();
+    let octagon: String = (0..8)
+        .map(|k| f64::from(k) * std::f64::consts::TAU / 8.0)
+        .map(|at| (volref::math::cos(at), volref::math::sin(at), 0.01 * at))
+        .map(|(x, y, z)| format!("v {x} {y} {z}\n"))
+        .collect();
+    let octagon = format!("{octagon}f 1 2 3 4 5 6 7 8\nf 8 7 6 5 4\nf 3 2 1 8\n");
+    for text in [
+        CUBE.to_owned(),
+        octagon,
+        fixture("gem"),
+        fixture("knot"),
+        fixture("ball"),
+    ] {
+        let options = tobj::LoadOptions {
+            triangulate: true,
+            ..Default::default()
+        };
+        let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
+        let loaded = tobj::load_obj_buf(&mut Cursor::new(&text), &options, no_materials);
+        let mut theirs = Corners::new();
+        for model in loaded.unwrap().0 {
+            let at = |vertex: &u32| {
+                DVec3::from_slice(&model.mesh.positions[3 * *vertex as usize..][..3])
+            };
+            let faces = model.mesh.indices.chunks_exact(3);
+            theirs.extend(faces.map(|face| [at(&face[0]), at(&face[1]), at(&face[2])]));
+        }
+        assert_eq!(triangles(&read(&text).unwrap()), theirs);
+    }
+}
+
+/// A circle of many corners with teeth, and a polygon of as many corners on a line.
+#[test]
+fn polygons_of_many_corners_take_no_time() {
+    let count = 50_000;
+    let mut text = String::new();
+    for k in 0..count {
+        let at = f64::from(k) * std::f64::consts::TAU / f64::from(count);
+        let radius = if k % 2 == 0 { 1.0 } else { 1.01 };
+        let (x, y) = (
+            radius * volref::math::cos(at),
+            radius * volref::math::sin(at),
+        );
+        text.push_str(&format!("v {x} {y} 0\n"));
+    }
+    let face: Vec<_> = (1..=count).map(|k| k.to_string()).collect();
+    text.push_str(&format!("f {}\n", face.join(" ")));
+    let start = std::time::Instant::now();
+    assert_eq!(read(&text).unwrap().faces().len(), count as usize - 2);
+    // Seconds in the square of their number.
+    assert!(start.elapsed().as_secs() < 20);
+}
+
+proptest! {
+    /// Any corners on a coarse lattice: they cross, touch, repeat, and lie on lines. What is read
+    /// covers the area that the formula says, once, in one sense.
+    #[test]
+    fn any_polygon_is_covered_or_refused(corners in prop::collection::vec((0..6_i32, 0..6_i32), 3..12)) {
+        let corners: Vec<[f64; 2]> =
+            corners.iter().map(|&(x, y)| [f64::from(x), f64::from(y)]).collect();
+        let lines: String = corners.iter().map(|[x, y]| format!("v {x} {y} 1\n")).collect();
+        let face: Vec<_> = (1..=corners.len()).map(|at| at.to_string()).collect();
+        match read(format!("{lines}f {}\n", face.join(" "))) {
+            Ok(mesh) => {
+                let twice = shoelace(&corners);
+                prop_assert!((2.0 * mesh.area() - twice.abs()).abs() < 1e-9);
+                for [a, b, c] in triangles(&mesh) {
+                    prop_assert!((b - a).cross(c - a).z * twice > 0.0);
+                }
+                prop_assert!(mesh.bounds().size().z == 0.0);
+            }
+            Err(error) => prop_assert!(!error.to_string().is_empty()),
+        }
+    }
+}
