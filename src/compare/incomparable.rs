@@ -37,8 +37,9 @@ pub(super) fn films(gate: &'static dyn Gate, reference: &Film, test: &Film) -> O
         .or_else(|| no_variance(gate, TEST, test))
 }
 
-const REFERENCE: &str = "reference";
-const TEST: &str = "test image";
+/// The names of the two images in a reason.
+pub(super) const REFERENCE: &str = "reference";
+pub(super) const TEST: &str = "test image";
 
 fn size_differs(
     gate: &'static dyn Gate,
@@ -71,14 +72,34 @@ fn not_finite(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgem
     let are = if broken.len() == 1 { "is" } else { "are" };
     let reason = format!(
         "{} of {} pixels of the {name} {are} not finite: {}; the first has red, green, blue, opacity \
-         {:?}; look for a division 0/0, such as a vector of length 0 that is normalised",
+         {:?}; {}",
         broken.len(),
         width * height,
         named.join(", "),
-        film.pixel(first)
+        film.pixel(first),
+        origins(film, &broken)
     );
     let metrics = [(NON_FINITE.0, broken.len() as f64)];
     Some(Judgement::new(gate, false, reason, &metrics))
+}
+
+/// Likely origins of NaN and of infinity, of those that `broken` pixels of `film` have.
+fn origins(film: &Film, broken: &[usize]) -> String {
+    let any = |is: fn(f32) -> bool| {
+        broken
+            .iter()
+            .any(|&index| film.pixel(index).into_iter().any(is))
+    };
+    let infinity = match film.overflow() {
+        Some(overflow) => overflow.to_string(),
+        None => "look for a division by 0, such as by a distance or a probability".to_owned(),
+    };
+    let of_nan = "look for a division 0/0, such as a vector of length 0 that is normalised";
+    match (any(f32::is_nan), any(f32::is_infinite)) {
+        (true, true) => format!("NaN: {of_nan}; infinity: {infinity}"),
+        (true, false) => of_nan.to_owned(),
+        (false, _) => infinity,
+    }
 }
 
 fn no_variance(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgement> {

@@ -2,6 +2,7 @@
 
 use super::advice::Undecided;
 use super::gate::Gate;
+use crate::film::Film;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -104,5 +105,13 @@ impl Judgement {
             detectable: Vec::new(),
             fit: None,
         }
+    }
+
+    /// With the changes that `film`, the image called `name`, underwent on reading.
+    pub fn with_changes_of(mut self, name: &str, film: &Film) -> Judgement {
+        for change in film.changes_on_reading() {
+            self.reason.push_str(&format!("; the {name} {change}"));
+        }
+        self
     }
 }

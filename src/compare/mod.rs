@@ -38,7 +38,7 @@ pub use sensitivity::{Sensitivity, change_in_words};
 pub use stochastic::Stochastic;
 
 use crate::film::Film;
-use incomparable::NON_FINITE;
+use incomparable::{NON_FINITE, REFERENCE, TEST};
 
 /// Every gate for a pair of images. If several are the default for a pair, the first is used.
 pub const GATES: [&dyn ImageGate; 4] = [&Exact, &Deterministic, &Perceptual, &Stochastic];
@@ -79,7 +79,7 @@ pub fn metric_meaning(name: &str) -> Option<&'static str> {
 }
 
 /// Compares `test` with `reference`: first checks sizes and that all pixels are finite, then applies
-/// the gate.
+/// the gate. Changes of the images on reading are part of the reason.
 ///
 /// # Errors
 ///
@@ -90,10 +90,19 @@ pub fn judge(
     test: &Picture,
     conditions: &Conditions<'_>,
 ) -> Result<Judgement, PictureError> {
-    match incomparable::pictures(gate, reference, test) {
-        Some(difference) => Ok(difference),
-        None => gate.judge(reference, test, conditions),
-    }
+    let judgement = match incomparable::pictures(gate, reference, test) {
+        Some(difference) => difference,
+        None => gate.judge(reference, test, conditions)?,
+    };
+    let named = [(REFERENCE, reference), (TEST, test)];
+    Ok(named
+        .into_iter()
+        .fold(judgement, |judgement, (name, picture)| {
+            match picture.radiance() {
+                Some(film) => judgement.with_changes_of(name, film),
+                None => judgement,
+            }
+        }))
 }
 
 #[cfg(test)]

@@ -111,7 +111,7 @@ impl FilmError {
 
     /// A decoder panicked.
     pub(super) fn stopped(format: &'static str, stopped: Stopped) -> FilmError {
-        FilmError::unreadable(format, stopped.to_string())
+        FilmError::unreadable(format, format!("it is broken ({stopped}): write it again"))
     }
 }
 

@@ -1,8 +1,9 @@
 //! Checks that an EXR holds everything that its header declares. The `exr` crate does not: it
-//! accepts the corners of a window in any order, reads only the largest of several resolutions, and
-//! leaves zeros if two entries of the offset table point to the same block.
+//! accepts the corners of a window in any order, drops attributes it cannot read, reads only the largest
+//! of several resolutions, and leaves zeros if two entries of the offset table point to the same block.
 
 use super::FilmError;
+use super::exr_meaning::check_compression;
 use exr::block::chunk::{CompressedBlock, TileCoordinates};
 use exr::block::reader::ChunksReader;
 use exr::math::Vec2;
@@ -15,52 +16,122 @@ const WINDOWS: [&[u8]; 2] = [b"displayWindow", b"dataWindow"];
 
 /// The error for a file that the `exr` crate refuses.
 pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
-    let reason = match error.to_string().as_str() {
+    use exr::error::Error;
+    let reason = match error {
         // The words of the crate for the end of a file before the end of the image.
-        "invalid: reference to missing bytes" => "the file ends too early".to_owned(),
-        "invalid: file identifier missing" => {
+        Error::Invalid(words) if words == "reference to missing bytes" => {
+            "the file ends too early".to_owned()
+        }
+        Error::Invalid(words) if words == "file identifier missing" => {
             "it does not begin with the signature of the format".to_owned()
         }
-        other => other.to_owned(),
+        Error::Invalid(words) => {
+            format!("it is broken (\"{words}\"): write it again; exrcheck finds more faults")
+        }
+        Error::NotSupported(words) => {
+            return FilmError::unsuited(
+                format!(
+                    "this EXR has something unknown to volref (\"{words}\"), though it may be right"
+                ),
+                "see it with exrheader, and save a plain image: oiiotool in.exr --compression zip -o \
+                 out.exr",
+            );
+        }
+        other => other.to_string(),
     };
     FilmError::unreadable("EXR", reason)
 }
 
-/// Fails if a window of any part ends before it begins.
+/// Bytes before the first header: magic number, version and flags.
+const PREAMBLE: usize = 8;
+/// The byte of the preamble with the flags, and two of them.
+const FLAGS: usize = 5;
+const LONG_NAMES: u8 = 1 << 2;
+const SEVERAL_PARTS: u8 = 1 << 4;
+
+/// Bytes of the value of `chromaticities`.
+const CHROMATICITIES: usize = 32;
+
+/// Fails if a header of any part has a window that ends before it begins, a compression that is not
+/// read, a name that is too long, or an attribute that says what pixels are and cannot be read.
 ///
 /// Source: <https://openexr.com/en/latest/OpenEXRFileLayout.html>, header: name, type and size of
-/// each attribute, then its value; an empty name ends the header.
-pub(super) fn check_windows(bytes: &[u8]) -> Result<(), FilmError> {
-    /// Magic number and version.
-    const PREAMBLE: usize = 8;
-    let mut rest = bytes.get(PREAMBLE..).unwrap_or_default();
-    // Of several headers, an empty one is the last.
-    while rest.first().is_some_and(|&byte| byte != 0) {
-        while let Some((name, value, after)) = attribute(rest) {
+/// each attribute, then its value; an empty name ends the header, another one those of several parts.
+pub(super) fn check_headers(bytes: &[u8]) -> Result<(), FilmError> {
+    let Some((preamble, mut rest)) = bytes.split_at_checked(PREAMBLE) else {
+        return Ok(());
+    };
+    let has = |flag: u8| preamble[FLAGS] & flag != 0;
+    // One letter more than OpenEXR allows, as the crate does.
+    let longest = if has(LONG_NAMES) { 256 } else { 32 };
+    loop {
+        while let Some((name, value, after)) = attribute(rest, longest)? {
             if WINDOWS.contains(&name) {
                 check_window(name, value)?;
             }
+            match (name, value) {
+                (b"compression", &[number]) => check_compression(number)?,
+                (b"chromaticities", value) if value.len() != CHROMATICITIES => {
+                    let reason = format!(
+                        "its chromaticities have {} bytes, not {CHROMATICITIES}",
+                        value.len()
+                    );
+                    return Err(FilmError::unreadable("EXR", reason));
+                }
+                _ => {}
+            }
             rest = after;
         }
-        rest = rest.get(1..).unwrap_or_default();
+        // What is none of these is left to the crate.
+        match rest {
+            [0, next, ..] if has(SEVERAL_PARTS) && *next != 0 => rest = &rest[1..],
+            _ => return Ok(()),
+        }
     }
-    Ok(())
 }
 
-/// Name and value of the first attribute in `bytes`, and the rest.
-fn attribute(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
-    let (name, rest) = text(bytes)?;
-    let (_type, rest) = text(rest)?;
-    let (size, rest) = rest.split_first_chunk()?;
-    let size = usize::try_from(i32::from_le_bytes(*size)).ok()?;
-    let (value, rest) = rest.split_at_checked(size)?;
-    Some((name, value, rest))
+/// An attribute's name and value, and the bytes behind it.
+type Attribute<'b> = (&'b [u8], &'b [u8], &'b [u8]);
+
+/// The first attribute in `bytes`, whose name and type have at most `longest` bytes; none if there is
+/// no whole one.
+fn attribute(bytes: &[u8], longest: usize) -> Result<Option<Attribute<'_>>, FilmError> {
+    let Some((name, rest)) = text(bytes, longest)? else {
+        return Ok(None);
+    };
+    let Some((_type, rest)) = text(rest, longest)? else {
+        return Ok(None);
+    };
+    let sized = rest.split_first_chunk().and_then(|(size, rest)| {
+        let size = usize::try_from(i32::from_le_bytes(*size)).ok()?;
+        rest.split_at_checked(size)
+    });
+    Ok(sized.map(|(value, rest)| (name, value, rest)))
 }
 
 /// A non-empty text up to its terminating zero, and the rest.
-fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    let end = bytes.iter().position(|&byte| byte == 0)?;
-    (end > 0).then(|| (&bytes[..end], &bytes[end + 1..]))
+fn text(bytes: &[u8], longest: usize) -> Result<Option<(&[u8], &[u8])>, FilmError> {
+    /// As many letters as a message shows.
+    const SHOWN: usize = 24;
+    let end = bytes.iter().take(longest + 1).position(|&byte| byte == 0);
+    match end {
+        Some(0) => Ok(None),
+        Some(end) => Ok(Some((&bytes[..end], &bytes[end + 1..]))),
+        // Else these are no letters.
+        None if bytes.len() > longest && bytes[..longest].iter().all(u8::is_ascii_graphic) => {
+            Err(FilmError::unsuited(
+                format!(
+                    "the name of an attribute of this EXR, {}…, has more than the {} letters \
+                     that its header allows",
+                    String::from_utf8_lossy(&bytes[..SHOWN]),
+                    longest - 1
+                ),
+                "give it a shorter name, or leave it out; up to 255 letters need the flag for long \
+                 names, which OpenEXR sets by itself",
+            ))
+        }
+        None => Ok(None),
+    }
 }
 
 fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {

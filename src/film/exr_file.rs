@@ -5,16 +5,19 @@
 //! the others; of several parts many programs read only the first.
 
 use super::error::{check_claim, check_size};
-use super::exr_completeness::{check_blocks, check_windows, unreadable};
+use super::exr_completeness::{check_blocks, check_headers, unreadable};
 use super::exr_layers::{Colours, ExrPart, ExrParts, main_layer, name_of, samples_of};
+use super::exr_meaning::{check_opacity, check_part, check_parts, primaries};
+use super::primaries::{Primaries, REC709};
+use super::reading::{Overflow, Reading};
 use super::{Film, FilmError, Noise};
 use crate::decoder;
 use exr::meta::MetaData;
-use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, ImageAttributes, Layer,
-    LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer, LayerAttributes,
+    ReadChannels, ReadLayers, Vec2, WritableImage, read,
 };
+use glam::DVec3;
 use std::io::Cursor;
 use std::ops::Range;
 
@@ -27,6 +30,10 @@ const SAMPLES: &str = "samples.Y";
 const NO_COUNT: &str = "there are variances, but no channel samples.Y: write the number of \
 samples per pixel into it, the same everywhere; or give several renderings with different seeds \
 in place of variances";
+
+/// The variance of a sum of channels needs their covariances.
+pub(super) const NOT_CONVERTED: &str = "the colours were converted to the primaries of Rec.709, and \
+variances cannot be: write both with those primaries, or give several renderings with different seeds";
 
 pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
     let channel = |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
@@ -113,9 +120,37 @@ pub(super) fn decode_variance(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
 
 fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
     let frame = PixelWindow::of(colours.part, file)?;
+    check_opacity(colours)?;
+    let primaries = primaries(colours, file)?;
+    let mut reading = Reading::default();
+    if let Some(layer) = &colours.unusual_layer {
+        reading
+            .changes
+            .push(format!("was read from the layer {layer}"));
+    }
     let [r, g, b] = colours.rgb.map(floats);
-    let radiance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
+    let mut radiance: Vec<[f32; 3]> = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
+    if colours
+        .rgb
+        .iter()
+        .chain(&colours.opacity)
+        .any(|of| has_infinite_halves(of))
+    {
+        reading.overflow = Some(Overflow::Half);
+    }
     let noise = noise(colours, file)?;
+    // Grey has no primaries.
+    if !primaries.is(&REC709) && !colours.is_grey {
+        if noise.is_some() {
+            return Err(FilmError::Noise(NOT_CONVERTED));
+        }
+        convert(&mut radiance, primaries);
+        reading.is_converted = true;
+        reading.changes.push(format!(
+            "was converted from the primaries {primaries} to those of Rec.709{}",
+            primaries.adaptation()
+        ));
+    }
     let samples = match &noise {
         Some(noise) => Some(noise.samples),
         // Without variances nothing depends on it but advice: what is no number is none.
@@ -131,7 +166,26 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
             ..noise
         }),
         samples: samples.map(u64::from),
+        reading,
     })
+}
+
+/// Converts to the primaries of Rec.709. Pixels that are not finite are left, for infinity less
+/// infinity would be NaN.
+fn convert(radiance: &mut [[f32; 3]], from: Primaries) {
+    let Some(matrix) = from.to_rec709() else {
+        return;
+    };
+    for pixel in radiance {
+        if pixel.iter().all(|value| value.is_finite()) {
+            let converted = matrix * DVec3::from_array(pixel.map(f64::from));
+            *pixel = converted.to_array().map(|value| value as f32);
+        }
+    }
+}
+
+fn has_infinite_halves(samples: &FlatSamples) -> bool {
+    matches!(samples, FlatSamples::F16(values) if values.iter().any(|value| value.is_infinite()))
 }
 
 /// All parts of a file that is neither too large nor of a kind that cannot be used.
@@ -148,6 +202,7 @@ fn read_file_within(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
 }
 
 fn read_parts(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
+    check_headers(bytes)?;
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let mut claimed = 0_u64;
@@ -162,10 +217,8 @@ fn read_parts(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
         return Err(FilmError::Beyond { claimed, most });
     }
     check_claim(claimed, bytes.len())?;
-    for header in &meta.headers {
-        check_kind(header)?;
-    }
-    check_windows(bytes)?;
+    meta.headers.iter().try_for_each(check_part)?;
+    check_parts(&meta.headers)?;
     check_blocks(bytes)?;
     read()
         .no_deep_data()
@@ -176,37 +229,6 @@ fn read_parts(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
         .non_parallel()
         .from_buffered(Cursor::new(bytes))
         .map_err(unreadable)
-}
-
-fn check_kind(header: &Header) -> Result<(), FilmError> {
-    if header.deep {
-        return Err(FilmError::unsuited(
-            "this EXR has deep data, many samples along each ray",
-            "write a flat image, one radiance a pixel",
-        ));
-    }
-    if matches!(
-        header.compression,
-        Compression::DWAA(_) | Compression::DWAB(_)
-    ) {
-        // Besides, the crate allocates whatever a block of it claims.
-        return Err(FilmError::unsuited(
-            "this EXR is compressed with DWA, which loses digits",
-            "compress it without loss, with ZIP or PIZ, or not at all",
-        ));
-    }
-    let channels = header.channels.list.iter();
-    let mut subsampled = channels.filter(|channel| channel.sampling != Vec2(1, 1));
-    if let Some(channel) = subsampled.next() {
-        return Err(FilmError::unsuited(
-            format!(
-                "the channel {} of this EXR is subsampled: it has fewer values than pixels",
-                channel.name
-            ),
-            "write R, G and B in full",
-        ));
-    }
-    Ok(())
 }
 
 pub(super) fn floats(samples: &FlatSamples) -> Vec<f32> {

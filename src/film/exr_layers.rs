@@ -24,6 +24,9 @@ pub(super) struct Colours<'f> {
     /// The same channel three times for a grey image.
     pub rgb: [&'f FlatSamples; 3],
     pub opacity: Option<&'f FlatSamples>,
+    pub is_grey: bool,
+    /// The name of a layer that is chosen as the only one, though it has no name of a main layer.
+    pub unusual_layer: Option<String>,
 }
 
 pub(super) fn name_of(part: &ExrPart) -> String {
@@ -65,8 +68,10 @@ impl<'f> Group<'f> {
         Some([r?, g?, b?])
     }
 
+    /// Beside X, Y is a coordinate.
     fn grey(&self) -> Option<[&'f FlatSamples; 3]> {
-        self.channel("Y").map(|y| [y; 3])
+        let luminance = self.channel("Y").filter(|_| self.channel("X").is_none());
+        luminance.map(|y| [y; 3])
     }
 
     fn has_chroma(&self) -> bool {
@@ -140,6 +145,8 @@ fn the_one<'f>(
         .iter()
         .filter_map(|group| Some((group, colours(group)?)))
         .collect();
+    // A part with a name and nothing else is the image.
+    let is_among_several = groups.len() > 1 || groups.iter().any(|group| !group.prefix.is_empty());
     let called = |names: &[&str]| -> Vec<_> {
         let all = with_colours.iter().copied();
         all.filter(|(group, _)| names.contains(&group.last_name().as_str()))
@@ -151,6 +158,9 @@ fn the_one<'f>(
                 part: group.part,
                 rgb,
                 opacity: group.channel("A"),
+                is_grey: group.rgb().is_none(),
+                unusual_layer: (is_among_several && !MAIN.contains(&group.last_name().as_str()))
+                    .then(|| group.name.clone()),
             }));
         }
     }

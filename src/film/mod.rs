@@ -4,12 +4,15 @@ mod error;
 mod exr_completeness;
 mod exr_file;
 mod exr_layers;
+mod exr_meaning;
 mod format;
 mod layered_file;
 mod noise;
 mod npy_file;
 mod pfm_file;
 mod png_file;
+mod primaries;
+mod reading;
 mod replicates;
 mod stored;
 
@@ -21,6 +24,8 @@ pub use format::FilmFormat;
 pub use layered_file::LayeredFilm;
 pub use noise::Noise;
 use noise::is_sound;
+pub use reading::Overflow;
+use reading::Reading;
 
 /// Linear, scene-referred RGB radiance, top row first; with opacity for a volume, and with noise if
 /// the radiance is a mean of random samples.
@@ -33,6 +38,9 @@ pub struct Film {
     opacity: Option<Vec<f32>>,
     noise: Option<Noise>,
     samples: Option<u64>,
+    /// Not kept in files of volref: those are read as they are.
+    #[serde(skip)]
+    reading: Reading,
 }
 
 impl Film {
@@ -52,6 +60,7 @@ impl Film {
             opacity: None,
             noise: None,
             samples: None,
+            reading: Reading::default(),
         }
     }
 
@@ -144,6 +153,9 @@ impl Film {
         }
         if samples < 2 {
             return Err(FilmError::Noise("one sample has no variance"));
+        }
+        if self.reading.is_converted || variance.reading.is_converted {
+            return Err(FilmError::Noise(exr_file::NOT_CONVERTED));
         }
         let variance = variance.radiance.clone();
         Ok(Film {
@@ -287,6 +299,17 @@ impl Film {
         noise.is_of_renderings().then_some(noise.samples)
     }
 
+    /// Changes of the pixels on reading, as ends of a sentence about the image: a conversion from other
+    /// primaries, the choice of a layer, a scale.
+    pub fn changes_on_reading(&self) -> &[String] {
+        &self.reading.changes
+    }
+
+    /// The type of number whose range a value left in the file; only of films with infinite values.
+    pub fn overflow(&self) -> Option<Overflow> {
+        self.reading.overflow
+    }
+
     /// Noise of the radiance, if it is a mean of random samples.
     pub fn noise(&self) -> Option<&Noise> {
         self.noise.as_ref()
@@ -371,9 +394,15 @@ impl Film {
     /// else is ignored, except for noise: the layers `variance` (of the means; R, G, B) and
     /// `samples` (Y).
     ///
-    /// Deep data, subsampled channels, luminance with chroma, the compressions DWAA and DWAB,
-    /// windows that end before they begin, and files with a missing block of pixels in any part or
-    /// resolution are refused. Values that are not finite are kept.
+    /// Colours with other primaries than those of Rec.709, by `chromaticities`, `colorInteropID` or
+    /// `acesImageContainerFlag`, are converted, the white point by the Bradford transform;
+    /// [`Film::changes_on_reading`] says so.
+    ///
+    /// Deep data, subsampled channels, luminance with chroma, colours that are not linear RGB or whose
+    /// statements contradict each other, several views, environment maps, pixels that are not square,
+    /// opacity that colours are not multiplied by, the compressions DWAA and DWAB and, of half floats,
+    /// B44 and B44A, windows that end before they begin, and files with a missing block of pixels in
+    /// any part or resolution are refused. Values that are not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         exr_file::decode(bytes)
     }
@@ -391,7 +420,7 @@ impl Film {
     }
 
     /// Reads a PFM image: colour, or grey as three equal channels, of either byte order, multiplied
-    /// by its scale. Values that are not finite are kept.
+    /// by the magnitude of its scale. Values that are not finite are kept.
     pub fn from_pfm(bytes: &[u8]) -> Result<Film, FilmError> {
         pfm_file::decode(bytes)
     }
@@ -418,8 +447,8 @@ impl Film {
     /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette; 16-bit values become the
     /// nearest codes (v/257). Returns width, height and the codes.
     ///
-    /// Transparent pixels, animations, colours beyond the end of the palette, and codes that are
-    /// not sRGB (another gamma or profile) are refused.
+    /// Transparent pixels, animations, colours beyond the end of the palette, pixels that are not
+    /// square, and codes that are not sRGB (other primaries, another gamma or profile) are refused.
     pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
         png_file::decode(bytes)
     }

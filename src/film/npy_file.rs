@@ -6,6 +6,7 @@
 //! Source: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use super::error::check_size;
+use super::reading::{Overflow, Reading};
 use super::{Film, FilmError};
 use half::f16;
 
@@ -51,17 +52,19 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
         };
         number.read(&data[index * number.bytes..][..number.bytes])
     };
+    let reading = Reading {
+        overflow: number.overflow(data),
+        ..Reading::default()
+    };
     let positions = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
     if channels == 4 {
         let pixel = |(row, column)| [0, 1, 2, 3].map(|c| value(row, column, c));
-        return Ok(Film::with_opacity(
-            width,
-            height,
-            positions.map(pixel).collect(),
-        ));
+        let film = Film::with_opacity(width, height, positions.map(pixel).collect());
+        return Ok(Film { reading, ..film });
     }
     let pixel = |(row, column)| [0, 1, 2].map(|c| value(row, column, c % channels));
-    Ok(Film::new(width, height, positions.map(pixel).collect()))
+    let film = Film::new(width, height, positions.map(pixel).collect());
+    Ok(Film { reading, ..film })
 }
 
 pub(super) fn encode(film: &Film) -> Vec<u8> {
@@ -244,13 +247,34 @@ impl NpyNumber {
         Ok(NpyNumber { bytes, big_endian })
     }
 
-    /// The number as 32-bit float, to the nearest; infinite beyond its range.
-    fn read(&self, bytes: &[u8]) -> f32 {
+    /// Its bytes, the lowest first.
+    fn little(&self, bytes: &[u8]) -> [u8; 8] {
         let mut little = [0; 8];
         little[..self.bytes].copy_from_slice(bytes);
         if self.big_endian {
             little[..self.bytes].reverse();
         }
+        little
+    }
+
+    /// The type whose range a number of `data` left, where one is infinite.
+    fn overflow(&self, data: &[u8]) -> Option<Overflow> {
+        let mut numbers = data.chunks_exact(self.bytes);
+        let is_infinite = |number: &[u8]| self.read(number).is_infinite();
+        match self.bytes {
+            2 => numbers.any(is_infinite).then_some(Overflow::Half),
+            8 => numbers
+                .any(|bytes| {
+                    is_infinite(bytes) && f64::from_le_bytes(self.little(bytes)).is_finite()
+                })
+                .then_some(Overflow::Single),
+            _ => None,
+        }
+    }
+
+    /// The number as 32-bit float, to the nearest; infinite beyond its range.
+    fn read(&self, bytes: &[u8]) -> f32 {
+        let little = self.little(bytes);
         let [a, b, c, d, ..] = little;
         match self.bytes {
             2 => f16::from_le_bytes([a, b]).to_f32(),

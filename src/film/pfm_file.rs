@@ -2,11 +2,12 @@
 //!
 //! A line `PF` (colour) or `Pf` (grey), columns and rows, a scale, and after one character of
 //! white space 32-bit floats, the lowest row first. A negative scale says little endian; its
-//! absolute value is a factor that samples are multiplied by.
+//! magnitude is a factor that samples are multiplied by.
 //!
 //! Source: P. Debevec, <https://www.pauldebevec.com/Research/HDR/PFM/>.
 
 use super::error::check_size;
+use super::reading::Overflow;
 use super::{Film, FilmError};
 
 fn unreadable(reason: impl Into<String>) -> FilmError {
@@ -64,18 +65,29 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
             data.len()
         )));
     }
-    let number = |bytes: &[u8; 4]| {
-        if scale < 0.0 {
-            f32::from_le_bytes(*bytes) * -scale
+    let is_little = scale < 0.0;
+    let factor = scale.abs();
+    let stored = |bytes: &[u8; 4]| {
+        if is_little {
+            f32::from_le_bytes(*bytes)
         } else {
-            f32::from_be_bytes(*bytes) * scale
+            f32::from_be_bytes(*bytes)
         }
     };
     let (numbers, _) = data.as_chunks::<4>();
     let rows = numbers.chunks_exact(width * channels).rev();
     let pixels = rows.flat_map(|row| row.chunks_exact(channels));
-    let colour = |pixel: &[[u8; 4]]| [0, 1, 2].map(|c| number(&pixel[c % channels]));
-    Ok(Film::new(width, height, pixels.map(colour).collect()))
+    let colour = |pixel: &[[u8; 4]]| [0, 1, 2].map(|c| stored(&pixel[c % channels]) * factor);
+    let mut film = Film::new(width, height, pixels.map(colour).collect());
+    if factor != 1.0 {
+        let change = format!("was multiplied by {factor}, the magnitude of its scale");
+        film.reading.changes.push(change);
+        let mut stored = numbers.iter().map(stored);
+        if stored.any(|value| value.is_finite() && (value * factor).is_infinite()) {
+            film.reading.overflow = Some(Overflow::Scale);
+        }
+    }
+    Ok(film)
 }
 
 pub(super) fn encode(film: &Film) -> Vec<u8> {

@@ -1,14 +1,16 @@
 //! PNG: pixels by the `image` crate, their encoding by the `png` crate below it, since `image` does
 //! not report gamma.
 //!
-//! The codes must be sRGB. A file with another gamma or profile is refused: converting it would be
-//! guessing the intention of its renderer.
+//! The codes must be sRGB. A file with other primaries, another gamma or profile is refused: converting
+//! 8 bits would lose digits.
 
 use super::FilmError;
 use super::error::{check_claim, check_size};
+use super::primaries::{Primaries, REC709};
 use crate::{decoder, math};
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
+use moxcms::ColorProfile;
 use std::io::Cursor;
 
 pub(super) fn srgb_codes(radiance: &[[f32; 3]], exposure: f64) -> Vec<[u8; 3]> {
@@ -53,22 +55,22 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
         bytes: MOST_MEMORY as usize,
     };
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-    let header = decoder.read_header_info().map_err(broken)?;
+    let header = decoder.read_header_info().map_err(damaged)?;
     check_size(header.width as usize, header.height as usize)?;
     // In 64 bits: `raw_bytes` overflows words of 32.
     let claimed = u64::from(header.height) * header.raw_row_length() as u64;
     check_claim(claimed, bytes.len())?;
-    let mut reader = decoder.read_info().map_err(broken)?;
+    let mut reader = decoder.read_info().map_err(damaged)?;
     check_meaning(reader.info())?;
     check_palette(&mut reader)?;
 
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MOST_MEMORY);
-    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(broken)?;
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);
     check_claim(decoder.total_bytes(), bytes.len())?;
-    let image = DynamicImage::from_decoder(decoder).map_err(broken)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     if let Some(index) = first_transparent(&image) {
         return Err(FilmError::unsuited(
             format!(
@@ -85,6 +87,28 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
 
 fn broken(reason: impl ToString) -> FilmError {
     FilmError::unreadable("PNG", reason.to_string())
+}
+
+/// The error for a file that a crate refuses.
+fn damaged(error: impl ToString) -> FilmError {
+    let words = error.to_string();
+    let words = words.strip_prefix("Format error decoding Png: ");
+    let words = words.map_or_else(|| error.to_string(), str::to_owned);
+    match &*words {
+        "unexpected end of file" => broken("the file ends too early"),
+        "Invalid PNG signature." => broken("it does not begin with the signature of the format"),
+        "limits are exceeded" | "Memory limit exceeded" => FilmError::unsuited(
+            format!(
+                "a row, chunk or profile of this PNG takes more than {} MB",
+                MOST_MEMORY >> 20
+            ),
+            "write the pixels alone",
+        ),
+        words if words.starts_with("CRC error") => broken(
+            "a checksum is wrong: the file was damaged on its way; copy it or write it again",
+        ),
+        words => broken(format!("it is broken ({words:?}): write it again")),
+    }
 }
 
 /// Fails if a palette is truncated, or a pixel has a colour beyond its end: the crates show missing
@@ -104,7 +128,7 @@ fn check_palette(reader: &mut png::Reader<Cursor<&[u8]>>) -> Result<(), FilmErro
     let colours = palette / 3;
     let size = reader.output_buffer_size();
     let mut rows = vec![0; size.ok_or_else(|| broken("it is too large"))?];
-    let frame = reader.next_frame(&mut rows).map_err(broken)?;
+    let frame = reader.next_frame(&mut rows).map_err(damaged)?;
     // Indices of less than 8 bits are packed, the leftmost highest; each row begins anew.
     let in_a_byte = 8 / bits;
     for (y, row) in rows.chunks_exact(frame.line_size).enumerate() {
@@ -129,6 +153,18 @@ fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
             "write a single image",
         ));
     }
+    // Rounding to whole pixels a unit is allowed.
+    if let Some(size) = info.pixel_dims
+        && u64::from(size.xppu.abs_diff(size.yppu)) * 1000 > size.xppu.max(size.yppu).into()
+    {
+        return Err(FilmError::unsuited(
+            format!(
+                "the pixels of this PNG are not square: its pHYs says {} columns and {} rows a unit",
+                size.xppu, size.yppu
+            ),
+            "render square pixels, and leave that chunk out",
+        ));
+    }
     match other_codes(info) {
         Some(what) => Err(FilmError::unsuited(
             format!("the codes of this PNG are not sRGB: {what}"),
@@ -147,20 +183,61 @@ fn other_codes(info: &png::Info) -> Option<String> {
     const SRGB: (u8, u8) = (1, 13);
     if let Some(points) = info.coding_independent_code_points {
         let found = (points.color_primaries, points.transfer_function);
+        if found == SRGB && !points.is_video_full_range_image {
+            return Some("its cICP says a narrow range".to_owned());
+        }
         return (found != SRGB).then(|| format!("its cICP says {} and {}", found.0, found.1));
     }
     if let Some(profile) = &info.icc_profile {
         let name = description(profile).unwrap_or_default();
         let is_linear = name.to_ascii_lowercase().contains("linear");
-        let is_srgb = name.contains("sRGB") && !is_linear;
-        return (!is_srgb).then(|| format!("their profile is {name:?}"));
+        if !name.contains("sRGB") || is_linear {
+            return Some(format!("their profile is {name:?}"));
+        }
+        return (!has_srgb_numbers(profile)).then(|| {
+            format!("their profile is called {name:?}, but has other primaries or curves")
+        });
     }
     if info.srgb.is_some() {
         return None;
     }
+    if let Some(stated) = info.chrm_chunk {
+        let points = [stated.red, stated.green, stated.blue, stated.white];
+        let number = |scaled: png::ScaledFloat| f64::from(scaled.into_scaled()) / 1e5;
+        let primaries = Primaries(points.map(|(x, y)| [number(x), number(y)]));
+        if !primaries.is(&REC709) {
+            return Some(format!("the primaries of its cHRM are {primaries}"));
+        }
+    }
     let gamma = f64::from(info.gama_chunk?.into_scaled()) / 1e5;
     let is_srgb = (gamma - SRGB_GAMMA).abs() <= GAMMA_ROUNDING;
     (!is_srgb).then(|| format!("its gAMA says {gamma}"))
+}
+
+/// Whether the primaries and curves of an ICC profile are those of sRGB, where it has any. A name is no
+/// proof: there are linear profiles called sRGB.
+fn has_srgb_numbers(profile: &[u8]) -> bool {
+    /// Of the coordinates of primaries, of which profiles keep four digits, and of a curve, where 2.2
+    /// stands for sRGB.
+    const NEAR: [f64; 2] = [0.002, 0.01];
+    /// Code and linear value of sRGB.
+    const HALF: (f32, f64) = (0.5, 0.21404);
+    let Ok(profile) = ColorProfile::new_from_slice(profile) else {
+        return true;
+    };
+    let colorants = |of: &ColorProfile| {
+        [of.red_colorant, of.green_colorant, of.blue_colorant].map(|c| [c.x, c.y, c.z])
+    };
+    let [stated, srgb] = [colorants(&profile), colorants(&ColorProfile::new_srgb())];
+    let mut pairs = stated.as_flattened().iter().zip(srgb.as_flattened());
+    let has_primaries = stated == [[0.0; 3]; 3] || pairs.all(|(a, b)| (a - b).abs() <= NEAR[0]);
+    let curves = [&profile.red_trc, &profile.green_trc, &profile.blue_trc];
+    has_primaries
+        && curves.into_iter().flatten().all(|curve| {
+            let curve = curve.make_linear_evaluator();
+            let value = curve.map(|curve| f64::from(curve.evaluate_value(HALF.0)));
+            value.is_ok_and(|value| (value - HALF.1).abs() <= NEAR[1])
+        })
 }
 
 /// The name in an ICC profile: its tag `desc`, in 8 or 16 bits a letter.

@@ -1,6 +1,7 @@
 //! Independent renderings of one image, combined into an image with noise.
 
 use super::noise::NoiseOrigin;
+use super::reading::Reading;
 use super::{Film, FilmError};
 
 pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
@@ -74,6 +75,9 @@ pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
     });
     let mut film = Film::with_noise(first.width, first.height, radiance, variance, numbers);
     film.opacity = opacity;
+    let mut changed = films.iter().map(|film| &film.reading);
+    let changed = changed.find(|reading| **reading != Reading::default());
+    film.reading = changed.cloned().unwrap_or_default();
     film.samples = films.iter().map(Film::samples).sum();
     if let Some(noise) = &mut film.noise
         && is_of_renderings

@@ -36,6 +36,7 @@ impl TryFrom<StoredFilm> for Film {
             opacity: stored.opacity,
             noise: stored.noise,
             samples: stored.samples,
+            reading: Default::default(),
         })
     }
 }

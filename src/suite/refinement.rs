@@ -8,6 +8,9 @@ use crate::scene::{Classified, Sampling, Scene};
 use crate::volume::Grid;
 use std::sync::Arc;
 
+/// The name of an image in a reason.
+const IMAGE: &str = "test image";
+
 /// Judges images with the step of the scene, half of it, a quarter and so on, and gives their limit.
 pub fn judge(checked: &CheckedGolden, images: &[Film]) -> (Judgement, Picture) {
     let looked_up = looked_up(&checked.scene);
@@ -27,10 +30,16 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> (Judgement, Picture) {
              {{rate}}? {}",
             judgement.reason
         );
-        return (judgement, Picture::Radiance(first.clone()));
+        return (
+            judgement.with_changes_of(IMAGE, first),
+            Picture::Radiance(first.clone()),
+        );
     }
     let (judgement, limit) = judge_refinement(truth, images);
-    (judgement, Picture::Radiance(limit))
+    (
+        judgement.with_changes_of(IMAGE, first),
+        Picture::Radiance(limit),
+    )
 }
 
 /// Judges an image with the step of the scene.
@@ -40,7 +49,7 @@ pub fn judge_one(checked: &CheckedGolden, picture: &Picture) -> Judgement {
         golden: &checked.golden.film,
         looked_up: &looked_up(&checked.scene),
     };
-    judge_one_step(truth, &first_order(&checked.scene), image)
+    judge_one_step(truth, &first_order(&checked.scene), image).with_changes_of(IMAGE, image)
 }
 
 /// Entries of the smallest table in which renderers look up colours and opacities. With the nodes of

@@ -295,9 +295,9 @@ fn images_that_cannot_be_read() {
     }
     assert_shown!(said, @r"
     cut.exr: not a readable EXR image: the file ends too early
-    cut.png: not a readable PNG image: unexpected end of file
+    cut.png: not a readable PNG image: the file ends too early
     text.exr: not a readable EXR image: it does not begin with the signature of the format
-    text.png: not a readable PNG image: Invalid PNG signature.
+    text.png: not a readable PNG image: it does not begin with the signature of the format
     image.jpg: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB)
     ");
 }

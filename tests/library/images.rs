@@ -204,7 +204,7 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-grey-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
     bad-palette-alpha.png: the pixel (1, 0) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
     bad-animated.png: this PNG is animated; write a single image
-    bad-crc.png: not a readable PNG image: Format error decoding Png: CRC error: expected 0x9724fbc9 have 0xcf6a00d4 while decoding ChunkType { type: IDAT, critical: true, private: false, reserved: false, safecopy: false } chunk.
+    bad-crc.png: not a readable PNG image: a checksum is wrong: the file was damaged on its way; copy it or write it again
     bad-palette-length.png: not a readable PNG image: its palette has 44 bytes, and colours have three each
     bad-palette-index.png: not a readable PNG image: the pixel (4, 2) has the colour 14 of a palette of 14
     bad-palette-index-2.png: not a readable PNG image: the pixel (1, 2) has the colour 3 of a palette of 3

@@ -1,0 +1,472 @@
+//! What files state about their pixels: heeded, or refused with a remedy.
+
+use exr::meta::attribute::{Chromaticities, EnvironmentMap};
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Image,
+    Layer, LayerAttributes, LineOrder, Text, Vec2, WritableImage, f16,
+};
+use std::io::Cursor;
+use volref::compare::{Conditions, Deterministic, Picture, judge};
+use volref::film::{Film, FilmError, Overflow};
+
+type ExrImage = Image<Layer<AnyChannels<FlatSamples>>>;
+
+const PIXELS: usize = 6;
+
+/// Channels of 3 × 2 pixels, each of one value, with the header that `edit` makes.
+fn exr(channels: &[(&str, f32)], edit: impl FnOnce(&mut ExrImage)) -> Vec<u8> {
+    let channel =
+        |&(name, value): &(&str, f32)| AnyChannel::new(name, FlatSamples::F32(vec![value; PIXELS]));
+    let layer = Layer::new(
+        (3, 2),
+        LayerAttributes::default(),
+        Encoding::SMALL_LOSSLESS,
+        AnyChannels::sort(channels.iter().map(channel).collect()),
+    );
+    let mut image = Image::from_layer(layer);
+    edit(&mut image);
+    let mut bytes = Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+const COLOURS: [(&str, f32); 4] = [("R", 1.0), ("G", 0.5), ("B", 0.25), ("A", 0.75)];
+
+fn stated(name: &str, value: AttributeValue) -> impl Fn(&mut ExrImage) + use<> {
+    let name = Text::from(name);
+    move |image| {
+        let other = &mut image.layer_data.attributes.other;
+        other.insert(name.clone(), value.clone());
+    }
+}
+
+fn text(name: &str, value: &str) -> impl Fn(&mut ExrImage) + use<> {
+    stated(name, AttributeValue::Text(Text::from(value)))
+}
+
+fn chromaticities(points: [[f32; 2]; 4]) -> impl Fn(&mut ExrImage) {
+    move |image| {
+        let [red, green, blue, white] = points.map(|[x, y]| Vec2(x, y));
+        image.attributes.chromaticities = Some(Chromaticities {
+            red,
+            green,
+            blue,
+            white,
+        });
+    }
+}
+
+const REC709: [[f32; 2]; 4] = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
+const AP1: [[f32; 2]; 4] = [
+    [0.713, 0.293],
+    [0.165, 0.83],
+    [0.128, 0.044],
+    [0.32168, 0.33767],
+];
+
+/// ACEScg to Rec.709, as OpenColorIO has it.
+const FROM_AP1: [[f32; 3]; 3] = [
+    [1.705051, -0.621792, -0.083259],
+    [-0.130256, 1.140805, -0.010548],
+    [-0.024003, -0.128969, 1.152972],
+];
+
+fn refusal(bytes: &[u8]) -> String {
+    Film::from_exr(bytes).expect_err("refused").to_string()
+}
+
+#[test]
+fn other_primaries_are_converted_and_the_verdict_says_so() {
+    let expected = FROM_AP1.map(|[r, g, b]| r + 0.5 * g + 0.25 * b);
+    for bytes in [
+        exr(&COLOURS, text("colorInteropID", "lin_ap1_scene")),
+        exr(&COLOURS, text("oiio:ColorSpace", "ACEScg")),
+        exr(&COLOURS, chromaticities(AP1)),
+        exr(&COLOURS, |image| {
+            chromaticities(AP1)(image);
+            text("colorInteropID", "lin_ap1_scene")(image);
+        }),
+    ] {
+        let film = Film::from_exr(&bytes).unwrap();
+        for (value, expected) in film.radiance()[0].iter().zip(expected) {
+            assert!((value - expected).abs() < 3e-6, "{value} {expected}");
+        }
+        assert_eq!(film.opacity(), Some(&[0.75; PIXELS][..]));
+        let pictures = [&film, &Film::new(3, 2, film.radiance().to_vec())];
+        let [test, golden] = pictures.map(|film| Picture::Radiance(film.clone()));
+        let judgement = judge(&Deterministic, &golden, &test, &Conditions::default()).unwrap();
+        assert!(judgement.passed);
+        let said = "; the test image was converted from the primaries ACEScg (AP1) to those of \
+                    Rec.709, its white adapted to D65 by the Bradford transform";
+        assert!(judgement.reason.ends_with(said), "{}", judgement.reason);
+    }
+    // Nothing is adapted of the same white; primaries without a name are shown.
+    let mut points = REC709;
+    points[0] = [0.68, 0.32];
+    let film = Film::from_exr(&exr(&COLOURS, chromaticities(points))).unwrap();
+    assert_eq!(
+        film.changes_on_reading(),
+        [
+            "was converted from the primaries (0.6800, 0.3200), (0.3000, 0.6000), (0.1500, 0.0600) \
+             with white (0.3127, 0.3290) to those of Rec.709"
+        ]
+    );
+    // By `acesImageContainerFlag` these are AP0.
+    let flag = stated("acesImageContainerFlag", AttributeValue::I32(1));
+    let film = Film::from_exr(&exr(&COLOURS, flag)).unwrap();
+    assert!(film.changes_on_reading()[0].contains("ACES2065-1 (AP0)"));
+}
+
+#[test]
+fn statements_that_change_nothing_change_no_bit() {
+    let plain = Film::from_exr(&exr(&COLOURS, |_| ())).unwrap();
+    assert_eq!(plain.radiance(), [[1.0, 0.5, 0.25]; PIXELS]);
+    let near = REC709.map(|point| point.map(|value| value + 2e-5));
+    for bytes in [
+        exr(&COLOURS, chromaticities(REC709)),
+        exr(&COLOURS, chromaticities(near)),
+        exr(&COLOURS, text("colorInteropID", "lin_rec709_scene")),
+        exr(&COLOURS, text("colorInteropID", "unknown")),
+        exr(&COLOURS, text("oiio:ColorSpace", "Linear")),
+        exr(
+            &COLOURS,
+            stated("acesImageContainerFlag", AttributeValue::I32(0)),
+        ),
+        exr(&COLOURS, |image| {
+            let own = &mut image.layer_data.attributes;
+            own.white_luminance = Some(100.0);
+            own.exposure = Some(0.02);
+            own.adopted_neutral = Some(Vec2(0.3, 0.3));
+            own.view_name = Some(Text::from("main"));
+        }),
+    ] {
+        assert_eq!(Film::from_exr(&bytes), Ok(plain.clone()));
+    }
+    let grey = exr(&[("Y", 0.3)], chromaticities(AP1));
+    let grey = Film::from_exr(&grey).unwrap();
+    assert_eq!(grey.radiance(), [[0.3; 3]; PIXELS]);
+    assert!(grey.changes_on_reading().is_empty());
+}
+
+#[test]
+fn pixels_that_are_not_finite_are_not_converted() {
+    let channels = [("R", f32::INFINITY), ("G", 1.0), ("B", 1.0)];
+    let film = Film::from_exr(&exr(&channels, chromaticities(AP1))).unwrap();
+    assert_eq!(film.radiance()[0], [f32::INFINITY, 1.0, 1.0]);
+}
+
+/// The bytes of `file` with `chromaticities` in small letters, which the crate does not write as text.
+fn renamed(mut file: Vec<u8>) -> Vec<u8> {
+    let at = file.windows(14).position(|part| part == b"Chromaticities");
+    file[at.unwrap()] = b'c';
+    file
+}
+
+#[test]
+fn statements_that_cannot_be_heeded_are_refused() {
+    let noise = [
+        ("R", 1.0),
+        ("G", 0.5),
+        ("B", 0.25),
+        ("variance.R", 0.1),
+        ("variance.G", 0.1),
+        ("variance.B", 0.1),
+        ("samples.Y", 16.0),
+    ];
+    let half = |image: &mut ExrImage, compression| {
+        image.layer_data.encoding.compression = compression;
+        for channel in &mut image.layer_data.channel_data.list {
+            channel.sample_data = FlatSamples::F16(vec![f16::from_f32(0.5); PIXELS]);
+        }
+    };
+    let said: String = [
+        exr(&COLOURS, text("colorInteropID", "data")),
+        exr(&COLOURS, text("colorInteropID", "srgb_rec709_scene")),
+        exr(&COLOURS, text("oiio:ColorSpace", "sRGB")),
+        exr(&COLOURS, |image| {
+            chromaticities(AP1)(image);
+            text("colorInteropID", "lin_rec709_scene")(image);
+        }),
+        exr(&COLOURS, |image| {
+            chromaticities(AP1)(image);
+            stated("acesImageContainerFlag", AttributeValue::I32(1))(image);
+        }),
+        exr(&COLOURS, chromaticities([[0.3, 0.3]; 4])),
+        renamed(exr(&COLOURS, text("Chromaticities", "Rec.709"))),
+        renamed(exr(&COLOURS, text("Chromaticities", &"x".repeat(32)))),
+        exr(&COLOURS, stated("colorInteropID", AttributeValue::I32(1))),
+        exr(&noise, chromaticities(AP1)),
+        exr(&COLOURS, |image| {
+            image.layer_data.attributes.environment_map = Some(EnvironmentMap::LatitudeLongitude);
+        }),
+        exr(&COLOURS, |image| {
+            let views = ["left", "right"].map(Text::from);
+            image.layer_data.attributes.multi_view_names = Some(views.into());
+        }),
+        exr(&COLOURS, |image| image.attributes.pixel_aspect = 2.0),
+        exr(
+            &COLOURS,
+            stated("oiio:UnassociatedAlpha", AttributeValue::I32(1)),
+        ),
+        exr(&[("X", 1.0), ("Y", 1.0), ("Z", 1.0)], |_| ()),
+        exr(&[("N.X", 1.0), ("N.Y", 1.0), ("N.Z", 1.0)], |_| ()),
+        exr(&COLOURS, |image| half(image, Compression::B44)),
+        exr(&COLOURS, |image| half(image, Compression::B44A)),
+    ]
+    .map(|bytes| refusal(&bytes) + "\n")
+    .concat();
+    insta::assert_snapshot!(said, @r#"
+    the colorInteropID of this EXR is "data", which is no linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
+    the colorInteropID of this EXR is "srgb_rec709_scene", which is no linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
+    the oiio:ColorSpace of this EXR is "sRGB", which is no linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
+    this EXR contradicts itself: its primaries are ACEScg (AP1) by chromaticities, and Rec.709 by colorInteropID; remove the attribute that is wrong
+    this EXR contradicts itself: its primaries are ACEScg (AP1) by chromaticities, and ACES2065-1 (AP0) by acesImageContainerFlag; remove the attribute that is wrong
+    the chromaticities of this EXR are those of no colours: (0.3000, 0.3000), (0.3000, 0.3000), (0.3000, 0.3000) with white (0.3000, 0.3000); write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
+    not a readable EXR image: its chromaticities have 7 bytes, not 32
+    not a readable EXR image: its attribute chromaticities is of another type
+    not a readable EXR image: its attribute colorInteropID is of another type
+    the noise of the image cannot be read: the colours were converted to the primaries of Rec.709, and variances cannot be: write both with those primaries, or give several renderings with different seeds
+    this EXR is an environment map (envmap): its pixels are directions; write the image of the scene's camera, without that attribute
+    this EXR holds several views: left, right; write the one that the scene's camera sees
+    the pixels of this EXR are 2 times as wide as high (pixelAspectRatio); render square pixels, and write 1
+    the colours of this EXR are not multiplied by its opacity (oiio:UnassociatedAlpha); write them premultiplied, without that attribute
+    no layer of the image has the channels R, G and B; there are: X, Y, Z
+    no layer of the image has the channels R, G and B; there are: N.X, N.Y, N.Z
+    this EXR is compressed with B44, which loses digits of half floats; compress it without loss, with ZIP or PIZ, or not at all
+    this EXR is compressed with B44, which loses digits of half floats; compress it without loss, with ZIP or PIZ, or not at all
+    "#);
+}
+
+/// Rows written from below are the same image, and a layer that is the only one is named.
+#[test]
+fn lines_in_any_order_and_layers_by_name() {
+    let rows = |order: LineOrder| {
+        let bytes = exr(&[], |image| {
+            let values = |from: u8| (0..6).map(|i| f32::from(from + i)).collect();
+            let channel = |name, from| AnyChannel::new(name, FlatSamples::F32(values(from)));
+            let channels = [channel("B", 20), channel("G", 10), channel("R", 0)];
+            image.layer_data.channel_data = AnyChannels::sort(channels.into_iter().collect());
+            image.layer_data.encoding.line_order = order;
+            image.layer_data.encoding.blocks = Blocks::ScanLines;
+            image.layer_data.encoding.compression = Compression::ZIP1;
+        });
+        Film::from_exr(&bytes).unwrap()
+    };
+    assert_eq!(rows(LineOrder::Decreasing), rows(LineOrder::Increasing));
+    let albedo = [("albedo.R", 1.0), ("albedo.G", 0.5), ("albedo.B", 0.25)];
+    let film = Film::from_exr(&exr(&albedo, |_| ())).unwrap();
+    assert_eq!(
+        film.changes_on_reading(),
+        ["was read from the layer albedo"]
+    );
+    let beauty = [("beauty.R", 1.0), ("beauty.G", 0.5), ("beauty.B", 0.25)];
+    let film = Film::from_exr(&exr(&beauty, |_| ())).unwrap();
+    assert!(film.changes_on_reading().is_empty());
+}
+
+/// A file of variances is of the same primaries, or both are refused.
+#[test]
+fn variances_are_not_converted() {
+    let tagged = Film::from_exr(&exr(&COLOURS, chromaticities(AP1))).unwrap();
+    let plain = Film::new(3, 2, vec![[0.1; 3]; PIXELS]);
+    for (film, variance) in [(&tagged, &plain), (&plain, &tagged)] {
+        let error = film.clone().with_variance_of(variance, 16).unwrap_err();
+        assert!(error.to_string().contains("variances cannot be"), "{error}");
+    }
+}
+
+/// The bytes of `file` with another number for its compression.
+fn compressed(mut file: Vec<u8>, number: u8) -> Vec<u8> {
+    let name = b"compression\0compression\0\x01\0\0\0";
+    let at = file.windows(name.len()).position(|part| part == name);
+    file[at.unwrap() + name.len()] = number;
+    file
+}
+
+/// What volref does not know reads otherwise than what is broken.
+#[test]
+fn unknown_and_broken_are_told_apart() {
+    let plain = exr(&COLOURS, |_| ());
+    let long = text(&"attribute".repeat(5), "x");
+    let mut unflagged = exr(&COLOURS, long);
+    assert!(Film::from_exr(&unflagged).is_ok());
+    // The flag for long names.
+    unflagged[5] &= !4;
+    let mut longer = exr(&COLOURS, text(&"attribute".repeat(27), "x"));
+    let end = longer.windows(6).position(|part| part == b"ibute\0");
+    let end = end.unwrap() + 5;
+    longer.splice(end..end, *b"and-more-than-255");
+    let channels = b"channels\0chlist\0";
+    let at = plain
+        .windows(channels.len())
+        .position(|part| part == channels);
+    let mut no_channels = plain.clone();
+    no_channels[at.unwrap()] = b'x';
+    let said: String = [
+        compressed(plain.clone(), 10),
+        compressed(plain.clone(), 11),
+        compressed(plain.clone(), 13),
+        compressed(plain.clone(), 99),
+        unflagged,
+        longer,
+        no_channels,
+        plain[..plain.len() - 9].to_vec(),
+    ]
+    .map(|bytes| refusal(&bytes) + "\n")
+    .concat();
+    insta::assert_snapshot!(said, @r#"
+    the compression of this EXR, HTJ2K256, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
+    the compression of this EXR, HTJ2K32, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
+    the compression of this EXR, ZSTD, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
+    the compression of this EXR, number 99, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
+    the name of an attribute of this EXR, attributeattributeattrib…, has more than the 31 letters that its header allows; give it a shorter name, or leave it out; up to 255 letters need the flag for long names, which OpenEXR sets by itself
+    the name of an attribute of this EXR, attributeattributeattrib…, has more than the 255 letters that its header allows; give it a shorter name, or leave it out; up to 255 letters need the flag for long names, which OpenEXR sets by itself
+    not a readable EXR image: it is broken ("missing or invalid channels attribute"): write it again; exrcheck finds more faults
+    not a readable EXR image: the file ends too early
+    "#);
+}
+
+fn npy(kind: &str, bytes: &[u8]) -> Film {
+    let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (1, 1)}}");
+    let length = (header.len() as u16).to_le_bytes();
+    Film::from_npy(&[b"\x93NUMPY\x01\0", &length[..], header.as_bytes(), bytes].concat()).unwrap()
+}
+
+/// Infinity has another origin than NaN, which depends on the numbers of the file.
+#[test]
+fn infinity_says_where_it_comes_from() {
+    let half = |value: f32| {
+        let bytes = exr(&COLOURS, |image| {
+            for channel in &mut image.layer_data.channel_data.list {
+                channel.sample_data = FlatSamples::F16(vec![f16::from_f32(value); PIXELS]);
+            }
+        });
+        Film::from_exr(&bytes).unwrap()
+    };
+    assert_eq!(half(65504.0).overflow(), None);
+    let pfm = |text: &str, value: f32| {
+        Film::from_pfm(&[text.as_bytes(), &value.to_le_bytes()].concat()).unwrap()
+    };
+    let both = vec![[f32::NAN, f32::INFINITY, 1.0]];
+    let said: String = [
+        (Some(Overflow::Half), half(1e5)),
+        (
+            Some(Overflow::Half),
+            npy("<f2", &f16::INFINITY.to_le_bytes()),
+        ),
+        (Some(Overflow::Single), npy("<f8", &1e39_f64.to_le_bytes())),
+        (Some(Overflow::Single), npy(">f8", &1e39_f64.to_be_bytes())),
+        (Some(Overflow::Scale), pfm("Pf\n1 1\n-10\n", f32::MAX)),
+        (None, npy("<f8", &f64::INFINITY.to_le_bytes())),
+        (None, npy("<f4", &f32::NAN.to_le_bytes())),
+        (None, pfm("Pf\n1 1\n-10\n", f32::INFINITY)),
+        (None, Film::new(1, 1, both)),
+    ]
+    .map(|(overflow, film)| {
+        assert_eq!(film.overflow(), overflow);
+        let golden = Film::new(
+            film.width(),
+            film.height(),
+            vec![[1.0; 3]; film.radiance().len()],
+        );
+        let [golden, test] = [golden, film].map(Picture::Radiance);
+        let reason = judge(&Deterministic, &golden, &test, &Conditions::default());
+        let reason = reason.unwrap().reason;
+        reason.split_once("]; ").unwrap().1.to_owned() + "\n"
+    })
+    .concat();
+    insta::assert_snapshot!(said, @r"
+    the file has half floats, which end at 65504, and larger values become infinite: write 32-bit floats
+    the file has half floats, which end at 65504, and larger values become infinite: write 32-bit floats
+    finite 64-bit values of the file are beyond 3.4e38, the end of 32-bit floats: write radiance in the unit of the scene, or look for a division by nearly 0
+    finite 64-bit values of the file are beyond 3.4e38, the end of 32-bit floats: write radiance in the unit of the scene, or look for a division by nearly 0
+    finite values of the file times the magnitude of its scale are beyond 3.4e38: write the scale 1 or -1; the test image was multiplied by 10, the magnitude of its scale
+    look for a division by 0, such as by a distance or a probability
+    look for a division 0/0, such as a vector of length 0 that is normalised
+    look for a division by 0, such as by a distance or a probability; the test image was multiplied by 10, the magnitude of its scale
+    NaN: look for a division 0/0, such as a vector of length 0 that is normalised; infinity: look for a division by 0, such as by a distance or a probability
+    ");
+}
+
+/// The magnitude of a scale multiplies; 1 and -1 change no bit.
+#[test]
+fn scales_of_pfm() {
+    let film = |scale: &str| {
+        let text = format!("Pf\n1 1\n{scale}\n");
+        Film::from_pfm(&[text.as_bytes(), &0.3_f32.to_le_bytes()].concat()).unwrap()
+    };
+    assert_eq!(film("-1.0").radiance(), [[0.3; 3]]);
+    assert!(film("-1.0").changes_on_reading().is_empty());
+    assert_eq!(film("-2.5").radiance(), [[0.75; 3]]);
+    assert_eq!(
+        film("-2.5").changes_on_reading(),
+        ["was multiplied by 2.5, the magnitude of its scale"]
+    );
+}
+
+/// A PNG of two grey pixels, with the chunks that `edit` states.
+fn png(edit: impl FnOnce(&mut png::Info<'static>)) -> Result<(), FilmError> {
+    let mut info = png::Info::with_size(2, 1);
+    info.color_type = png::ColorType::Rgb;
+    info.bit_depth = png::BitDepth::Eight;
+    edit(&mut info);
+    let mut bytes = Vec::new();
+    let encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&[100; 6]).unwrap();
+    writer.finish().unwrap();
+    Film::codes_from_png(&bytes).map(|(.., codes)| assert_eq!(codes, [[100; 3]; 2]))
+}
+
+#[test]
+fn codes_that_are_not_srgb_or_not_square_are_refused() {
+    let points = |[r, g, b, w]: [[f32; 2]; 4]| {
+        let pair = |[x, y]: [f32; 2]| (x, y);
+        png::SourceChromaticities::new(pair(w), pair(r), pair(g), pair(b))
+    };
+    let pixels = |xppu, yppu| {
+        let unit = png::Unit::Meter;
+        Some(png::PixelDimensions { xppu, yppu, unit })
+    };
+    let icc = |edit: fn(&mut moxcms::ColorProfile)| {
+        let mut profile = moxcms::ColorProfile::new_srgb();
+        edit(&mut profile);
+        Some(profile.encode().unwrap().into())
+    };
+    for accepted in [
+        png(|info| info.chrm_chunk = Some(points(REC709))),
+        png(|info| info.pixel_dims = pixels(2835, 2834)),
+        png(|info| info.icc_profile = icc(|_| ())),
+        // The chunk sRGB outweighs the others, by the specification.
+        png(|info| {
+            info.srgb = Some(png::SrgbRenderingIntent::Perceptual);
+            info.chrm_chunk = Some(points(AP1));
+        }),
+    ] {
+        assert_eq!(accepted, Ok(()));
+    }
+    let p3 = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06], [0.3127, 0.329]];
+    let said: String = [
+        png(|info| info.chrm_chunk = Some(points(p3))),
+        png(|info| info.pixel_dims = pixels(2, 1)),
+        png(|info| {
+            info.icc_profile = icc(|profile| {
+                let other = moxcms::ColorProfile::new_display_p3();
+                profile.red_colorant = other.red_colorant;
+            });
+        }),
+        png(|info| {
+            info.icc_profile = icc(|profile| {
+                profile.green_trc = Some(moxcms::ToneReprCurve::Lut(Vec::new()));
+            });
+        }),
+    ]
+    .map(|result| result.unwrap_err().to_string() + "\n")
+    .concat();
+    insta::assert_snapshot!(said, @r#"
+    the codes of this PNG are not sRGB: the primaries of its cHRM are P3-D65; encode them as sRGB and state nothing else, or write linear radiance as .exr
+    the pixels of this PNG are not square: its pHYs says 2 columns and 1 rows a unit; render square pixels, and leave that chunk out
+    the codes of this PNG are not sRGB: their profile is called "sRGB IEC61966-2.1", but has other primaries or curves; encode them as sRGB and state nothing else, or write linear radiance as .exr
+    the codes of this PNG are not sRGB: their profile is called "sRGB IEC61966-2.1", but has other primaries or curves; encode them as sRGB and state nothing else, or write linear radiance as .exr
+    "#);
+}
