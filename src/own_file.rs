@@ -2,13 +2,13 @@
 //! or anything else in their place is refused: neither followed nor waited for.
 
 use crate::atomic_file::{WriteError, write_in_place_of};
-use std::fs::{self, Metadata};
+use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// A folder that cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot use the folder {}: {error}", folder.display())]
+#[error("cannot create the folder {}: {error}", folder.display())]
 pub(crate) struct FolderError {
     /// Where.
     pub folder: PathBuf,
@@ -25,7 +25,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 
 /// Fails where something other than a regular file is at `path`; nothing at all is no error.
 pub(crate) fn check(path: &Path) -> io::Result<()> {
-    is_there(path, Metadata::is_file).map(|_| ())
+    is_there(path, FILE).map(|_| ())
 }
 
 /// Creates the folder `inner` of `root`, and those between, which have to be folders and no links. `root`
@@ -37,13 +37,13 @@ pub(crate) fn make_folder(root: &Path, inner: &Path) -> Result<PathBuf, FolderEr
     };
     fs::create_dir_all(root).map_err(trouble(root))?;
     for folder in folders(root, inner) {
-        if is_there(&folder, Metadata::is_dir).map_err(trouble(&folder))? {
+        if is_there(&folder, FOLDER).map_err(trouble(&folder))? {
             continue;
         }
         match fs::create_dir(&folder) {
             // Another process came first.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                is_there(&folder, Metadata::is_dir).map_err(trouble(&folder))?;
+                is_there(&folder, FOLDER).map_err(trouble(&folder))?;
             }
             result => result.map_err(trouble(&folder))?,
         }
@@ -54,7 +54,7 @@ pub(crate) fn make_folder(root: &Path, inner: &Path) -> Result<PathBuf, FolderEr
 /// Fails where [`make_folder`] would find something in the place of a folder.
 pub(crate) fn check_folder(root: &Path, inner: &Path) -> Result<(), FolderError> {
     for folder in folders(root, inner) {
-        match is_there(&folder, Metadata::is_dir) {
+        match is_there(&folder, FOLDER) {
             Ok(true) => {}
             Ok(false) => return Ok(()),
             Err(error) => return Err(FolderError { folder, error }),
@@ -72,19 +72,24 @@ fn folders(root: &Path, inner: &Path) -> impl Iterator<Item = PathBuf> {
     })
 }
 
-fn is_there(path: &Path, is_right: fn(&Metadata) -> bool) -> io::Result<bool> {
+fn is_there(path: &Path, wanted: &str) -> io::Result<bool> {
     let found = match fs::symlink_metadata(path) {
-        Ok(found) if is_right(&found) => return Ok(true),
         Ok(found) => found,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
         Err(error) => return Err(error),
     };
     let what = match () {
-        () if found.is_symlink() => "a symbolic link, which is not followed,",
-        () if found.is_dir() => "a folder",
-        () if found.is_file() => "a file",
+        () if found.is_symlink() => "a symbolic link",
+        () if found.is_dir() => FOLDER,
+        () if found.is_file() => FILE,
         () => "a device or pipe",
     };
-    let message = format!("{what} is in its place: move that away");
+    if what == wanted {
+        return Ok(true);
+    }
+    let message = format!("this is {what}, not {wanted}: move it away");
     Err(io::Error::other(message))
 }
+
+const FILE: &str = "a file";
+const FOLDER: &str = "a folder";

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
     /// Its folder cannot be made, or something else is in its place.
-    #[error("cannot create {}: {error}", folder.display())]
+    #[error("cannot create the folder {}: {error}", folder.display())]
     Folder {
         /// Where.
         folder: PathBuf,

@@ -98,7 +98,7 @@ fn units_go_through_no_link_and_nothing_behind_one_is_deleted() {
         let folder = Folder::with_room(SAMPLING);
         let before = home(&folder);
         link(&folder, "home", place);
-        let words = ["a symbolic link", place, "move that away"];
+        let words = ["a symbolic link", place, "move it away"];
         run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(2, &words);
         assert!(!folder.path("golden").exists());
         run(&folder, &["units", "--compute"]).expect(2, &words);
@@ -142,7 +142,7 @@ fn units_and_what_hides_them_are_no_pipes_and_no_links() {
     let units = folder.volref(&["units", "--json"]).json();
     let unit = units["units"][0]["file"].as_str().unwrap().to_owned();
     traps(&folder, &unit, || {
-        run(&folder, &["units", "--compute"]).expect(2, &["is in its place: move that away"]);
+        run(&folder, &["units", "--compute"]).expect(2, &["move it away"]);
         // Nothing can be kept there; that alone is no obstacle.
         run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(0, &[]);
     });
@@ -158,7 +158,7 @@ fn results_go_through_no_link_and_wait_at_no_pipe() {
     let before = home(&folder);
     for place in [".volref", ".volref/results"] {
         link(&folder, "home", place);
-        run(&folder, &part).expect(2, &["a symbolic link", "move that away"]);
+        run(&folder, &part).expect(2, &["a symbolic link", "move it away"]);
         assert_eq!(at_home(&folder), before, "{place}");
         folder.remove(place);
     }
@@ -168,7 +168,7 @@ fn results_go_through_no_link_and_wait_at_no_pipe() {
     assert_eq!(results.len(), 3, "{results:?}");
     for result in results {
         traps(&folder, &result, || {
-            run(&folder, &part).expect(2, &["is in its place: move that away"]);
+            run(&folder, &part).expect(2, &["move it away"]);
         });
     }
     // A link that the user names is meant.
@@ -197,7 +197,7 @@ fn goldens_stay_in_their_suite() {
         std::fs::rename(outside.path("moved"), folder.path(place)).unwrap();
     }
     traps(&folder, "golden/.lock", || {
-        run(&folder, &accept).expect(2, &[".lock", "move that away"]);
+        run(&folder, &accept).expect(2, &[".lock", "move it away"]);
     });
     // Within the suite a link is the user's own affair.
     std::fs::rename(folder.path("golden/smoke"), folder.path("goldens-of-smoke")).unwrap();
@@ -211,7 +211,7 @@ fn reports_and_pictures_are_written_through_nothing() {
     let folder = Folder::with_goldens();
     let verify = ["verify", "smoke/plain", "--report", "report"];
     traps(&folder, "report/index.html", || {
-        run(&folder, &verify).expect(2, &["cannot write report/index.html", "move that away"]);
+        run(&folder, &verify).expect(2, &["cannot write report/index.html", "move it away"]);
     });
     let cost = [
         "cost",
@@ -222,7 +222,7 @@ fn reports_and_pictures_are_written_through_nothing() {
         "costs",
     ];
     traps(&folder, "costs/index.html", || {
-        run(&folder, &cost).expect(2, &["cannot write costs/index.html", "move that away"]);
+        run(&folder, &cost).expect(2, &["cannot write costs/index.html", "move it away"]);
     });
     folder.write(
         "images/smoke/plain.exr",
@@ -237,7 +237,7 @@ fn reports_and_pictures_are_written_through_nothing() {
         "pictures",
     ];
     traps(&folder, "pictures/smoke/plain/test.png", || {
-        run(&folder, &ctest).expect(2, &["pictures/smoke/plain/test.png", "move that away"]);
+        run(&folder, &ctest).expect(2, &["pictures/smoke/plain/test.png", "move it away"]);
     });
     std::fs::remove_dir_all(folder.path("pictures/smoke")).unwrap();
     link(&folder, "home", "pictures/smoke");
