@@ -8,7 +8,7 @@ use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use std::io::{Read, Write};
 use volref::film::Film;
-use volref::suite::{KeptResult, ResultFolder, read_unit};
+use volref::suite::{KeptResult, ResultFolder, UnitFile};
 
 /// Folder of the workshop with results of `verify`.
 pub const RESULTS: &str = "parts";
@@ -61,7 +61,10 @@ pub fn result(seeds: &[Vec<u8>], mutator: &mut Mutator) -> Vec<u8> {
             };
             let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
             encoder.write_all(&broken).unwrap();
-            with_hash(head, &encoder.finish().unwrap())
+            // The head states the bytes that it unpacks to.
+            let mut head: serde_json::Value = serde_json::from_slice(head).unwrap();
+            head["unpacked"] = broken.len().into();
+            with_hash(head.to_string().as_bytes(), &encoder.finish().unwrap())
         }
     }
 }
@@ -114,7 +117,7 @@ pub fn units(workshop: &Workshop) -> Vec<Vec<u8>> {
 
 pub fn read_unit_of(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
     workshop.folder.write("read.unit", bytes);
-    let read = read_unit(&workshop.folder.path("read.unit"));
+    let read = UnitFile::read(&workshop.folder.path("read.unit")).and_then(|file| file.film());
     workshop.folder.remove("read.unit");
     read.map(drop)
 }
@@ -130,7 +133,7 @@ pub fn read_results(
     workshop.folder.write(place, bytes);
     let results = ResultFolder::open(workshop.folder.path(folder));
     let read = || {
-        for run in results.runs()? {
+        for run in results.runs()?.into_keys() {
             results.trials(&run, "smoke/plain")?;
             match results.get(&run, "smoke/plain", |_| true) {
                 KeptResult::Damaged(reason) => return Err(reason),
