@@ -102,7 +102,8 @@ pub(super) fn check_part(header: &Header) -> Result<(), FilmError> {
     }
     let aspect = header.shared_attributes.pixel_aspect;
     // Of NaN no comparison is true.
-    if !((aspect - 1.0).abs() <= 1e-3) {
+    let is_square = (aspect - 1.0).abs() <= 1e-3;
+    if !is_square {
         return unsuited(
             format!("the pixels of this EXR are {aspect} times as wide as high (pixelAspectRatio)"),
             "render square pixels, and write 1",

@@ -92,8 +92,8 @@ impl Primaries {
 
     /// The same primaries and white, up to rounding.
     pub fn is(&self, other: &Primaries) -> bool {
-        let pairs = self.0.as_flattened().iter().zip(other.0.as_flattened());
-        pairs.into_iter().all(|(a, b)| (a - b).abs() <= ROUNDING)
+        let mut pairs = self.0.as_flattened().iter().zip(other.0.as_flattened());
+        pairs.all(|(a, b)| (a - b).abs() <= ROUNDING)
     }
 
     /// Named primaries in place of their rounding.
@@ -126,11 +126,12 @@ impl Primaries {
         let column = |[x, y]: [f64; 2]| DVec3::new(x, y, 1.0 - x - y);
         let columns = DMat3::from_cols(column(red), column(green), column(blue));
         // Of infinities and NaN no comparison is true.
-        if !(columns.determinant().abs() >= LEAST_AREA && white[0] > 0.0 && white[1] > 0.0) {
-            return None;
-        }
-        let scale = columns.inverse() * self.white();
-        Some(columns * DMat3::from_diagonal(scale))
+        let are_sound =
+            columns.determinant().abs() >= LEAST_AREA && white[0] > 0.0 && white[1] > 0.0;
+        are_sound.then(|| {
+            let scale = columns.inverse() * self.white();
+            columns * DMat3::from_diagonal(scale)
+        })
     }
 
     fn white(self) -> DVec3 {

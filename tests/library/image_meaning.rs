@@ -434,20 +434,15 @@ fn codes_that_are_not_srgb_or_not_square_are_refused() {
         Some(profile.encode().unwrap().into())
     };
     for accepted in [
-        png(|info| info.chrm_chunk = Some(points(REC709))),
+        png(|info| info.source_chromaticities = Some(points(REC709))),
         png(|info| info.pixel_dims = pixels(2835, 2834)),
         png(|info| info.icc_profile = icc(|_| ())),
-        // The chunk sRGB outweighs the others, by the specification.
-        png(|info| {
-            info.srgb = Some(png::SrgbRenderingIntent::Perceptual);
-            info.chrm_chunk = Some(points(AP1));
-        }),
     ] {
         assert_eq!(accepted, Ok(()));
     }
     let p3 = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06], [0.3127, 0.329]];
     let said: String = [
-        png(|info| info.chrm_chunk = Some(points(p3))),
+        png(|info| info.source_chromaticities = Some(points(p3))),
         png(|info| info.pixel_dims = pixels(2, 1)),
         png(|info| {
             info.icc_profile = icc(|profile| {
