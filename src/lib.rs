@@ -4,7 +4,7 @@
 //! differs from it.
 //!
 //! **Read [`reference::ray_caster`] first, then [`reference::path_tracer`]:** the two reference
-//! renderers, deliberately straightforward, one file each. [`render`] holds the fast renderers, which
+//! renderers, deliberately straightforward. [`render`] holds the fast renderers, which
 //! are tested against them. [`guide`] is the manual of the commands.
 //!
 //! # Equations
@@ -22,7 +22,7 @@
 //! With a table of points in place of the formula ([`media::TransferPoints`]), opacity and colour
 //! are read from the table and the factor `d²` is left out: `L_i = shade(colour(d_i)) · v_i`.
 //! As `h` becomes short the sum converges to an integral, which a scene may ask for itself
-//! ([`reference::continuous`]). The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
+//! ([`render::classified::integral`]). The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
 //! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::classified::volume_shadow`].
 //!
 //! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` in
@@ -67,10 +67,11 @@
 //! [`hard_cases`] is the catalogue of inputs for which renderers silently give wrong results,
 //! [`exchange`] exports scenes to other renderers. Tests of other renderers start at
 //! [`suite::check`]. [`known_answers`] holds formulas for the radiance of scenes that have one,
-//! [`sensitivity`] differentiates images by the numbers of their scenes. Each
+//! [`sensitivity`] differentiates images by the numbers of their scenes,
+//! [`conventions`] holds what ray casters differ in without being wrong. Each
 //! module imports only from modules later in this list: `cli`, [`report`], [`suite`], [`hard_cases`],
-//! [`cost`], [`compare`], [`exchange`], [`sensitivity`], [`mod@reference`], [`render`], [`known_answers`], [`scene`],
-//! [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
+//! [`cost`], [`compare`], [`exchange`], [`sensitivity`], [`render`], [`conventions`], [`mod@reference`],
+//! [`known_answers`], [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
 //!
 //! ```no_run
 //! use volref::render::{Sampling, plans, render};
@@ -85,6 +86,7 @@
 pub mod atomic_file;
 pub mod cli;
 pub mod compare;
+pub mod conventions;
 pub mod cost;
 mod decoder;
 pub mod exchange;

@@ -9,11 +9,12 @@ use super::verdicts::{PrintedVerdicts, named};
 use super::verify;
 use super::{Outcome, progress};
 use crate::compare::Gate;
+use crate::conventions::Profile;
 use crate::report;
 use crate::suite::{
     self, Case, CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, KeptResult,
-    Likenesses, Profile, RESULTS, ResultFolder, Run, Search, SelfTest, SelfTestCases, Suite,
-    UnitFolder, Verdict,
+    Likenesses, RESULTS, ResultFolder, Run, Search, SelfTest, SelfTestCases, Suite, UnitFolder,
+    Verdict,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -354,7 +355,7 @@ fn of_case(
                 }
                 if best
                     .as_ref()
-                    .is_none_or(|(one, _)| told(&found) < told(one))
+                    .is_none_or(|(one, _)| without_time(&found) < without_time(one))
                 {
                     best = Some((found, folder));
                 }
@@ -367,7 +368,7 @@ fn of_case(
 }
 
 /// Text of a result, without its time.
-fn told(judged: &Judged) -> String {
+fn without_time(judged: &Judged) -> String {
     let result = CaseResult {
         seconds: 0.0,
         ..judged.result.clone()

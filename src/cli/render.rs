@@ -9,7 +9,7 @@ use crate::math;
 use crate::reference;
 use crate::render::plan::Reason;
 use crate::render::{self, Plan, Sampling, Seed};
-use crate::scene::{Length, Model, Scene, samples};
+use crate::scene::{Conventions, Length, Model, Scene, samples};
 use crate::sensitivity::number;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -98,7 +98,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             "fewer pixels in [film] are faster"
         };
         let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
-        let film = if arguments.reference {
+        let film = if arguments.reference && plans.iter().all(has_plain_renderer) {
             let centres: Vec<bool> = plans.iter().map(|plan| !plan.is_sampled()).collect();
             reference::render(&scene, sampling, &centres).map_err(|error| error.to_string())
         } else {
@@ -149,6 +149,15 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         "warnings": warnings,
     });
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// Conventions of other renderers and the integral itself have one renderer, which is plain.
+fn has_plain_renderer(plan: &Plan<'_>) -> bool {
+    !matches!(
+        &plan.panel.model,
+        Model::Classified(scene)
+            if scene.is_continuous() || scene.conventions != Conventions::default()
+    )
 }
 
 /// `NAME=CHANGE`

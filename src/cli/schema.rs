@@ -2,8 +2,9 @@
 
 use super::Outcome;
 use super::output::pretty;
+use crate::conventions::PROFILE;
 use crate::scene::{SCENE, format::json_schema};
-use crate::suite::{MANIFEST, PROFILE};
+use crate::suite::MANIFEST;
 
 /// Print the JSON Schema of scenes, cases or profiles, for completion in editors
 #[derive(Debug, clap::Args)]

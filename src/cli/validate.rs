@@ -13,6 +13,7 @@ use super::verdicts::{PrintedVerdicts, named};
 use super::{Outcome, compare, ctest, decide, interrupt, output, progress};
 use crate::atomic_file::{directory_of, write_in_place_of};
 use crate::compare::{Picture, Promise};
+use crate::conventions::Profile;
 use crate::exchange::{self, Format};
 use crate::film::Film;
 use crate::math::exp2;
@@ -21,9 +22,8 @@ use crate::regular_file::{self, note_input};
 use crate::report;
 use crate::scene::{Classified, Panel, Scene};
 use crate::suite::{
-    Case, CaseResult, CommandTemplate, ConventionSearch, Evidence, Judged, Output, Outputs,
-    Profile, Search, Store, Suite, run as run_process, step_name, stop_all, telling_case, validate,
-    validate_at,
+    Case, CaseResult, CommandTemplate, ConventionSearch, Evidence, Judged, Output, Outputs, Search,
+    Store, Suite, run as run_process, step_name, stop_all, telling_case, validate, validate_at,
 };
 use std::collections::BTreeMap;
 use std::error::Error;

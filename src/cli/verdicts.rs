@@ -1,10 +1,10 @@
 //! Verdicts of `validate` as they are printed, and the search for the mistakes behind those that fail.
 
 use super::{interrupt, output, progress};
+use crate::conventions::Profile;
 use crate::report;
 use crate::suite::{
-    Case, CaseResult, Cause, Judged, Likenesses, Predictions, Profile, Search, Suite, Verdict,
-    likeness,
+    Case, CaseResult, Cause, Judged, Likenesses, Predictions, Search, Suite, Verdict, likeness,
 };
 use std::time::Duration;
 

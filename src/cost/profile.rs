@@ -10,7 +10,7 @@ pub struct Profile<'p> {
     pub segments: Vec<BoundedSegment>,
     /// Extinction at a distance, per length; adds what it looked up to the number.
     pub extinction: Extinction<'p>,
-    /// KeyLines between which the extinction is smooth, or nearly so, beside the ends of segments.
+    /// Points between which the extinction is smooth, or nearly so, beside the ends of segments.
     pub kinks: Vec<f64>,
     /// Densities that a lookup of the extinction looks up; 0 if that differs along the ray.
     pub densities: usize,

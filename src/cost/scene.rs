@@ -142,15 +142,16 @@ fn to_the_end(panel: &Panel) -> Option<(Panel, &'static str)> {
         return None;
     };
     let note = match scene.compositing {
+        _ if scene.is_continuous() => {
+            "the scene is an integral without samples; here it is sampled, front to back"
+        }
         Compositing::FrontToBack | Compositing::BackToFront => return None,
         Compositing::EarlyTermination(_) => {
             "`early_termination` is left out: every ray is followed to its end here"
         }
-        Compositing::Continuous => {
-            "the scene is an integral without samples; here it is sampled, front to back"
-        }
     };
     let mut scene = scene.clone();
+    scene.sample();
     scene.compositing = Compositing::FrontToBack;
     let panel = Panel {
         model: Model::Classified(scene),

@@ -15,7 +15,7 @@ use crate::scene::{Body, Radiative};
 use crate::volume::{DensityField, GridDensity};
 use glam::DVec3;
 
-/// KeyLines nearer to each other than this, times the largest coordinate, are one.
+/// Coordinates nearer to each other than this, times the largest coordinate, are one.
 const SAME: f64 = 1e-6;
 
 /// Coefficients up to here leave room for products of them in 32-bit numbers.

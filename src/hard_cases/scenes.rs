@@ -258,6 +258,7 @@ pub fn classified(grid: Arc<Grid<f32>>, transfer_function: TransferFunction) -> 
         step: 0.5 * grid.lattice().voxel(),
         grid,
         interpolation: Interpolation::Trilinear,
+        continuous: false,
         compositing: Compositing::FrontToBack,
         transfer_function,
         phong: None,

@@ -34,7 +34,7 @@ pub enum Purpose {
     /// Colour channel by which the next distance is sampled.
     Channel = 10,
     /// Point in a medium or on a surface, sampled from a light.
-    LitPlace = 11,
+    LightVertex = 11,
     /// Emission of heterogeneous media along a ray.
     Emission = 12,
     /// All random numbers of the reference path tracer, in order.
@@ -59,7 +59,7 @@ impl Purpose {
         Purpose::Surface,
         Purpose::Roulette,
         Purpose::Channel,
-        Purpose::LitPlace,
+        Purpose::LightVertex,
         Purpose::Emission,
         Purpose::Reference,
         Purpose::AreaLightAlong,

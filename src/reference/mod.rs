@@ -1,24 +1,19 @@
-//! The two reference renderers, to be read first: from top to bottom, one file each.
+//! The two reference renderers, to be read first, from top to bottom.
 //!
-//! [`ray_caster`] renders classified volumes, [`path_tracer`] surfaces, media and lights. They are
+//! [`ray_caster`] renders classified volumes, in one file; [`path_tracer`] surfaces, media and lights,
+//! with three short files beside it: media along a ray, vertices, random numbers. They are
 //! the most direct implementation, following the method line by line with no optimisations:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
-mod classifier;
-pub mod continuous;
 mod media;
-mod normals;
 pub mod path_tracer;
 mod random;
 pub mod ray_caster;
-mod shading;
-mod steps;
 mod vertex;
 
 use crate::film::Film;
-use crate::scene::{Model, Sampling, Scene};
-use random::Exhausted;
+use crate::scene::{Conventions, Model, Sampling, Scene};
 use thiserror::Error;
 
 /// The reason why a scene has no reference image.
@@ -29,6 +24,9 @@ pub enum ReferenceError {
         "the scene plots a transfer function and simulates no light; render it without --reference"
     )]
     Plot,
+    /// A panel beyond what the plain renderers do.
+    #[error("the scene asks for {0}, which no plain renderer has; render it without --reference")]
+    Unknown(&'static str),
     /// A path that does not end.
     #[error(
         "a path of pixel ({column}, {row}) drew 2^26 random numbers without ending: the plain path \
@@ -64,12 +62,20 @@ pub fn render(
     for (panel, &through_centres) in scene.panels.iter().zip(through_centres) {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
+            Model::Classified(scene) if scene.is_continuous() => {
+                return Err(ReferenceError::Unknown(
+                    "the integral itself, without samples",
+                ));
+            }
+            Model::Classified(scene) if scene.conventions != Conventions::default() => {
+                return Err(ReferenceError::Unknown("other conventions"));
+            }
             Model::Classified(scene) => ray_caster::render(scene, size),
             Model::Radiative(scene) => {
                 let film = path_tracer::render(scene, size, sampling, through_centres);
-                film.map_err(|Exhausted { pixel }| ReferenceError::Endless {
-                    column: pixel as usize % panel.width,
-                    row: pixel as usize / panel.width,
+                film.map_err(|pixel| ReferenceError::Endless {
+                    column: pixel % panel.width,
+                    row: pixel / panel.width,
                 })?
             }
             Model::Curve(_) => return Err(ReferenceError::Plot),

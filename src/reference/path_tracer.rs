@@ -40,29 +40,29 @@
 //!
 //! A scene limits the bounces of a path, including those at mirrors and glass. Point, spot and
 //! directional lights reach a point along straight lines only, never via a mirror or through glass.
-//! The random numbers of a path are limited, too: one that uses them up fails with `Exhausted`.
+//! The random numbers of a path are limited, too: one that uses them up is an error.
 
 use super::media::{Segment, extinction, global_majorant, hull};
-use super::random::{Exhausted, Random};
+use super::random::Random;
 use super::vertex::{Scattered, Scatterer, Vertex};
 use crate::film::Film;
 use crate::geometry::{Emitter, Hit, Ray, Side, Surface};
 use crate::math::Moments;
-use crate::math::sampling::{Equiangular, free_flight, power_heuristic};
+use crate::math::sampling::{Equiangular, LightOnRay, free_flight, power_heuristic};
 use crate::optics::{Light, Material, Sides, reflected, split};
 use crate::scene::{AreaLight, Object, Radiative, Sampling};
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// The image of `scene`: mean radiance of paths through each pixel, and the variance of that mean.
-/// Paths begin at random points of the pixel, or all in its centre. Fails if a path uses up its random
-/// numbers.
+/// Paths begin at random points of the pixel, or all in its centre. Fails with the index of the first
+/// pixel of which a path uses up its random numbers.
 pub fn render(
     scene: &Radiative,
     size: [usize; 2],
     sampling: Sampling,
     through_centres: bool,
-) -> Result<Film, Exhausted> {
+) -> Result<Film, usize> {
     // The numbers that the caller gives, or else those of the scene.
     let (samples, seed) = (sampling.samples_of(scene), sampling.seed_of(scene));
     let majorant = global_majorant(&scene.media);
@@ -72,11 +72,14 @@ pub fn render(
         let mut moments = [Moments::default(); 3];
         for sample in 0..samples {
             let mut random = Random::new(seed, pixel as u32, sample);
-            let drawn = random.pair()?;
+            let drawn = random.pair();
             let [x, y] = if through_centres { [0.5; 2] } else { drawn };
             let point = [column as f64 + x, row as f64 + y];
             let ray = scene.camera.ray_through(point, size);
-            let radiance = tracer.radiance(ray, &mut random)?.to_array();
+            let radiance = tracer.radiance(ray, &mut random).to_array();
+            if random.is_exhausted() {
+                return Err(pixel);
+            }
             for (moments, channel) in moments.iter_mut().zip(radiance) {
                 moments.add(channel);
             }
@@ -87,9 +90,6 @@ pub fn render(
     let moments = pixels.collect::<Result<Vec<_>, _>>()?;
     Ok(Film::of_moments(size, &moments, samples))
 }
-
-/// A random estimate by colour channel.
-type Estimate = Result<DVec3, Exhausted>;
 
 struct PathTracer<'s> {
     scene: &'s Radiative,
@@ -117,7 +117,7 @@ enum Target<'s> {
 
 impl<'s> PathTracer<'s> {
     /// Radiance that one path brings back along `ray`.
-    fn radiance(&self, ray: Ray, random: &mut Random) -> Estimate {
+    fn radiance(&self, ray: Ray, random: &mut Random) -> DVec3 {
         let max_bounces = self.scene.scattering.max_bounces().unwrap_or(u32::MAX);
         let mut path = Path {
             ray,
@@ -132,17 +132,17 @@ impl<'s> PathTracer<'s> {
             let end = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
             let segments = Segment::along(&path.ray, end, &self.scene.media);
             if path.may_bounce {
-                let light = self.point_lights_along(&path.ray, &segments, random)?;
+                let light = self.point_lights_along(&path.ray, &segments, random);
                 path.radiance += path.throughput * light;
             }
-            let collision = self.collide(&mut path, &segments, random)?;
+            let collision = self.track(&mut path, &segments, random);
             if path.throughput == DVec3::ZERO {
                 break;
             }
             let next = match (collision, hit) {
-                (Some(collision), _) => collision.sample(random)?,
+                (Some(collision), _) => collision.sample(random),
                 (None, Some((Target::Object(object), hit))) if path.may_bounce => {
-                    self.scatter_at_surface(&mut path, object.material, &hit, random)?
+                    self.scatter_at_surface(&mut path, object.material, &hit, random)
                 }
                 (None, Some((Target::Object(_), _))) => None,
                 (None, Some((Target::Light(light), hit))) => {
@@ -162,12 +162,12 @@ impl<'s> PathTracer<'s> {
             // Russian roulette. It draws a number even if survival is certain, so that an endless path
             // uses up its numbers.
             let survival = path.throughput.max_element().min(1.0);
-            if random.next()? >= survival {
+            if random.next() >= survival {
                 break;
             }
             path.throughput /= survival;
         }
-        Ok(path.radiance)
+        path.radiance
     }
 
     /// The nearest surface on `ray`.
@@ -184,20 +184,13 @@ impl<'s> PathTracer<'s> {
     /// Delta tracking along `segments` of the ray of `path`: the vertex where it scatters; `None` if it
     /// leaves the media, or is absorbed (throughput 0). Updates the throughput; adds emission and
     /// direct light at every collision.
-    fn collide(
-        &self,
-        path: &mut Path,
-        segments: &[Segment],
-        random: &mut Random,
-    ) -> Result<Option<Vertex>, Exhausted> {
-        let Some(span) = hull(segments) else {
-            return Ok(None);
-        };
+    fn track(&self, path: &mut Path, segments: &[Segment], random: &mut Random) -> Option<Vertex> {
+        let span = hull(segments)?;
         let mut t = span.near;
         loop {
-            t += free_flight(self.majorant, random.next()?);
+            t += free_flight(self.majorant, random.next());
             if t >= span.far {
-                return Ok(None);
+                return None;
             }
             // The events that the collision may be, by their rates: null, or scattering in a medium.
             let null = self.majorant - extinction(segments, t);
@@ -206,7 +199,7 @@ impl<'s> PathTracer<'s> {
                 path.radiance += path.throughput * medium.emission / self.majorant;
                 let vertex = Vertex::in_medium(&path.ray, t, medium.phase);
                 if path.may_bounce && medium.sigma_s != DVec3::ZERO {
-                    let light = self.direct_light(&vertex, random)?;
+                    let light = self.direct_light(&vertex, random);
                     path.radiance += path.throughput * medium.sigma_s * light / self.majorant;
                 }
                 events.push((medium.sigma_s, Some(vertex)));
@@ -214,37 +207,33 @@ impl<'s> PathTracer<'s> {
 
             // One of them, with a probability in proportion to throughput times rate, summed over the
             // channels.
-            let throughput = path.throughput;
-            let weight = |rate: DVec3| (throughput * rate).element_sum();
-            let total: f64 = events.iter().map(|(rate, _)| weight(*rate)).sum();
-            let mut left = random.next()? * total;
-            let mut chosen = None;
-            path.throughput = DVec3::ZERO; // if there is no event: every channel is absorbed
-            for (rate, vertex) in events {
-                if weight(rate) > 0.0 && left >= 0.0 {
-                    path.throughput = throughput * rate / self.majorant * (total / weight(rate));
-                    chosen = vertex;
-                    left -= weight(rate);
-                }
-            }
-            if chosen.is_some() || path.throughput == DVec3::ZERO {
-                return Ok(chosen);
+            let weight = |(rate, _): &(DVec3, _)| (path.throughput * *rate).element_sum();
+            let weights: Vec<f64> = events.iter().map(weight).collect();
+            let total: f64 = weights.iter().sum();
+            let Some(index) = pick(&weights, random.next() * total) else {
+                path.throughput = DVec3::ZERO; // every channel is absorbed
+                return None;
+            };
+            let (rate, vertex) = events.swap_remove(index);
+            path.throughput = path.throughput * rate / self.majorant * (total / weights[index]);
+            if vertex.is_some() {
+                return vertex;
             }
         }
     }
 
     /// Ratio tracking: an estimate of the transmittance along `ray` up to distance `end`.
-    fn transmittance(&self, ray: &Ray, end: f64, random: &mut Random) -> Estimate {
+    fn transmittance(&self, ray: &Ray, end: f64, random: &mut Random) -> DVec3 {
         let segments = Segment::along(ray, end, &self.scene.media);
         let mut transmittance = DVec3::ONE;
         let Some(span) = hull(&segments) else {
-            return Ok(transmittance);
+            return transmittance;
         };
         let mut t = span.near;
         loop {
-            t += free_flight(self.majorant, random.next()?);
+            t += free_flight(self.majorant, random.next());
             if t >= span.far || transmittance == DVec3::ZERO {
-                return Ok(transmittance);
+                return transmittance;
             }
             // Below 0 by rounding only.
             transmittance *= (1.0 - extinction(&segments, t) / self.majorant).max(DVec3::ZERO);
@@ -252,29 +241,27 @@ impl<'s> PathTracer<'s> {
     }
 
     /// Transmittance along `ray` up to distance `end`; 0 if a surface blocks it.
-    fn visibility(&self, ray: &Ray, end: f64, random: &mut Random) -> Estimate {
-        let mut objects = self.scene.objects.iter();
-        let mut lights = self.scene.area_lights.iter();
-        if objects.any(|object| object.shape.blocks(ray, end))
-            || lights.any(|light| light.shape.blocks(ray, end))
-        {
-            return Ok(DVec3::ZERO);
+    fn visibility(&self, ray: &Ray, end: f64, random: &mut Random) -> DVec3 {
+        let (objects, lights) = (&self.scene.objects, &self.scene.area_lights);
+        let behind_object = objects.iter().any(|it| it.shape.blocks(ray, end));
+        let behind_light = lights.iter().any(|it| it.shape.blocks(ray, end));
+        if behind_object || behind_light {
+            return DVec3::ZERO;
         }
         self.transmittance(ray, end, random)
     }
 
     /// Direct light scattered at `vertex`. In a medium, point and spot lights are left to
     /// [`PathTracer::point_lights_along`].
-    fn direct_light(&self, vertex: &Vertex, random: &mut Random) -> Estimate {
+    fn direct_light(&self, vertex: &Vertex, random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         for light in &self.scene.lights {
-            let in_medium = matches!(vertex.scattering, Scatterer::Phase(_));
-            if !in_medium || light.position().is_none() {
-                radiance += self.delta_light(vertex, light, random)?;
+            if light.position().is_none() || matches!(vertex.scattering, Scatterer::Diffuse(_)) {
+                radiance += self.delta_light(vertex, light, random);
             }
         }
         for light in &self.scene.area_lights {
-            let on_light = light.shape.sample(random.pair()?);
+            let on_light = light.shape.sample(random.pair());
             let Some((ray, distance)) = vertex.point.towards_surface(&on_light) else {
                 continue;
             };
@@ -283,15 +270,15 @@ impl<'s> PathTracer<'s> {
                 let light_pdf = pdf_of_point(light, distance, cosine);
                 let (value, pdf) = vertex.evaluate(ray.direction);
                 let weight = power_heuristic(light_pdf, pdf) / light_pdf;
-                let visibility = self.visibility(&ray, distance, random)?;
+                let visibility = self.visibility(&ray, distance, random);
                 radiance += value * light.radiance * visibility * weight;
             }
         }
-        Ok(radiance)
+        radiance
     }
 
     /// Light of a point, spot or directional light scattered at `vertex`.
-    fn delta_light(&self, vertex: &Vertex, light: &Light, random: &mut Random) -> Estimate {
+    fn delta_light(&self, vertex: &Vertex, light: &Light, random: &mut Random) -> DVec3 {
         let connection = match light {
             Light::Point(point) => vertex.point.towards_point(point.position),
             Light::Spot(spot) => vertex.point.towards_point(spot.position),
@@ -301,18 +288,18 @@ impl<'s> PathTracer<'s> {
             }
         };
         let Some((ray, distance)) = connection else {
-            return Ok(DVec3::ZERO);
+            return DVec3::ZERO;
         };
         // Point and spot lights have an intensity, directional ones an irradiance.
         let squared = light.position().map_or(1.0, |_| distance * distance);
         let irradiance = light.strength_towards(vertex.point.position) / squared;
-        let visibility = self.visibility(&ray, distance, random)?;
-        Ok(vertex.evaluate(ray.direction).0 * irradiance * visibility)
+        let visibility = self.visibility(&ray, distance, random);
+        vertex.evaluate(ray.direction).0 * irradiance * visibility
     }
 
     /// Radiance of point and spot lights scattered once into `ray`, estimated at one point of each
     /// segment by equiangular sampling.
-    fn point_lights_along(&self, ray: &Ray, segments: &[Segment], random: &mut Random) -> Estimate {
+    fn point_lights_along(&self, ray: &Ray, segments: &[Segment], random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         for light in &self.scene.lights {
             let Some(position) = light.position() else {
@@ -322,25 +309,24 @@ impl<'s> PathTracer<'s> {
             let distance = (ray.at(foot) - position).length();
             for segment in segments.iter().filter(|segment| segment.scatters()) {
                 let [near, far] = [segment.span.near, segment.span.far];
-                let Ok(angles) = Equiangular::new(distance, near - foot, far - foot) else {
-                    // The light lies on the segment: where it shines, the integral of 1/r² diverges.
-                    let reaches = |t: f64| light.strength_towards(ray.at(t)) != DVec3::ZERO;
-                    if reaches(near) || reaches(far) {
-                        return Ok(DVec3::INFINITY);
-                    }
-                    continue;
+                let shines = |t: f64| light.strength_towards(ray.at(t)) != DVec3::ZERO;
+                let angles = match Equiangular::new(distance, near - foot, far - foot) {
+                    Ok(angles) => angles,
+                    // On the segment the integral of 1/r² diverges.
+                    Err(LightOnRay) if shines(near) || shines(far) => return DVec3::INFINITY,
+                    Err(LightOnRay) => continue,
                 };
-                let from_foot = angles.sample(random.next()?);
+                let from_foot = angles.sample(random.next());
                 let t = foot + from_foot;
                 if let Some(medium) = segment.at(t) {
                     let vertex = Vertex::in_medium(ray, t, medium.phase);
-                    let direct = self.delta_light(&vertex, light, random)?;
-                    let transmittance = self.transmittance(ray, t, random)?;
+                    let direct = self.delta_light(&vertex, light, random);
+                    let transmittance = self.transmittance(ray, t, random);
                     radiance += medium.sigma_s * direct * transmittance / angles.pdf(from_foot);
                 }
             }
         }
-        Ok(radiance)
+        radiance
     }
 
     /// Scattering of `path` at a surface. Adds direct light to the path.
@@ -350,7 +336,7 @@ impl<'s> PathTracer<'s> {
         material: Material,
         hit: &Hit,
         random: &mut Random,
-    ) -> Result<Option<Scattered>, Exhausted> {
+    ) -> Option<Scattered> {
         let outside = hit.side == Side::Front;
         let outward = hit.point.normal;
         let normal = if outside { outward } else { -outward };
@@ -358,7 +344,7 @@ impl<'s> PathTracer<'s> {
         let (direction, weight) = match material {
             Material::Diffuse(reflectance) => {
                 let vertex = Vertex::on_surface(hit, normal, reflectance);
-                path.radiance += path.throughput * self.direct_light(&vertex, random)?;
+                path.radiance += path.throughput * self.direct_light(&vertex, random);
                 return vertex.sample(random);
             }
             Material::Mirror(reflectance) => (mirrored, reflectance),
@@ -367,15 +353,30 @@ impl<'s> PathTracer<'s> {
                 let fresnel = split(path.ray.direction, normal, ratio);
                 let scale = DVec3::splat(ratio * ratio); // L/n² is constant across refraction
                 match fresnel.refracted {
-                    Some(refracted) if random.next()? >= fresnel.reflectance => (refracted, scale),
+                    Some(refracted) if random.next() >= fresnel.reflectance => (refracted, scale),
                     _ => (mirrored, DVec3::ONE),
                 }
             }
         };
-        let ray = hit.point.leave(direction); // `None` only if rounding leaves no direction
-        let pdf = None;
-        Ok(ray.map(|ray| Scattered { ray, weight, pdf }))
+        let ray = hit.point.leave(direction)?; // `None` only if rounding leaves no direction
+        Some(Scattered {
+            ray,
+            weight,
+            pdf: None,
+        })
     }
+}
+
+/// Index of the weight that `left`, from 0 up to the sum of all, falls on; `None` if all are 0.
+fn pick(weights: &[f64], mut left: f64) -> Option<usize> {
+    let mut picked = None;
+    for (index, &weight) in weights.iter().enumerate() {
+        if weight > 0.0 && left >= 0.0 {
+            picked = Some(index); // the last, if roundings leave a rest
+            left -= weight;
+        }
+    }
+    picked
 }
 
 /// Radiance of an area light that the ray of `path` hits, weighted against next-event estimation.

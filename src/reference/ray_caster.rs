@@ -31,48 +31,43 @@
 //! which the volume becomes fully opaque, and `S = Σ d h/h₀` is not the optical depth of `σ`. The
 //! shadow has its own step and reference length.
 //!
-//! A scene may ask for the integral itself, without samples ([`continuous`]), or
-//! for other [conventions](crate::scene::Conventions): where a step is sampled (`Steps`), how a
-//! value is classified (`Classifier`), which gradient is taken (`Gradients`), and how it is shaded
-//! (`ShadedSample`).
+//! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
+//! by the loop of [`conventions::ray_caster`](crate::conventions::ray_caster).
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
 
-use super::classifier::Classifier;
-use super::continuous;
-use super::normals::Gradients;
-use super::shading::ShadedSample;
-use super::steps::Steps;
 use crate::film::Film;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
-use crate::math::rng::philox4x32_10;
-use crate::media::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, LastStep, Precision};
-use crate::volume::{Cell, Centring, NodeLine, NodePoint, Reconstruction as _};
+use crate::media::{Appearance, over_length};
+use crate::scene::{Classified, Compositing};
+use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _, relative_gradients};
 use glam::DVec3;
-use half::f16;
 use rayon::prelude::*;
 
 /// The image of `scene`: radiance, background included, and the opacity of the volume in front of
 /// it; one ray through the centre of each pixel.
-pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
-    let [width, height] = size;
-    if scene.is_continuous() {
-        return continuous::render(scene, size);
-    }
-    let caster = RayCaster::new(scene);
-    let pixels = (0..width * height).into_par_iter();
-    let pixels = pixels.map(|index| caster.pixel([index % width, index / width], size));
-    Film::with_opacity(width, height, pixels.collect())
+pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
+    let gradients = relative_gradients(&*scene.grid);
+    let caster = RayCaster { scene, gradients };
+    let pixels: Vec<[f32; 4]> = (0..width * height)
+        .into_par_iter()
+        .map(|index| {
+            let pixel = [index % width, index / width];
+            let volume = caster.cast(&scene.camera.ray(pixel, [width, height]));
+            let radiance = volume.colour + scene.background * volume.transparency;
+            [radiance.x, radiance.y, radiance.z, volume.opacity].map(|value| value as f32)
+        })
+        .collect();
+    Film::with_opacity(width, height, pixels)
 }
 
-/// A ray caster for a scene.
-pub struct RayCaster<'s> {
+struct RayCaster<'s> {
     scene: &'s Classified,
-    classifier: Classifier<'s>,
-    shading: Option<(Phong, Gradients)>,
+    /// Density gradients at the nodes of the grid, all scaled by one factor: shading uses their
+    /// directions alone.
+    gradients: Grid<[f32; 3]>,
 }
 
 /// Samples of a ray, composited.
@@ -103,111 +98,34 @@ impl Layer {
             transparency: passed,
         }
     }
-
-    /// This layer in numbers of `precision`.
-    fn rounded(self, precision: Precision) -> Layer {
-        let round = |value: f64| match precision {
-            Precision::F64 => value,
-            Precision::F32 => f64::from(value as f32),
-            Precision::F16 => f64::from(f16::from_f64(value)),
-            Precision::U8 => (value.clamp(0.0, 1.0) * 255.0).round() / 255.0,
-        };
-        Layer {
-            colour: DVec3::from_array(self.colour.to_array().map(round)),
-            opacity: round(self.opacity),
-            transparency: round(self.transparency),
-        }
-    }
 }
 
-impl<'s> RayCaster<'s> {
-    /// The ray caster of `scene`.
-    pub fn new(scene: &'s Classified) -> RayCaster<'s> {
-        RayCaster {
-            scene,
-            classifier: Classifier::of(scene),
-            shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
-        }
-    }
-
-    /// Radiance of pixel (`column`, `row`) of an image of `width` × `height` pixels, background
-    /// included, and the opacity of the volume.
-    pub fn pixel(&self, [column, row]: [usize; 2], [width, height]: [usize; 2]) -> [f32; 4] {
-        let (scene, size) = (self.scene, [width, height]);
-        let ray = if scene.conventions.pixel_corner {
-            scene.camera.ray_through([column as f64, row as f64], size)
-        } else {
-            scene.camera.ray([column, row], size)
-        };
-        let first_sample = if scene.conventions.jitter {
-            let pixel = (row * width + column) as u32;
-            f64::from(philox4x32_10([pixel, 0, 0, 0], [0; 2])[0]) / (1_u64 << 32) as f64
-        } else {
-            scene.conventions.first_sample
-        };
-        let volume = self.cast(&ray, first_sample);
-        let radiance = volume.colour + scene.background * volume.transparency;
-        [radiance.x, radiance.y, radiance.z, volume.opacity].map(|value| value as f32)
-    }
-
+impl RayCaster<'_> {
     /// The samples along `ray`, composited.
-    fn cast(&self, ray: &Ray, first_sample: f64) -> Layer {
+    fn cast(&self, ray: &Ray) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
         let Some(span) = lattice.bounds().span(ray) else {
             return seen;
         };
         let line = NodeLine::new(ray, lattice);
-        let steps = Steps::new(span, scene.step, first_sample, scene.conventions.last_step);
+        let count = step_count(span, scene.step);
         let reversed = scene.compositing == Compositing::BackToFront;
-        for done in 0..steps.count {
-            let index = if reversed {
-                steps.count - 1 - done
-            } else {
-                done
-            };
-            let (t, length) = steps.sample(index);
-            let (point, node_point) = (ray.at(t), line.at(t));
-            let looked_up = self.looked_up(node_point);
-            let cell = Cell::around(lattice, looked_up);
+        for done in 0..count {
+            let index = if reversed { count - 1 - done } else { done };
+            let (t, length) = midpoint(span, scene.step, count, index);
+            let node_point = line.at(t);
+            let cell = Cell::around(lattice, node_point);
             let density = scene.interpolation.read(&*scene.grid, &cell);
-            let look = self.classifier.look(scene, &cell, density);
-            let opacity = self.over_length(look.opacity, length);
+            let opacity = scene.transfer_function.opacity(density, length);
             if opacity == 0.0 {
                 continue; // nothing to add, whatever its colour
             }
-            let visibility = self.visibility(point, node_point);
-            let light = look.emission * visibility;
-            let colour = match &self.shading {
-                None => look.colour * light,
-                Some((phong, gradients)) => {
-                    let (to_light, to_eye) = self.directions(point, node_point, ray);
-                    let sample = ShadedSample {
-                        colour: look.colour,
-                        gradient: self.gradient(gradients, looked_up, &cell),
-                        to_light,
-                        to_eye,
-                    };
-                    let shaded = sample.lit_by(phong, &scene.conventions);
-                    let lit = if scene.conventions.highlight_emission {
-                        (shaded.base + shaded.highlight) * light
-                    } else {
-                        shaded.base * light + shaded.highlight * visibility
-                    };
-                    if scene.conventions.shadowed_ambient {
-                        lit
-                    } else {
-                        lit + shaded.ambient * (look.emission - light)
-                    }
-                }
-            };
-            let colour = if scene.conventions.clamped_samples {
-                colour.min(DVec3::ONE)
-            } else {
-                colour
-            };
+            let point = ray.at(t);
+            let light =
+                scene.transfer_function.emission(density) * self.visibility(point, node_point);
             let sample = Layer {
-                colour: colour * opacity,
+                colour: self.shade(ray, point, &cell, density) * light * opacity,
                 opacity,
                 transparency: 1.0 - opacity,
             };
@@ -216,7 +134,6 @@ impl<'s> RayCaster<'s> {
             } else {
                 seen.over(sample)
             };
-            seen = seen.rounded(scene.conventions.precision);
             if let Compositing::EarlyTermination(threshold) = scene.compositing
                 && seen.transparency < threshold
             {
@@ -226,84 +143,15 @@ impl<'s> RayCaster<'s> {
         seen
     }
 
-    /// Cells to a distance between nodes, along each axis, if the scene takes nodes for the centres
-    /// of cells that fill the volume.
-    fn cells_per_spacing(&self) -> Option<DVec3> {
-        let lattice = self.scene.grid.lattice();
-        if !self.scene.conventions.cell_centred || lattice.centring() == Centring::Cells {
-            return None;
-        }
-        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
-        Some(nodes / (nodes - 1.0).max(DVec3::ONE))
-    }
-
-    /// The point of the grid, in nodes, that is read at `point`.
-    fn looked_up(&self, point: NodePoint) -> NodePoint {
-        let Some(cells) = self.cells_per_spacing() else {
-            return point;
+    /// Colour of a sample of `density` at `point`, lit by Phong's model where the scene has one.
+    fn shade(&self, ray: &Ray, point: DVec3, cell: &Cell, density: f64) -> DVec3 {
+        let colour = self.scene.transfer_function.colour(density);
+        let Some(phong) = &self.scene.phong else {
+            return colour;
         };
-        // In cells from the centre of the first; beyond the outermost centres nothing changes.
-        let last = self
-            .scene
-            .grid
-            .lattice()
-            .nodes()
-            .map(|nodes| (nodes - 1) as f64);
-        NodePoint((point.0 * cells - 0.5).clamp(DVec3::ZERO, last.into()))
-    }
-
-    /// Opacity over a step of this length, where it is `opacity` over the reference length.
-    fn over_length(&self, opacity: f64, length: f64) -> f64 {
-        let lengths = length / self.scene.transfer_function.reference_length;
-        if self.scene.conventions.linear_opacity {
-            (opacity * lengths).min(1.0)
-        } else {
-            over_length(opacity, lengths)
-        }
-    }
-
-    /// Density gradient for shading, in any unit.
-    fn gradient(&self, gradients: &Gradients, point: NodePoint, cell: &Cell) -> DVec3 {
-        let mut gradient = gradients.at(self.scene, point, cell);
-        if let Some(cells) = self.cells_per_spacing() {
-            gradient *= cells;
-        }
-        if self.scene.conventions.box_space_normals {
-            gradient * self.scene.grid.lattice().bounds().size()
-        } else {
-            gradient
-        }
-    }
-
-    /// Directions to the light, `None` at the light itself, and to the eye.
-    fn directions(
-        &self,
-        point: DVec3,
-        node_point: NodePoint,
-        ray: &Ray,
-    ) -> (Option<Direction>, Direction) {
-        let light = self.shading_light();
-        if !self.scene.conventions.texture_shading_point {
-            return (Direction::of(light - point), -ray.direction);
-        }
-        let lattice = self.scene.grid.lattice();
-        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
-        let bounds = lattice.bounds();
-        let point = bounds.min + (node_point.0 + 0.5) / nodes * bounds.size();
-        let to_eye = Direction::of(ray.origin - point);
-        (
-            Direction::of(light - point),
-            to_eye.unwrap_or(-ray.direction),
-        )
-    }
-
-    /// Position of the light for shading.
-    fn shading_light(&self) -> DVec3 {
-        if self.scene.conventions.head_light {
-            self.scene.camera.eye()
-        } else {
-            self.scene.light
-        }
+        let gradient = self.scene.interpolation.read(&self.gradients, cell);
+        let to_light = Direction::of(self.scene.light - point);
+        phong.shade(colour, gradient, to_light, -ray.direction)
     }
 
     /// Visibility of the light from `point`; 1 where the scene has no shadow.
@@ -319,11 +167,10 @@ impl<'s> RayCaster<'s> {
         let span = Span::new(0.0, inside.far.min(length_of(to_light)));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, *ray.direction, lattice);
-        let position = scene.conventions.shadow_sample;
-        let steps = Steps::new(span, shadow.step, position, LastStep::Exact);
-        let samples = (0..steps.count).map(|index| {
-            let (t, length) = steps.sample(index);
-            let cell = Cell::around(lattice, self.looked_up(line.at(t)));
+        let count = step_count(span, shadow.step);
+        let samples = (0..count).map(|index| {
+            let (t, length) = midpoint(span, shadow.step, count, index);
+            let cell = Cell::around(lattice, line.at(t));
             (scene.interpolation.read(&*scene.grid, &cell), length)
         });
         match &scene.transfer_function.appearance {
@@ -338,4 +185,26 @@ impl<'s> RayCaster<'s> {
                 .product(),
         }
     }
+}
+
+/// Number of steps of length `step` over `span`; the last one ends with the span. At least one where
+/// the span has a length, even if the quotient underflows.
+fn step_count(span: Span, step: f64) -> usize {
+    let count = (span.length() / step).ceil() as usize;
+    if span.length() > 0.0 {
+        count.max(1)
+    } else {
+        count
+    }
+}
+
+/// Distance of the midpoint of step `index` of `count`, and the length of the step. Computed from the
+/// index, because adding up lengths would accumulate rounding errors.
+fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
+    if index + 1 < count {
+        return (span.near + (index as f64 + 0.5) * step, step);
+    }
+    let begin = index as f64 * step;
+    let rest = (span.length() - begin).max(0.0);
+    (span.near + (begin + 0.5 * rest), rest)
 }

@@ -1,6 +1,6 @@
 //! Points where a path scatters into a range of directions.
 
-use super::random::{Exhausted, Random};
+use super::random::Random;
 use crate::geometry::{Direction, Hit, Ray, SurfacePoint};
 use crate::math::Frame;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
@@ -77,8 +77,8 @@ impl Vertex {
 
     /// A direction sampled with pdf proportional to the phase function or the cosine; `None` where
     /// rounding leaves no ray.
-    pub fn sample(&self, random: &mut Random) -> Result<Option<Scattered>, Exhausted> {
-        let numbers = random.pair()?;
+    pub fn sample(&self, random: &mut Random) -> Option<Scattered> {
+        let numbers = random.pair();
         let (local, weight) = match self.scattering {
             Scatterer::Phase(phase) => {
                 let deflection = phase.deflection(numbers[0]);
@@ -87,10 +87,10 @@ impl Vertex {
             Scatterer::Diffuse(reflectance) => (cosine_hemisphere(numbers), reflectance),
         };
         let ray = self.point.leave(Frame::around(self.axis).to_world(local));
-        Ok(ray.map(|ray| Scattered {
+        ray.map(|ray| Scattered {
             ray,
             weight,
             pdf: Some(self.evaluate(ray.direction).1),
-        }))
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{continuous, curve, kernels as ray_caster};
+use super::classified::{conventional, curve, integral, kernels as ray_caster};
 use super::counters::{Counters, Uncounted, Work};
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
@@ -224,8 +224,9 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
         }
         Kernel::Background(scene) => (background(scene, &pixels), W::default()),
         Kernel::RayCaster { scene, features } => ray_caster::cast(scene, features, &pixels),
+        Kernel::Conventional(scene) => conventional::cast(scene, &pixels),
         Kernel::Integral(scene) => {
-            let (pixels, work) = continuous::integrate(scene, &pixels);
+            let (pixels, work) = integral::integrate(scene, &pixels);
             error = Some(
                 pixels
                     .iter()
@@ -451,7 +452,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_light_without_job_is_blamed_for_light_without_bound() {
+    fn only_a_light_without_extent_is_blamed_for_light_without_bound() {
         let pixels = vec![Ok(()), Err(PathFault::Infinite)];
         let (column, row) = (1, 5);
         assert_eq!(

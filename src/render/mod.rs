@@ -22,8 +22,7 @@
 //! Kernels for media without surfaces are for one homogeneous and convex medium alone.
 //! For heterogeneous media there are no kernels without surfaces, and on the line of sight, where
 //! they do not scatter, no anisotropic ones; without media, kernels are not specialised for the effects of media.
-//! A constant field has no empty space to skip. The script counts one ray caster more: the plain one, for
-//! conventions of other renderers.
+//! A constant field has no empty space to skip.
 //! The kernel with all effects is the general one. Made by `scripts/kernel-sizes.sh` for x86-64; a
 //! test checks the kernel counts.
 

@@ -100,6 +100,15 @@ impl Plan<'_> {
         let mut work: Vec<_> = nothing.map(|event| (event, exactly(0))).collect();
         let known = match self.kernel {
             Kernel::Curve(_) | Kernel::Background(_) => vec![],
+            // Each convention has samples of its own.
+            Kernel::Conventional(scene) => vec![
+                (Event::NullCollision, exactly(0)),
+                (Event::CellWalked, exactly(0)),
+                (
+                    Event::RandomDraw,
+                    exactly(if scene.conventions.jitter { rays } else { 0 }),
+                ),
+            ],
             Kernel::Integral(scene) => of_integrals(self.panel, scene),
             Kernel::RayCaster { scene, features } => of_casting(self.panel, scene, features),
             Kernel::LineOfSight {
@@ -179,6 +188,18 @@ impl Plan<'_> {
                     add(
                         "distances to non-empty blocks",
                         super::classified::empty_space::bytes(lattice),
+                    );
+                }
+            }
+            Kernel::Conventional(scene) => {
+                let nodes = scene.grid.lattice().node_count();
+                if scene.phong.is_some() && scene.conventions.gradient.is_stored() {
+                    add("gradients of the nodes", nodes * size_of::<[f32; 3]>());
+                }
+                if scene.conventions.preclassified {
+                    add(
+                        "opacities and colours of the nodes",
+                        nodes * size_of::<[f32; 4]>(),
                     );
                 }
             }

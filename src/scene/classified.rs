@@ -74,8 +74,6 @@ pub enum Compositing {
     EarlyTermination(f64),
     /// Towards the eye.
     BackToFront,
-    /// No samples: the integral that they approximate.
-    Continuous,
 }
 
 /// Volume shadow: the radiance of a sample is multiplied by `min(1, exp(−S/100))`, `S` the
@@ -96,6 +94,8 @@ pub struct Classified {
     pub grid: Arc<Grid<f32>>,
     /// Reconstruction between the nodes.
     pub interpolation: Interpolation,
+    /// The image is the integral itself, without samples.
+    pub continuous: bool,
     /// Order of the samples, if there are any.
     pub compositing: Compositing,
     /// Distance between samples along a ray, > 0; of an integral that which other renderers begin
@@ -137,12 +137,13 @@ impl Classified {
             "nearest" => Interpolation::Nearest,
             _ => Interpolation::Trilinear,
         };
-        let compositing = match reader.text("compositing")?.as_str() {
+        let compositing = reader.text("compositing")?;
+        let continuous = compositing == CONTINUOUS;
+        if continuous {
+            without_samples(reader, interpolation)?;
+        }
+        let compositing = match compositing.as_str() {
             "back-to-front" => Compositing::BackToFront,
-            CONTINUOUS => {
-                without_samples(reader, interpolation)?;
-                Compositing::Continuous
-            }
             _ => Compositing::FrontToBack,
         };
         let compositing = match (reader.optional_number("early_termination")?, compositing) {
@@ -183,6 +184,7 @@ impl Classified {
         let scene = Classified {
             grid,
             interpolation,
+            continuous,
             compositing,
             step,
             transfer_function,
@@ -210,6 +212,7 @@ impl Classified {
     /// Ends rays where the transmittance falls below `threshold`, in (0, 1), and so goes front to
     /// back; back to front is the same image.
     pub fn end_rays_at(&mut self, threshold: f64) {
+        self.sample();
         self.compositing = Compositing::EarlyTermination(threshold);
     }
 
@@ -265,14 +268,12 @@ impl Classified {
 
     /// Whether the image is the integral itself, without samples.
     pub fn is_continuous(&self) -> bool {
-        self.compositing == Compositing::Continuous
+        self.continuous
     }
 
     /// Replaces an integral by samples, [`Classified::step`] apart, front to back.
     pub fn sample(&mut self) {
-        if self.is_continuous() {
-            self.compositing = Compositing::FrontToBack;
-        }
+        self.continuous = false;
     }
 
     /// Replaces the distance between samples; fails if rays would have too many of them.

@@ -1,136 +1,419 @@
 //! Conventions of ray casters: choices in which renderers of classified volumes differ without
 //! being wrong.
 //!
-//! The defaults are those of volref. Other conventions are rendered by the plain ray caster
-//! ([`crate::reference::ray_caster`]), so that another renderer can be compared with the right
+//! The defaults are those of volref. Other conventions are rendered by a ray caster of their own
+//! ([`crate::conventions::ray_caster`]), so that another renderer can be compared with the right
 //! image *under its own conventions*.
+//!
+//! Each convention is one row below, and one place of that ray caster.
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
 
-/// The declaration of `[classified.conventions]`.
-pub const CONVENTIONS: Table = Table::new("Choices in which ray casters differ without being wrong. Whatever is left out is as volref has it.").keys(&[
-    Key::or("first_sample", Kind::Number(Range::closed(0.0, 1.0)), "0.5")
-        .doc("Position of a sample within its step, in steps: 0 at its beginning, 0.5 in the middle, 1 at its end. So the first sample of a ray lies that far behind the front face."),
-    Key::or("jitter", Kind::Flag, "false")
-        .doc("Places the samples of each ray at a random `first_sample`, the same for all samples of the ray."),
-    Key::or("last_step", Kind::Choice(&LAST_STEPS), "'exact'")
-        .doc("Step cut off by the back face: counted over its true length, counted as a whole step, or dropped."),
-    Key::or("centring", Kind::Choice(&CENTRINGS), "'nodes'")
-        .doc("Place of the values: the outermost nodes lie on the faces of the volume (nodes); or the values lie at the centres of n cells that divide each side of it, n the nodes of the axis, and those of the outermost cells reach to the faces (cells), as in textures. A volume of cells stays one."),
-    Key::or("opacity", Kind::Choice(&OPACITIES), "'exact'")
-        .doc("Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0)."),
-    Key::or("classification", Kind::Choice(&CLASSIFICATIONS), "'post'")
-        .doc("Values are interpolated, then classified (post); or nodes are classified, and opacity and associated colour interpolated (pre)."),
-    Key::optional("table_size", Kind::Count(2, 1 << 16))
-        .doc("Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value."),
-    Key::or("table_lookup", Kind::Choice(&TABLE_LOOKUPS), "'linear'")
-        .doc("Between the entries of the table: linear, or the nearest entry."),
-    Key::or("gradient", Kind::Choice(&GRADIENTS), "'central'")
-        .doc("Gradient for shading: central differences, forward differences or the 3 x 3 x 3 Sobel filter at the nodes, interpolated; the derivative of the trilinear interpolant; or central differences at the sample over 2 n/(n - 1) spacings, n the nodes of the axis, divided as if over two (texture): what steps of 1/(n - 1) in texture coordinates give."),
-    Key::or("normals", Kind::Choice(&NORMALS), "'interpolated'")
-        .doc("Gradients at the nodes are interpolated as they are, or normalised before that."),
-    Key::optional("normal_bits", Kind::Count(2, 16))
-        .doc("Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded."),
-    Key::or("normal_space", Kind::Choice(&NORMAL_SPACES), "'world'")
-        .doc("Space in which the gradient is normalised: the world, or that with its components multiplied by the size of the volume along each axis (box)."),
-    Key::or("shading_point", Kind::Choice(&SHADING_POINTS), "'sample'")
-        .doc("Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis."),
-    Key::or("flat_samples", Kind::Choice(&FLAT_SAMPLES), "'unshaded'")
-        .doc("Samples without a gradient: their unshaded colour, or the ambient term alone."),
-    Key::or("ambient_colour", Kind::Choice(&COLOURS), "'material'")
-        .doc("Colour that the weight of the ambient term applies to: that of the material, white, or black."),
-    Key::or("highlight_colour", Kind::Choice(&COLOURS), "'white'")
-        .doc("Colour that the weight of the highlight applies to."),
-    Key::or("highlight_emission", Kind::Flag, "true")
-        .doc("Multiplies the highlight by the emission of the sample, d^2 by the formula, like the rest of its colour."),
-    Key::or("highlight", Kind::Choice(&HIGHLIGHTS), "'reflected'")
-        .doc("Cosine of the highlight: between the reflected light and the eye (Phong), or between the normal and the half vector (Blinn)."),
-    Key::or("shadow_sample", Kind::Number(Range::closed(0.0, 1.0)), "0.5")
-        .doc("Position of a sample within its step on the way to the light, in steps from the point that is lit."),
-    Key::or("shadowed_ambient", Kind::Flag, "true")
-        .doc("Volume shadow dims the ambient term like the rest of the light."),
-    Key::or("head_light", Kind::Flag, "false")
-        .doc("Puts the light for shading at the eye."),
-    Key::or("two_sided", Kind::Flag, "false")
-        .doc("Turns normals towards the light."),
-    Key::or("clamped_samples", Kind::Flag, "false")
-        .doc("Clamps the radiance of each sample, shaded, to 1 before it is composited."),
-    Key::or("precision", Kind::Choice(&PRECISIONS), "'f64'")
-        .doc("Numbers that hold the composited colour and opacity of a ray: floating point of 64, 32 or 16 bits, or 8 bits for [0, 1]."),
-    Key::or("pixel", Kind::Choice(&PIXELS), "'centre'")
-        .doc("Point of a pixel that its ray passes: its centre, or its upper left corner."),
-]);
+/// Declares [`Conventions`], [`CONVENTIONS`] and [`ALTERNATIVES`]. A row has the key in files, the
+/// field with its type, the values with the default, the description in the schema, and what
+/// other renderers do, as far as a search for conventions tries it.
+macro_rules! conventions {
+    ($(
+        $key:literal = $field:ident: $type:ty = $kind:ident($($values:tt)+),
+        $doc:literal,
+        [$($alternative:expr),* $(,)?];
+    )+) => {
+        /// Conventions of a ray caster; by default those of volref.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Conventions {
+            $(#[doc = $doc] pub $field: $type,)+
+        }
 
-const LAST_STEPS: [&str; 3] = ["exact", "whole", "dropped"];
-const CENTRINGS: [&str; 2] = ["nodes", "cells"];
-const OPACITIES: [&str; 2] = ["exact", "linear"];
-const CLASSIFICATIONS: [&str; 2] = ["post", "pre"];
-const TABLE_LOOKUPS: [&str; 2] = ["linear", "nearest"];
-const GRADIENTS: [&str; 5] = ["central", "forward", "sobel", "interpolant", "texture"];
-const NORMALS: [&str; 2] = ["interpolated", "normalised"];
-const NORMAL_SPACES: [&str; 2] = ["world", "box"];
-const SHADING_POINTS: [&str; 2] = ["sample", "texture"];
-const FLAT_SAMPLES: [&str; 2] = ["unshaded", "ambient"];
-const COLOURS: [&str; 3] = ["material", "white", "black"];
-const HIGHLIGHTS: [&str; 2] = ["reflected", "half-vector"];
-const PRECISIONS: [&str; 4] = ["f64", "f32", "f16", "u8"];
-const PIXELS: [&str; 2] = ["centre", "corner"];
+        impl Default for Conventions {
+            fn default() -> Conventions {
+                Conventions { $($field: value!(default $kind $($values)+),)+ }
+            }
+        }
 
-/// Conventions of a ray caster; by default those of volref.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conventions {
-    /// Position of a sample within its step, in steps, in [0, 1].
-    pub first_sample: f64,
-    /// A random `first_sample` for each ray.
-    pub jitter: bool,
-    /// Step cut off by the back face.
-    pub last_step: LastStep,
-    /// Values lie at the centres of cells that divide the volume.
-    pub cell_centred: bool,
-    /// Linear instead of exact opacity over a step.
-    pub linear_opacity: bool,
-    /// Nodes are classified before interpolation.
-    pub preclassified: bool,
-    /// Entries of the table of the transfer function, if there is one.
-    pub table_size: Option<u32>,
-    /// The nearest entry of the table, instead of linear interpolation.
-    pub nearest_entry: bool,
-    /// Gradient for shading.
-    pub gradient: Gradient,
-    /// Gradients are normalised at the nodes, before interpolation.
-    pub normalised_at_nodes: bool,
-    /// Bits of a component of a stored normal.
-    pub normal_bits: Option<u32>,
-    /// Gradients are normalised after their components are multiplied by the size of the volume.
-    pub box_space_normals: bool,
-    /// Light and eye are seen from texture coordinates, taken as fractions of the volume's sides.
-    pub texture_shading_point: bool,
-    /// Samples without a gradient get the ambient term alone.
-    pub flat_samples_ambient: bool,
-    /// Colour of the ambient term.
-    pub ambient_colour: LightColour,
-    /// Colour of the highlight.
-    pub highlight_colour: LightColour,
-    /// Whether the highlight is multiplied by the emission of the sample.
-    pub highlight_emission: bool,
-    /// Half vector instead of the reflected light.
-    pub half_vector: bool,
-    /// Position of a sample within its step on the way to the light, in steps, in [0, 1].
-    pub shadow_sample: f64,
-    /// Whether volume shadow dims the ambient term.
-    pub shadowed_ambient: bool,
-    /// The light for shading is at the eye.
-    pub head_light: bool,
-    /// Normals point towards the light.
-    pub two_sided: bool,
-    /// Radiances of samples are clamped to 1.
-    pub clamped_samples: bool,
-    /// Numbers that hold the composited colour and opacity.
-    pub precision: Precision,
-    /// Rays pass the upper left corner of their pixel.
-    pub pixel_corner: bool,
+        /// The declaration of `[classified.conventions]`.
+        pub const CONVENTIONS: Table = Table::new(
+            "Choices in which ray casters differ without being wrong. Whatever is left out is as volref has it.",
+        )
+        .keys(&[$(value!(key $kind $key, $($values)+).doc($doc),)+]);
+
+        /// Choices with what other renderers do, by the key of each convention.
+        pub const ALTERNATIVES: &[(&str, &[Alternative])] = &[$(($key, &[$($alternative),*]),)+];
+
+        impl Conventions {
+            /// Reads the table, in the order of its declaration.
+            pub fn read(reader: &Reader) -> SceneResult<Conventions> {
+                let read = Conventions { $($field: value!(read $kind $key, reader, $($values)+),)+ };
+                read.check(reader)?;
+                Ok(read)
+            }
+
+            /// The keys that differ from the defaults, with their values, as lines of a table.
+            pub fn lines(&self) -> Vec<String> {
+                let default = Conventions::default();
+                let mut lines = Vec::new();
+                $(if self.$field != default.$field {
+                    let value = value!(text $kind self.$field, $($values)+);
+                    lines.push(format!("{} = {value}", $key));
+                })+
+                lines
+            }
+        }
+    };
+}
+
+/// A value of a convention, by its kind: `number`, in [0, 1]; `flag`; `count`, optional; `words`, the
+/// default of all.
+macro_rules! value {
+    (default number $default:literal) => { $default };
+    (default flag $default:literal) => { $default };
+    (default count $low:literal..=$high:literal) => { None };
+    (default words $default:literal of $($word:literal = $value:expr),+) => {
+        value!(of $default, $($word = $value),+)
+    };
+
+    (key number $key:literal, $default:literal) => {
+        Key::or($key, Kind::Number(Range::closed(0.0, 1.0)), stringify!($default))
+    };
+    (key flag $key:literal, $default:literal) => {
+        Key::or($key, Kind::Flag, stringify!($default))
+    };
+    (key count $key:literal, $low:literal..=$high:literal) => {
+        Key::optional($key, Kind::Count($low, $high))
+    };
+    (key words $key:literal, $default:literal of $($word:literal = $value:expr),+) => {
+        Key::or($key, Kind::Choice(&[$($word),+]), concat!("'", $default, "'"))
+    };
+
+    (read number $key:literal, $reader:ident, $($values:tt)+) => { $reader.number($key)? };
+    (read flag $key:literal, $reader:ident, $($values:tt)+) => { $reader.flag($key)? };
+    (read count $key:literal, $reader:ident, $($values:tt)+) => {
+        $reader.optional_count($key)?.map(|count| count as u32)
+    };
+    (read words $key:literal, $reader:ident, $default:literal of $($word:literal = $value:expr),+) => {
+        value!(of $reader.text($key)?.as_str(), $($word = $value),+)
+    };
+    (of $text:expr, $($known:literal = $value:expr),+) => {
+        match $text {
+            $($known => $value,)+
+            _ => unreachable!("one of the declared words"),
+        }
+    };
+
+    (text number $number:expr, $($values:tt)+) => { format!("{:?}", $number) };
+    (text flag $flag:expr, $($values:tt)+) => { $flag.to_string() };
+    (text count $count:expr, $($values:tt)+) => { $count.map_or(String::new(), |n| n.to_string()) };
+    (text words $chosen:expr, $default:literal of $($word:literal = $value:expr),+) => {{
+        let words = [$(($value, $word)),+];
+        let word = words.iter().find(|(value, _)| *value == $chosen);
+        format!("{:?}", word.expect("every value has a word").1)
+    }};
+}
+
+conventions! {
+    "first_sample" = first_sample: f64 = number(0.5),
+    "Position of a sample within its step, in steps: 0 at its beginning, 0.5 in the middle, 1 at its end. So the first sample of a ray lies that far behind the front face.",
+    [
+        other(
+            "takes the first sample of a ray a whole step behind the front face, not half a step",
+            |it| it.first_sample = 1.0,
+        ),
+        other(
+            "takes the first sample of a ray on the front face, not half a step behind it",
+            |it| it.first_sample = 0.0,
+        ),
+    ];
+
+    "jitter" = jitter: bool = flag(false),
+    "Places the samples of each ray at a random `first_sample`, the same for all samples of the ray.",
+    [];
+
+    "last_step" = last_step: LastStep = words("exact" of
+        "exact" = LastStep::Exact,
+        "whole" = LastStep::Whole,
+        "dropped" = LastStep::Dropped
+    ),
+    "Step cut off by the back face: counted over its true length, counted as a whole step, or dropped.",
+    [
+        other("counts the last step of a ray as a whole one", |it| it.last_step = LastStep::Whole),
+        other(
+            "drops the last step of a ray where it is not a whole one",
+            |it| it.last_step = LastStep::Dropped,
+        ),
+    ];
+
+    "centring" = cell_centred: bool = words("nodes" of "nodes" = false, "cells" = true),
+    "Place of the values: the outermost nodes lie on the faces of the volume (nodes); or the values lie at the centres of n cells that divide each side of it, n the nodes of the axis, and those of the outermost cells reach to the faces (cells), as in textures. A volume of cells stays one.",
+    [
+        other(
+            "places values at the centres of cells, as in textures",
+            |it| it.cell_centred = true,
+        )
+        .beside_others(),
+    ];
+
+    "opacity" = linear_opacity: bool = words("exact" of "exact" = false, "linear" = true),
+    "Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0).",
+    [
+        other("takes opacity in proportion to the step", |it| it.linear_opacity = true),
+    ];
+
+    "classification" = preclassified: bool = words("post" of "post" = false, "pre" = true),
+    "Values are interpolated, then classified (post); or nodes are classified, and opacity and associated colour interpolated (pre).",
+    [
+        other("classifies nodes before it interpolates", |it| it.preclassified = true),
+    ];
+
+    "table_size" = table_size: Option<u32> = count(2..=65_536),
+    "Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value.",
+    [
+        other(
+            "looks colours and opacities up in a table of 256 entries, the nearest one",
+            |it| (it.table_size, it.nearest_entry) = (Some(256), true),
+        )
+        .instead_of("classification"),
+        other(
+            "looks colours and opacities up in a table of 256 entries, interpolated",
+            |it| (it.table_size, it.nearest_entry) = (Some(256), false),
+        )
+        .instead_of("classification"),
+        other(
+            "looks colours and opacities up in a table of 1024 entries, the nearest one",
+            |it| (it.table_size, it.nearest_entry) = (Some(1024), true),
+        )
+        .instead_of("classification"),
+        other(
+            "looks colours and opacities up in a table of 64 entries, interpolated",
+            |it| (it.table_size, it.nearest_entry) = (Some(64), false),
+        )
+        .instead_of("classification"),
+    ];
+
+    "table_lookup" = nearest_entry: bool = words("linear" of "linear" = false, "nearest" = true),
+    "Between the entries of the table: linear, or the nearest entry.",
+    [];
+
+    "gradient" = gradient: Gradient = words("central" of
+        "central" = Gradient::Central,
+        "forward" = Gradient::Forward,
+        "sobel" = Gradient::Sobel,
+        "interpolant" = Gradient::Interpolant,
+        "texture" = Gradient::Texture
+    ),
+    "Gradient for shading: central differences, forward differences or the 3 x 3 x 3 Sobel filter at the nodes, interpolated; the derivative of the trilinear interpolant; or central differences at the sample over 2 n/(n - 1) spacings, n the nodes of the axis, divided as if over two (texture): what steps of 1/(n - 1) in texture coordinates give.",
+    [
+        other("takes forward differences for gradients", |it| it.gradient = Gradient::Forward),
+        other("takes gradients by Sobel's filter", |it| it.gradient = Gradient::Sobel),
+        other(
+            "takes the derivative of the trilinear interpolant for the gradient",
+            |it| it.gradient = Gradient::Interpolant,
+        ),
+        other(
+            "takes differences over n/(n - 1) spacings at the sample for the gradient",
+            |it| it.gradient = Gradient::Texture,
+        ),
+    ];
+
+    "normals" = normalised_at_nodes: bool = words("interpolated" of "interpolated" = false, "normalised" = true),
+    "Gradients at the nodes are interpolated as they are, or normalised before that.",
+    [
+        other(
+            "normalises gradients at the nodes, before it interpolates them",
+            |it| it.normalised_at_nodes = true,
+        ),
+    ];
+
+    "normal_bits" = normal_bits: Option<u32> = count(2..=16),
+    "Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded.",
+    [
+        other("stores normals with 8 bits to a component", |it| it.normal_bits = Some(8))
+            .instead_of("normals"),
+    ];
+
+    "normal_space" = box_space_normals: bool = words("world" of "world" = false, "box" = true),
+    "Space in which the gradient is normalised: the world, or that with its components multiplied by the size of the volume along each axis (box).",
+    [
+        other(
+            "stretches normals by the proportions of the volume",
+            |it| it.box_space_normals = true,
+        ),
+    ];
+
+    "shading_point" = texture_shading_point: bool = words("sample" of "sample" = false, "texture" = true),
+    "Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis.",
+    [
+        other(
+            "sees light and eye from texture coordinates, as fractions of the volume",
+            |it| it.texture_shading_point = true,
+        ),
+    ];
+
+    "flat_samples" = flat_samples_ambient: bool = words("unshaded" of "unshaded" = false, "ambient" = true),
+    "Samples without a gradient: their unshaded colour, or the ambient term alone.",
+    [
+        other(
+            "gives samples without a gradient ambient light only",
+            |it| it.flat_samples_ambient = true,
+        ),
+    ];
+
+    "ambient_colour" = ambient_colour: LightColour = words("material" of
+        "material" = LightColour::Material,
+        "white" = LightColour::White,
+        "black" = LightColour::Black
+    ),
+    "Colour that the weight of the ambient term applies to: that of the material, white, or black.",
+    [
+        other(
+            "gives ambient light a colour of its own, white",
+            |it| it.ambient_colour = LightColour::White,
+        ),
+        other(
+            "gives ambient light a colour of its own, black",
+            |it| it.ambient_colour = LightColour::Black,
+        )
+        .beside_others(),
+    ];
+
+    "highlight_colour" = highlight_colour: LightColour = words("white" of
+        "material" = LightColour::Material,
+        "white" = LightColour::White,
+        "black" = LightColour::Black
+    ),
+    "Colour that the weight of the highlight applies to.",
+    [
+        other(
+            "gives highlights the colour of the material",
+            |it| it.highlight_colour = LightColour::Material,
+        ),
+        other("has no highlights", |it| it.highlight_colour = LightColour::Black)
+            .beside_others(),
+    ];
+
+    "highlight_emission" = highlight_emission: bool = flag(true),
+    "Multiplies the highlight by the emission of the sample, d^2 by the formula, like the rest of its colour.",
+    [
+        other(
+            "leaves the emission of a sample out of its highlight",
+            |it| it.highlight_emission = false,
+        ),
+    ];
+
+    "highlight" = half_vector: bool = words("reflected" of "reflected" = false, "half-vector" = true),
+    "Cosine of the highlight: between the reflected light and the eye (Phong), or between the normal and the half vector (Blinn).",
+    [
+        other("takes highlights by the half vector (Blinn)", |it| it.half_vector = true),
+    ];
+
+    "shadow_sample" = shadow_sample: f64 = number(0.5),
+    "Position of a sample within its step on the way to the light, in steps from the point that is lit.",
+    [
+        other(
+            "takes the first sample of a shadow at the point that is lit",
+            |it| it.shadow_sample = 0.0,
+        )
+        .in_shadow(),
+        other(
+            "takes the first sample of a shadow a whole step on",
+            |it| it.shadow_sample = 1.0,
+        )
+        .in_shadow(),
+    ];
+
+    "shadowed_ambient" = shadowed_ambient: bool = flag(true),
+    "Volume shadow dims the ambient term like the rest of the light.",
+    [
+        other("leaves ambient light out of the shadow", |it| it.shadowed_ambient = false)
+            .in_shadow()
+            .shaded(),
+    ];
+
+    "head_light" = head_light: bool = flag(false),
+    "Puts the light for shading at the eye.",
+    [
+        other("has its light at the eye", |it| it.head_light = true).beside_others(),
+    ];
+
+    "two_sided" = two_sided: bool = flag(false),
+    "Turns normals towards the light.",
+    [
+        other("lights both sides of a surface", |it| it.two_sided = true),
+    ];
+
+    "clamped_samples" = clamped_samples: bool = flag(false),
+    "Clamps the radiance of each sample, shaded, to 1 before it is composited.",
+    [
+        other("clamps the radiance of each sample to 1", |it| it.clamped_samples = true),
+    ];
+
+    "precision" = precision: Precision = words("f64" of
+        "f64" = Precision::F64,
+        "f32" = Precision::F32,
+        "f16" = Precision::F16,
+        "u8" = Precision::U8
+    ),
+    "Numbers that hold the composited colour and opacity of a ray: floating point of 64, 32 or 16 bits, or 8 bits for [0, 1].",
+    [
+        other("composites in half precision", |it| it.precision = Precision::F16),
+        other("composites in 8 bits", |it| it.precision = Precision::U8),
+    ];
+
+    "pixel" = pixel_corner: bool = words("centre" of "centre" = false, "corner" = true),
+    "Point of a pixel that its ray passes: its centre, or its upper left corner.",
+    [
+        other("casts rays through the corners of pixels", |it| it.pixel_corner = true),
+    ];
+}
+
+/// What another renderer does in place of volref's convention.
+#[derive(Clone, Copy, Debug)]
+pub struct Alternative {
+    /// In a sentence about the renderer: "it …".
+    pub words: &'static str,
+    /// The key whose choice it is, too: no two of one choice apply together.
+    pub instead_of: Option<&'static str>,
+    /// It is claimed by itself; one that is also a mistake of the catalogue is not.
+    pub stands_alone: bool,
+    /// It is about the shadow of a volume.
+    pub in_shadow: bool,
+    /// It is about shading.
+    pub shaded: bool,
+    /// Makes it the convention.
+    pub set: fn(&mut Conventions),
+}
+
+const fn other(words: &'static str, set: fn(&mut Conventions)) -> Alternative {
+    Alternative {
+        words,
+        instead_of: None,
+        stands_alone: true,
+        in_shadow: false,
+        shaded: false,
+        set,
+    }
+}
+
+impl Alternative {
+    const fn instead_of(mut self, key: &'static str) -> Alternative {
+        self.instead_of = Some(key);
+        self
+    }
+
+    const fn beside_others(mut self) -> Alternative {
+        self.stands_alone = false;
+        self
+    }
+
+    const fn in_shadow(mut self) -> Alternative {
+        self.in_shadow = true;
+        self
+    }
+
+    const fn shaded(mut self) -> Alternative {
+        self.shaded = true;
+        self
+    }
 }
 
 /// Treatment of the step that is cut off by the back face.
@@ -160,6 +443,16 @@ pub enum Gradient {
     Texture,
 }
 
+impl Gradient {
+    /// It is computed at the nodes, and interpolated between them.
+    pub fn is_stored(self) -> bool {
+        matches!(
+            self,
+            Gradient::Central | Gradient::Forward | Gradient::Sobel
+        )
+    }
+}
+
 /// Colour that the weight of a term of the shading applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightColour {
@@ -184,158 +477,10 @@ pub enum Precision {
     U8,
 }
 
-impl Default for Conventions {
-    fn default() -> Conventions {
-        Conventions {
-            first_sample: 0.5,
-            jitter: false,
-            last_step: LastStep::Exact,
-            cell_centred: false,
-            linear_opacity: false,
-            preclassified: false,
-            table_size: None,
-            nearest_entry: false,
-            gradient: Gradient::Central,
-            normalised_at_nodes: false,
-            normal_bits: None,
-            box_space_normals: false,
-            texture_shading_point: false,
-            flat_samples_ambient: false,
-            ambient_colour: LightColour::Material,
-            highlight_colour: LightColour::White,
-            highlight_emission: true,
-            half_vector: false,
-            shadow_sample: 0.5,
-            shadowed_ambient: true,
-            head_light: false,
-            two_sided: false,
-            clamped_samples: false,
-            precision: Precision::F64,
-            pixel_corner: false,
-        }
-    }
-}
-
 impl Conventions {
-    /// Reads the table, in the order of its declaration.
-    pub fn read(reader: &Reader) -> SceneResult<Conventions> {
-        use {Gradient::*, LastStep::*, LightColour::*, Precision::*};
-        let word = |name: &str, words: &[&str]| -> SceneResult<usize> {
-            let text = reader.text(name)?;
-            let index = words.iter().position(|word| *word == text);
-            Ok(index.expect("one of the declared words"))
-        };
-        let is_second = |name: &str, words: &[&str; 2]| word(name, words).map(|index| index == 1);
-        let read = Conventions {
-            first_sample: reader.number("first_sample")?,
-            jitter: reader.flag("jitter")?,
-            last_step: [Exact, Whole, Dropped][word("last_step", &LAST_STEPS)?],
-            cell_centred: is_second("centring", &CENTRINGS)?,
-            linear_opacity: is_second("opacity", &OPACITIES)?,
-            preclassified: is_second("classification", &CLASSIFICATIONS)?,
-            table_size: reader.optional_count("table_size")?.map(|size| size as u32),
-            nearest_entry: is_second("table_lookup", &TABLE_LOOKUPS)?,
-            gradient: [Central, Forward, Sobel, Interpolant, Texture]
-                [word("gradient", &GRADIENTS)?],
-            normalised_at_nodes: is_second("normals", &NORMALS)?,
-            normal_bits: reader
-                .optional_count("normal_bits")?
-                .map(|bits| bits as u32),
-            box_space_normals: is_second("normal_space", &NORMAL_SPACES)?,
-            texture_shading_point: is_second("shading_point", &SHADING_POINTS)?,
-            flat_samples_ambient: is_second("flat_samples", &FLAT_SAMPLES)?,
-            ambient_colour: [Material, White, Black][word("ambient_colour", &COLOURS)?],
-            highlight_colour: [Material, White, Black][word("highlight_colour", &COLOURS)?],
-            highlight_emission: reader.flag("highlight_emission")?,
-            half_vector: is_second("highlight", &HIGHLIGHTS)?,
-            shadow_sample: reader.number("shadow_sample")?,
-            shadowed_ambient: reader.flag("shadowed_ambient")?,
-            head_light: reader.flag("head_light")?,
-            two_sided: reader.flag("two_sided")?,
-            clamped_samples: reader.flag("clamped_samples")?,
-            precision: [F64, F32, F16, U8][word("precision", &PRECISIONS)?],
-            pixel_corner: is_second("pixel", &PIXELS)?,
-        };
-        read.check(reader)?;
-        Ok(read)
-    }
-
-    /// The keys that differ from the defaults, with their values, as lines of a table.
-    pub fn lines(&self) -> Vec<String> {
-        fn text(word: &str) -> String {
-            format!("{word:?}")
-        }
-        fn one_of<T: Copy + PartialEq>(value: T, values: &[T], words: &[&str]) -> String {
-            let index = values.iter().position(|other| *other == value);
-            text(words[index.expect("every value has a word")])
-        }
-        fn second(value: bool, words: &[&str; 2]) -> String {
-            text(words[usize::from(value)])
-        }
-        use {Gradient::*, LastStep::*, LightColour::*, Precision::*};
-        let keys = |of: &Conventions| {
-            let colour = |colour| one_of(colour, &[Material, White, Black], &COLOURS);
-            let optional = |count: Option<u32>| count.map_or(String::new(), |n| n.to_string());
-            [
-                ("first_sample", format!("{:?}", of.first_sample)),
-                ("jitter", of.jitter.to_string()),
-                (
-                    "last_step",
-                    one_of(of.last_step, &[Exact, Whole, Dropped], &LAST_STEPS),
-                ),
-                ("centring", second(of.cell_centred, &CENTRINGS)),
-                ("opacity", second(of.linear_opacity, &OPACITIES)),
-                ("classification", second(of.preclassified, &CLASSIFICATIONS)),
-                ("table_size", optional(of.table_size)),
-                ("table_lookup", second(of.nearest_entry, &TABLE_LOOKUPS)),
-                (
-                    "gradient",
-                    one_of(
-                        of.gradient,
-                        &[Central, Forward, Sobel, Interpolant, Texture],
-                        &GRADIENTS,
-                    ),
-                ),
-                ("normals", second(of.normalised_at_nodes, &NORMALS)),
-                ("normal_bits", optional(of.normal_bits)),
-                ("normal_space", second(of.box_space_normals, &NORMAL_SPACES)),
-                (
-                    "shading_point",
-                    second(of.texture_shading_point, &SHADING_POINTS),
-                ),
-                (
-                    "flat_samples",
-                    second(of.flat_samples_ambient, &FLAT_SAMPLES),
-                ),
-                ("ambient_colour", colour(of.ambient_colour)),
-                ("highlight_colour", colour(of.highlight_colour)),
-                ("highlight_emission", of.highlight_emission.to_string()),
-                ("highlight", second(of.half_vector, &HIGHLIGHTS)),
-                ("shadow_sample", format!("{:?}", of.shadow_sample)),
-                ("shadowed_ambient", of.shadowed_ambient.to_string()),
-                ("head_light", of.head_light.to_string()),
-                ("two_sided", of.two_sided.to_string()),
-                ("clamped_samples", of.clamped_samples.to_string()),
-                (
-                    "precision",
-                    one_of(of.precision, &[F64, F32, F16, U8], &PRECISIONS),
-                ),
-                ("pixel", second(of.pixel_corner, &PIXELS)),
-            ]
-        };
-        let differing = keys(self).into_iter().zip(keys(&Conventions::default()));
-        let differing = differing.filter(|(own, default)| own != default);
-        differing
-            .map(|((key, value), _)| format!("{key} = {value}"))
-            .collect()
-    }
-
     /// Refuses keys without effect beside others.
     fn check(&self, reader: &Reader) -> SceneResult<()> {
-        let stored = matches!(
-            self.gradient,
-            Gradient::Central | Gradient::Forward | Gradient::Sobel
-        );
+        let stored = self.gradient.is_stored();
         let contradictions = [
             (
                 "first_sample",

@@ -19,7 +19,9 @@ mod transfer_function;
 mod volume;
 
 pub use classified::{Classified, Compositing, Shadow};
-pub use conventions::{CONVENTIONS, Conventions, Gradient, LastStep, LightColour, Precision};
+pub use conventions::{
+    ALTERNATIVES, Alternative, CONVENTIONS, Conventions, Gradient, LastStep, LightColour, Precision,
+};
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};
 pub use excerpt::shortened;

@@ -4,10 +4,10 @@ use super::golden::{AcceptAdvice, plan_hash, scene_hash, short};
 use super::rendering::{ReferenceRenderer, Renderer, check_class};
 use super::sensitivities;
 use super::{
-    Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Profile, Quick, Store,
-    Verdict,
+    Case, CaseResult, CaseSampling, Cause, Evidence, Golden, GoldenError, Quick, Store, Verdict,
 };
 use crate::compare::{Detectable, FitMap, Gate, Judgement, NumberChange, Picture, Sensitivity};
+use crate::conventions::Profile;
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Classified, Panel, Precision, Sampling, Scene};

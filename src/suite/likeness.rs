@@ -32,7 +32,8 @@ pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
 pub(in crate::suite) use prediction::{lattice_of, pixels_of};
 pub(in crate::suite) use unexplained::UNEXPLAINED_IN_NOISE;
 
-use super::{Case, Cause, Judged, Likeness, Profile};
+use super::{Case, Cause, Judged, Likeness};
+use crate::conventions::Profile;
 use crate::scene::Scene;
 use clock::SearchClock;
 use compared_case::ComparedCase;

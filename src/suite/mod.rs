@@ -5,7 +5,7 @@ mod analytic;
 mod answer;
 mod case;
 mod check;
-mod conventions;
+mod convention_search;
 mod decide;
 mod edited_film;
 mod embedded;
@@ -22,7 +22,6 @@ mod name_hash;
 mod naming;
 mod other_renderer;
 mod outputs;
-mod profile;
 mod program_hash;
 mod refinement;
 mod rendering;
@@ -47,9 +46,7 @@ pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };
 pub use check::{SUITE_VARIABLE, check, check_within};
-pub use conventions::{
-    Agreement, CATALOGUE, Convention, ConventionSearch, ConventionSet, Explained, under,
-};
+pub use convention_search::{Agreement, ConventionSearch, Explained};
 pub use decide::{Looks, share_of_look};
 pub use embedded::EmbeddedSuite;
 pub use evidence::{Evidence, Likeness};
@@ -64,7 +61,6 @@ pub use name_hash::name_hash;
 pub use naming::{Naming, naming};
 pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
 pub use outputs::{Found, OutputError, Outputs, UnknownFile, step_name};
-pub use profile::{PROFILE, Profile};
 pub use program_hash::program_hash;
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use row_name::{HARD, row_name};

@@ -3,10 +3,11 @@
 use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
-use super::{Case, Cause, Evidence, Judged, Profile, Store, Verdict, refinement};
+use super::{Case, Cause, Evidence, Judged, Store, Verdict, refinement};
 use crate::compare::{
     Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
 };
+use crate::conventions::Profile;
 use crate::film::Film;
 use std::time::Instant;
 

@@ -116,7 +116,7 @@ fn json_of_a_volume() {
     assert_eq!(counters["gradient_lookups"], 0);
 }
 
-/// What was counted stands beside what was told.
+/// Counts stand beside what was predicted.
 #[test]
 fn counters() {
     let folder = Folder::with_scenes();
@@ -148,7 +148,7 @@ fn force_on_a_constant_grid() {
     assert_eq!(forced(&["--force", "all"]), forced(&alone));
 }
 
-/// A request that cannot matter is told, by `plan` and when the image is made.
+/// A request that cannot matter is a warning, by `plan` and when the image is made.
 #[test]
 fn warnings() {
     let folder = Folder::new();
@@ -202,7 +202,7 @@ point = { position = [3, 3, 3], intensity = 1 }
         .volref(&["render", "idle.toml", "-o", "idle.exr", "--json"])
         .json();
     assert_eq!(json["warnings"].as_array().unwrap(), warnings);
-    // Left out, all is as before, and nobody is told anything.
+    // Left out, all is as before, and there is no warning.
     let quiet = scene
         .replace("scattering = \"multiple\"\nmax_bounces = 5\n", "")
         .replace("g = 0.5\n", "");
@@ -319,4 +319,38 @@ fn force_of_what_is_omitted_or_absent() {
         run.expect(2, &[effect, "would change the picture", reason]);
         assert_eq!(run.stdout, "");
     }
+}
+
+/// Of work under conventions as much is counted as is done, and no count is predicted that is not so.
+#[test]
+fn counters_under_conventions() {
+    let folder = Folder::with_scenes();
+    let shading = "[classified.phong]\n[classified.conventions]\nlast_step = \"whole\"\n";
+    let scene = crate::folder::scene(shading).replace("../../volumes/", "");
+    folder.write("other.toml", scene);
+    let json = folder.volref(&["plan", "other.toml", "--counters", "--json"]);
+    let panel = &json.json()["panels"][0];
+    let kernel =
+        "ray caster: trilinear, front to back, Phong, no shadow, every sample, other conventions";
+    assert_eq!(panel["kernel"], kernel);
+    let counters = panel["counters"].as_object().unwrap();
+    for (event, count) in counters {
+        let expected = &panel["expected"][event];
+        let known = expected["bound"] == "exactly";
+        assert!(
+            !known || expected["count"] == *count,
+            "{event}: {expected}, {count}"
+        );
+    }
+    for event in ["density_lookups", "gradient_lookups", "gradients_computed"] {
+        assert!(counters[event].as_u64().unwrap() > 0, "{event}");
+    }
+    assert_eq!(panel["expected"]["density_lookups"]["bound"], "unknown");
+    let run = folder.volref(&["plan", "other.toml", "--counters"]);
+    run.expect(0, &[]);
+    let line = run
+        .stdout
+        .lines()
+        .find(|line| line.contains("density lookups"));
+    assert!(line.unwrap().contains("unknown"), "{line:?}");
 }

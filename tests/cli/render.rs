@@ -218,3 +218,26 @@ fn an_image_that_there_is_no_memory_for() {
     run.expect(2, &[&message]);
     assert!(!folder.path("large.exr").exists());
 }
+
+/// Conventions and the integral have one renderer each: `--reference` gives its image.
+#[test]
+fn the_reference_honours_conventions_and_integrals() {
+    let folder = Folder::with_scenes();
+    let hash = |name: &str, how: &[&str]| {
+        let command = [&["render", name, "-o", "image.exr", "--json"], how].concat();
+        folder.volref(&command).json()["hash"].clone()
+    };
+    let scene = |keys: &str| crate::folder::scene(keys).replace("../../volumes/", "");
+    let whole = "[classified.conventions]\nlast_step = \"whole\"\n";
+    for (name, keys) in [
+        ("own.toml", ""),
+        ("whole.toml", whole),
+        ("continuous.toml", "compositing = \"continuous\"\n"),
+    ] {
+        folder.write(name, scene(keys));
+        assert_eq!(hash(name, &["--reference"]), hash(name, &[]), "{name}");
+    }
+    let own = hash("own.toml", &["--reference"]);
+    assert_ne!(own, hash("whole.toml", &["--reference"]));
+    assert_ne!(own, hash("continuous.toml", &["--reference"]));
+}

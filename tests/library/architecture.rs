@@ -16,6 +16,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         &[
             "report",
             "suite",
+            "conventions",
             "sensitivity",
             "hard_cases",
             "cost",
@@ -44,6 +45,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "compare",
             "sensitivity",
             "render",
+            "conventions",
             "scene",
             "media",
             "optics",
@@ -114,9 +116,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ),
     (
         "render",
-        // Of `reference` the ray caster, for scenes with conventions of other renderers.
         &[
-            "reference",
+            "conventions",
             "scene",
             "media",
             "optics",
@@ -127,6 +128,19 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "conventions",
+        &[
+            "scene",
+            "media",
+            "volume",
+            "geometry",
+            "film",
+            "math",
+            "regular_file",
+        ],
+    ),
+    (
+        // For `render --reference` and tests: a judge that what is judged imports would judge itself.
         "reference",
         &[
             "scene", "media", "optics", "volume", "geometry", "film", "math",
@@ -550,6 +564,26 @@ fn the_map_itself_has_no_rings() {
     for (room, allowed) in ROOMS {
         for target in *allowed {
             assert!(place(target) > place(room), "{room} → {target} points up");
+        }
+    }
+}
+
+/// The front page lists the modules so that each imports only from later ones.
+#[test]
+fn the_front_page_lists_modules_from_the_top_down() {
+    let page = include_str!("../../src/lib.rs");
+    let list = page.split_once("later in this list:").unwrap().1;
+    let list = list.split_once("\n//!\n").unwrap().0;
+    let names = list.split('`').skip(1).step_by(2);
+    let names: Vec<&str> = names.map(|name| name.trim_start_matches("mod@")).collect();
+    assert!(names.len() > 15, "{names:?}");
+    for (room, allowed) in ROOMS {
+        let Some(place) = names.iter().position(|name| name == room) else {
+            continue;
+        };
+        for target in *allowed {
+            let later = names.iter().position(|name| name == target);
+            assert!(later.is_none_or(|later| later > place), "{room} → {target}");
         }
     }
 }

@@ -4,16 +4,15 @@ use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::sync::Arc;
 use volref::compare::{Conditions, Picture, judge};
+use volref::conventions::{CATALOGUE, ray_caster::RayCaster, under};
 use volref::math::pow;
 use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
-use volref::reference::ray_caster::RayCaster;
 use volref::render::{Sampling, plans, render};
+use volref::scene::format::Kind;
 use volref::scene::{
-    Classified, Conventions, Gradient, LastStep, LightColour, Precision, Scene, Shadow,
+    CONVENTIONS, Classified, Conventions, LastStep, Model, Precision, Scene, Shadow,
 };
-use volref::suite::{
-    Agreement, CATALOGUE, Case, ConventionSearch, Suite, Verdict, check_within, mistakes, under,
-};
+use volref::suite::{Agreement, Case, ConventionSearch, Suite, Verdict, check_within, mistakes};
 use volref::volume::{Centring, Grid, Lattice};
 
 /// The scene of `values` at the nodes of a lattice of 3 × 3 × 3, over the unit cube, with opacity
@@ -38,7 +37,7 @@ fn scene(value: impl Fn([usize; 3]) -> f64) -> Classified {
 fn seen(scene: &Classified, conventions: Conventions) -> [f64; 2] {
     let mut scene = scene.clone();
     scene.conventions = conventions;
-    let [red, _, _, opacity] = RayCaster::new(&scene).pixel([0, 0], [1, 1]);
+    let [red, _, _, opacity] = RayCaster::new(&scene).pixel([0, 0], [1, 1]).0;
     [red.into(), opacity.into()]
 }
 
@@ -215,218 +214,210 @@ fn shadows() {
     assert!(near > middle && middle > far, "{near} {middle} {far}");
 }
 
-/// Every convention changes the picture of a shaded volume without symmetries.
-#[test]
-fn every_convention_is_heard() {
-    let standard = Conventions::default();
-    let mut scene = scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
-    scene.step = 0.13;
+/// Conventions in a scene file.
+fn read(conventions: &str) -> Result<Conventions, String> {
+    let text = format!(
+        "[classified]\n[classified.volume]\nfile = 'fixtures/volumes/hard/hill.nrrd'\n\
+         [classified.conventions]\n{conventions}\n"
+    );
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scene = Scene::parse(&text, &root.join("scene.toml"));
+    let scene = scene.map_err(|error| error.to_string())?;
+    Ok(scene.panels[0].classified().unwrap().conventions)
+}
+
+/// Each key with another value than volref's, and what that is to be told from: volref's own, or a table
+/// where it says how tables are read.
+fn every_value() -> Vec<(String, Conventions, Conventions)> {
+    let mut all = Vec::new();
+    for key in CONVENTIONS.keys {
+        let values: Vec<String> = match key.kind {
+            Kind::Choice(words) => words.iter().map(|word| format!("{word:?}")).collect(),
+            Kind::Flag => vec!["true".to_owned(), "false".to_owned()],
+            Kind::Number(_) => vec!["0.0".to_owned(), "1.0".to_owned()],
+            Kind::Count(least, _) => vec![(least + 2).to_string(), (least + 14).to_string()],
+            _ => panic!("{}: a kind without values here", key.name),
+        };
+        let without = match key.name {
+            "table_lookup" => "table_size = 16\n",
+            _ => "",
+        };
+        let standard = read(without).unwrap();
+        for value in values {
+            let line = format!("{} = {value}", key.name);
+            let other = read(&format!("{without}{line}")).unwrap();
+            if other != standard {
+                all.push((line, other, standard));
+            }
+        }
+    }
+    all
+}
+
+/// Pictures of volumes in which every convention has something to change: without symmetries, along
+/// unequal sides, in light from all sides, in shadow, brighter than 1, and where nothing has a gradient.
+fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
+    let mut uneven =
+        scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
+    uneven.step = 0.13;
     // A wide highlight, which every pixel has a part of.
-    let phong = Phong {
+    uneven.phong = Some(Phong {
         shininess: 2,
         ..PHONG
-    };
-    scene.phong = Some(phong);
-    scene.light = DVec3::new(-2.0, 1.5, -1.0);
-    scene.transfer_function.appearance = crate::ray_caster::scenes::formula(0.36, "heat");
-    let others = [
-        Conventions {
-            first_sample: 1.0,
-            ..standard
-        },
-        Conventions {
-            jitter: true,
-            ..standard
-        },
-        Conventions {
-            last_step: LastStep::Whole,
-            ..standard
-        },
-        Conventions {
-            last_step: LastStep::Dropped,
-            ..standard
-        },
-        Conventions {
-            linear_opacity: true,
-            ..standard
-        },
-        Conventions {
-            cell_centred: true,
-            ..standard
-        },
-        Conventions {
-            preclassified: true,
-            ..standard
-        },
-        Conventions {
-            table_size: Some(16),
-            ..standard
-        },
-        Conventions {
-            table_size: Some(16),
-            nearest_entry: true,
-            ..standard
-        },
-        Conventions {
-            gradient: Gradient::Forward,
-            ..standard
-        },
-        Conventions {
-            gradient: Gradient::Sobel,
-            ..standard
-        },
-        Conventions {
-            gradient: Gradient::Interpolant,
-            ..standard
-        },
-        Conventions {
-            gradient: Gradient::Texture,
-            ..standard
-        },
-        Conventions {
-            normalised_at_nodes: true,
-            ..standard
-        },
-        Conventions {
-            normal_bits: Some(4),
-            ..standard
-        },
-        Conventions {
-            ambient_colour: LightColour::White,
-            ..standard
-        },
-        Conventions {
-            ambient_colour: LightColour::Black,
-            ..standard
-        },
-        Conventions {
-            highlight_colour: LightColour::Material,
-            ..standard
-        },
-        Conventions {
-            highlight_colour: LightColour::Black,
-            ..standard
-        },
-        Conventions {
-            highlight_emission: false,
-            ..standard
-        },
-        Conventions {
-            half_vector: true,
-            ..standard
-        },
-        Conventions {
-            head_light: true,
-            ..standard
-        },
-        Conventions {
-            precision: Precision::F32,
-            ..standard
-        },
-        Conventions {
-            precision: Precision::F16,
-            ..standard
-        },
-        Conventions {
-            precision: Precision::U8,
-            ..standard
-        },
-        Conventions {
-            pixel_corner: true,
-            ..standard
-        },
-    ];
-    let seen_by = |conventions| {
-        let mut scene = scene.clone();
-        scene.conventions = conventions;
-        let caster = RayCaster::new(&scene);
-        let pixels = (0..64).map(|index| caster.pixel([index % 8, index / 8], [8, 8]));
-        pixels.collect::<Vec<_>>()
-    };
-    let mut pictures = vec![(standard, seen_by(standard))];
-    for conventions in others {
-        let new = seen_by(conventions);
-        for (known, old) in &pictures {
-            assert_ne!(&new, old, "{conventions:?} looks like {known:?}");
-        }
-        pictures.push((conventions, new));
-    }
-    // With the light at any corner of a large cube.
-    let differs = |scene: &Classified, conventions| {
-        (0..8).any(|corner| {
-            let side = |axis: usize| if corner >> axis & 1 == 1 { 4.0 } else { -3.0 };
-            let picture = |conventions| {
-                let mut scene = scene.clone();
-                scene.light = DVec3::new(side(0), side(1), side(2));
-                scene.conventions = conventions;
-                let caster = RayCaster::new(&scene);
-                let pixels = (0..64).map(|index| caster.pixel([index % 8, index / 8], [8, 8]));
-                pixels.collect::<Vec<_>>()
-            };
-            picture(conventions) != picture(standard)
-        })
-    };
-    // Along unequal sides, in light from any side, and where nothing has a gradient.
-    let mut long = scene.clone();
+    });
+    uneven.light = DVec3::new(-2.0, 1.5, -1.0);
+    uneven.transfer_function.appearance = crate::ray_caster::scenes::formula(0.36, "heat");
+    let mut long = uneven.clone();
     let lattice = Lattice::new([3; 3], DVec3::new(0.5, 0.5, 2.0), DVec3::ZERO).unwrap();
-    long.grid = Arc::new(Grid::new(lattice, scene.grid.values().to_vec()).unwrap());
-    let box_space = Conventions {
-        box_space_normals: true,
-        ..standard
-    };
-    assert!(differs(&long, box_space));
-    let texture = Conventions {
-        texture_shading_point: true,
-        ..standard
-    };
-    assert!(differs(&long, texture));
-    let two_sided = Conventions {
-        two_sided: true,
-        ..standard
-    };
-    assert!(differs(&scene, two_sided));
-    let mut bright = scene.clone();
+    long.grid = Arc::new(Grid::new(lattice, uneven.grid.values().to_vec()).unwrap());
+    let mut bright = uneven.clone();
     bright.phong = Some(Phong {
         ambient: 20.0,
         ..PHONG
     });
-    let clamped = Conventions {
-        clamped_samples: true,
-        ..standard
-    };
-    assert!(differs(&bright, clamped));
-    let mut flat = self::scene(|_| 0.5);
+    let mut shadowed = uneven.clone();
+    shadowed.shadow = Some(Shadow {
+        step: 0.2,
+        reference_step: 0.01,
+    });
+    let mut flat = scene(|_| 0.5);
+    flat.phong = Some(PHONG);
+    let mut scenes = vec![bright, shadowed, flat];
+    for corner in 0..8 {
+        let side = |axis: usize| if corner >> axis & 1 == 1 { 4.0 } else { -3.0 };
+        for mut scene in [uneven.clone(), long.clone()] {
+            scene.light = DVec3::new(side(0), side(1), side(2));
+            scenes.push(scene);
+        }
+    }
+    let pixels = scenes.into_iter().flat_map(|mut scene| {
+        scene.conventions = conventions;
+        let caster = RayCaster::new(&scene);
+        let pixels = (0..64).map(|index| caster.pixel([index % 8, index / 8], [8, 8]).0);
+        pixels.collect::<Vec<_>>()
+    });
+    pixels.collect()
+}
+
+/// Every value of every key moves a pixel, and no two make the same pictures.
+#[test]
+fn every_convention_is_heard() {
+    let choices = every_value();
+    assert!(choices.len() > CONVENTIONS.keys.len(), "{}", choices.len());
+    for key in CONVENTIONS.keys {
+        let is_of_key = |line: &str| line.split(' ').next() == Some(key.name);
+        assert!(
+            choices.iter().any(|(line, ..)| is_of_key(line)),
+            "{}",
+            key.name
+        );
+    }
+    let mut known = vec![("volref's own".to_owned(), pictures(Conventions::default()))];
+    for (line, conventions, standard) in choices {
+        let new = pictures(conventions);
+        assert_ne!(new, pictures(standard), "{line} moves no pixel");
+        for (other, old) in &known {
+            assert_ne!(&new, old, "{line} looks like {other}");
+        }
+        known.push((line, new));
+    }
+    // The ambient term alone.
+    let mut flat = scene(|_| 0.5);
     flat.phong = Some(PHONG);
     let ambient = Conventions {
         flat_samples_ambient: true,
-        ..standard
+        ..Conventions::default()
     };
-    let ([full, _], [part, _]) = (seen(&flat, standard), seen(&flat, ambient));
+    let ([full, _], [part, _]) = (seen(&flat, Conventions::default()), seen(&flat, ambient));
     assert!((part - PHONG.ambient * full).abs() < ROUNDING);
+}
+
+/// A scene in which nothing is transparent, under these conventions.
+fn opaque_scene(conventions: &str) -> Scene {
+    let text = format!(
+        "[film]\nwidth = 8\nheight = 8\n[transfer_function]\nreference_length = 0.25\n\
+         point = [{{ value = 0, colour = [1, 0.5, 0], opacity = 0.1 }}, \
+         {{ value = 1, colour = [0, 0.5, 1], opacity = 0.3 }}]\n\
+         [classified]\nstep = 0.11\n[classified.phong]\n[classified.shadow]\nstep = 0.2\n\
+         {conventions}\n[classified.volume]\nfile = '../../volumes/hard/hill.nrrd'\n"
+    );
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    Scene::parse(&text, &root.join("fixtures/scenes/hard/scene.toml")).unwrap()
+}
+
+/// Work under conventions is counted as without, and what is predicted of it holds.
+#[test]
+fn work_under_conventions_is_counted() {
+    use volref::render::{Bound, Counters, Event, render_counted};
+    let counted = |scene: &Scene| -> Counters {
+        let plans = plans(scene);
+        let work = render_counted(&plans, Sampling::default(), &|| ())
+            .unwrap()
+            .work[0];
+        for (event, amount) in plans[0].predicted_work(Sampling::default()).work {
+            let holds = match amount.bound {
+                Bound::Exactly => work[event] == amount.count,
+                Bound::AtMost => work[event] <= amount.count,
+                _ => true,
+            };
+            assert!(holds, "{event:?}: {amount:?}, counted {}", work[event]);
+        }
+        work
+    };
+    let fast = counted(&opaque_scene(""));
+    let with = |line: &str| counted(&opaque_scene(&format!("[classified.conventions]\n{line}")));
+    assert!(fast[Event::DensityLookup] > 0 && fast[Event::GradientLookup] > 0);
+    // Other numbers, the same work.
+    assert_eq!(with("precision = 'f32'"), fast);
+    let samples = fast[Event::EmissionTerm];
+    let without_nodes = with("gradient = 'interpolant'");
+    assert_eq!(without_nodes[Event::GradientLookup], 0);
+    assert_eq!(without_nodes[Event::GradientComputed], 0);
+    let lookups = fast[Event::DensityLookup] + 6 * samples;
+    assert_eq!(without_nodes[Event::DensityLookup], lookups);
+    assert_eq!(with("jitter = true")[Event::RandomDraw], 64);
+    // Nothing is left out as null that a convention may make something of.
+    let mut transparent = opaque_scene("[classified.conventions]\ntable_size = 2");
+    assert!(
+        plans(&transparent)[0]
+            .kernel
+            .to_string()
+            .ends_with(", other conventions")
+    );
+    let Model::Classified(classified) = &mut transparent.panels[0].model else {
+        panic!("a classified scene");
+    };
+    let point = |value: f64, opacity: f64| TransferPoint {
+        value,
+        opacity,
+        colour: DVec3::ONE,
+    };
+    let points = vec![point(-1.0, 0.5), point(-0.5, 0.0), point(2.0, 0.0)];
+    classified.transfer_function.appearance =
+        Appearance::Points(TransferPoints::new(points).unwrap());
+    let lit = |scene: &Scene| {
+        let film = render(&plans(scene), Sampling::default(), &|| ())
+            .unwrap()
+            .film;
+        film.radiance().iter().any(|pixel| pixel[0] > 0.0)
+    };
+    assert!(
+        lit(&transparent),
+        "between two entries nothing is transparent"
+    );
 }
 
 /// A table of conventions in a scene: read, with its contradictions refused where they stand.
 #[test]
 fn conventions_in_a_scene() {
-    let read = |conventions: &str| {
-        let text = format!(
-            "[classified]\n[classified.volume]\nfile = 'fixtures/volumes/smoke.obj'\n\
-             [classified.conventions]\n{conventions}\n"
-        );
-        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-        Scene::parse(&text, &root.join("scene.toml")).map_err(|error| error.to_string())
-    };
-    let scene = read("first_sample = 1.0\nlast_step = 'whole'\nprecision = 'f32'").unwrap();
-    let volref::scene::Model::Classified(scene) = &scene.panels[0].model else {
-        panic!("a classified scene");
-    };
     let expected = Conventions {
         first_sample: 1.0,
         last_step: LastStep::Whole,
         precision: Precision::F32,
         ..Conventions::default()
     };
-    assert_eq!(scene.conventions, expected);
+    let found = read("first_sample = 1.0\nlast_step = 'whole'\nprecision = 'f32'");
+    assert_eq!(found, Ok(expected));
     for (wrong, message) in [
         ("jitter = true\nfirst_sample = 0.0", "is random"),
         ("table_lookup = 'nearest'", "no table to look up"),
@@ -450,7 +441,6 @@ fn conventions_in_a_scene() {
 #[test]
 fn conventions_become_lines_and_lines_conventions() {
     let (_, scene) = small("figures/figure-5");
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     // The panel with a shadow.
     let of = |scene: &Scene| {
         scene
@@ -462,15 +452,14 @@ fn conventions_become_lines_and_lines_conventions() {
             .conventions
     };
     assert!(of(&scene).lines().is_empty());
+    for (_, conventions, _) in every_value() {
+        let lines = conventions.lines().join("\n");
+        assert_eq!(read(&lines), Ok(conventions), "{lines}");
+    }
     for index in 0..CATALOGUE.len() {
         let expected = of(&under(&scene, &[index]));
-        let text = format!(
-            "[classified]\n[classified.volume]\nfile = 'fixtures/volumes/smoke.obj'\n\
-             [classified.conventions]\n{}\n",
-            expected.lines().join("\n")
-        );
-        let read = Scene::parse(&text, &root.join("scene.toml")).unwrap();
-        assert_eq!(of(&read), expected, "{text}");
+        let lines = expected.lines().join("\n");
+        assert_eq!(read(&lines), Ok(expected), "{lines}");
     }
 }
 
@@ -569,7 +558,7 @@ fn how_often_conventions_are_named() {
         }
         // One that is a mistake of the catalogue, too, is not claimed by itself.
         let alone = |&index: &usize| {
-            !CATALOGUE[index].stands_alone() && passes(&under(&scene, &[index]), &test)
+            !CATALOGUE[index].stands_alone && passes(&under(&scene, &[index]), &test)
         };
         if set.iter().any(alone) {
             unclaimed += 1;

@@ -1,6 +1,7 @@
 //! The plain renderers of `src/reference` and the fast ones of `src/render` make the same images.
 //!
-//! Classified volumes agree to the bit, on the suite and on generated scenes. Radiative scenes are
+//! Classified volumes agree to the bit, on the suite and on generated scenes; so does the ray caster
+//! for conventions of other renderers, under those of volref. Radiative scenes are
 //! sampled by two programs that share no random number and hardly a method, so their images agree
 //! by the stochastic gate: pixel by pixel they differ by noise, and by no more.
 
@@ -9,12 +10,13 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use volref::compare::stochastic;
+use volref::conventions::ray_caster as conventional;
 use volref::film::Film;
 use volref::geometry::length_of;
 use volref::math::rng::philox4x32_10;
 use volref::reference::{self, ReferenceError};
 use volref::render::{Sampling, Seed, plans, render};
-use volref::scene::{Classified, Model, Scene};
+use volref::scene::{Classified, Conventions, Model, Scene};
 use volref::suite::mistakes;
 
 /// Radiative scenes that the plain path tracer cannot render within a test, and what holds them
@@ -95,21 +97,37 @@ fn all(scene: &Scene, is: impl Fn(&Model) -> bool) -> bool {
     scene.panels.iter().all(|panel| is(&panel.model))
 }
 
+/// The panels of classified volumes, without conventions, by the ray caster for conventions.
+fn by_conventions(scene: &Scene) -> Film {
+    let panels = scene.panels.iter().map(|panel| {
+        let classified = panel.classified().unwrap();
+        assert_eq!(classified.conventions, Conventions::default());
+        conventional::render(classified, [panel.width, panel.height])
+    });
+    Film::side_by_side(&panels.collect::<Vec<_>>())
+}
+
+/// Composited from samples: an integral has one renderer, whose opponent is in `limits.rs`.
+fn is_sampled(model: &Model) -> bool {
+    matches!(model, Model::Classified(scene) if !scene.is_continuous())
+}
+
 #[test]
 fn classified_scenes_of_the_suite_agree_to_the_bit() {
     let mut compared = 0;
     for (name, path) in suite() {
         let scene = small(Scene::load(&path).unwrap(), 40);
-        if all(&scene, |model| matches!(model, Model::Classified(_))) {
+        if all(&scene, is_sampled) {
             let (fast, plain) = (
                 rendered(&scene, SAMPLING).unwrap(),
                 plain(&scene, SAMPLING).unwrap(),
             );
             assert_eq!(fast, plain, "{name}");
+            assert_eq!(by_conventions(&scene), plain, "{name}");
             compared += 1;
         }
     }
-    assert!(compared >= 20, "{compared} classified scenes");
+    assert!(compared >= 21, "{compared} classified scenes");
 }
 
 /// Generated scenes that are compared.
@@ -149,12 +167,13 @@ fn generated_classified_scenes_agree_to_the_bit() {
         let Model::Classified(classified) = &scene.panels[0].model else {
             panic!("a classified scene");
         };
-        if lookups(classified, 64) > MOST_LOOKUPS {
+        if classified.is_continuous() || lookups(classified, 64) > MOST_LOOKUPS {
             continue;
         }
         match (rendered(&scene, SAMPLING), plain(&scene, SAMPLING)) {
             (Ok(fast), Ok(plain)) => {
                 assert_eq!(fast, plain, "{}", written.text);
+                assert_eq!(by_conventions(&scene), plain, "{}", written.text);
                 let lit = |pixel: &[f32; 3]| pixel.iter().any(|&channel| channel > 0.0);
                 with_light += usize::from(plain.radiance().iter().any(lit));
                 compared += 1;

@@ -37,7 +37,7 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
         ("shadow", or_null(shadow)),
         ("light", or_null(is_lit.then(|| light(scene.light)))),
         ("radiance", radiance(scene).into()),
-        ("compositing", compositing(scene.compositing)),
+        ("compositing", compositing(scene)),
     ];
     if let Compositing::EarlyTermination(below) = scene.compositing {
         let rule = format!(
@@ -247,8 +247,17 @@ fn radiance(scene: &Classified) -> String {
     format!("a sample of value d emits L = {strength}{colour}{visibility}")
 }
 
-fn compositing(order: Compositing) -> Json {
-    match order {
+fn compositing(scene: &Classified) -> Json {
+    if scene.is_continuous() {
+        return method(
+            "continuous",
+            "with the extinction s(d) = -ln(1 - a0(d))/reference_length, where a0 is the opacity of \
+             one reference_length, and tau(t) = integral of s from t0 to t: the pixel is the integral \
+             of s(d(t))*L(d(t))*exp(-tau(t)) over t from t0 to t1, plus exp(-tau(t1))*background; the \
+             limit of samples composited front to back as the step becomes short",
+        );
+    }
+    match scene.compositing {
         Compositing::FrontToBack | Compositing::EarlyTermination(_) => method(
             "front-to-back",
             "C = 0, A = 0; for each sample from the eye on, C = C + (1 - A)*a*L and \
@@ -258,13 +267,6 @@ fn compositing(order: Compositing) -> Json {
             "back-to-front",
             "C = 0, A = 0; for each sample from the far end on, C = a*L + (1 - a)*C and \
              A = a + (1 - a)*A; the pixel is C + (1 - A)*background",
-        ),
-        Compositing::Continuous => method(
-            "continuous",
-            "with the extinction s(d) = -ln(1 - a0(d))/reference_length, where a0 is the opacity of \
-             one reference_length, and tau(t) = integral of s from t0 to t: the pixel is the integral \
-             of s(d(t))*L(d(t))*exp(-tau(t)) over t from t0 to t1, plus exp(-tau(t1))*background; the \
-             limit of samples composited front to back as the step becomes short",
         ),
     }
 }

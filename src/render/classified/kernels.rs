@@ -7,7 +7,6 @@ use super::field::{ConstantField, GridField, ScalarField};
 use super::ray_caster::RayCaster;
 use super::shading::{Shaded, Shading, Unshaded};
 use super::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
-use crate::reference::ray_caster;
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::render::plan::{FieldKind, RayCasterFeatures};
@@ -33,11 +32,6 @@ pub(in crate::render) fn cast<W: Work>(
     features: RayCasterFeatures,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
-    if features.plain {
-        let caster = ray_caster::RayCaster::new(scene);
-        let size = [pixels.width, pixels.height];
-        return rows(pixels, || (), |pixel, _, (), _| caster.pixel(pixel, size));
-    }
     let task = RenderTask {
         scene,
         pixels,
@@ -108,10 +102,6 @@ fn with_order<T: Task, F: ScalarField>(
             with_shading(scene, features, task, field, FrontToBack { termination })
         }
         Compositing::BackToFront => with_shading(scene, features, task, field, BackToFront),
-        // Samples of what has none, where a plan was edited.
-        Compositing::Continuous => {
-            with_shading(scene, features, task, field, FrontToBack::default())
-        }
     }
 }
 
@@ -262,7 +252,6 @@ mod tests {
                         shading: switches & 1 != 0,
                         shadow: switches & 2 != 0,
                         skip_empty: switches & 4 != 0,
-                        plain: false,
                     };
                     kernels.insert(with_features(classified, features, Name));
                 }

@@ -5,10 +5,11 @@
 
 pub mod batches;
 pub mod compositing;
-pub(super) mod continuous;
+pub(super) mod conventional;
 pub mod curve;
 pub mod empty_space;
 pub mod field;
+pub mod integral;
 pub(super) mod kernels;
 pub mod preintegration;
 pub mod ray_caster;

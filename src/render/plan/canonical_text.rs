@@ -22,20 +22,9 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
     match kernel {
         Kernel::Curve(_) => "Curve".to_owned(),
         Kernel::Background(_) => "Background".to_owned(),
-        Kernel::RayCaster { features, .. } => {
-            let RayCasterFeatures {
-                field,
-                compositing,
-                shading,
-                shadow,
-                skip_empty,
-                plain,
-            } = features;
-            let plain = if *plain { ", plain: true" } else { "" };
-            format!(
-                "RayCaster {{ field: {field:?}, compositing: {compositing:?}, shading: {shading}, \
-                 shadow: {shadow}, skip_empty: {skip_empty}{plain} }}"
-            )
+        Kernel::RayCaster { features, .. } => of_ray_caster(*features, ""),
+        Kernel::Conventional(scene) => {
+            of_ray_caster(RayCasterFeatures::asked_for(scene), ", plain: true")
         }
         Kernel::Integral(_) => "Integral".to_owned(),
         Kernel::LineOfSight {
@@ -53,6 +42,20 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
             format!("PathTracer {{ parts: {features}, limit: {max_order:?} }}")
         }
     }
+}
+
+fn of_ray_caster(features: RayCasterFeatures, newer: &str) -> String {
+    let RayCasterFeatures {
+        field,
+        compositing,
+        shading,
+        shadow,
+        skip_empty,
+    } = features;
+    format!(
+        "RayCaster {{ field: {field:?}, compositing: {compositing:?}, shading: {shading}, \
+         shadow: {shadow}, skip_empty: {skip_empty}{newer} }}"
+    )
 }
 
 fn of_radiative(features: &RadiativeFeatures) -> String {

@@ -23,11 +23,13 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let null = |field: &str, reason: String| EffectFinding::Null(field.to_owned(), reason);
     let matters = |field: &str, reason: String| EffectFinding::Matters(field.to_owned(), reason);
     let (least, most) = scene.grid.range();
-    let constant = least == most;
+    // Of what is provably null by volref's conventions others make something: nothing is left out.
+    let is_conventional = scene.conventions != Conventions::default();
+    let constant = !is_conventional && least == most;
     // Grids hold `f32`, whose digits are the shorter ones.
     let (shortest_least, shortest_most) = (least as f32, most as f32);
     let transfer_function = &scene.transfer_function;
-    let transparent = transfer_function.is_transparent_between(least, most);
+    let transparent = !is_conventional && transfer_function.is_transparent_between(least, most);
     let (numbers, nothing, extent, light, darkness) = match transfer_function.appearance {
         Appearance::Formula { .. } => (
             "densities",
@@ -67,6 +69,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
                 PHONG,
                 "the density is constant: its gradient is 0".to_owned(),
             ),
+            Some(_) if is_conventional => matters(PHONG, "samples are shaded".to_owned()),
             Some(_) if scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3) => null(
                 PHONG,
                 "no axis has three nodes: the stored gradient is 0".to_owned(),
@@ -91,6 +94,10 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let decisions = Decisions::new(finding, forced, key_lines);
     let on = |effect| decisions.is_on(effect);
 
+    let compositing = || {
+        let reason = "a classified volume is rendered by compositing samples one step apart";
+        Reason::of("classified.step", reason, key_lines)
+    };
     let (kernel, method, why) = if !Effect::ALL.into_iter().any(on) {
         let why = Reason::of(TRANSFER_FUNCTION, nothing(), key_lines);
         (Kernel::Background(scene), Method::Background, why)
@@ -98,13 +105,18 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         let reason = "the integral itself is asked for, without samples";
         let why = Reason::of(COMPOSITING, reason, key_lines);
         (Kernel::Integral(scene), Method::Quadrature, why)
+    } else if is_conventional {
+        (
+            Kernel::Conventional(scene),
+            Method::RayCasting,
+            compositing(),
+        )
     } else {
         let field = match scene.interpolation {
             _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
             Interpolation::Nearest => FieldKind::Nearest,
             Interpolation::Trilinear => FieldKind::Trilinear,
         };
-        let plain = scene.conventions != Conventions::default();
         let features = RayCasterFeatures {
             field,
             compositing: scene.compositing,
@@ -114,19 +126,17 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
             // wanted, so nothing is skipped.
             skip_empty: !transparent
                 && !constant
-                && !plain
                 && transfer_function.may_be_transparent_between(least, most),
-            plain,
         };
         let kernel = Kernel::RayCaster { scene, features };
-        let reason = "a classified volume is rendered by compositing samples one step apart";
-        let why = Reason::of("classified.step", reason, key_lines);
-        (kernel, Method::RayCasting, why)
+        (kernel, Method::RayCasting, compositing())
     };
     Plan {
         panel,
         approximations: match kernel {
-            Kernel::RayCaster { .. } => early_termination(scene, key_lines).into_iter().collect(),
+            Kernel::RayCaster { .. } | Kernel::Conventional(_) => {
+                early_termination(scene, key_lines).into_iter().collect()
+            }
             _ => vec![],
         },
         warnings: warnings(scene, &decisions, key_lines),
@@ -177,7 +187,7 @@ fn early_termination(scene: &Classified, key_lines: &KeyLines) -> Option<Approxi
             line: key_lines.line(EARLY_TERMINATION),
             bias: below * scene.brightest(),
         }),
-        Compositing::FrontToBack | Compositing::BackToFront | Compositing::Continuous => None,
+        Compositing::FrontToBack | Compositing::BackToFront => None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The code that renders an image, by the features it is compiled for.
 
 use crate::scene::{Classified, Compositing, Curve, Radiative};
+use crate::volume::Interpolation;
 use std::fmt;
 
 /// The code that renders an image, and the model that it renders.
@@ -17,6 +18,8 @@ pub enum Kernel<'s> {
         /// The features it is compiled for.
         features: RayCasterFeatures,
     },
+    /// The ray caster for conventions of other renderers, which leaves nothing out.
+    Conventional(&'s Classified),
     /// The volume-rendering integral of a classified volume, without samples.
     Integral(&'s Classified),
     /// Closed forms and integrals along the line of sight, without random numbers.
@@ -52,9 +55,22 @@ pub struct RayCasterFeatures {
     pub shadow: bool,
     /// Empty-space skipping: samples in transparent blocks are not taken.
     pub skip_empty: bool,
-    /// Other conventions than volref's: the plain ray caster of [`crate::reference`], which knows
-    /// them all, compiled for none of the features above.
-    pub plain: bool,
+}
+
+impl RayCasterFeatures {
+    /// The features that `scene` asks for, none left out.
+    pub(super) fn asked_for(scene: &Classified) -> RayCasterFeatures {
+        RayCasterFeatures {
+            field: match scene.interpolation {
+                Interpolation::Nearest => FieldKind::Nearest,
+                Interpolation::Trilinear => FieldKind::Trilinear,
+            },
+            compositing: scene.compositing,
+            shading: scene.phong.is_some(),
+            shadow: scene.shadow.is_some(),
+            skip_empty: false,
+        }
+    }
 }
 
 /// Features that the kernels for surfaces and participating media are compiled for.
@@ -115,6 +131,10 @@ impl fmt::Display for Kernel<'_> {
             Kernel::Curve(_) => f.write_str("plot of the transfer function"),
             Kernel::Background(_) => f.write_str("background only"),
             Kernel::RayCaster { features, .. } => write!(f, "ray caster: {features}"),
+            Kernel::Conventional(scene) => {
+                let features = RayCasterFeatures::asked_for(scene);
+                write!(f, "ray caster: {features}, other conventions")
+            }
             Kernel::Integral(_) => f.write_str("integral along each ray, piece by piece"),
             Kernel::LineOfSight {
                 features, scatters, ..
@@ -154,7 +174,6 @@ impl fmt::Display for RayCasterFeatures {
             Compositing::FrontToBack => f.write_str(", front to back")?,
             Compositing::EarlyTermination(below) => write!(f, ", front to back down to {below}")?,
             Compositing::BackToFront => f.write_str(", back to front")?,
-            Compositing::Continuous => f.write_str(", no samples")?,
         }
         let words = [
             if self.shading { "Phong" } else { "unshaded" },
@@ -169,11 +188,6 @@ impl fmt::Display for RayCasterFeatures {
                 "every sample"
             },
         ];
-        write!(f, ", {}", words.join(", "))?;
-        f.write_str(if self.plain {
-            ", other conventions"
-        } else {
-            ""
-        })
+        write!(f, ", {}", words.join(", "))
     }
 }

@@ -45,7 +45,7 @@ impl LightVertexShares {
         if self.medium == 0.0 {
             return LightVertexPlace::Surface;
         }
-        let [u, choice] = sampler.pair(Purpose::LitPlace, index);
+        let [u, choice] = sampler.pair(Purpose::LightVertex, index);
         if choice < self.medium {
             LightVertexPlace::Medium(u)
         } else {

@@ -140,7 +140,7 @@ impl<E: Effects> SceneContext<'_, E> {
             return DVec3::ZERO;
         };
         let sampler = &mut path.tracker.sampler;
-        let uv = sampler.pair(Purpose::LitPlace, 2 * light.index);
+        let uv = sampler.pair(Purpose::LightVertex, 2 * light.index);
         let direction = match cone {
             None => sphere(uv),
             Some((cone, frame)) => frame.to_world(cone.direction(uv)),

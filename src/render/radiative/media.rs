@@ -26,7 +26,7 @@ pub struct SingleMedium<'s> {
     pub properties: MediumProperties,
 }
 
-/// ScatteringExtent of the scattering media of a scene.
+/// Extent of the scattering media of a scene.
 #[derive(Debug)]
 enum ScatteringExtent {
     Nowhere,

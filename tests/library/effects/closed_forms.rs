@@ -146,8 +146,8 @@ proptest! {
         let times = if emits { 2 } else { 1 };
         prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
         let expected = plan.predicted_work(Sampling::default());
-        let told = expected.of(Event::DensityLookup).unwrap();
-        prop_assert_eq!(told.count, work[Event::DensityLookup]);
+        let predicted = expected.of(Event::DensityLookup).unwrap();
+        prop_assert_eq!(predicted.count, work[Event::DensityLookup]);
         prop_assert_eq!(work, Counters::from([
             (Event::DensityLookup, work[Event::DensityLookup]),
             (Event::Attenuation, work[Event::Attenuation]),
@@ -327,9 +327,9 @@ fn the_transparent_part_of_a_volume_takes_nothing_but_cells() {
     );
 }
 
-/// Of a large image some rays are looked at: what is told is near.
+/// Of a large image some rays are looked at: the prediction is near.
 #[test]
-fn a_large_image_is_told_of_by_some_of_its_rays() {
+fn work_of_a_large_image_is_predicted_from_some_of_its_rays() {
     let text = |keys: &str| {
         format!(
             "[film]\nwidth = 300\nheight = 280\n\
@@ -342,13 +342,16 @@ fn a_large_image_is_told_of_by_some_of_its_rays() {
     ));
     let plan = plan(&scene);
     let (_, work) = rendered(&plan);
-    let told = plan
+    let predicted = plan
         .predicted_work(Sampling::default())
         .of(Event::DensityLookup)
         .unwrap();
-    assert_eq!(told.bound, Bound::About);
+    assert_eq!(predicted.bound, Bound::About);
     // Every second ray of every second row: the sums differ by what lies along the outline of the
     // grid, some hundred rays of ten thousand.
-    let (told, counted) = (told.count as f64, work[Event::DensityLookup] as f64);
-    assert!((told - counted).abs() <= 0.02 * counted, "{told} {counted}");
+    let (predicted, counted) = (predicted.count as f64, work[Event::DensityLookup] as f64);
+    assert!(
+        (predicted - counted).abs() <= 0.02 * counted,
+        "{predicted} {counted}"
+    );
 }

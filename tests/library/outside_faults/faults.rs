@@ -132,11 +132,7 @@ pub const FAULTS: &[Fault] = &[
             }
         }),
     ),
-    fault(
-        "early end at 0.3",
-        PLUME,
-        Ray(|s| s.compositing = volref::scene::Compositing::EarlyTermination(0.3)),
-    ),
+    fault("early end at 0.3", PLUME, Ray(|s| s.end_rays_at(0.3))),
     fault(
         "quarter of a voxel along y",
         PLUME,

@@ -82,6 +82,7 @@ pub fn plain(grid: Arc<Grid<f32>>) -> Classified {
     Classified {
         grid,
         interpolation: Interpolation::Trilinear,
+        continuous: false,
         compositing: Compositing::FrontToBack,
         step: 0.5 * lattice.voxel(),
         transfer_function: TransferFunction {
@@ -267,7 +268,7 @@ fn with_order<F: ScalarField>(scene: &Classified, rays: &[Ray], field: F) -> Vec
     match scene.compositing {
         Compositing::FrontToBack => with_shading::<F, FrontToBack>(scene, rays, field),
         Compositing::BackToFront => with_shading::<F, BackToFront>(scene, rays, field),
-        Compositing::EarlyTermination(_) | Compositing::Continuous => {
+        Compositing::EarlyTermination(_) => {
             unreachable!("no scene here asks for it")
         }
     }

@@ -119,7 +119,7 @@ fn absorbed_everywhere(scene: &Radiative, body: &Body) -> DVec3 {
         .sum()
 }
 
-/// KeyLines along each axis at which a density is looked up.
+/// Points along each axis at which a density is looked up.
 const PLACES: usize = 8;
 
 /// The mean of a density over its box.

@@ -18,15 +18,15 @@
 //!
 //! Source: Max 1995, "Optical models for direct volume rendering".
 
-use crate::film::Film;
 use crate::geometry::{Aabb, Ray};
 use crate::math::exp_m1;
 use crate::media::TransferFunction;
 use crate::media::collocation::{CollocatedLight, Collocation, Here};
+use crate::render::counters::{Event, Work};
+use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
 use crate::volume::{CubicSegment, GridDensity};
 use glam::DVec3;
-use rayon::prelude::*;
 
 /// Error of a pixel that is aimed at, relative to the brightest radiance of the scene: a tenth of
 /// what an image in 32 bits rounds a pixel by.
@@ -132,20 +132,32 @@ impl<'s> RayIntegrator<'s> {
     }
 }
 
-/// The image of `scene`: radiance, background included, and the opacity of the volume in front of
-/// it; one ray through the centre of each pixel.
-pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
+/// A pixel: radiance and opacity, and the bound on the error of its radiance.
+pub(in crate::render) type BoundedPixel = ([f32; 4], f64);
+
+/// The pixels of `scene`.
+pub(in crate::render) fn integrate<W: Work>(
+    scene: &Classified,
+    pixels: &Pixels<'_>,
+) -> (Vec<BoundedPixel>, W) {
     let integrator = RayIntegrator::new(scene);
-    let pixels = (0..width * height).into_par_iter().map(|index| {
-        let position = [index % width, index / width];
-        let ray = scene.camera.ray(position, [width, height]);
-        pixel(&integrator.along(&ray).light)
-    });
-    Film::with_opacity(width, height, pixels.collect())
+    let size = [pixels.width, pixels.height];
+    rows(
+        pixels,
+        || (),
+        |position, _, (), work: &mut W| {
+            let integral = integrator.along(&scene.camera.ray(position, size));
+            work.count_times(Event::CellWalked, integral.cells);
+            work.count_times(Event::DensityLookup, integral.cells);
+            work.count_times(Event::Attenuation, integral.points);
+            work.count_times(Event::EmissionTerm, integral.points);
+            (pixel(&integral.light), integral.light.radiance_error)
+        },
+    )
 }
 
 /// Radiance of a pixel, and the opacity of the volume in front of the background.
-pub fn pixel(light: &CollocatedLight) -> [f32; 4] {
+fn pixel(light: &CollocatedLight) -> [f32; 4] {
     let opacity = -exp_m1(-light.depth);
     let DVec3 { x, y, z } = light.radiance;
     [x, y, z, opacity].map(|value| value as f32)

@@ -7,367 +7,18 @@
 //! Nothing is claimed without that.
 
 use super::likeness::{lattice_of, pixels_of};
-use super::{Case, CaseResult, Cause, Judged, Profile, Verdict};
+use super::{Case, CaseResult, Cause, Judged, Verdict};
 use crate::compare::deterministic::in_tolerances;
 use crate::compare::{Conditions, Picture, default_gate, judge};
+use crate::conventions::{
+    CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, Profile, STEP, under,
+};
 use crate::film::Film;
 use crate::math::Sum;
 use crate::render::{Detail, Sampling, plans, render_coarse};
-use crate::scene::{
-    Classified, Compositing, Gradient, LastStep, LightColour, Panel, Precision, Scene,
-};
+use crate::scene::{Classified, Compositing, Panel, Scene};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
-
-/// A convention other than volref's.
-#[derive(Clone, Copy, Debug)]
-pub struct Convention {
-    /// In a sentence about the renderer: "it …".
-    pub words: &'static str,
-    /// The choice it answers: no two of one choice apply together.
-    choice: Choice,
-    /// It is claimed by itself; one that is also a mistake of the catalogue is not.
-    stands_alone: bool,
-    edit: fn(&mut Classified),
-}
-
-impl Convention {
-    /// It is claimed by itself, not only beside others.
-    pub fn stands_alone(&self) -> bool {
-        self.stands_alone
-    }
-}
-
-/// A choice that a renderer has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Choice {
-    FirstSample,
-    LastStep,
-    EarlyEnd,
-    Step,
-    Centring,
-    Opacity,
-    Classification,
-    Gradient,
-    Normals,
-    NormalSpace,
-    ShadingPoint,
-    FlatSamples,
-    Ambient,
-    HighlightColour,
-    HighlightEmission,
-    Highlight,
-    Shadow,
-    ShadowedAmbient,
-    Light,
-    Sides,
-    Range,
-    Precision,
-    Pixel,
-}
-
-const fn convention(choice: Choice, words: &'static str, edit: fn(&mut Classified)) -> Convention {
-    Convention {
-        words,
-        choice,
-        stands_alone: true,
-        edit,
-    }
-}
-
-const fn beside_others(convention: Convention) -> Convention {
-    Convention {
-        stands_alone: false,
-        ..convention
-    }
-}
-
-/// The conventions that are looked for.
-pub const CATALOGUE: &[Convention] = &[
-    // Where the border is empty, both of these give the same image.
-    convention(
-        Choice::FirstSample,
-        "takes the first sample of a ray a whole step behind the front face, not half a step",
-        |scene| {
-            scene.conventions.first_sample = 1.0;
-        },
-    ),
-    convention(
-        Choice::FirstSample,
-        "takes the first sample of a ray on the front face, not half a step behind it",
-        |scene| {
-            scene.conventions.first_sample = 0.0;
-        },
-    ),
-    convention(
-        Choice::LastStep,
-        "counts the last step of a ray as a whole one",
-        |scene| {
-            scene.conventions.last_step = LastStep::Whole;
-        },
-    ),
-    convention(
-        Choice::LastStep,
-        "drops the last step of a ray where it is not a whole one",
-        |scene| {
-            scene.conventions.last_step = LastStep::Dropped;
-        },
-    ),
-    convention(
-        Choice::EarlyEnd,
-        "ends rays at a transmittance of 0.001",
-        |scene| scene.end_rays_at(0.001),
-    ),
-    convention(
-        Choice::EarlyEnd,
-        "ends rays at a transmittance of 1/255",
-        |scene| scene.end_rays_at(1.0 / 255.0),
-    ),
-    convention(
-        Choice::EarlyEnd,
-        "ends rays at a transmittance of 0.01",
-        |scene| scene.end_rays_at(0.01),
-    ),
-    convention(
-        Choice::EarlyEnd,
-        "ends rays at a transmittance of 0.05",
-        |scene| scene.end_rays_at(0.05),
-    ),
-    convention(Choice::Step, "takes steps of half the length", |scene| {
-        scene.step *= 0.5
-    }),
-    convention(
-        Choice::Step,
-        "takes steps of a quarter of the length",
-        |scene| scene.step *= 0.25,
-    ),
-    convention(
-        Choice::Step,
-        "takes steps of an eighth of the length",
-        |scene| scene.step *= 0.125,
-    ),
-    beside_others(convention(
-        Choice::Step,
-        "takes steps of twice the length",
-        |scene| scene.step *= 2.0,
-    )),
-    beside_others(convention(
-        Choice::Centring,
-        "places values at the centres of cells, as in textures",
-        |scene| {
-            scene.conventions.cell_centred = true;
-        },
-    )),
-    convention(
-        Choice::Opacity,
-        "takes opacity in proportion to the step",
-        |scene| {
-            scene.conventions.linear_opacity = true;
-        },
-    ),
-    convention(
-        Choice::Classification,
-        "classifies nodes before it interpolates",
-        |scene| {
-            scene.conventions.preclassified = true;
-        },
-    ),
-    convention(
-        Choice::Classification,
-        "looks colours and opacities up in a table of 256 entries, the nearest one",
-        |scene| {
-            table(scene, 256, true);
-        },
-    ),
-    convention(
-        Choice::Classification,
-        "looks colours and opacities up in a table of 256 entries, interpolated",
-        |scene| {
-            table(scene, 256, false);
-        },
-    ),
-    convention(
-        Choice::Classification,
-        "looks colours and opacities up in a table of 1024 entries, the nearest one",
-        |scene| {
-            table(scene, 1024, true);
-        },
-    ),
-    convention(
-        Choice::Classification,
-        "looks colours and opacities up in a table of 64 entries, interpolated",
-        |scene| {
-            table(scene, 64, false);
-        },
-    ),
-    convention(
-        Choice::Gradient,
-        "takes forward differences for gradients",
-        |scene| {
-            scene.conventions.gradient = Gradient::Forward;
-        },
-    ),
-    convention(
-        Choice::Gradient,
-        "takes gradients by Sobel's filter",
-        |scene| {
-            scene.conventions.gradient = Gradient::Sobel;
-        },
-    ),
-    convention(
-        Choice::Gradient,
-        "takes the derivative of the trilinear interpolant for the gradient",
-        |scene| {
-            scene.conventions.gradient = Gradient::Interpolant;
-        },
-    ),
-    convention(
-        Choice::Gradient,
-        "takes differences over n/(n - 1) spacings at the sample for the gradient",
-        |scene| {
-            scene.conventions.gradient = Gradient::Texture;
-        },
-    ),
-    convention(
-        Choice::Normals,
-        "normalises gradients at the nodes, before it interpolates them",
-        |scene| {
-            scene.conventions.normalised_at_nodes = true;
-        },
-    ),
-    convention(
-        Choice::Normals,
-        "stores normals with 8 bits to a component",
-        |scene| {
-            scene.conventions.normal_bits = Some(8);
-        },
-    ),
-    convention(
-        Choice::NormalSpace,
-        "stretches normals by the proportions of the volume",
-        |scene| {
-            scene.conventions.box_space_normals = true;
-        },
-    ),
-    convention(
-        Choice::ShadingPoint,
-        "sees light and eye from texture coordinates, as fractions of the volume",
-        |scene| {
-            scene.conventions.texture_shading_point = true;
-        },
-    ),
-    convention(
-        Choice::FlatSamples,
-        "gives samples without a gradient ambient light only",
-        |scene| {
-            scene.conventions.flat_samples_ambient = true;
-        },
-    ),
-    convention(
-        Choice::Ambient,
-        "gives ambient light a colour of its own, white",
-        |scene| {
-            scene.conventions.ambient_colour = LightColour::White;
-        },
-    ),
-    beside_others(convention(
-        Choice::Ambient,
-        "gives ambient light a colour of its own, black",
-        |scene| {
-            scene.conventions.ambient_colour = LightColour::Black;
-        },
-    )),
-    convention(
-        Choice::HighlightColour,
-        "gives highlights the colour of the material",
-        |scene| {
-            scene.conventions.highlight_colour = LightColour::Material;
-        },
-    ),
-    beside_others(convention(
-        Choice::HighlightColour,
-        "has no highlights",
-        |scene| {
-            scene.conventions.highlight_colour = LightColour::Black;
-        },
-    )),
-    convention(
-        Choice::HighlightEmission,
-        "leaves the emission of a sample out of its highlight",
-        |scene| {
-            scene.conventions.highlight_emission = false;
-        },
-    ),
-    convention(
-        Choice::Highlight,
-        "takes highlights by the half vector (Blinn)",
-        |scene| {
-            scene.conventions.half_vector = true;
-        },
-    ),
-    convention(
-        Choice::Shadow,
-        "takes the first sample of a shadow at the point that is lit",
-        |scene| {
-            if scene.shadow.is_some() {
-                scene.conventions.shadow_sample = 0.0;
-            }
-        },
-    ),
-    convention(
-        Choice::Shadow,
-        "takes the first sample of a shadow a whole step on",
-        |scene| {
-            if scene.shadow.is_some() {
-                scene.conventions.shadow_sample = 1.0;
-            }
-        },
-    ),
-    convention(
-        Choice::ShadowedAmbient,
-        "leaves ambient light out of the shadow",
-        |scene| {
-            if scene.shadow.is_some() && scene.phong.is_some() {
-                scene.conventions.shadowed_ambient = false;
-            }
-        },
-    ),
-    beside_others(convention(
-        Choice::Light,
-        "has its light at the eye",
-        |scene| {
-            scene.conventions.head_light = true;
-        },
-    )),
-    convention(Choice::Sides, "lights both sides of a surface", |scene| {
-        scene.conventions.two_sided = true;
-    }),
-    convention(
-        Choice::Range,
-        "clamps the radiance of each sample to 1",
-        |scene| {
-            scene.conventions.clamped_samples = true;
-        },
-    ),
-    convention(Choice::Precision, "composites in half precision", |scene| {
-        scene.conventions.precision = Precision::F16;
-    }),
-    convention(Choice::Precision, "composites in 8 bits", |scene| {
-        scene.conventions.precision = Precision::U8;
-    }),
-    convention(
-        Choice::Pixel,
-        "casts rays through the corners of pixels",
-        |scene| {
-            scene.conventions.pixel_corner = true;
-        },
-    ),
-];
-
-fn table(scene: &mut Classified, size: u32, nearest: bool) {
-    scene.conventions.table_size = Some(size);
-    scene.conventions.nearest_entry = nearest;
-}
 
 /// How an image agrees with the right one under other conventions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -443,18 +94,6 @@ impl Explained {
         );
         result.profile = self.profile.clone();
     }
-}
-
-/// Indices in the [`CATALOGUE`], rising.
-pub type ConventionSet = Vec<usize>;
-
-/// `scene` under the conventions of `set`.
-pub fn under(scene: &Scene, set: &[usize]) -> Scene {
-    scene.with_volumes(|volume| {
-        for &index in set {
-            (CATALOGUE[index].edit)(volume);
-        }
-    })
 }
 
 /// Conventions taken together, at most. VTK, as it comes, has eight of the catalogue.
@@ -710,7 +349,7 @@ fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
     let (before, after) = (volume(scene)?, volume(&applied)?);
     let changes = |volume: &Classified, convention: &Convention| {
         let mut changed = volume.clone();
-        (convention.edit)(&mut changed);
+        convention.apply(&mut changed);
         let stated = |volume: &Classified| (volume.conventions, volume.compositing, volume.step);
         stated(&changed) != stated(volume)
     };
@@ -724,7 +363,7 @@ fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
 /// The profile, as TOML, of the conventions of `set` in `scene`, each with the `alternatives` that the
 /// image does not tell from it as a comment; `None` with another step.
 fn profile(scene: &Scene, set: &[usize], alternatives: &[usize]) -> Option<String> {
-    let is_step = |&index: &usize| CATALOGUE[index].choice == Choice::Step;
+    let is_step = |&index: &usize| CATALOGUE[index].choice == STEP;
     if set.iter().any(is_step) {
         return None;
     }
@@ -802,8 +441,7 @@ fn samples_and_steps() -> impl Iterator<Item = ConventionSet> {
             .filter(move |(_, convention)| convention.choice == choice)
             .map(|(index, _)| index)
     };
-    of(Choice::FirstSample)
-        .flat_map(move |first| of(Choice::Step).map(move |step| vec![first, step]))
+    of(FIRST_SAMPLE).flat_map(move |first| of(STEP).map(move |step| vec![first, step]))
 }
 
 /// Difference of two images in tolerances of the deterministic gate; of a pixel, that of its worst

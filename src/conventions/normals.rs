@@ -1,5 +1,6 @@
 //! Gradients of the field at samples, for shading.
 
+use super::work::RayWork;
 use crate::geometry::Direction;
 use crate::scene::{Classified, Gradient};
 use crate::volume::{Cell, Grid, Lattice, NodePoint, Reconstruction as _, relative_gradients};
@@ -40,12 +41,19 @@ impl Gradients {
     }
 
     /// The gradient at a sample, in any unit.
-    pub fn at(&self, scene: &Classified, point: NodePoint, cell: &Cell) -> DVec3 {
+    pub fn at(
+        &self,
+        scene: &Classified,
+        point: NodePoint,
+        cell: &Cell,
+        work: &mut RayWork,
+    ) -> DVec3 {
         let lattice = scene.grid.lattice();
-        let differences = |[low, high]: [DVec3; 2]| {
+        let mut differences = |[low, high]: [DVec3; 2]| {
             let mut gradient = DVec3::ZERO;
             for axis in 0..3 {
-                let value = |place: f64| {
+                let mut value = |place: f64| {
+                    work.density_lookups += 1;
                     let mut moved = point.0;
                     moved[axis] = place;
                     let cell = Cell::around(lattice, NodePoint(moved));
@@ -57,7 +65,10 @@ impl Gradients {
             gradient
         };
         match self {
-            Gradients::Stored(grid) => scene.interpolation.read(grid, cell),
+            Gradients::Stored(grid) => {
+                work.gradient_lookups += 1;
+                scene.interpolation.read(grid, cell)
+            }
             Gradients::Differences { reach } => differences([point.0 - *reach, point.0 + *reach]),
             // Within its cell the interpolant is linear along each axis.
             Gradients::Derivative => {

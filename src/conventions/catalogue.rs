@@ -1,0 +1,127 @@
+//! Conventions as edits of a scene: what a search for those behind an image tries.
+
+use crate::scene::{ALTERNATIVES, Alternative, Classified, Scene};
+use std::sync::LazyLock;
+
+/// A convention other than volref's.
+#[derive(Clone, Copy, Debug)]
+pub struct Convention {
+    /// In a sentence about the renderer: "it …".
+    pub words: &'static str,
+    /// The choice it answers: no two of one choice apply together.
+    pub choice: &'static str,
+    /// It is claimed by itself; one that is also a mistake of the catalogue is not.
+    pub stands_alone: bool,
+    edit: Edit,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Edit {
+    Convention(&'static Alternative),
+    Samples(fn(&mut Classified)),
+}
+
+impl Convention {
+    /// Makes it the convention of `volume`, if it is about anything there.
+    pub fn apply(&self, volume: &mut Classified) {
+        match self.edit {
+            Edit::Samples(edit) => edit(volume),
+            Edit::Convention(other) => {
+                let has_shadow = volume.shadow.is_some() || !other.in_shadow;
+                let has_shading = volume.phong.is_some() || !other.shaded;
+                if has_shadow && has_shading {
+                    (other.set)(&mut volume.conventions);
+                }
+            }
+        }
+    }
+}
+
+/// The choice of the first sample of a ray.
+pub const FIRST_SAMPLE: &str = "first_sample";
+/// The choice of a step, which is no convention: a scene states it.
+pub const STEP: &str = "step";
+const EARLY_END: &str = "early_termination";
+
+/// Ends and steps of rays, which scenes state beside the table of conventions: choice, words, whether
+/// one stands alone, edit.
+const SAMPLES: [(&str, &str, bool, fn(&mut Classified)); 8] = [
+    (
+        EARLY_END,
+        "ends rays at a transmittance of 0.001",
+        true,
+        |scene| scene.end_rays_at(0.001),
+    ),
+    (
+        EARLY_END,
+        "ends rays at a transmittance of 1/255",
+        true,
+        |scene| scene.end_rays_at(1.0 / 255.0),
+    ),
+    (
+        EARLY_END,
+        "ends rays at a transmittance of 0.01",
+        true,
+        |scene| scene.end_rays_at(0.01),
+    ),
+    (
+        EARLY_END,
+        "ends rays at a transmittance of 0.05",
+        true,
+        |scene| scene.end_rays_at(0.05),
+    ),
+    (STEP, "takes steps of half the length", true, |scene| {
+        scene.step *= 0.5
+    }),
+    (
+        STEP,
+        "takes steps of a quarter of the length",
+        true,
+        |scene| scene.step *= 0.25,
+    ),
+    (
+        STEP,
+        "takes steps of an eighth of the length",
+        true,
+        |scene| scene.step *= 0.125,
+    ),
+    (STEP, "takes steps of twice the length", false, |scene| {
+        scene.step *= 2.0
+    }),
+];
+
+/// The conventions that are looked for: those of samples behind that of the last step of a ray.
+pub static CATALOGUE: LazyLock<Vec<Convention>> = LazyLock::new(|| {
+    let mut all = Vec::new();
+    for (key, alternatives) in ALTERNATIVES {
+        all.extend(alternatives.iter().map(|other| Convention {
+            words: other.words,
+            choice: other.instead_of.unwrap_or(key),
+            stands_alone: other.stands_alone,
+            edit: Edit::Convention(other),
+        }));
+        if *key == "last_step" {
+            all.extend(
+                SAMPLES.map(|(choice, words, stands_alone, edit)| Convention {
+                    words,
+                    choice,
+                    stands_alone,
+                    edit: Edit::Samples(edit),
+                }),
+            );
+        }
+    }
+    all
+});
+
+/// Indices in the [`CATALOGUE`], rising.
+pub type ConventionSet = Vec<usize>;
+
+/// `scene` under the conventions of `set`.
+pub fn under(scene: &Scene, set: &[usize]) -> Scene {
+    scene.with_volumes(|volume| {
+        for &index in set {
+            CATALOGUE[index].apply(volume);
+        }
+    })
+}

@@ -1,0 +1,20 @@
+//! How other ray casters differ without being wrong, and the ray caster that does as they do.
+//!
+//! The conventions themselves, a row for each, are part of the language of scenes
+//! ([`Conventions`](crate::scene::Conventions)). The [`ray_caster`] renders under any of them; under
+//! those of volref it gives the image of [`reference::ray_caster`](crate::reference::ray_caster), to
+//! the bit. A [`Profile`] is a file with the conventions of a renderer, the [`CATALOGUE`] what a search
+//! for the conventions behind an image tries.
+
+mod catalogue;
+mod classifier;
+mod normals;
+mod profile;
+pub mod ray_caster;
+mod shading;
+mod steps;
+mod work;
+
+pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
+pub use profile::{PROFILE, Profile};
+pub use work::RayWork;

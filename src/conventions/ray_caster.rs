@@ -1,0 +1,337 @@
+//! The ray caster for classified volumes under conventions of other renderers.
+//!
+//! The loop of [`reference::ray_caster`](crate::reference::ray_caster), to be read first, with a
+//! question at each place where ray casters differ: where a step is sampled (`steps`), how a value
+//! is classified (`classifier`), which gradient is taken (`normals`), how a sample is shaded
+//! (`shading`), and the rest here. With the default [conventions](crate::scene::Conventions) both
+//! give the same bits.
+//!
+//! Work is counted as the kernels of [`render`](crate::render) count it; nothing is left out but
+//! what a scene does not ask for.
+
+use super::classifier::Classifier;
+use super::normals::Gradients;
+use super::shading::ShadedSample;
+use super::steps::Steps;
+use super::work::RayWork;
+use crate::film::Film;
+use crate::geometry::{Direction, Ray, Span, length_of};
+use crate::math::exp;
+use crate::math::rng::philox4x32_10;
+use crate::media::{Appearance, Phong, over_length};
+use crate::scene::{Classified, Compositing, LastStep, Precision};
+use crate::volume::{Cell, Centring, NodeLine, NodePoint, Reconstruction as _};
+use glam::DVec3;
+use half::f16;
+use rayon::prelude::*;
+
+/// The image of `scene`: radiance, background included, and the opacity of the volume in front of
+/// it; one ray through the centre of each pixel.
+pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
+    let [width, height] = size;
+    let caster = RayCaster::new(scene);
+    let pixels = (0..width * height).into_par_iter();
+    let pixels = pixels.map(|index| caster.pixel([index % width, index / width], size).0);
+    Film::with_opacity(width, height, pixels.collect())
+}
+
+/// A ray caster for a scene.
+pub struct RayCaster<'s> {
+    scene: &'s Classified,
+    classifier: Classifier<'s>,
+    shading: Option<(Phong, Gradients)>,
+}
+
+/// Samples of a ray, composited.
+struct Layer {
+    /// Associated colour: multiplied by opacity.
+    colour: DVec3,
+    /// Fraction of the light from behind that is absorbed.
+    opacity: f64,
+    /// Fraction of the light from behind that passes.
+    transparency: f64,
+}
+
+impl Layer {
+    const EMPTY: Layer = Layer {
+        colour: DVec3::ZERO,
+        opacity: 0.0,
+        transparency: 1.0,
+    };
+
+    /// This layer in front of `back`: the operator "over" of Porter & Duff 1984.
+    fn over(self, back: Layer) -> Layer {
+        let passed = self.transparency * back.transparency;
+        let sum = self.opacity + back.opacity * self.transparency;
+        Layer {
+            colour: self.colour + back.colour * self.transparency,
+            // The sum is more accurate while it is small; near 1, rounding could carry it above 1.
+            opacity: if passed < 0.5 { 1.0 - passed } else { sum },
+            transparency: passed,
+        }
+    }
+
+    /// This layer in numbers of `precision`.
+    fn rounded(self, precision: Precision) -> Layer {
+        let round = |value: f64| match precision {
+            Precision::F64 => value,
+            Precision::F32 => f64::from(value as f32),
+            Precision::F16 => f64::from(f16::from_f64(value)),
+            Precision::U8 => (value.clamp(0.0, 1.0) * 255.0).round() / 255.0,
+        };
+        Layer {
+            colour: DVec3::from_array(self.colour.to_array().map(round)),
+            opacity: round(self.opacity),
+            transparency: round(self.transparency),
+        }
+    }
+}
+
+impl<'s> RayCaster<'s> {
+    /// The ray caster of `scene`.
+    pub fn new(scene: &'s Classified) -> RayCaster<'s> {
+        RayCaster {
+            scene,
+            classifier: Classifier::of(scene),
+            shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
+        }
+    }
+
+    /// Number of gradients computed for the nodes.
+    pub fn gradients_computed(&self) -> u64 {
+        match &self.shading {
+            Some((_, Gradients::Stored(grid))) => grid.lattice().node_count() as u64,
+            _ => 0,
+        }
+    }
+
+    /// Radiance of pixel (`column`, `row`) of an image of `width` × `height` pixels, background
+    /// included, and the opacity of the volume; and the work of its ray.
+    pub fn pixel(
+        &self,
+        [column, row]: [usize; 2],
+        [width, height]: [usize; 2],
+    ) -> ([f32; 4], RayWork) {
+        let mut work = RayWork::default();
+        let (scene, size) = (self.scene, [width, height]);
+        let ray = if scene.conventions.pixel_corner {
+            scene.camera.ray_through([column as f64, row as f64], size)
+        } else {
+            scene.camera.ray([column, row], size)
+        };
+        let first_sample = if scene.conventions.jitter {
+            let pixel = (row * width + column) as u32;
+            work.random_draws += 1;
+            f64::from(philox4x32_10([pixel, 0, 0, 0], [0; 2])[0]) / (1_u64 << 32) as f64
+        } else {
+            scene.conventions.first_sample
+        };
+        let volume = self.cast(&ray, first_sample, &mut work);
+        let DVec3 { x, y, z } = volume.colour + scene.background * volume.transparency;
+        ([x, y, z, volume.opacity].map(|value| value as f32), work)
+    }
+
+    /// The samples along `ray`, composited.
+    fn cast(&self, ray: &Ray, first_sample: f64, work: &mut RayWork) -> Layer {
+        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
+        let mut seen = Layer::EMPTY;
+        let Some(span) = lattice.bounds().span(ray) else {
+            return seen;
+        };
+        let line = NodeLine::new(ray, lattice);
+        let steps = Steps::new(span, scene.step, first_sample, scene.conventions.last_step);
+        let reversed = scene.compositing == Compositing::BackToFront;
+        for done in 0..steps.count {
+            let index = if reversed {
+                steps.count - 1 - done
+            } else {
+                done
+            };
+            let (t, length) = steps.sample(index);
+            let (point, node_point) = (ray.at(t), line.at(t));
+            let looked_up = self.looked_up(node_point);
+            let cell = Cell::around(lattice, looked_up);
+            let density = self.density(&cell, work);
+            let look = self.classifier.look(scene, &cell, density);
+            work.attenuations += u64::from(look.opacity != 0.0);
+            let opacity = self.over_length(look.opacity, length);
+            if opacity == 0.0 {
+                continue; // nothing to add, whatever its colour
+            }
+            work.emission_terms += 1;
+            let visibility = self.visibility(point, node_point, work);
+            let light = look.emission * visibility;
+            let colour = match &self.shading {
+                None => look.colour * light,
+                Some((phong, gradients)) => {
+                    let (to_light, to_eye) = self.directions(point, node_point, ray);
+                    let sample = ShadedSample {
+                        colour: look.colour,
+                        gradient: self.gradient(gradients, looked_up, &cell, work),
+                        to_light,
+                        to_eye,
+                    };
+                    let shaded = sample.lit_by(phong, &scene.conventions);
+                    let lit = if scene.conventions.highlight_emission {
+                        (shaded.base + shaded.highlight) * light
+                    } else {
+                        shaded.base * light + shaded.highlight * visibility
+                    };
+                    if scene.conventions.shadowed_ambient {
+                        lit
+                    } else {
+                        lit + shaded.ambient * (look.emission - light)
+                    }
+                }
+            };
+            let colour = if scene.conventions.clamped_samples {
+                colour.min(DVec3::ONE)
+            } else {
+                colour
+            };
+            let sample = Layer {
+                colour: colour * opacity,
+                opacity,
+                transparency: 1.0 - opacity,
+            };
+            seen = if reversed {
+                sample.over(seen)
+            } else {
+                seen.over(sample)
+            };
+            seen = seen.rounded(scene.conventions.precision);
+            if let Compositing::EarlyTermination(threshold) = scene.compositing
+                && seen.transparency < threshold
+            {
+                break;
+            }
+        }
+        seen
+    }
+
+    /// The density in `cell`.
+    fn density(&self, cell: &Cell, work: &mut RayWork) -> f64 {
+        work.density_lookups += 1;
+        self.scene.interpolation.read(&*self.scene.grid, cell)
+    }
+
+    /// Cells to a distance between nodes, along each axis, if the scene takes nodes for the centres
+    /// of cells that fill the volume.
+    fn cells_per_spacing(&self) -> Option<DVec3> {
+        let lattice = self.scene.grid.lattice();
+        if !self.scene.conventions.cell_centred || lattice.centring() == Centring::Cells {
+            return None;
+        }
+        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
+        Some(nodes / (nodes - 1.0).max(DVec3::ONE))
+    }
+
+    /// The point of the grid, in nodes, that is read at `point`.
+    fn looked_up(&self, point: NodePoint) -> NodePoint {
+        let Some(cells) = self.cells_per_spacing() else {
+            return point;
+        };
+        // In cells from the centre of the first; beyond the outermost centres nothing changes.
+        let last = self
+            .scene
+            .grid
+            .lattice()
+            .nodes()
+            .map(|nodes| (nodes - 1) as f64);
+        NodePoint((point.0 * cells - 0.5).clamp(DVec3::ZERO, last.into()))
+    }
+
+    /// Opacity over a step of this length, where it is `opacity` over the reference length.
+    fn over_length(&self, opacity: f64, length: f64) -> f64 {
+        let lengths = length / self.scene.transfer_function.reference_length;
+        if self.scene.conventions.linear_opacity {
+            (opacity * lengths).min(1.0)
+        } else {
+            over_length(opacity, lengths)
+        }
+    }
+
+    /// Density gradient for shading, in any unit.
+    fn gradient(
+        &self,
+        gradients: &Gradients,
+        point: NodePoint,
+        cell: &Cell,
+        work: &mut RayWork,
+    ) -> DVec3 {
+        let mut gradient = gradients.at(self.scene, point, cell, work);
+        if let Some(cells) = self.cells_per_spacing() {
+            gradient *= cells;
+        }
+        if self.scene.conventions.box_space_normals {
+            gradient * self.scene.grid.lattice().bounds().size()
+        } else {
+            gradient
+        }
+    }
+
+    /// Directions to the light, `None` at the light itself, and to the eye.
+    fn directions(
+        &self,
+        point: DVec3,
+        node_point: NodePoint,
+        ray: &Ray,
+    ) -> (Option<Direction>, Direction) {
+        let light = self.shading_light();
+        if !self.scene.conventions.texture_shading_point {
+            return (Direction::of(light - point), -ray.direction);
+        }
+        let lattice = self.scene.grid.lattice();
+        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
+        let bounds = lattice.bounds();
+        let point = bounds.min + (node_point.0 + 0.5) / nodes * bounds.size();
+        let to_eye = Direction::of(ray.origin - point);
+        (
+            Direction::of(light - point),
+            to_eye.unwrap_or(-ray.direction),
+        )
+    }
+
+    /// Position of the light for shading.
+    fn shading_light(&self) -> DVec3 {
+        if self.scene.conventions.head_light {
+            self.scene.camera.eye()
+        } else {
+            self.scene.light
+        }
+    }
+
+    /// Visibility of the light from `point`; 1 where the scene has no shadow.
+    fn visibility(&self, point: DVec3, node_point: NodePoint, work: &mut RayWork) -> f64 {
+        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
+        let to_light = scene.light - point;
+        let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
+            return 1.0;
+        };
+        let Some(inside) = lattice.bounds().span(&ray) else {
+            return 1.0;
+        };
+        work.shadow_rays += 1;
+        let span = Span::new(0.0, inside.far.min(length_of(to_light)));
+        // Not from `point`: far from the world's origin its node coordinates have lost digits.
+        let line = NodeLine::from(node_point, *ray.direction, lattice);
+        let position = scene.conventions.shadow_sample;
+        let steps = Steps::new(span, shadow.step, position, LastStep::Exact);
+        let samples = (0..steps.count).map(|index| {
+            let (t, length) = steps.sample(index);
+            let cell = Cell::around(lattice, self.looked_up(line.at(t)));
+            (self.density(&cell, work), length)
+        });
+        match &scene.transfer_function.appearance {
+            Appearance::Formula { .. } => {
+                let sum: f64 = samples.map(|(density, length)| density * length).sum();
+                exp(-(sum / shadow.reference_step) / 100.0).min(1.0)
+            }
+            Appearance::Points(points) => samples
+                .map(|(density, length)| {
+                    1.0 - over_length(points.opacity(density), length / shadow.reference_step)
+                })
+                .product(),
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! The image of a classified volume under conventions of other renderers, by their own ray caster.
+
+use crate::conventions::{RayWork, ray_caster::RayCaster};
+use crate::render::counters::{Event, Work};
+use crate::render::pixels::{Pixels, rows};
+use crate::scene::Classified;
+
+/// The pixels of `scene`.
+pub(in crate::render) fn cast<W: Work>(
+    scene: &Classified,
+    pixels: &Pixels<'_>,
+) -> (Vec<[f32; 4]>, W) {
+    let caster = RayCaster::new(scene);
+    let size = [pixels.width, pixels.height];
+    let (image, mut work): (_, W) = rows(
+        pixels,
+        || (),
+        |position, _, (), work: &mut W| {
+            let (pixel, of_ray) = caster.pixel(position, size);
+            count(of_ray, work);
+            pixel
+        },
+    );
+    work.count_times(Event::GradientComputed, caster.gradients_computed());
+    (image, work)
+}
+
+fn count<W: Work>(of_ray: RayWork, work: &mut W) {
+    let RayWork {
+        density_lookups,
+        gradient_lookups,
+        attenuations,
+        emission_terms,
+        shadow_rays,
+        random_draws,
+    } = of_ray;
+    work.count_times(Event::DensityLookup, density_lookups);
+    work.count_times(Event::GradientLookup, gradient_lookups);
+    work.count_times(Event::Attenuation, attenuations);
+    work.count_times(Event::EmissionTerm, emission_terms);
+    work.count_times(Event::ShadowRay, shadow_rays);
+    work.count_times(Event::RandomDraw, random_draws);
+}
