@@ -90,6 +90,9 @@ pub(super) fn check_headers(bytes: &[u8]) -> Result<(), FilmError> {
     }
 }
 
+/// A text, and the bytes behind it.
+type Word<'b> = (&'b [u8], &'b [u8]);
+
 /// An attribute's name and value, and the bytes behind it.
 type Attribute<'b> = (&'b [u8], &'b [u8], &'b [u8]);
 
@@ -110,7 +113,7 @@ fn attribute(bytes: &[u8], longest: usize) -> Result<Option<Attribute<'_>>, Film
 }
 
 /// A non-empty text up to its terminating zero, and the rest.
-fn text(bytes: &[u8], longest: usize) -> Result<Option<(&[u8], &[u8])>, FilmError> {
+fn text(bytes: &[u8], longest: usize) -> Result<Option<Word<'_>>, FilmError> {
     /// As many letters as a message shows.
     const SHOWN: usize = 24;
     let end = bytes.iter().take(longest + 1).position(|&byte| byte == 0);
