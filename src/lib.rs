@@ -83,30 +83,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod atomic_file;
+pub mod check;
 pub mod cli;
 pub mod compare;
 pub mod conventions;
 pub mod cost;
-mod decoder;
 pub mod exchange;
+pub mod files;
 pub mod film;
 pub mod geometry;
 pub mod guide;
 pub mod hard_cases;
+pub mod judging;
 pub mod known_answers;
 pub mod math;
 pub mod media;
-mod misspelling;
+pub mod naming;
 pub mod optics;
-mod own_file;
-mod partial_file;
-mod private_folder;
 pub mod reference;
-mod regular_file;
 pub mod render;
+pub mod renderers;
 pub mod report;
+pub mod runs;
 pub mod scene;
 pub mod sensitivity;
 pub mod suite;
+pub mod variations;
 pub mod volume;

@@ -4,7 +4,8 @@
 use libtest_mimic::{Arguments, Failed, Trial};
 use std::path::Path;
 use volref::film::Film;
-use volref::suite::{Case, Store, Suite, Verdict, verify};
+use volref::judging::{Verdict, verify};
+use volref::suite::{Case, Store, Suite};
 
 fn main() {
     let arguments = Arguments::from_args();

@@ -5,7 +5,9 @@ use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::suite::{self, AcceptError, AcceptRequest, Change, StoreError, UnitFolder};
+use crate::runs;
+use crate::runs::{AcceptError, AcceptRequest, Change, UnitFolder};
+use crate::suite::StoreError;
 use serde_json::json;
 
 /// Render cases and accept the images as new goldens; inspect them before and after
@@ -48,7 +50,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         keep_images: arguments.keep_images,
         in_ci,
     };
-    let accepted = suite::accept(&cases, &suite.store(), &kept, request, &bar);
+    let accepted = runs::accept(&cases, &suite.store(), &kept, request, &bar);
     bar.finish_and_clear();
     let accepted = accepted.map_err(|error| {
         let exit = match error {

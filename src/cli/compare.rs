@@ -8,8 +8,9 @@ use crate::compare::{
     Conditions, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
 };
 use crate::film::Film;
+use crate::judging::{CaseFinding, CaseResult};
 use crate::report;
-use crate::suite::{CaseFinding, CaseResult, MEAN_RESOLUTION};
+use crate::suite::MEAN_RESOLUTION;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

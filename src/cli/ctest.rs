@@ -8,8 +8,8 @@ use super::failure::{Failure, bad_input};
 use super::output;
 use crate::compare::Picture;
 use crate::film::Film;
+use crate::judging::Judged;
 use crate::report::xml_text;
-use crate::suite::Judged;
 use std::path::{Path, PathBuf};
 
 /// Writes the golden, the test image and their difference of each case into `folder` as PNG; returns the

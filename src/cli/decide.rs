@@ -5,7 +5,9 @@ use super::output::number_of;
 use super::{interrupt, progress};
 use crate::compare::{Picture, are_comparable};
 use crate::film::Film;
-use crate::suite::{Case, CaseResult, Cause, Judged, Looks, Output, Verdict, stop_all};
+use crate::judging::{CaseResult, Cause, Judged, Looks, Output, Verdict};
+use crate::renderers::stop_all;
+use crate::suite::Case;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 

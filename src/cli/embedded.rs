@@ -2,7 +2,8 @@
 
 use super::failure::{Exit, Failure};
 use super::{interrupt, progress};
-use crate::suite::{CACHE_VARIABLE, EmbeddedSuite, Suite, cache_of_the_user};
+use crate::naming::{CACHE_VARIABLE, cache_of_the_user};
+use crate::suite::{EmbeddedSuite, Suite};
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use tempfile::TempDir;

@@ -5,7 +5,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::scene_file;
 use crate::exchange::{self, Export, Format, Refusal};
-use crate::partial_file;
+use crate::files::partial_file;
 use crate::scene::Scene;
 use serde_json::json;
 use std::fs;

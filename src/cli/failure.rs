@@ -1,7 +1,7 @@
 //! Errors with exit codes.
 
+use crate::judging::Cause;
 use crate::scene::{SceneError, shortened};
-use crate::suite::Cause;
 use miette::{MietteHandlerOpts, Report};
 use std::io::IsTerminal;
 use std::process::ExitCode;

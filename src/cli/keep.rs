@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::output::pretty;
-use crate::suite::{Keeper, keep};
+use crate::renderers::{Keeper, keep};
 use std::ffi::OsString;
 
 /// Run a renderer, and end all processes that it started; prints the outcome as JSON

@@ -4,7 +4,11 @@ use super::failure::{Exit, Failure, bad_input};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{output, progress};
-use crate::suite::{Case, CaseTrials, Judged, KeepError, ResultFolder, Run, Suite, program_hash};
+use crate::files::kept_file::KeepError;
+use crate::files::program_hash;
+use crate::judging::{CaseTrials, Judged};
+use crate::runs::{ResultFolder, Run};
+use crate::suite::{Case, Suite};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 

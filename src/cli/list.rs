@@ -4,7 +4,8 @@ use super::Outcome;
 use super::failure::Failure;
 use super::output::{self, Json};
 use super::suite::Selection;
-use crate::suite::{ANALYTIC, mistakes, row_name};
+use crate::suite::{ANALYTIC, row_name};
+use crate::variations::mistakes;
 use serde_json::json;
 
 /// List the cases of the suite

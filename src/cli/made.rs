@@ -1,6 +1,6 @@
 //! An image that another renderer made, and what it was asked for.
 
-use crate::suite::Output;
+use crate::judging::Output;
 
 /// Parameters of a call of a renderer.
 #[derive(Clone, Copy, Debug)]

@@ -10,12 +10,15 @@ use super::verify;
 use super::{Outcome, progress};
 use crate::compare::Gate;
 use crate::conventions::Profile;
-use crate::report;
-use crate::suite::{
-    self, Case, CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, KeptResult,
-    Likenesses, RESULTS, ResultFolder, Run, Search, SelfTest, SelfTestCases, Suite, UnitFolder,
-    Verdict,
+use crate::judging;
+use crate::judging::{
+    CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, SelfTest, SelfTestCases, Verdict,
 };
+use crate::naming::{Likenesses, Search};
+use crate::report;
+use crate::runs::{KeptResult, RESULTS, ResultFolder, Run, UnitFolder};
+use crate::suite;
+use crate::suite::{Case, Suite};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -232,7 +235,7 @@ fn joined_results(
     }
     let is_verified = run.command == "verify";
     if is_verified && run.is_everything {
-        judged.extend(suite::without_case(suite)?);
+        judged.extend(judging::without_case(suite)?);
     }
     let found: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
     let (found, text) = if is_verified {

@@ -3,9 +3,10 @@
 
 use super::failure::{Exit, Failure, bad_input};
 use super::visible_report::visible_report;
-use crate::atomic_file::{directory_of, file_behind, remedy, write_atomically};
-use crate::own_file;
-use crate::regular_file::{self, Identity, is_input, note_input};
+use crate::files::atomic_file::{directory_of, file_behind, remedy, write_atomically};
+use crate::files::own_file;
+use crate::files::regular_file;
+use crate::files::regular_file::{Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
 use clap::Args;
 use serde::Serialize;

@@ -2,10 +2,11 @@
 //! start; in a pipe a line from time to time, so that a log shows progress. All on stderr.
 
 use super::output::printable;
+use crate::naming::SearchStep;
 use crate::render::plan::Reason;
 use crate::render::{Forecast, Watch};
 use crate::report::visible;
-use crate::suite::{AcceptWatch, SearchStep};
+use crate::runs::AcceptWatch;
 use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};

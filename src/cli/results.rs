@@ -2,8 +2,10 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
+use crate::judging::{CaseResult, Evidence, Judged};
+use crate::naming::Likenesses;
 use crate::report;
-use crate::suite::{CaseResult, Evidence, Judged, Likenesses, Suite};
+use crate::suite::Suite;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

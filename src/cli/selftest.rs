@@ -6,12 +6,12 @@ use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
+use crate::judging::{SelfTest, SelfTestCases, SelfTestExtent, Step, case_trials, self_test_steps};
+use crate::naming::{Naming, Predictions, naming};
 use crate::report;
-use crate::suite::mistakes::{self, Mistake};
-use crate::suite::{
-    Case, Naming, Predictions, SelfTest, SelfTestCases, SelfTestExtent, Step, Store, case_trials,
-    naming, self_test_steps,
-};
+use crate::suite::{Case, Store};
+use crate::variations::mistakes;
+use crate::variations::mistakes::Mistake;
 use serde_json::json;
 
 /// The name of the command.

@@ -2,8 +2,10 @@
 
 use super::embedded;
 use super::failure::{Exit, Failure};
-use crate::regular_file::note_input;
-use crate::suite::{Case, CaseResult, SUITE_VARIABLE, Suite, SuiteError};
+use crate::check::SUITE_VARIABLE;
+use crate::files::regular_file::note_input;
+use crate::judging::CaseResult;
+use crate::suite::{Case, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
 /// The selected cases of a suite.

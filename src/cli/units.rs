@@ -5,7 +5,7 @@ use super::output::{self, Json, number_of};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress, render};
-use crate::suite::{AcceptWatch, CaseUnits, StepsOfWork, Unit, UnitError, UnitFolder};
+use crate::runs::{AcceptWatch, CaseUnits, StepsOfWork, Unit, UnitError, UnitFolder};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 

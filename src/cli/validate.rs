@@ -11,20 +11,21 @@ use super::results::{Findings, ResultFiles, check_not_golden};
 use super::suite::{Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
 use super::{Outcome, compare, ctest, decide, interrupt, output, progress};
-use crate::atomic_file::{directory_of, write_in_place_of};
 use crate::compare::{Picture, Promise};
 use crate::conventions::Profile;
 use crate::exchange::{self, Format};
+use crate::files::atomic_file::{directory_of, write_in_place_of};
+use crate::files::own_file;
+use crate::files::regular_file;
+use crate::files::regular_file::note_input;
 use crate::film::Film;
+use crate::judging::{CaseResult, Evidence, Judged, Output, validate, validate_at};
 use crate::math::exp2;
-use crate::own_file;
-use crate::regular_file::{self, note_input};
+use crate::naming::{ConventionSearch, Search};
+use crate::renderers::{CommandTemplate, run as run_process, stop_all};
 use crate::report;
 use crate::scene::{Classified, Panel, Scene};
-use crate::suite::{
-    Case, CaseResult, CommandTemplate, ConventionSearch, Evidence, Judged, Output, Outputs, Search,
-    Store, Suite, run as run_process, step_name, stop_all, telling_case, validate, validate_at,
-};
+use crate::suite::{Case, Outputs, Store, Suite, step_name, telling_case};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf, absolute};

@@ -2,10 +2,10 @@
 
 use super::{interrupt, output, progress};
 use crate::conventions::Profile;
+use crate::judging::{CaseResult, Cause, Judged, Verdict};
+use crate::naming::{Likenesses, Predictions, Search, likeness};
 use crate::report;
-use crate::suite::{
-    Case, CaseResult, Cause, Judged, Likenesses, Predictions, Search, Suite, Verdict, likeness,
-};
+use crate::suite::{Case, Suite};
 use std::time::Duration;
 
 /// Output while cases are judged.

@@ -7,8 +7,12 @@ use super::results::{Findings, ResultFiles};
 use super::suite::{Selection, exit};
 use super::{Outcome, output, progress, render};
 use crate::hard_cases::Row;
+use crate::judging;
+use crate::judging::{CaseResult, Evidence, Verdict};
+use crate::naming::Likenesses;
 use crate::report;
-use crate::suite::{self, Case, CaseResult, Evidence, Likenesses, Suite, Verdict};
+use crate::suite;
+use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
 
 /// Render the suite and compare it with the goldens, bit for bit
@@ -84,13 +88,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             bar.set_message(selected.name());
             let judged = match selected {
                 Selected::Case(case) => {
-                    let mut judged = suite::verify(case, &store, &bar);
+                    let mut judged = judging::verify(case, &store, &bar);
                     if to_keep.is_none() && !arguments.files.wants_evidence() {
                         judged.evidence = Evidence::default();
                     }
                     judged
                 }
-                Selected::Row(row) => suite::verify_row(row),
+                Selected::Row(row) => judging::verify_row(row),
             };
             bar.inc(1);
             judged
@@ -111,7 +115,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         keep(&folder, &run, &part, &judged)
     });
     if arguments.filters.is_empty() && arguments.partition.is_first() {
-        judged.extend(suite::without_case(&suite)?);
+        judged.extend(judging::without_case(&suite)?);
     }
     let findings = Findings {
         command: "verify",

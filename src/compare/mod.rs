@@ -5,6 +5,7 @@
 //! [stochastic](Stochastic), each in its own file with its limits and their reasons.
 
 mod advice;
+pub(crate) mod cells;
 pub mod deterministic;
 mod difference_scale;
 mod exact;
@@ -21,6 +22,7 @@ mod refinement;
 mod sensitivity;
 pub mod significance;
 pub mod stochastic;
+pub(crate) mod unexplained;
 
 pub use advice::{Advice, Undecided};
 pub use deterministic::Deterministic;

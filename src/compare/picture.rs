@@ -2,8 +2,9 @@
 
 use super::flip::SrgbImage;
 use super::gate::Gate;
+use crate::files::regular_file;
+use crate::files::regular_file::{OpenError, ReadError};
 use crate::film::{Film, FilmError, FilmFormat};
-use crate::regular_file::{self, OpenError, ReadError};
 use std::path::Path;
 use thiserror::Error;
 
@@ -74,7 +75,7 @@ pub enum PictureError {
 
 impl Picture {
     /// Longest file that is read, in bytes: 4 GiB.
-    pub const MOST_BYTES: u64 = 1 << 32;
+    pub const MOST_BYTES: u64 = regular_file::MOST_BYTES;
 
     /// Reads an image file: `.exr`, `.pfm` and `.npy` as radiance, `.png` as codes.
     pub fn read(path: &Path) -> Result<Picture, PictureError> {

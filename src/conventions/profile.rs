@@ -1,6 +1,6 @@
 //! Profiles: the conventions of another renderer, under which its images are judged.
 
-use crate::regular_file;
+use crate::files::regular_file;
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::scene::{CONVENTIONS, Classified, Conventions, Model, Scene, SceneResult};

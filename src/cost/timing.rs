@@ -1,7 +1,7 @@
 //! Wall time, measured in turns, with its spread, and marked if noisy.
 
 use super::results::{Machine, Times};
-use crate::regular_file;
+use crate::files::regular_file;
 use std::time::Instant;
 
 /// Runs of each setting.

@@ -1,7 +1,7 @@
 //! Errors in reading images.
 
 use super::Film;
-use crate::decoder::Stopped;
+use crate::files::decoder::Stopped;
 use thiserror::Error;
 
 /// Reason why bytes are not a usable image.

@@ -11,7 +11,7 @@ use super::exr_meaning::{check_opacity, check_part, check_parts, primaries};
 use super::primaries::{Primaries, REC709};
 use super::reading::{Overflow, Reading};
 use super::{Film, FilmError, Noise};
-use crate::decoder;
+use crate::files::decoder;
 use exr::meta::MetaData;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer, LayerAttributes,

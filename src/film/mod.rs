@@ -6,6 +6,7 @@ mod exr_file;
 mod exr_layers;
 mod exr_meaning;
 mod format;
+pub(crate) mod kept_film;
 mod layered_file;
 mod noise;
 mod npy_file;

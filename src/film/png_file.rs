@@ -7,7 +7,8 @@
 use super::FilmError;
 use super::error::{check_claim, check_size};
 use super::primaries::{Primaries, REC709};
-use crate::{decoder, math};
+use crate::files::decoder;
+use crate::math;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 use moxcms::ColorProfile;

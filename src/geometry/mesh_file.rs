@@ -2,7 +2,7 @@
 
 use super::polygon::triangles;
 use super::{Mesh, MeshError, ObjFault, Skipped, Statements, Word};
-use crate::regular_file;
+use crate::files::regular_file;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Polygons as triangles.
 
 use super::mesh::perpendicular;
-use crate::decoder;
+use crate::files::decoder;
 use crate::math::power_of_two_below;
 use glam::{DVec2, DVec3};
 use spade::handles::FixedVertexHandle;

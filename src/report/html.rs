@@ -9,7 +9,8 @@ mod pixels;
 mod words;
 
 use super::template::rendered;
-use crate::suite::{CaseResult, Evidence, Likenesses, Verdict};
+use crate::judging::{CaseResult, Evidence, Verdict};
+use crate::naming::Likenesses;
 use minijinja::{Value, context};
 use rayon::prelude::*;
 

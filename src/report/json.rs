@@ -1,6 +1,6 @@
 //! Results for other programs.
 
-use crate::suite::{CaseResult, Likeness, Summary};
+use crate::judging::{CaseResult, Likeness, Summary};
 use serde_json::{Value, json};
 
 /// The results of the command `kind` (`verify`, `validate`, `compare`) as JSON.

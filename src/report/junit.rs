@@ -1,7 +1,7 @@
 //! Results for build servers.
 
 use super::visible::xml_text;
-use crate::suite::{CaseResult, Verdict};
+use crate::judging::{CaseResult, Verdict};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -80,8 +80,8 @@ fn test_case(result: &CaseResult) -> String {
 mod tests {
     use super::*;
     use crate::compare::Deterministic;
+    use crate::judging::Cause;
     use crate::report::visible;
-    use crate::suite::Cause;
 
     /// A case whose every text is `text`.
     fn case(text: &str, verdict: Verdict) -> CaseResult {

@@ -1,7 +1,8 @@
 //! Results of a self-test, for people and for programs.
 
-use crate::suite::mistakes;
-use crate::suite::{MistakeTrials, Naming, SelfTest, Trial};
+use crate::judging::{MistakeTrials, SelfTest, Trial};
+use crate::naming::Naming;
+use crate::variations::mistakes;
 use serde_json::{Value, json};
 
 /// The matrix of mistakes and cases, the results for correct images, and a verdict.

@@ -1,8 +1,8 @@
 //! Results for people.
 
-use crate::suite::{
-    ANALYTIC, CaseResult, ERROR_OF_TOLERANCE, Likenesses, SearchStep, Summary, Verdict,
-};
+use crate::judging::{CaseResult, Summary, Verdict};
+use crate::naming::{Likenesses, SearchStep};
+use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
 
 /// A line for each family with cases that passed, every other case with its reason, and a summary.

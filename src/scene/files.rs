@@ -3,8 +3,9 @@
 use super::reader::Reader;
 use super::volume::VolumeRequest;
 use super::{SceneError, SceneResult};
+use crate::files::regular_file;
+use crate::files::regular_file::{OpenError, ReadError};
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
-use crate::regular_file::{self, OpenError, ReadError};
 use crate::volume::{self, FileRead, Grid, VolumeFault};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;

@@ -2,7 +2,7 @@
 
 use super::format::{Absent, Key, Kind, Rule, Table, whole_number};
 use super::{SceneError, SceneResult};
-use crate::misspelling::nearest;
+use crate::files::misspelling::nearest;
 use crate::volume::InvalidParameter;
 use glam::DVec3;
 use std::cell::RefCell;

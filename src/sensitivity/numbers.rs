@@ -7,7 +7,7 @@ mod surfaces;
 mod view;
 
 use super::number::{Number, Quantity};
-use crate::misspelling::nearest;
+use crate::files::misspelling::nearest;
 use crate::scene::{Classified, Model, Radiative, Scene};
 
 /// All numbers of `scene` that have a name: none of a plot.

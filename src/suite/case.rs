@@ -1,14 +1,16 @@
 //! The suite: every manifest in its folder is a case.
 
-use super::{Answer, EmbeddedSuite, Store, mistakes, row_name};
+use super::{Answer, EmbeddedSuite, Store, row_name};
 use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
+use crate::files::misspelling::nearest;
+use crate::files::regular_file;
+use crate::files::regular_file::Identity;
 use crate::hard_cases::{CATALOGUE_FILE, Row, rows};
 use crate::known_answers::{self, Footprint, Formula};
-use crate::misspelling::nearest;
-use crate::regular_file::{self, Identity};
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::scene::{Scene, SceneError, SceneResult};
+use crate::variations::mistakes;
 use miette::Diagnostic;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -136,7 +138,7 @@ impl Case {
     }
 
     /// The part of a pixel that its radiance is of.
-    pub(super) fn footprint(&self) -> Footprint {
+    pub(crate) fn footprint(&self) -> Footprint {
         match self.sampling {
             Some(_) => Footprint::Square,
             None => Footprint::Centre,
@@ -323,7 +325,7 @@ impl Suite {
     }
 
     /// The manifest of a case.
-    pub(super) fn manifest_of(&self, case: &Case) -> PathBuf {
+    pub(crate) fn manifest_of(&self, case: &Case) -> PathBuf {
         self.root.join(CASES).join(format!("{}.toml", case.name))
     }
 
@@ -357,7 +359,7 @@ impl Suite {
     }
 
     /// What the filters choose among the names of the cases and `others`.
-    pub(super) fn chosen(
+    pub(crate) fn chosen(
         &self,
         filters: &[String],
         others: &[String],
@@ -432,7 +434,7 @@ impl Suite {
 }
 
 /// What filters choose: everything where there are none.
-pub(super) struct Chosen(Vec<String>);
+pub(crate) struct Chosen(Vec<String>);
 
 impl Chosen {
     /// Whether the case or row of this name is among it.

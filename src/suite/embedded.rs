@@ -2,7 +2,7 @@
 //!
 //! Scenes name files beside them, and renderers that are run read scenes: both need a folder.
 
-use crate::{own_file, partial_file, private_folder, regular_file};
+use crate::files::{own_file, partial_file, private_folder, regular_file};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -109,13 +109,13 @@ impl Provenance {
 
 /// The reasons of a golden: [`Provenance::reason`] and [`Provenance::record_reason`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reasons<'a> {
+pub(crate) struct Reasons<'a> {
     pub picture: &'a str,
     pub record: &'a str,
 }
 
 /// The image of a new golden.
-pub(super) struct GoldenImage {
+pub(crate) struct GoldenImage {
     pub film: Film,
     /// Bound on its error, if it is a known answer or a limit.
     pub error: Option<f64>,
@@ -140,7 +140,7 @@ pub struct Golden {
     /// The image.
     pub film: Film,
     /// Its file of sensitivities, if there is one.
-    pub(super) sensitivities: Option<Vec<u8>>,
+    pub(crate) sensitivities: Option<Vec<u8>>,
 }
 
 /// The commands that make the golden of a case: the one to look at its image, and the one to accept it.
@@ -156,7 +156,7 @@ pub struct AcceptAdvice {
 }
 
 impl AcceptAdvice {
-    pub(super) fn of(case: &Case) -> AcceptAdvice {
+    pub(crate) fn of(case: &Case) -> AcceptAdvice {
         AcceptAdvice {
             case: case.name.clone(),
             scene: case.scene.clone(),
@@ -218,7 +218,7 @@ pub enum GoldenError {
 
 impl GoldenError {
     /// [`GoldenError::Sensitivities`] of `case`.
-    pub(super) fn sensitivities(case: &Case, fault: impl Into<String>) -> GoldenError {
+    pub(crate) fn sensitivities(case: &Case, fault: impl Into<String>) -> GoldenError {
         GoldenError::Sensitivities {
             file: shown(&sensitivities_file(case)),
             fault: fault.into(),
@@ -229,7 +229,7 @@ impl GoldenError {
 }
 
 /// First twelve digits of a hash: enough to tell two apart by eye.
-pub(super) fn short(hash: &str) -> String {
+pub(crate) fn short(hash: &str) -> String {
     hash.chars().take(12).collect()
 }
 
@@ -238,18 +238,18 @@ fn hash(bytes: &[u8]) -> String {
 }
 
 /// Hash of the canonical scene.
-pub(super) fn scene_hash(scene: &Scene) -> String {
+pub(crate) fn scene_hash(scene: &Scene) -> String {
     hash(scene.canonical_text().as_bytes())
 }
 
 /// Hash of the plans of all panels.
-pub(super) fn plan_hash(plans: &[Plan<'_>]) -> String {
+pub(crate) fn plan_hash(plans: &[Plan<'_>]) -> String {
     let text: Vec<_> = plans.iter().map(Plan::canonical_text).collect();
     hash(text.join("\n").as_bytes())
 }
 
 /// Hashes of the files a scene names, by the path it gives.
-pub(super) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
+pub(crate) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
     let files = scene.panels.iter().flat_map(|panel| &panel.inputs);
     files
         .map(|file| (file.name.clone(), file.hash.clone()))
@@ -263,15 +263,15 @@ fn shown(file: &Path) -> String {
 
 /// The three files of the golden of `case`: image, preview, provenance; relative to the folder
 /// of goldens.
-pub(super) fn files(case: &Case) -> [PathBuf; 3] {
+pub(crate) fn files(case: &Case) -> [PathBuf; 3] {
     [".exr", ".png", ".toml"].map(|extension| PathBuf::from(format!("{}{extension}", case.name)))
 }
 
 /// Folder of sensitivities among the goldens.
-pub(super) const SENSITIVITIES: &str = "sensitivities";
+pub(crate) const SENSITIVITIES: &str = "sensitivities";
 
 /// The file of sensitivities of `case`, relative to the folder of goldens.
-pub(super) fn sensitivities_file(case: &Case) -> PathBuf {
+pub(crate) fn sensitivities_file(case: &Case) -> PathBuf {
     PathBuf::from(SENSITIVITIES).join(format!("{}.exr", case.name))
 }
 
@@ -294,7 +294,7 @@ impl Golden {
     }
 
     /// [`Golden::read`], whatever sensitivities are there: an accept records them anew.
-    pub(super) fn read_with_any_sensitivities(
+    pub(crate) fn read_with_any_sensitivities(
         store: &Store,
         case: &Case,
     ) -> Result<Golden, GoldenError> {
@@ -355,7 +355,7 @@ impl Golden {
 
     /// The golden of `case` made from an image, of which the error is known if it is a known answer,
     /// and the contents of its three files.
-    pub(super) fn encode(
+    pub(crate) fn encode(
         case: &Case,
         scene: &Scene,
         plans: &[Plan<'_>],

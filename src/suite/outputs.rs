@@ -13,9 +13,9 @@
 //! of samples as its channel `samples.Y`.
 
 use crate::compare::{Picture, PictureError};
+use crate::files::misspelling::nearest;
 use crate::film::{Film, FilmError, FilmFormat};
 use crate::math;
-use crate::misspelling::nearest;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};

@@ -14,7 +14,7 @@ const CONVERGED: u64 = 1 << 63;
 
 /// Which rendering of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum CaseRendering {
+pub(crate) enum CaseRendering {
     /// The only one of a deterministic case.
     Only,
     /// Few samples, the seed of the scene.
@@ -55,7 +55,7 @@ impl CaseRendering {
 }
 
 /// Makes the pictures of cases.
-pub(super) trait Renderer: Sync {
+pub(crate) trait Renderer: Sync {
     /// Whether random numbers are used.
     fn is_sampled(&self, plans: &[Plan<'_>]) -> bool;
 
@@ -70,7 +70,7 @@ pub(super) trait Renderer: Sync {
 }
 
 /// The renderer of this crate; tests of the suite have others.
-pub(super) struct ReferenceRenderer;
+pub(crate) struct ReferenceRenderer;
 
 impl Renderer for ReferenceRenderer {
     fn is_sampled(&self, plans: &[Plan<'_>]) -> bool {
@@ -89,7 +89,7 @@ impl Renderer for ReferenceRenderer {
 }
 
 /// One rendering of a case, or a part of it.
-pub(super) fn render_case(
+pub(crate) fn render_case(
     renderer: &dyn Renderer,
     plans: &[Plan<'_>],
     rendering: CaseRendering,
@@ -110,7 +110,7 @@ pub(super) fn render_case(
 }
 
 /// Fails where the class of the case is not that of its scene.
-pub(super) fn check_class(
+pub(crate) fn check_class(
     renderer: &dyn Renderer,
     case: &Case,
     plans: &[Plan<'_>],

@@ -130,7 +130,7 @@ fn origin(scene: &Scene) -> String {
 /// # Errors
 ///
 /// If it cannot be read, or is not of `scene`; as the end of a sentence.
-pub(super) fn decoded(bytes: &[u8], scene: &Scene) -> Result<Vec<Sensitivity>, String> {
+pub(crate) fn decoded(bytes: &[u8], scene: &Scene) -> Result<Vec<Sensitivity>, String> {
     let layered =
         LayeredFilm::from_exr(bytes).map_err(|error| format!("cannot be read: {error}"))?;
     if layered.comment != origin(scene) {

@@ -28,9 +28,10 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::atomic_file::directory_of;
-use crate::own_file;
-use crate::regular_file::{self, OpenError, ReadError};
+use crate::files::atomic_file::directory_of;
+use crate::files::own_file;
+use crate::files::regular_file;
+use crate::files::regular_file::{OpenError, ReadError};
 use journal::{Journal, JournalEntry};
 use name::{DRAFT, JOURNAL, LOCK, StoreName};
 

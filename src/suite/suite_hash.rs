@@ -1,8 +1,8 @@
 //! What verdicts depend on in a suite, as a hash.
 
-use super::program_hash::hash;
 use super::{Case, Suite, golden};
-use crate::regular_file;
+use crate::files::program_hash::hash;
+use crate::files::regular_file;
 use std::path::PathBuf;
 
 /// Longest text of a suite that is hashed: 64 MiB.

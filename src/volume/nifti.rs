@@ -17,7 +17,7 @@ use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
-use crate::decoder::Guarded;
+use crate::files::decoder::Guarded;
 use glam::DVec3;
 use std::io::{self, BufReader, Read};
 

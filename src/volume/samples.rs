@@ -8,7 +8,7 @@ use super::error::{VolumeFault, refused};
 use super::orientation::Axes;
 use super::source::VolumeSource;
 use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
-use crate::decoder::Guarded;
+use crate::files::decoder::Guarded;
 use std::io::{self, BufRead, Read};
 
 /// The type of a stored sample.

@@ -2,7 +2,8 @@
 
 use super::error::{VolumeError, VolumeFault};
 use super::load_options::LoadOptions;
-use crate::regular_file::{self, OpenError};
+use crate::files::regular_file;
+use crate::files::regular_file::OpenError;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 

@@ -62,7 +62,7 @@ fn mistakes() {
     let run = Folder::new().volref(&["list", "--mistakes", "--json"]);
     let listed: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     let listed = listed["mistakes"].as_array().unwrap();
-    let catalogue: Vec<_> = volref::suite::mistakes::catalogue().collect();
+    let catalogue: Vec<_> = volref::variations::mistakes::catalogue().collect();
     assert_eq!(listed.len(), catalogue.len());
     for (entry, mistake) in listed.iter().zip(catalogue) {
         assert_eq!(entry["name"], mistake.name);

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::time::{Duration, Instant};
 use volref::film::{Film, LayeredFilm};
-use volref::suite::ResultFolder;
+use volref::runs::ResultFolder;
 
 /// Judges each of `parts` parts of a suite in a folder of results of its own, and returns these.
 fn in_parts(suite: &Folder, parts: usize, command: &[&str]) -> Vec<String> {
@@ -615,7 +615,7 @@ fn time_is_in_proportion_to_the_number_of_cases() {
     let suite = Folder::with_goldens();
     let version = ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
     for command in ["verify", "validate", "selftest"] {
-        let run = volref::suite::Run {
+        let run = volref::runs::Run {
             command: command.to_owned(),
             settings: BTreeMap::from([version.clone()]),
             cases: (0..CASES)

@@ -3,16 +3,20 @@
 use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::sync::Arc;
+use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
 use volref::conventions::{CATALOGUE, ray_caster::RayCaster, under};
+use volref::judging::Verdict;
 use volref::math::pow;
 use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
+use volref::naming::{Agreement, ConventionSearch};
 use volref::render::{Sampling, plans, render};
 use volref::scene::format::Kind;
 use volref::scene::{
     CONVENTIONS, Classified, Conventions, LastStep, Model, Precision, Scene, Shadow,
 };
-use volref::suite::{Agreement, Case, ConventionSearch, Suite, Verdict, check_within, mistakes};
+use volref::suite::{Case, Suite};
+use volref::variations::mistakes;
 use volref::volume::{Centring, Grid, Lattice};
 
 /// The scene of `values` at the nodes of a lattice of 3 × 3 × 3, over the unit cube, with opacity

@@ -3,7 +3,7 @@
 use crate::common::simulated::{Sampling, Shape, sampled, scene};
 use volref::compare::stochastic::{FALSE_ALARM, judge_at};
 use volref::film::Film;
-use volref::suite::share_of_look;
+use volref::judging::share_of_look;
 
 const SIDE: usize = 24;
 const LOOKS: u32 = 6;

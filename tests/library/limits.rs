@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use volref::conventions::Profile;
 use volref::film::Film;
 use volref::geometry::Ray;
+use volref::judging::verify;
 use volref::math::{exp, exp_m1, ln_1p, quadrature::integrate};
 use volref::media::Appearance;
 use volref::render::classified::integral::{RayIntegral, RayIntegrator};
 use volref::render::{Sampling, plans, render, render_counted};
 use volref::scene::{Classified, Model, Scene};
-use volref::suite::{Suite, verify};
+use volref::suite::Suite;
 use volref::volume::{Cell, Reconstruction as _};
 
 fn fixtures() -> PathBuf {

@@ -17,7 +17,7 @@ use volref::math::rng::philox4x32_10;
 use volref::reference::{self, ReferenceError};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Classified, Conventions, Model, Scene};
-use volref::suite::mistakes;
+use volref::variations::mistakes;
 
 /// Radiative scenes that the plain path tracer cannot render within a test, and what holds them
 /// instead: known answers, which `volref verify` and `tests/hard_cases.rs` check.

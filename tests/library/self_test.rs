@@ -3,9 +3,8 @@
 
 use std::cell::Cell;
 use std::path::Path;
-use volref::suite::{
-    SelfTestCases, SelfTestExtent, Step, Store, Suite, self_test, self_test_steps,
-};
+use volref::judging::{SelfTestCases, SelfTestExtent, Step, self_test, self_test_steps};
+use volref::suite::{Store, Suite};
 
 #[test]
 #[ignore = "minutes without the optimisation of a release: scripts/check.sh runs it there"]

@@ -3,7 +3,7 @@
 use super::pictures::Views;
 use super::{forest, measures, noise, pixels, words};
 use crate::compare::DifferenceScale;
-use crate::suite::{CaseResult, Evidence, Likeness, Verdict, metric_meaning};
+use crate::judging::{CaseResult, Evidence, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
 
 /// One case, as the template asks for it, at a position on the page from 0.

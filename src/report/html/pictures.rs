@@ -5,7 +5,7 @@ use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 use crate::compare::stochastic::BLOCK;
 use crate::compare::{BlockMap, DifferenceScale, Gate, Picture};
 use crate::film::Film;
-use crate::suite::Evidence;
+use crate::judging::Evidence;
 use minijinja::{Value, context};
 
 /// Images of more pixels are left out of the page: a browser could not open it.

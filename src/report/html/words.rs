@@ -1,6 +1,7 @@
 //! What a report says in words.
 
-use crate::suite::{CaseResult, Likeness, Likenesses, Summary, Verdict};
+use crate::judging::{CaseResult, Likeness, Summary, Verdict};
+use crate::naming::Likenesses;
 
 /// The result of the suite in a sentence.
 pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::atomic_file::sync_directory;
+use crate::files::atomic_file::sync_directory;
 
 /// The file operations the store writes with, so that tests can make each of them fail.
 ///

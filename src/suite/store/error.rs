@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use crate::atomic_file::remedy;
+use crate::files::atomic_file::remedy;
 
 /// One file operation that failed.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Every file operation of an accept is made to fail, and the machine to stop before it.
 
-use super::*;
+use crate::suite::store::*;
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap};
 use std::fs;

@@ -8,7 +8,7 @@ use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use std::io::{Read, Write};
 use volref::film::Film;
-use volref::suite::{KeptResult, ResultFolder, UnitFile};
+use volref::runs::{KeptResult, ResultFolder, UnitFile};
 
 /// Folder of the workshop with results of `verify`.
 pub const RESULTS: &str = "parts";

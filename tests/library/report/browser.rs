@@ -11,8 +11,8 @@ use std::io::Write;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use volref::compare::Picture;
 use volref::film::Film;
+use volref::judging::Verdict;
 use volref::report::results_html;
-use volref::suite::Verdict;
 
 const PAGE: &str = "index.html";
 

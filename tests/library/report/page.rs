@@ -5,8 +5,8 @@ use crate::report::samples::{self, HOSTILE, Numbers, Sample};
 use volref::compare::flip::SrgbImage;
 use volref::compare::{GATES, Picture, Stochastic};
 use volref::film::Film;
+use volref::judging::{Evidence, Verdict};
 use volref::report::{Page, results_html};
-use volref::suite::{Evidence, Verdict};
 
 /// Writes the report that the other tests look into, to be looked at: `cargo test --test report
 /// -- --ignored`, then open the file it names.

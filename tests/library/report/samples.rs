@@ -5,8 +5,10 @@ use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
 use volref::film::Film;
+use volref::judging::{CaseResult, Cause, Evidence, Likeness, Verdict};
+use volref::naming::Likenesses;
 use volref::report::{Page, results_html};
-use volref::suite::{Case, CaseResult, Cause, Evidence, Likeness, Likenesses, Suite, Verdict};
+use volref::suite::{Case, Suite};
 
 /// What a page tells of.
 #[derive(Default)]

@@ -1,0 +1,86 @@
+//! The suite inside the tests of another renderer.
+
+use crate::compare::Picture;
+use crate::film::Film;
+use crate::judging::CaseResult;
+use crate::judging::validate::{Output, validate};
+use crate::naming::{ConventionSearch, Predictions, Search, likeness};
+use crate::suite::{Suite, SuiteError};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Environment variable for the folder of a suite other than volref's own.
+pub const SUITE_VARIABLE: &str = "VOLREF_SUITE";
+
+impl Suite {
+    /// The suite of volref, or the one that the environment variable
+    /// [`VOLREF_SUITE`](SUITE_VARIABLE) names.
+    ///
+    /// # Errors
+    ///
+    /// If the sources of volref are no longer where it was built, and no other suite is named.
+    pub fn bundled() -> Result<Suite, SuiteError> {
+        let named = std::env::var_os(SUITE_VARIABLE).map(PathBuf::from);
+        Suite::open(&named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()))
+    }
+}
+
+/// Judges `image`, linear radiance with the top row first, as an image of `case` of the
+/// [bundled](Suite::bundled) suite, as `volref validate` would: verdict, numbers, the reason in
+/// words, and the conventions or the likely mistakes behind a failing image. The search for these
+/// takes up to [ten seconds](Search::BUDGET), and half as long again for conventions.
+///
+/// ```
+/// use volref::film::Film;
+/// use volref::judging::Verdict;
+/// use volref::check;
+///
+/// # fn my_renderer(scene: &str, width: usize, height: usize) -> Film {
+/// #     let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/golden/figures/figure-2.exr");
+/// #     Film::from_exr(&std::fs::read(golden).unwrap()).unwrap()
+/// # }
+/// let image: Film = my_renderer("the scene of the case", 256, 192);
+/// let result = check("figures/figure-2", &image)?;
+/// assert_eq!(result.verdict, Verdict::Pass, "{} {:?}", result.reason, result.looks_like);
+/// # Ok::<(), volref::suite::SuiteError>(())
+/// ```
+///
+/// Make your image by [`Film::new`] from the pixels; if each is a mean of random samples and you
+/// know the variances of those means, by [`Film::with_noise`]; from several renderings with
+/// different seeds by [`Film::from_replicates`].
+///
+/// # Errors
+///
+/// If there is no suite, or no such case in it. An untrustworthy golden is a verdict, not an error.
+pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
+    check_within(case, image, Search::BUDGET.into())
+}
+
+/// [`check`], with `seconds` for the search for mistakes and half of them for conventions.
+///
+/// # Errors
+///
+/// As of [`check`].
+pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult, SuiteError> {
+    let suite = Suite::bundled()?;
+    let cases = suite.select(&[case.to_owned()])?;
+    let store = suite.store();
+    let picture = Picture::Radiance(image.clone());
+    let mut judged = [validate(
+        cases[0],
+        &store,
+        Output::Picture(Box::new(picture)),
+        None,
+    )];
+    ConventionSearch::default().explain_mismatch(cases[0], &mut judged[0], seconds, false);
+    let search = Search {
+        budget: Some(Duration::from_secs_f64(seconds)),
+        // What calls this is mostly built anew for every run, and finds nothing of the last.
+        predictions: &Predictions::nowhere(),
+        interrupted: &|| false,
+        progress: &|_| (),
+    };
+    likeness(&cases, &[], None, &mut judged, &search);
+    let [judged] = judged;
+    Ok(judged.result)
+}

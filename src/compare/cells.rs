@@ -1,0 +1,502 @@
+//! Images in coarse cells, and how far two of them are apart beyond their noise.
+//!
+//! Where pixels are means of random samples, a cell is a block of 8 × 8 of them: its noise is an
+//! eighth of theirs, and what a mistake would look like is known at little cost, since an image of
+//! an eighth of the size shows the means of blocks as they are. Without random numbers a cell is a
+//! pixel.
+
+use crate::compare::stochastic::{BLOCK, DARK};
+use crate::compare::unexplained::SquaredDistance;
+use crate::film::Film;
+use crate::math::Sum;
+
+/// A grid of cells: their means, and the variances of those.
+#[derive(Clone, Debug)]
+pub(crate) struct Cells {
+    pub columns: usize,
+    pub rows: usize,
+    means: Vec<[f64; 3]>,
+    variances: Vec<[f64; 3]>,
+    /// Cells most pixels of which have no noise, of an image that states it.
+    silent: Vec<bool>,
+    /// Random samples in a cell; none if nothing is known of them.
+    samples: Option<f64>,
+}
+
+/// How far an image is from what a mistake would look like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Misfit {
+    /// Mean of the squared differences over their variance, each cut at [`FAR`]: about 1 if the
+    /// mistake is the one.
+    pub in_noise: f64,
+    /// Mean squared relative difference of the cells with noise, and of those without: a lamp that
+    /// is seen, or the sky. Of these the slightest difference is many standard errors, which says
+    /// nothing of the rest; and the mean over the rest says nothing of them.
+    pub parts: [SquaredDistance; 2],
+    /// Standard error of the distance, were the images the same but for their noise.
+    pub least_error: f64,
+}
+
+/// One cell counts for no more than this many variances, so that a few cells of rare bright paths
+/// do not decide.
+const FAR: f64 = 25.0;
+
+/// Up to this mean of squares the difference counts as noise: variances are estimates, and the
+/// stochastic gate lets as much pass.
+const NOISE: f64 = 2.0;
+
+/// Relative rounding error of half precision, in which most renderers write: a difference of cells
+/// without noise that is no larger is none.
+const HALF_ROUNDING: f64 = 1.0 / 2048.0;
+
+impl Misfit {
+    /// Whether the difference is no more than noise.
+    pub fn is_noise(&self) -> bool {
+        self.in_noise <= NOISE
+    }
+
+    /// Mean squared relative difference, noise taken out: about 0 if the mistake is the one.
+    pub fn distance(&self) -> SquaredDistance {
+        self.parts[0].plus(&self.parts[1])
+    }
+
+    /// Whether a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
+    /// misfit of the golden: in the cells with noise and in those without.
+    pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
+        let mut parts = self.parts.iter().zip(&whole.parts);
+        parts.all(|(left, whole)| left.is_explained(whole, share))
+            && self.explains_together(whole, share)
+    }
+
+    /// The same of all cells together, where neither part contradicts: cells without noise may be a single
+    /// lamp, of which too little is known to prove anything.
+    pub fn explains_together(&self, whole: &Misfit, share: f64) -> bool {
+        whole.distance().at_least() > 0.0
+            && self.may_explain(whole, share)
+            && self.distance().is_explained(&whole.distance(), share)
+    }
+
+    /// The share of `whole`, the misfit of the golden, that is left; `None` if that is no number.
+    pub fn share_of(&self, whole: &Misfit) -> Option<f64> {
+        Some(self.distance().value / whole.distance().value).filter(|share| share.is_finite())
+    }
+
+    /// Whether a closer look may show that it does.
+    pub fn may_explain(&self, whole: &Misfit, share: f64) -> bool {
+        let mut parts = self.parts.iter().zip(&whole.parts);
+        parts.all(|(left, whole)| left.may_be_explained(whole, share))
+    }
+}
+
+impl Cells {
+    /// Every pixel is a cell.
+    pub fn of_pixels(film: &Film) -> Cells {
+        Cells::with_edge(film, 1)
+    }
+
+    /// Every block of 8 × 8 pixels is a cell; what is left over at the edges is left out. An image
+    /// too small for a block is one of pixels.
+    pub fn of_blocks(film: &Film) -> Cells {
+        match film.width().min(film.height()) {
+            0..BLOCK => Cells::with_edge(film, 1),
+            _ => Cells::with_edge(film, BLOCK),
+        }
+    }
+
+    fn with_edge(film: &Film, edge: usize) -> Cells {
+        let (columns, rows) = (film.width() / edge, film.height() / edge);
+        let count = (edge * edge) as f64;
+        let is_known = film.noise().is_some_and(|noise| noise.is_known());
+        let mut means = Vec::with_capacity(columns * rows);
+        let mut variances = Vec::with_capacity(columns * rows);
+        let mut silent = Vec::with_capacity(columns * rows);
+        for cell in 0..columns * rows {
+            let corner = [cell % columns * edge, cell / columns * edge];
+            let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+            let mut without_noise = 0;
+            for y in corner[1]..corner[1] + edge {
+                for index in (corner[0]..corner[0] + edge).map(|x| x + film.width() * y) {
+                    let noise = film.noise().map(|noise| noise.variance()[index]);
+                    without_noise += usize::from(!is_known && noise == Some([0.0; 3]));
+                    for c in 0..3 {
+                        mean[c] += f64::from(film.radiance()[index][c]) / count;
+                        if let Some(noise) = film.noise() {
+                            variance[c] += f64::from(noise.variance()[index][c]) / (count * count);
+                        }
+                    }
+                }
+            }
+            if film.noise().is_none() && edge > 1 {
+                variance = guessed_variance(film, corner, edge).map(|variance| variance / count);
+            }
+            means.push(mean);
+            variances.push(variance);
+            silent.push(2 * without_noise > edge * edge);
+        }
+        let samples = film.noise().map(|noise| f64::from(noise.samples()) * count);
+        Cells {
+            columns,
+            rows,
+            means,
+            variances,
+            silent,
+            samples,
+        }
+    }
+
+    /// Where noise was guessed: a block that missed what is rare seems to have none, so each has at
+    /// least what is due to it if noise is spread over the image as in `reference`.
+    pub fn spread_noise_like(&mut self, reference: &Cells) {
+        for c in 0..3 {
+            let sum = |cells: &Cells| -> f64 { cells.variances.iter().map(|v| v[c]).sum() };
+            let ratio = sum(self) / sum(reference);
+            if !ratio.is_finite() {
+                continue;
+            }
+            for (own, due) in self.variances.iter_mut().zip(&reference.variances) {
+                own[c] = own[c].max(ratio * due[c]);
+            }
+        }
+    }
+
+    /// The same image without noise of its own.
+    pub fn without_noise(mut self) -> Cells {
+        self.variances.fill([0.0; 3]);
+        self
+    }
+
+    /// Whether there are as many cells in each row and column.
+    pub fn has_size_of(&self, other: &Cells) -> bool {
+        (self.columns, self.rows) == (other.columns, other.rows)
+    }
+
+    /// The means of all channels of all cells.
+    pub fn values(&self) -> Vec<f64> {
+        self.means.as_flattened().to_vec()
+    }
+
+    /// The weights of squared differences from `test`, of all channels of all cells of this golden.
+    pub fn weights(&self, test: &Cells) -> Vec<f64> {
+        let noise = test.noise_over(self);
+        let channels = (0..self.means.len()).flat_map(|cell| (0..3).map(move |c| (cell, c)));
+        channels
+            .map(|(cell, c)| self.weight(cell, c, noise))
+            .collect()
+    }
+
+    /// These cells of an image with no less noise than that of the `golden` makes it for its samples: few
+    /// samples that missed the light claim to have none.
+    pub fn guarded_by(&self, golden: &Cells) -> Cells {
+        let mut guarded = self.clone();
+        for (cell, variances) in guarded.variances.iter_mut().enumerate() {
+            for (c, variance) in variances.iter_mut().enumerate() {
+                *variance = golden.variance_with(self, cell, c) - golden.variances[cell][c];
+            }
+        }
+        guarded
+    }
+
+    /// This golden as a measure of differences from predictions with the noise of `renderings`, which are
+    /// all of one size: what they say little of weighs little.
+    pub fn beside_noise_of(&self, renderings: &[Cells]) -> Cells {
+        let mut scale = self.clone();
+        let number = renderings.len() as f64;
+        for rendering in renderings {
+            let variances = scale.variances.as_flattened_mut().iter_mut();
+            for (variance, of_rendering) in variances.zip(rendering.variances.as_flattened()) {
+                *variance += of_rendering / (number * number);
+            }
+        }
+        scale
+    }
+
+    /// This golden with a change, of which renderings from the same random numbers show what it does:
+    /// one `before` and `after` for each seed, all of one size. The noise of what it does is in
+    /// proportion to that of the renderings, by as much as seeds differ.
+    pub fn moved(&self, before: &[Cells], after: &[Cells]) -> Cells {
+        let mut moved = self.clone();
+        let seeds = after.len() as f64;
+        let (mut apart, mut of_renderings) = (0.0, 0.0);
+        let mut noise = Vec::with_capacity(3 * self.means.len());
+        for (cell, means) in moved.means.iter_mut().enumerate() {
+            for (c, mean) in means.iter_mut().enumerate() {
+                let ways = || {
+                    let pairs = after.iter().zip(before);
+                    pairs.map(|(after, before)| after.means[cell][c] - before.means[cell][c])
+                };
+                let way = ways().sum::<f64>() / seeds;
+                *mean += way;
+                let stated = after.iter().map(|after| after.variances[cell][c]);
+                let of_cell = stated.sum::<f64>() / (seeds * seeds);
+                noise.push(of_cell);
+                let weight = self.weight(cell, c, 0.0);
+                of_renderings += weight * of_cell;
+                if seeds > 1.0 {
+                    let squares = ways().map(|one| (one - way) * (one - way));
+                    apart += weight * squares.sum::<f64>() / (seeds * (seeds - 1.0));
+                }
+            }
+        }
+        if apart > 0.0 && of_renderings > 0.0 {
+            let ratio = apart / of_renderings;
+            let variances = moved.variances.as_flattened_mut().iter_mut();
+            for (variance, noise) in variances.zip(noise) {
+                *variance += ratio * noise;
+            }
+        }
+        // Of the golden's and of those of the renderings.
+        moved.samples = None;
+        moved
+    }
+
+    /// What two changes make of `base` together, if each multiplies what it finds by the same
+    /// factor: `self · other / base`, or where that has no meaning `self + other − base`. All of
+    /// one size; without noise.
+    pub fn combined(&self, other: &Cells, base: &Cells) -> Option<Cells> {
+        if !self.has_size_of(base) || !other.has_size_of(base) {
+            return None;
+        }
+        let mut both = self.clone().without_noise();
+        for (cell, means) in both.means.iter_mut().enumerate() {
+            for (c, mean) in means.iter_mut().enumerate() {
+                let (other, base) = (other.means[cell][c], base.means[cell][c]);
+                let product = *mean * other / base;
+                *mean = if base > 0.0 && product.is_finite() {
+                    product
+                } else {
+                    *mean + other - base
+                };
+            }
+        }
+        both.samples = None;
+        Some(both)
+    }
+
+    /// How far `test` is from `self`, relative to the brightness of `golden`; all of one size. The
+    /// weights of cells are the same for every `self`, so that distances may be compared.
+    pub fn misfit(&self, test: &Cells, golden: &Cells) -> Misfit {
+        let noise_over_golden = test.noise_over(golden);
+        let mut in_noise = Sum::default();
+        let mut sums = [PartSums::default(); 2];
+        let mut least_squares = Sum::default();
+        for cell in 0..self.means.len() {
+            let part = &mut sums[usize::from(golden.silent[cell])];
+            let (mut square, mut noise_of_square, mut least) = (0.0, 0.0, 0.0);
+            for c in 0..3 {
+                let (a, b) = (self.means[cell][c], test.means[cell][c]);
+                let size = a.abs().max(b.abs());
+                // Each pixel was rounded to 32 bits.
+                let rounding = f64::from(f32::EPSILON) * size;
+                let guarded = self.variance_with(test, cell, c) + rounding * rounding;
+                let difference = (a - b) * (a - b);
+                let ratio = if difference == 0.0 {
+                    0.0
+                } else {
+                    difference / guarded
+                };
+                in_noise.add(ratio.min(FAR));
+                let weight = golden.weight(cell, c, noise_over_golden);
+                let stated = self.variances[cell][c] + test.variances[cell][c];
+                let stated = stated + rounding * rounding;
+                let coarse = if golden.silent[cell] && golden.samples.is_some() {
+                    HALF_ROUNDING * size
+                } else {
+                    0.0
+                };
+                let beyond = difference - stated;
+                let counts = beyond > coarse * coarse;
+                square += weight * if counts { beyond } else { beyond.min(0.0) };
+                // The square of a normal number of mean m has the variance 2 v² + 4 v m².
+                let spread = guarded * (2.0 * guarded + 4.0 * beyond.max(0.0));
+                // The channels of a cell may share their noise: their errors add up.
+                noise_of_square += weight * spread.sqrt();
+                least += weight * std::f64::consts::SQRT_2 * guarded;
+            }
+            least_squares.add(least * least);
+            part.add(square, noise_of_square);
+        }
+        let cells = self.means.len() as f64;
+        let has_noise = golden.samples.is_some() || test.samples.is_some();
+        Misfit {
+            in_noise: in_noise.value() / (3.0 * cells),
+            parts: [
+                sums[0].distance(cells, has_noise),
+                sums[1].distance(cells, false),
+            ],
+            least_error: least_squares.value().sqrt() / (3.0 * cells),
+        }
+    }
+
+    /// Cells over which the squared relative difference from `test` is spread: (Σ d²)²/Σ d⁴.
+    pub fn effective_cells(&self, test: &Cells) -> f64 {
+        let (mut squares, mut fourths) = (Sum::default(), Sum::default());
+        for (golden, test) in self.means.iter().zip(&test.means) {
+            let square: f64 = (0..3)
+                .map(|c| (test[c] - golden[c]) / (golden[c].abs() + DARK))
+                .map(|difference| difference * difference)
+                .sum();
+            squares.add(square);
+            fourths.add(square * square);
+        }
+        squares.value() * squares.value() / fourths.value()
+    }
+
+    /// The weight of a squared difference in a cell of this golden, from which the noise of a test
+    /// image is this much times that of the golden. By the noise of the golden alone: that of the
+    /// test image is smaller where it happens to be dark.
+    fn weight(&self, cell: usize, c: usize, noise_over_golden: f64) -> f64 {
+        let bright = self.means[cell][c].abs() + DARK;
+        let due = self.variances[cell][c] * (1.0 + noise_over_golden);
+        // A cell of much noise says little of distances.
+        1.0 / (bright * bright + 16.0 * due)
+    }
+
+    /// Variance of all of `self` over that of `golden`; 0 where neither has any.
+    fn noise_over(&self, golden: &Cells) -> f64 {
+        let sum = |cells: &Cells| -> f64 { cells.variances.as_flattened().iter().sum() };
+        let ratio = sum(self) / sum(golden);
+        if ratio.is_finite() { ratio } else { 0.0 }
+    }
+
+    /// Variance of the difference of two cells. Whoever has more samples lends its variance, as in
+    /// the stochastic gate: few samples that missed the light claim to have no noise.
+    fn variance_with(&self, test: &Cells, cell: usize, channel: usize) -> f64 {
+        let (own, other) = (self.variances[cell][channel], test.variances[cell][channel]);
+        let (Some(own_samples), Some(samples)) = (self.samples, test.samples) else {
+            return own + other;
+        };
+        let lent = other * samples / own_samples;
+        let borrowed = own * own_samples / samples;
+        if samples > own_samples {
+            own.max(lent) + other
+        } else {
+            own + other.max(borrowed)
+        }
+    }
+}
+
+/// Sums over the cells of a part of an image.
+#[derive(Clone, Copy, Debug, Default)]
+struct PartSums {
+    squares: Sum,
+    /// Of their squares.
+    spread: Sum,
+    /// Of the variances that noise gives them.
+    noise: Sum,
+}
+
+impl PartSums {
+    fn add(&mut self, square: f64, noise: f64) {
+        self.squares.add(square);
+        self.spread.add(square * square);
+        self.noise.add(noise * noise);
+    }
+
+    /// As a mean over that many `cells`, those of the other part included.
+    fn distance(&self, cells: f64, has_noise: bool) -> SquaredDistance {
+        // Noise that comes from rare bright paths is no normal number, and what one cell carries
+        // alone may be such a path: the error is at least that by which the cells differ.
+        let variance = if has_noise {
+            self.noise.value().max(self.spread.value())
+        } else {
+            self.noise.value()
+        };
+        SquaredDistance {
+            value: self.squares.value() / (3.0 * cells),
+            error: variance.sqrt() / (3.0 * cells),
+        }
+    }
+}
+
+/// Variance of a pixel within a block of an image that does not state it, by the differences of
+/// neighbours that are left when all that is linear is taken away.
+///
+/// Source: Immerkær 1996, "Fast noise variance estimation", Computer Vision and Image
+/// Understanding 64(2), with squares in place of absolute values.
+fn guessed_variance(film: &Film, corner: [usize; 2], edge: usize) -> [f64; 3] {
+    const MASK: [[f64; 3]; 3] = [[1.0, -2.0, 1.0], [-2.0, 4.0, -2.0], [1.0, -2.0, 1.0]];
+    // Sum of the squares of the mask.
+    const POWER: f64 = 36.0;
+    let mut sums = [0.0; 3];
+    let mut count = 0.0;
+    for y in corner[1] + 1..corner[1] + edge - 1 {
+        for x in corner[0] + 1..corner[0] + edge - 1 {
+            count += 1.0;
+            for (c, sum) in sums.iter_mut().enumerate() {
+                let mut left = 0.0;
+                for (row, weights) in MASK.iter().enumerate() {
+                    for (column, weight) in weights.iter().enumerate() {
+                        let index = x + column - 1 + film.width() * (y + row - 1);
+                        left += weight * f64::from(film.radiance()[index][c]);
+                    }
+                }
+                *sum += left * left / POWER;
+            }
+        }
+    }
+    sums.map(|sum| sum / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::{Purpose, Stream};
+
+    /// Pixels of mean `mean` and a noise of uniform numbers with standard deviation `sigma`.
+    fn noisy(mean: f64, sigma: f64, seed: u64, states_noise: bool) -> Film {
+        let edge = 64;
+        let mut pixels = Vec::new();
+        for index in 0..edge * edge {
+            let stream = Stream::new(seed, index as u32, 0);
+            pixels.push(std::array::from_fn(|channel| {
+                let u = stream.uniform(0, Purpose::Camera, channel as u32);
+                (mean + (u - 0.5) * sigma * 12_f64.sqrt()) as f32
+            }));
+        }
+        if states_noise {
+            let variance = vec![[(sigma * sigma) as f32; 3]; edge * edge];
+            Film::with_noise(edge, edge, pixels, variance, 16)
+        } else {
+            Film::new(edge, edge, pixels)
+        }
+    }
+
+    #[test]
+    fn equal_means_are_noise_and_others_are_not() {
+        let scale = Cells::of_blocks(&noisy(1.0, 0.0, 0, true));
+        for states in [true, false] {
+            let a = Cells::of_blocks(&noisy(1.0, 0.2, 1, states));
+            let b = Cells::of_blocks(&noisy(1.0, 0.2, 2, states));
+            let same = a.misfit(&b, &scale);
+            // 192 squares: their mean is 1 within four times √(2/192).
+            assert!((same.in_noise - 1.0).abs() < 0.41, "{same:?}");
+            let near = same.distance();
+            assert!(near.at_least() == 0.0 && near.at_most() > 0.0, "{same:?}");
+            let c = Cells::of_blocks(&noisy(1.1, 0.2, 3, states));
+            let other = a.misfit(&c, &scale);
+            // A tenth is four standard errors of a difference of blocks.
+            assert!(!other.is_noise(), "{other:?}");
+            let far = other.distance();
+            assert!(
+                (far.value - 0.01).abs() < 4.0 * far.error + 2e-3,
+                "{other:?}"
+            );
+            // Whether the one or the other: what makes 1.1 of it explains it, what makes 1 does not.
+            let right = Cells::of_blocks(&noisy(1.1, 0.02, 4, true));
+            let golden = Cells::of_blocks(&noisy(1.0, 0.02, 5, true));
+            let whole = golden.misfit(&c, &golden);
+            let left = right.misfit(&c, &golden);
+            assert!(left.may_explain(&whole, 0.02), "{left:?} of {whole:?}");
+            assert!(!a.misfit(&c, &golden).may_explain(&whole, 0.02));
+        }
+    }
+
+    #[test]
+    fn slopes_are_not_taken_for_noise() {
+        let pixels = (0..64)
+            .map(|i| [(i % 8) as f32, (i / 8) as f32, 1.0])
+            .collect();
+        let film = Film::new(8, 8, pixels);
+        assert_eq!(guessed_variance(&film, [0, 0], 8), [0.0; 3]);
+    }
+}

@@ -1,0 +1,99 @@
+//! The share of a difference that a hypothesis leaves unexplained.
+//!
+//! A test image differs from the golden by a squared distance D(golden, test), noise taken out. A
+//! prediction of the test image, by a mistake that may have been made or by numbers that were fitted,
+//! leaves D(prediction, test) of it. The ratio is what is not explained: about 0 if the hypothesis
+//! is the right one, 1 if it says nothing of the image, more if it moves away from it. Both
+//! distances are estimates where pixels have noise, so the share has a bound on either side.
+
+/// The largest share of the squared difference that a hypothesis may leave unexplained, where there
+/// is no noise.
+///
+/// Whoever makes a mistake makes it in a way of their own, which need not be the catalogue's to the
+/// digit: a seventh of the difference, root mean square, is left to that. A size that is off by
+/// other than the catalogue's factor 1 + e leaves the square of what it lacks of e. Of the faults
+/// outside the catalogue that the tests keep (`outside_faults`), the one that comes nearest to a
+/// mistake leaves a little more: a quarter of a voxel in the volume beside half a pixel in the image.
+pub(crate) const UNEXPLAINED: f64 = 0.02;
+
+/// Likewise in noise, where the share has to be shown to be that small, beyond [`BOUND`] standard
+/// errors: of the right mistake nothing is left but that bound. Less than a quarter of the
+/// difference, root mean square.
+pub(crate) const UNEXPLAINED_IN_NOISE: f64 = 0.05;
+
+/// Standard errors of a bound: beyond it is one chance in forty.
+const BOUND: f64 = 2.0;
+
+/// A squared distance of two images, noise taken out: an estimate without bias, which may fall below
+/// 0 where there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SquaredDistance {
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+impl SquaredDistance {
+    /// What it is at most, but for one chance in forty.
+    pub fn at_most(&self) -> f64 {
+        self.value.max(0.0) + BOUND * self.error
+    }
+
+    /// What is beyond doubt of it.
+    pub fn at_least(&self) -> f64 {
+        (self.value - BOUND * self.error).max(0.0)
+    }
+
+    /// Of two parts of an image, whose noise is independent.
+    pub fn plus(&self, other: &SquaredDistance) -> SquaredDistance {
+        SquaredDistance {
+            value: self.value + other.value,
+            error: (self.error * self.error + other.error * other.error).sqrt(),
+        }
+    }
+
+    /// Whether a hypothesis that leaves this of `whole` explains the rest beyond doubt: at most
+    /// `share` is left. Where there was no difference, the hypothesis may not make one.
+    pub fn is_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
+        if whole.at_least() > 0.0 {
+            self.at_most() <= share * whole.at_least()
+        } else {
+            self.at_least() <= share * whole.at_most()
+        }
+    }
+
+    /// Whether a closer look may show that it does.
+    pub fn may_be_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
+        self.at_least() <= share * whole.at_most()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn distance(value: f64, error: f64) -> SquaredDistance {
+        SquaredDistance { value, error }
+    }
+
+    #[test]
+    fn a_share_counts_only_as_far_as_it_is_known() {
+        let whole = distance(1.0, 0.01);
+        assert!(distance(0.01, 0.001).is_explained(&whole, 0.02));
+        // Perhaps; but nobody knows.
+        let doubtful = distance(0.01, 0.02);
+        assert!(!doubtful.is_explained(&whole, 0.02));
+        assert!(doubtful.may_be_explained(&whole, 0.02));
+        assert!(!distance(0.5, 0.02).may_be_explained(&whole, 0.02));
+        // An estimate below 0 is no better than one of 0.
+        assert!(!distance(-0.04, 0.02).is_explained(&whole, 0.02));
+    }
+
+    #[test]
+    fn no_difference_is_to_stay_none() {
+        let none = distance(0.0, 0.0);
+        assert!(distance(0.0, 0.0).is_explained(&none, 0.02));
+        assert!(!distance(1e-3, 0.0).is_explained(&none, 0.02));
+        assert!(!distance(1e-3, 0.0).may_be_explained(&none, 0.02));
+    }
+}

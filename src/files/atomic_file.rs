@@ -1,0 +1,355 @@
+//! An output file that is either the old one or the complete new one.
+
+use std::fs::{self, File, Metadata};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::partial_file;
+
+/// An output could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {action} {}: {cause}{kept}; {}", path.display(), remedy(cause.kind()))]
+pub struct WriteError {
+    /// What was being done, as a verb phrase: "write", "replace", …
+    pub action: &'static str,
+    /// The file or directory it was being done to.
+    pub path: PathBuf,
+    /// What the operating system said.
+    pub cause: io::Error,
+    /// What became of the file that was there before, as the end of a sentence.
+    kept: &'static str,
+}
+
+/// Replaces the file at `path` by `bytes`, or creates it.
+///
+/// The bytes are written to a temporary file in the same directory, synced and renamed, so a
+/// reader sees the old file or all of the new one, also after a crash. On an error the
+/// temporary file is removed and the old file stays. A process that is killed leaves it to the next
+/// one that writes there.
+///
+/// - An existing file passes its permission bits on; a new one gets those that the umask
+///   leaves. Owner, hard links and extended attributes of an existing file are not kept.
+/// - A symbolic link stays, and the file it points to is replaced.
+/// - What is not a regular file (a device, a pipe, a FIFO, `/dev/stdout` wherever it leads) must
+///   not be replaced by one: it is written to directly, with no atomicity to be had.
+///
+/// # Errors
+///
+/// [`WriteError`] names the file, what the operating system said and how to mend it. Missing
+/// directories are an error, not created.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    match destination(path).map_err(failed("look at", path, KEPT))? {
+        Destination::Stream => write_to_stream(path, bytes).map_err(failed("write to", path, "")),
+        Destination::File(target) => replace(path, &target, bytes),
+    }
+}
+
+/// Puts a file into the place of whatever file or link is called `path`, as [`write_atomically`] does, but
+/// without following the link.
+pub(crate) fn write_in_place_of(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    replace(path, path, bytes)
+}
+
+/// Replaces the file `target`, which messages call `path`.
+fn replace(path: &Path, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let directory = directory_of(target);
+    let mut aside =
+        temporary_in(directory).map_err(failed("create a temporary file in", directory, KEPT))?;
+    aside
+        .write_all(bytes)
+        .map_err(failed("write", path, KEPT))?;
+    if let Ok(existing) = fs::metadata(target) {
+        let permissions = existing.permissions();
+        (aside.as_file().set_permissions(permissions)).map_err(failed(
+            "pass on the permissions of",
+            path,
+            KEPT,
+        ))?;
+    }
+    aside
+        .as_file()
+        .sync_all()
+        .map_err(failed("write", path, KEPT))?;
+    (aside.persist(target).map_err(|error| error.error)).map_err(failed("replace", path, KEPT))?;
+    sync_directory(directory).map_err(failed(
+        "sync the directory",
+        directory,
+        " (the new file is in place, but might not survive a power cut)",
+    ))
+}
+
+const KEPT: &str = " (whatever was there before is untouched)";
+
+impl WriteError {
+    /// The failure of an action before anything was changed.
+    pub(crate) fn untouched(action: &'static str, path: &Path, cause: io::Error) -> WriteError {
+        failed(action, path, KEPT)(cause)
+    }
+}
+
+fn failed(
+    action: &'static str,
+    path: &Path,
+    kept: &'static str,
+) -> impl FnOnce(io::Error) -> WriteError {
+    let path = path.to_path_buf();
+    move |cause| WriteError {
+        action,
+        path,
+        cause,
+        kept,
+    }
+}
+
+/// Where the bytes for a path have to go.
+enum Destination {
+    /// A regular file, existing or not, with symbolic links followed.
+    File(PathBuf),
+    /// Something that must be written through, not replaced.
+    Stream,
+}
+
+/// The regular file, existing or not, that [`write_atomically`] would write for `path`; nothing
+/// for a stream.
+pub(crate) fn file_behind(path: &Path) -> Option<PathBuf> {
+    match destination(path) {
+        Ok(Destination::File(target)) => Some(target),
+        _ => None,
+    }
+}
+
+/// Follows symbolic links by hand: `canonicalize` would refuse a link to a file that does not
+/// exist yet, and would lead from `/dev/stdout` to the file the shell redirected it to.
+fn destination(path: &Path) -> io::Result<Destination> {
+    match fs::metadata(path) {
+        Ok(metadata) if !metadata.is_file() => return Ok(Destination::Stream),
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let mut target = path.to_path_buf();
+    const MOST_LINKS: usize = 40; // as Linux
+    for _ in 0..MOST_LINKS {
+        // An open descriptor under the name of a file. To replace that file would cut off
+        // whoever else holds the descriptor.
+        if target.starts_with("/proc") || target.starts_with("/dev/fd") {
+            return Ok(Destination::Stream);
+        }
+        if !fs::symlink_metadata(&target).is_ok_and(|metadata: Metadata| metadata.is_symlink()) {
+            return Ok(Destination::File(target));
+        }
+        target = directory_of(&target).join(fs::read_link(&target)?);
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+/// Appends: opening a redirected standard output must not cut off what is already there.
+fn write_to_stream(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut stream = File::options().append(true).open(path)?;
+    stream.write_all(bytes)?;
+    stream.flush()
+}
+
+fn temporary_in(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+    partial_file::create(directory).map_err(without_temporary_name)
+}
+
+/// The system's own error, where tempfile has put the random name of its file into the message:
+/// that name means nothing to the user.
+fn without_temporary_name(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(|error| error.source());
+    let code = inner
+        .and_then(|error| error.downcast_ref::<io::Error>())
+        .and_then(io::Error::raw_os_error);
+    code.map_or(error, io::Error::from_raw_os_error)
+}
+
+/// The directory a file is in; `.` for a bare file name, whose `parent` is empty.
+pub(crate) fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Makes the names in a directory durable: files created, renamed and removed there.
+pub(crate) fn sync_directory(directory: &Path) -> io::Result<()> {
+    // Elsewhere a directory cannot be opened as a file, and the file system orders its own log.
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    match File::open(directory)?.sync_all() {
+        // Some network and user-space file systems do not know the operation.
+        Err(error)
+            if matches!(
+                error.kind(),
+                ErrorKind::InvalidInput | ErrorKind::Unsupported
+            ) =>
+        {
+            Ok(())
+        }
+        result => result,
+    }
+}
+
+/// What the user can do about a failed file operation.
+pub(crate) fn remedy(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "free some space and run the same command again"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "make the directory and the file writable and run the same command again"
+        }
+        ErrorKind::NotFound => "create the directory and run the same command again",
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "move the file that stands in the place of a directory, or choose another path"
+        }
+        ErrorKind::IsADirectory => "move that directory, or choose another path",
+        ErrorKind::InvalidFilename => "choose a shorter or simpler name",
+        ErrorKind::BrokenPipe => "the program reading the output stopped; check it",
+        _ => "mend that and run the same command again",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(directory: &Path) -> Vec<String> {
+        let entries = fs::read_dir(directory).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn creates_and_replaces_without_leaving_anything_aside() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("image.exr");
+        write_atomically(&path, b"old").unwrap();
+        write_atomically(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(directory.path()), ["image.exr"]);
+    }
+
+    #[test]
+    fn a_missing_directory_is_named_with_a_remedy() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("missing").join("image.exr");
+        let message = write_atomically(&path, b"new").unwrap_err().to_string();
+        assert!(message.contains("missing"), "{message}");
+        assert!(message.contains("create the directory"), "{message}");
+    }
+
+    #[test]
+    fn a_file_in_the_place_of_the_directory_is_an_error() {
+        let directory = tempfile::tempdir().unwrap();
+        fs::write(directory.path().join("plain"), b"kept").unwrap();
+        let error = write_atomically(&directory.path().join("plain/image.exr"), b"new");
+        assert_eq!(error.unwrap_err().cause.kind(), ErrorKind::NotADirectory);
+        assert_eq!(fs::read(directory.path().join("plain")).unwrap(), b"kept");
+    }
+
+    #[test]
+    fn a_directory_is_not_replaced() {
+        let directory = tempfile::tempdir().unwrap();
+        let error = write_atomically(directory.path(), b"new").unwrap_err();
+        assert_eq!(error.cause.kind(), ErrorKind::IsADirectory);
+        assert!(names(directory.path()).is_empty());
+    }
+
+    #[cfg(unix)]
+    mod unix {
+        use super::*;
+        use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+
+        fn mode(path: &Path) -> u32 {
+            fs::metadata(path).unwrap().permissions().mode() & 0o7777
+        }
+
+        #[test]
+        fn a_new_file_obeys_the_umask() {
+            let directory = tempfile::tempdir().unwrap();
+            let ordinary = directory.path().join("ordinary");
+            File::create(&ordinary).unwrap();
+            let path = directory.path().join("image.exr");
+            write_atomically(&path, b"new").unwrap();
+            assert_eq!(mode(&path), mode(&ordinary));
+        }
+
+        #[test]
+        fn an_existing_file_passes_its_permissions_on() {
+            let directory = tempfile::tempdir().unwrap();
+            let path = directory.path().join("image.exr");
+            fs::write(&path, b"old").unwrap();
+            fs::set_permissions(&path, PermissionsExt::from_mode(0o664)).unwrap();
+            write_atomically(&path, b"new").unwrap();
+            assert_eq!(mode(&path), 0o664);
+        }
+
+        #[test]
+        fn links_stay_whether_or_not_they_dangle() {
+            let directory = tempfile::tempdir().unwrap();
+            let (file, link) = (directory.path().join("file"), directory.path().join("link"));
+            symlink("file", &link).unwrap();
+            for contents in [b"dangling", b"existing"] {
+                write_atomically(&link, contents).unwrap();
+                assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+                assert_eq!(fs::read(&file).unwrap(), contents);
+            }
+        }
+
+        #[test]
+        fn a_ring_of_links_is_an_error() {
+            let directory = tempfile::tempdir().unwrap();
+            let link = directory.path().join("link");
+            symlink("link", &link).unwrap();
+            assert!(write_atomically(&link, b"new").is_err());
+        }
+
+        #[test]
+        fn a_device_stays_a_device() {
+            write_atomically(Path::new("/dev/null"), b"gone").unwrap();
+            assert!(
+                fs::metadata("/dev/null")
+                    .unwrap()
+                    .file_type()
+                    .is_char_device()
+            );
+        }
+
+        #[test]
+        fn a_fifo_is_written_through() {
+            let directory = tempfile::tempdir().unwrap();
+            let fifo = directory.path().join("fifo");
+            let made = std::process::Command::new("mkfifo")
+                .arg(&fifo)
+                .status()
+                .unwrap();
+            assert!(made.success());
+            let reader = std::thread::spawn({
+                let fifo = fifo.clone();
+                move || fs::read(fifo).unwrap()
+            });
+            write_atomically(&fifo, b"through").unwrap();
+            assert_eq!(reader.join().unwrap(), b"through");
+            assert!(fs::metadata(&fifo).unwrap().file_type().is_fifo());
+        }
+
+        /// A shell's `{ echo before; volref … --out /dev/stdout; } > file`.
+        #[cfg(target_os = "linux")]
+        #[test]
+        fn an_open_descriptor_is_written_through() {
+            use std::os::fd::AsRawFd;
+            let directory = tempfile::tempdir().unwrap();
+            let path = directory.path().join("file");
+            let mut held = File::create(&path).unwrap();
+            held.write_all(b"before ").unwrap();
+            let descriptor = PathBuf::from(format!("/proc/self/fd/{}", held.as_raw_fd()));
+            write_atomically(&descriptor, b"image").unwrap();
+            assert_eq!(fs::read(&path).unwrap(), b"before image");
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Reading and writing of files: regular files only, whole or not at all, sealed by a hash.
+
+pub mod atomic_file;
+pub(crate) mod decoder;
+pub(crate) mod kept_file;
+pub(crate) mod misspelling;
+pub(crate) mod own_file;
+pub(crate) mod partial_file;
+pub(crate) mod private_folder;
+pub(crate) mod program_hash;
+pub(crate) mod regular_file;
+
+pub use kept_file::KeepError;
+pub use program_hash::program_hash;

@@ -1,0 +1,95 @@
+//! Files and folders that volref names itself, within a suite, a cache or a folder for outputs. A link, a pipe
+//! or anything else in their place is refused: neither followed nor waited for.
+
+use super::atomic_file::{WriteError, write_in_place_of};
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// A folder that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot create the folder {}: {error}", folder.display())]
+pub(crate) struct FolderError {
+    /// Where.
+    pub folder: PathBuf,
+    /// The reason.
+    pub error: io::Error,
+}
+
+/// Replaces the file at `path` by `bytes`, or creates it, whole or not at all. The stricter sibling of
+/// [`write_atomically`](crate::files::atomic_file::write_atomically), which follows links and writes into pipes.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    check(path).map_err(|cause| WriteError::untouched("write", path, cause))?;
+    write_in_place_of(path, bytes)
+}
+
+/// Fails where something other than a regular file is at `path`; nothing at all is no error.
+pub(crate) fn check(path: &Path) -> io::Result<()> {
+    is_there(path, FILE).map(|_| ())
+}
+
+/// Creates the folder `inner` of `root`, and those between, which have to be folders and no links. `root`
+/// itself may be a link: it is the user's.
+pub(crate) fn make_folder(root: &Path, inner: &Path) -> Result<PathBuf, FolderError> {
+    let trouble = |folder: &Path| {
+        let folder = folder.to_owned();
+        move |error| FolderError { folder, error }
+    };
+    fs::create_dir_all(root).map_err(trouble(root))?;
+    for folder in folders(root, inner) {
+        if is_there(&folder, FOLDER).map_err(trouble(&folder))? {
+            continue;
+        }
+        match fs::create_dir(&folder) {
+            // Another process came first.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                is_there(&folder, FOLDER).map_err(trouble(&folder))?;
+            }
+            result => result.map_err(trouble(&folder))?,
+        }
+    }
+    Ok(root.join(inner))
+}
+
+/// Fails where [`make_folder`] would find something in the place of a folder.
+pub(crate) fn check_folder(root: &Path, inner: &Path) -> Result<(), FolderError> {
+    for folder in folders(root, inner) {
+        match is_there(&folder, FOLDER) {
+            Ok(true) => {}
+            Ok(false) => return Ok(()),
+            Err(error) => return Err(FolderError { folder, error }),
+        }
+    }
+    Ok(())
+}
+
+/// The folders below `root` on the way to `inner`, and that.
+fn folders(root: &Path, inner: &Path) -> impl Iterator<Item = PathBuf> {
+    let parts = inner.components();
+    parts.scan(root.to_owned(), |folder, part| {
+        folder.push(part);
+        Some(folder.clone())
+    })
+}
+
+fn is_there(path: &Path, wanted: &str) -> io::Result<bool> {
+    let found = match fs::symlink_metadata(path) {
+        Ok(found) => found,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+        Err(error) => return Err(error),
+    };
+    let what = match () {
+        () if found.is_symlink() => "a symbolic link",
+        () if found.is_dir() => FOLDER,
+        () if found.is_file() => FILE,
+        () => "a device or pipe",
+    };
+    if what == wanted {
+        return Ok(true);
+    }
+    let message = format!("this is {what}, not {wanted}: move it away");
+    Err(io::Error::other(message))
+}
+
+const FILE: &str = "a file";
+const FOLDER: &str = "a folder";

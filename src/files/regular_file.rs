@@ -1,0 +1,218 @@
+//! The one door through which files are read: none that is no file, none without a limit, and
+//! which ones were read is remembered, so that no output is written over an input.
+
+use std::collections::HashSet;
+use std::fs::{File, Metadata};
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::{LazyLock, Mutex, PoisonError};
+use thiserror::Error;
+
+/// Largest file that is read unless a caller has a lower limit, in bytes: 4 GiB.
+pub const MOST_BYTES: u64 = 1 << 32;
+
+/// Why nothing was opened.
+#[derive(Debug, Error)]
+pub enum OpenError {
+    /// Nothing there.
+    #[error("{0}")]
+    Missing(io::Error),
+    /// Not a regular file: what is there instead.
+    #[error("this is {0}, not a file")]
+    NotAFile(&'static str),
+    /// The system refuses.
+    #[error("{0}")]
+    Refused(io::Error),
+}
+
+/// Why nothing was read.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    /// Nothing was opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// Larger than anything that is meant.
+    #[error("the file has {bytes} bytes; at most {most} are read")]
+    TooLarge {
+        /// Bytes in the file, or at least as many.
+        bytes: u64,
+        /// Bytes accepted.
+        most: u64,
+    },
+}
+
+impl OpenError {
+    fn of(error: io::Error) -> OpenError {
+        match error.kind() {
+            io::ErrorKind::NotFound => OpenError::Missing(error),
+            _ => OpenError::Refused(error),
+        }
+    }
+}
+
+impl From<OpenError> for io::Error {
+    fn from(error: OpenError) -> io::Error {
+        match error {
+            OpenError::Missing(error) | OpenError::Refused(error) => error,
+            OpenError::NotAFile(_) => io::Error::other(error.to_string()),
+        }
+    }
+}
+
+impl From<ReadError> for io::Error {
+    fn from(error: ReadError) -> io::Error {
+        match error {
+            ReadError::Open(error) => error.into(),
+            ReadError::TooLarge { .. } => {
+                io::Error::new(io::ErrorKind::FileTooLarge, error.to_string())
+            }
+        }
+    }
+}
+
+/// Opens a regular file for reading; with its length in bytes. Never waits: a named pipe
+/// without a writer would be waited for, and a device may never end.
+pub fn open(path: &Path) -> Result<(File, u64), OpenError> {
+    check_kind(path)?;
+    let file = File::open(path).map_err(OpenError::of)?;
+    let metadata = file.metadata().map_err(OpenError::of)?;
+    remember(path, &metadata);
+    Ok((file, metadata.len()))
+}
+
+/// Fails where no regular file is at `path`. To be asked before opening: to open a named pipe is
+/// to wait for its other end.
+pub fn check_kind(path: &Path) -> Result<(), OpenError> {
+    let metadata = std::fs::metadata(path).map_err(OpenError::of)?;
+    if metadata.is_file() {
+        return Ok(());
+    }
+    Err(OpenError::NotAFile(if metadata.is_dir() {
+        "a directory"
+    } else {
+        "a device or pipe"
+    }))
+}
+
+/// All bytes of a regular file that has at most `most` of them.
+pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
+    let (file, length) = open(path)?;
+    let mut bytes = Vec::new();
+    if length <= most {
+        // A file may grow while it is read, and some of the system's say that they are empty.
+        let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
+        read.map_err(OpenError::of)?;
+    }
+    match length.max(bytes.len() as u64) {
+        bytes if bytes > most => Err(ReadError::TooLarge { bytes, most }),
+        _ => Ok(bytes),
+    }
+}
+
+/// What tells a file from all others, by whatever names and links it is reached.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Identity(FileNumber);
+
+#[cfg(unix)]
+type FileNumber = (u64, u64);
+/// Elsewhere the path without links; hard links are two files then.
+#[cfg(not(unix))]
+type FileNumber = std::path::PathBuf;
+
+impl Identity {
+    /// Of the file or folder at `path`, if there is one.
+    pub fn of(path: &Path) -> Option<Identity> {
+        Identity::with(path, &std::fs::metadata(path).ok()?)
+    }
+
+    #[cfg(unix)]
+    fn with(_: &Path, metadata: &Metadata) -> Option<Identity> {
+        use std::os::unix::fs::MetadataExt;
+        Some(Identity((metadata.dev(), metadata.ino())))
+    }
+
+    #[cfg(not(unix))]
+    fn with(path: &Path, _: &Metadata) -> Option<Identity> {
+        path.canonicalize().ok().map(Identity)
+    }
+}
+
+/// The inputs of this process.
+static INPUTS: LazyLock<Mutex<HashSet<Identity>>> = LazyLock::new(Mutex::default);
+
+fn remember(path: &Path, metadata: &Metadata) {
+    if let Some(identity) = Identity::with(path, metadata) {
+        let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+        inputs.insert(identity);
+    }
+}
+
+/// Counts the file at `path` among the inputs before it is read, if there is one.
+pub fn note_input(path: &Path) {
+    if let Ok(metadata) = std::fs::metadata(path)
+        && metadata.is_file()
+    {
+        remember(path, &metadata);
+    }
+}
+
+/// Whether the file at `path` was read by this process, or noted as an input, under any name.
+pub fn is_input(path: &Path) -> bool {
+    let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    Identity::of(path).is_some_and(|identity| inputs.contains(&identity))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_up_to_their_limit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text");
+        std::fs::write(&path, b"12345").unwrap();
+        assert_eq!(read(&path, 5).unwrap(), b"12345");
+        let error = read(&path, 4).unwrap_err().to_string();
+        assert_eq!(error, "the file has 5 bytes; at most 4 are read");
+        let error = read(folder.path(), 5).unwrap_err().to_string();
+        assert_eq!(error, "this is a directory, not a file");
+        assert!(matches!(
+            read(&folder.path().join("nothing"), 5),
+            Err(ReadError::Open(OpenError::Missing(_)))
+        ));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn inputs_are_known_by_every_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("file"), b"").unwrap();
+        std::fs::write(at("other"), b"").unwrap();
+        std::fs::hard_link(at("file"), at("hard")).unwrap();
+        std::os::unix::fs::symlink("file", at("soft")).unwrap();
+        read(&at("soft"), 5).unwrap();
+        for name in ["file", "hard", "soft", "./file"] {
+            assert!(is_input(&at(name)), "{name}");
+        }
+        assert!(!is_input(&at("nothing")));
+        note_input(&at("other"));
+        assert!(is_input(&at("other")));
+    }
+
+    /// Files that never end: the limit is what ends the reading.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn files_that_say_they_are_empty() {
+        let text = read(Path::new("/proc/self/status"), 1 << 20).unwrap();
+        assert!(text.starts_with(b"Name:"));
+        assert!(matches!(
+            read(Path::new("/proc/self/status"), 8),
+            Err(ReadError::TooLarge { most: 8, .. })
+        ));
+        for pipe in ["/dev/zero", "/dev/null"] {
+            let error = read(Path::new(pipe), 8).unwrap_err().to_string();
+            assert_eq!(error, "this is a device or pipe, not a file");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Contents of a report on a case beside its result.
+
+use crate::compare::Picture;
+use crate::film::Film;
+use crate::suite::Case;
+use serde::{Deserialize, Serialize};
+
+/// The images behind a result, and their origin.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Evidence {
+    /// The golden; `None` if there is no trustworthy one.
+    #[serde(skip)]
+    pub golden: Option<Film>,
+    /// The image that was judged; `None` if it is missing or unreadable.
+    #[serde(skip)]
+    pub test: Option<Picture>,
+    /// Whether the case has no image, as rows of the catalogue of hard cases.
+    pub without_image: bool,
+    /// Initial exposure of the images, in stops.
+    pub exposure: f64,
+    /// Document and figure that the case reproduces.
+    pub source: String,
+    /// Features of a correct image.
+    pub shows: String,
+    /// Exactly what is computed.
+    pub computes: String,
+    /// Facts about the golden and the image, name and value, for people.
+    pub provenance: Vec<(String, String)>,
+    /// Commands that repeat the judgement, one to a line.
+    pub reproduce: Vec<String>,
+    /// Of an image that was looked at several times: samples per pixel, and the standard error of a pixel (root
+    /// mean square over pixels and channels), radiance.
+    #[serde(default)]
+    pub noise_by_samples: Vec<[f64; 2]>,
+    /// Command line of the other renderer, if it was run.
+    pub call: Option<String>,
+    /// Standard output and error of the other renderer, if it was run.
+    pub output: Option<String>,
+}
+
+impl Evidence {
+    /// The evidence on `case` before anything is rendered or read.
+    pub fn of(case: &Case) -> Evidence {
+        Evidence {
+            exposure: case.exposure,
+            source: case.source.clone(),
+            shows: case.shows.clone(),
+            computes: case.computes.clone(),
+            ..Evidence::default()
+        }
+    }
+}
+
+/// A likely mistake, over all the cases that failed.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Likeness {
+    /// Its name in the catalogue; two joined by ` + ` for a combination.
+    pub mistake: String,
+    /// Description and advice for the author of the image.
+    pub advice: String,
+    /// Failed cases that it explains.
+    pub explains: usize,
+    /// Failed cases that it was compared with.
+    pub of: usize,
+    /// Names of those that it explains.
+    pub cases: Vec<String>,
+    /// Comparison with the next mistake, if both explain the same cases: a sentence without its
+    /// subject, for people.
+    #[serde(skip)]
+    pub beside_the_next: Option<String>,
+}

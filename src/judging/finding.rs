@@ -1,0 +1,367 @@
+//! The finding on a case, and the golden it is compared with.
+
+use super::{CaseResult, Cause, Evidence, Verdict};
+use crate::compare::{Detectable, FitMap, Gate, Judgement, NumberChange, Picture, Sensitivity};
+use crate::conventions::Profile;
+use crate::known_answers::Formula;
+use crate::render::{Plan, plans, render};
+use crate::scene::{Classified, Panel, Precision, Sampling, Scene};
+use crate::suite::golden::{AcceptAdvice, plan_hash, scene_hash, short};
+use crate::suite::rendering::{ReferenceRenderer, Renderer, check_class};
+use crate::suite::sensitivities;
+use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
+use crate::volume::Interpolation;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// A result, and the images behind it.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// The result of the case.
+    pub result: CaseResult,
+    /// For a report.
+    pub evidence: Evidence,
+}
+
+impl Judged {
+    /// The image differs from its golden, and can be compared with it pixel by pixel: what is behind
+    /// the difference may be looked for.
+    pub fn differs(&self) -> bool {
+        let comparable = || match (&self.evidence.golden, &self.evidence.test) {
+            (Some(golden), Some(Picture::Radiance(test))) => golden.is_comparable(test),
+            (Some(golden), Some(codes)) => codes.size() == (golden.width(), golden.height()),
+            _ => false,
+        };
+        self.result.cause == Cause::Mismatch && comparable()
+    }
+}
+
+/// The finding on a case, before time and names are added.
+#[derive(Debug)]
+pub struct CaseFinding {
+    /// What came of it.
+    pub verdict: Verdict,
+    /// Cause of the verdict.
+    pub cause: Cause,
+    /// Why, in words.
+    pub reason: String,
+    /// Numbers by name, all finite.
+    pub metrics: BTreeMap<String, f64>,
+    /// Changes of numbers of the scene that the difference looks like.
+    pub changes: Vec<NumberChange>,
+    /// Changes of these numbers that the images would have shown.
+    pub detectable: Vec<Detectable>,
+    /// The changes that fit best, as a picture.
+    pub fit: Option<Box<FitMap>>,
+}
+
+impl CaseFinding {
+    /// A finding without numbers.
+    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> CaseFinding {
+        CaseFinding {
+            verdict,
+            cause,
+            reason: reason.into(),
+            metrics: BTreeMap::new(),
+            changes: Vec::new(),
+            detectable: Vec::new(),
+            fit: None,
+        }
+    }
+
+    /// The result of a case of this name and class, judged by `gate` since `start`.
+    pub fn result(
+        self,
+        name: &str,
+        class: &str,
+        gate: &'static dyn Gate,
+        start: Instant,
+    ) -> CaseResult {
+        CaseResult {
+            family: name.split('/').next().unwrap_or_default().to_owned(),
+            name: name.to_owned(),
+            class: class.to_owned(),
+            verdict: self.verdict,
+            metrics: self.metrics,
+            gate,
+            reason: self.reason,
+            notes: Vec::new(),
+            conventions: Vec::new(),
+            profile: None,
+            looks_like: Vec::new(),
+            difference: Vec::new(),
+            changes: self.changes,
+            detectable: self.detectable,
+            fit: self.fit,
+            seconds: start.elapsed().as_secs_f64(),
+            work: BTreeMap::new(),
+            cause: self.cause,
+        }
+    }
+}
+
+impl From<Judgement> for CaseFinding {
+    fn from(judgement: Judgement) -> CaseFinding {
+        let (verdict, cause) = match (judgement.passed, judgement.undecided) {
+            (true, None) => (Verdict::Pass, Cause::None),
+            (true, Some(_)) => (Verdict::Inconclusive, Cause::Undecided),
+            (false, _) => (Verdict::Fail, Cause::Mismatch),
+        };
+        CaseFinding {
+            metrics: judgement.metrics,
+            changes: judgement.changes,
+            detectable: judgement.detectable,
+            fit: judgement.fit,
+            ..CaseFinding::new(verdict, cause, judgement.reason)
+        }
+    }
+}
+
+/// A case whose golden belongs to its scene.
+#[derive(Debug)]
+pub(crate) struct CheckedGolden {
+    pub scene: Scene,
+    pub golden: Golden,
+    /// Name of the profile under which the image was rendered, in place of the golden.
+    pub profile: Option<String>,
+    /// Derivatives of the image by the numbers of the scene, where they are kept and were asked for.
+    pub sensitivities: Vec<Sensitivity>,
+    /// Cases among which the false alarms are divided.
+    pub cases: usize,
+}
+
+impl CheckedGolden {
+    /// Loads scene and golden of `case`; an error in either is a finding.
+    pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseFinding> {
+        CheckedGolden::load_for(&ReferenceRenderer, case, store)
+    }
+
+    /// [`CheckedGolden::load`], where another renderer stands in for the reference.
+    pub fn load_for(
+        renderer: &dyn Renderer,
+        case: &Case,
+        store: &Store,
+    ) -> Result<CheckedGolden, CaseFinding> {
+        let bad_input = |reason| CaseFinding::new(Verdict::Error, Cause::BadInput, reason);
+        let bad_golden = |reason| CaseFinding::new(Verdict::Error, Cause::Golden, reason);
+        let scene = case
+            .load_scene()
+            .map_err(|error| bad_input(error.to_string()))?;
+        check_class(renderer, case, &plans(&scene)).map_err(bad_input)?;
+        let golden = Golden::read(store, case).map_err(|error| match error {
+            GoldenError::Missing(_) => {
+                CaseFinding::new(Verdict::Missing, Cause::Golden, error.to_string())
+            }
+            error => bad_golden(error.to_string()),
+        })?;
+        if let Some(reason) = stale(case, &scene, &golden) {
+            return Err(bad_golden(reason));
+        }
+        let mut golden = golden;
+        if case.truth.is_some() && case.sampling.is_some() {
+            // Means of samples are compared with the mean of their distribution.
+            golden.film = golden.film.known();
+        }
+        Ok(CheckedGolden {
+            scene,
+            golden,
+            sensitivities: Vec::new(),
+            cases: MOST_CASES,
+            profile: None,
+        })
+    }
+
+    /// With the kept sensitivities of a stochastic `case`, by which images of other renderers are judged.
+    pub fn with_sensitivities(mut self, case: &Case) -> Result<CheckedGolden, CaseFinding> {
+        let kept = self.golden.sensitivities.as_deref();
+        if let Some(bytes) = kept.filter(|_| case.sampling.is_some()) {
+            self.sensitivities = sensitivities::decoded(bytes, &self.scene).map_err(|fault| {
+                let reason = GoldenError::sensitivities(case, fault).to_string();
+                CaseFinding::new(Verdict::Error, Cause::Golden, reason)
+            })?;
+        }
+        Ok(self)
+    }
+
+    /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged
+    /// where there is no classified volume.
+    pub fn under(mut self, profile: &Profile) -> Result<CheckedGolden, CaseFinding> {
+        let failed = |reason| CaseFinding::new(Verdict::Error, Cause::BadInput, reason);
+        let Some(scene) = profile.applied_to(&self.scene).map_err(failed)? else {
+            return Ok(self);
+        };
+        let rendering = render(&plans(&scene), Sampling::default(), &|| ());
+        let rendering = rendering.map_err(|error| failed(error.to_string()))?;
+        self.golden.film = rendering.film;
+        self.scene = scene;
+        self.profile = Some(profile.name.clone());
+        Ok(self)
+    }
+
+    /// The scene takes the nearest node, under conventions of less than double precision.
+    pub fn takes_nearest_in_single_precision(&self) -> bool {
+        let mut volumes = self.scene.panels.iter().filter_map(Panel::classified);
+        let rounded = |volume: &Classified| volume.conventions.precision != Precision::F64;
+        volumes.any(|volume| volume.interpolation == Interpolation::Nearest && rounded(volume))
+    }
+
+    /// The plans of the scene.
+    pub fn plans(&self) -> Vec<Plan<'_>> {
+        plans(&self.scene)
+    }
+
+    /// Provenance of the golden, for people.
+    pub fn provenance(&self) -> Vec<(String, String)> {
+        let of = &self.golden.provenance;
+        let mut facts = vec![
+            ("golden", short(&of.pixels).to_owned()),
+            ("accepted because", of.reason.clone()),
+            match &of.truth {
+                Some(name) => ("known answer", known_answer(name)),
+                None => ("samples per pixel", of.samples.to_string()),
+            },
+            ("relative error", format!("{:.2e}", of.error_estimate)),
+            ("scene", short(&of.scene).to_owned()),
+            ("plan", short(&of.plan).to_owned()),
+            ("volref", of.volref.clone()),
+            ("libm", of.libm.clone()),
+            ("rendered on", of.target.clone()),
+        ];
+        if !of.record_reason.is_empty() {
+            facts.push(("recorded anew because", of.record_reason.clone()));
+        }
+        if let Some(profile) = &self.profile {
+            facts.push(("rendered under the conventions of", profile.clone()));
+        }
+        let omitted = self.without();
+        if !omitted.is_empty() {
+            facts.push(("leaves out", omitted));
+        }
+        for (path, hash) in &of.inputs {
+            facts.push(("input", format!("{path} ({})", short(hash))));
+        }
+        let named = |(name, fact): (&str, String)| (name.to_owned(), fact);
+        facts.into_iter().map(named).collect()
+    }
+
+    /// Effects that the scene is declared to leave out, as the end of a sentence in every
+    /// comparison.
+    pub fn omissions(&self) -> String {
+        match self.without() {
+            without if without.is_empty() => without,
+            without => format!("; the scene leaves out {without} (declared)"),
+        }
+    }
+
+    /// Effects that the scene is declared to leave out.
+    fn without(&self) -> String {
+        // The guide speaks of volume shadow; `medium-shadow` is the name for programs.
+        let word = |name: String| match name.replace('-', " ") {
+            name if name == "medium shadow" => "volume shadow".to_owned(),
+            name => name,
+        };
+        let omitted: Vec<String> = self
+            .plans()
+            .iter()
+            .map(|plan| {
+                plan.omitted()
+                    .into_iter()
+                    .map(word)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            })
+            .collect();
+        match &omitted[..] {
+            [one] => one.clone(),
+            panels => {
+                let said = panels
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, names)| !names.is_empty());
+                let said: Vec<_> = said
+                    .map(|(index, names)| format!("{names} in panel {}", index + 1))
+                    .collect();
+                said.join(", ")
+            }
+        }
+    }
+}
+
+/// Cases among which the false alarms of a suite are divided: as many as any suite has, so that
+/// no verdict depends on what other cases there are. It costs little: in place of one case, a
+/// thousand move the limit of a block of a 192 × 192 image from 6.4 to 7.4 standard errors.
+pub(crate) const MOST_CASES: usize = 1000;
+
+/// Ratio of the required resolution to the standard error of a golden: a bias of that size is then
+/// four standard errors, and the noise of the golden hardly increases that of the comparison.
+pub(crate) const MARGIN: f64 = 4.0;
+
+/// Reason why the golden belongs to another case, scene or plan.
+fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
+    let provenance = &golden.provenance;
+    let (width, height) = (scene.width(), scene.height());
+    let size = (golden.film.width(), golden.film.height());
+    if provenance.case != case.name {
+        return Some(format!(
+            "the golden is of the case {:?}, not of this one; restore it from version control",
+            provenance.case
+        ));
+    }
+    let what = if provenance.scene != scene_hash(scene) {
+        "the scene has changed since the golden was accepted"
+    } else if provenance.plan != plan_hash(&plans(scene)) {
+        "the plan has changed since the golden was accepted: what is simulated, or by which kernel"
+    } else if provenance.truth.as_deref() != case.truth.map(|formula| formula.name) {
+        "the truth of the case has changed since the golden was accepted"
+    } else if is_stale_class(case, provenance.quick.as_ref()) {
+        "the class of the case has changed since the golden was accepted"
+    } else if let Some(sampling) = case.sampling
+        && let Some(quick) = &provenance.quick
+        && let Some(what) = stale_sampling(sampling, quick, golden)
+    {
+        what
+    } else if provenance.exposure != case.exposure {
+        "the exposure of the case has changed since the golden was accepted"
+    } else if size != (width, height) {
+        return Some(format!(
+            "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
+             from version control",
+            size.0, size.1
+        ));
+    } else {
+        return None;
+    };
+    Some(format!("stale: {what}; {}", AcceptAdvice::of(case)))
+}
+
+fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
+    let provenance = &golden.provenance;
+    if quick.samples != sampling.quick {
+        return Some("the quick_samples of the case have changed since the golden was accepted");
+    }
+    let converged = sampling.converged?;
+    if provenance.samples != u64::from(converged.samples) {
+        Some("the converged_samples of the case have changed since the golden was accepted")
+    } else if MARGIN * provenance.error_estimate > converged.resolution {
+        Some("the golden is too noisy for the resolution that the case requires now")
+    } else {
+        None
+    }
+}
+
+/// Whether the renderings that the golden records are those of another class.
+fn is_stale_class(case: &Case, quick: Option<&Quick>) -> bool {
+    match (case.sampling, case.truth) {
+        (Some(_), _) => quick.is_none(),
+        (None, Some(_)) => quick.is_none_or(|quick| quick.samples != 1),
+        (None, None) => quick.is_some(),
+    }
+}
+
+/// A formula in words.
+fn known_answer(name: &str) -> String {
+    let formula = Formula::named(name);
+    formula.map_or(name.to_owned(), |formula| {
+        format!("{name}: {}", formula.what)
+    })
+}

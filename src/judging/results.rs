@@ -1,0 +1,171 @@
+//! Results of cases.
+
+use crate::compare::{self, Detectable, FitMap, GATES, Gate, Metric, NumberChange, Refinement};
+use crate::suite::analytic::Analytic;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::collections::BTreeMap;
+
+/// The metric of a stochastic case beside those of the gate.
+pub(crate) const SAME_BITS: Metric = (
+    "same_bits",
+    "1 if every bit is that of the reference's own quick rendering, else 0.",
+);
+
+/// The verdict on a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Compared, and right.
+    Pass,
+    /// Compared, and wrong.
+    Fail,
+    /// Compared, and right under other conventions.
+    Convention,
+    /// Compared, and not decided.
+    Inconclusive,
+    /// There is nothing to compare with.
+    Missing,
+    /// The comparison could not be made.
+    Error,
+}
+
+impl Verdict {
+    /// The word used in JSON and on the terminal.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Pass => "pass",
+            Verdict::Fail => "fail",
+            Verdict::Convention => "convention",
+            Verdict::Inconclusive => "inconclusive",
+            Verdict::Missing => "missing",
+            Verdict::Error => "error",
+        }
+    }
+}
+
+/// Cause of a verdict other than `pass`. Later ones take precedence, as exit codes do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
+pub enum Cause {
+    /// No cause: the case passed.
+    #[default]
+    None,
+    /// The images: too noisy to decide.
+    Undecided,
+    /// The other renderer: its image is missing or unreadable, or it failed.
+    OtherRenderer,
+    /// The images differ by conventions.
+    Convention,
+    /// The images differ.
+    Mismatch,
+    /// The golden.
+    Golden,
+    /// The scene or its files.
+    BadInput,
+}
+
+/// The rule that is written as its name.
+fn gate_named<'de, D: Deserializer<'de>>(from: D) -> Result<&'static dyn Gate, D::Error> {
+    let name = String::deserialize(from)?;
+    let gates = GATES.into_iter().map(|gate| gate as &'static dyn Gate);
+    let mut gates = gates.chain([&Refinement as &dyn Gate, &Analytic]);
+    let found = gates.find(|gate| gate.name() == name);
+    found.ok_or_else(|| D::Error::custom(format!("there is no gate {name:?}")))
+}
+
+/// The outcome of one case.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CaseResult {
+    /// `family/name`.
+    pub name: String,
+    /// Family.
+    pub family: String,
+    /// Class of the case.
+    pub class: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Numbers by name, all finite.
+    pub metrics: BTreeMap<String, f64>,
+    /// The rule applied.
+    #[serde(deserialize_with = "gate_named")]
+    pub gate: &'static dyn Gate,
+    /// Why, in words.
+    pub reason: String,
+    /// Notes beside the verdict.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// Conventions of the other renderer under which the image is right, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub conventions: Vec<String>,
+    /// A profile of these conventions, TOML for `--as`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<String>,
+    /// Likely mistakes, most likely first.
+    pub looks_like: Vec<String>,
+    /// Measurements of a difference that no known mistake explains, in sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub difference: Vec<String>,
+    /// Changes of numbers of the scene that the difference looks like.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<NumberChange>,
+    /// Changes of numbers of the scene that the images would have shown.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detectable: Vec<Detectable>,
+    /// The changes that fit best, as a picture for a report.
+    #[serde(skip)]
+    pub fit: Option<Box<FitMap>>,
+    /// Wall time, for information.
+    pub seconds: f64,
+    /// Units of work by name, where they were counted.
+    pub work: BTreeMap<String, u64>,
+    /// Whose fault it is.
+    #[serde(skip)]
+    pub cause: Cause,
+}
+
+/// Number of cases by verdict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Summary {
+    /// Compared, and right.
+    pub pass: usize,
+    /// Compared, and wrong.
+    pub fail: usize,
+    /// Compared, and right under other conventions.
+    pub convention: usize,
+    /// Compared, and not decided.
+    pub inconclusive: usize,
+    /// Nothing to compare with.
+    pub missing: usize,
+    /// Could not be compared.
+    pub error: usize,
+}
+
+impl Summary {
+    /// Counts the verdicts of `results`.
+    pub fn of(results: &[CaseResult]) -> Summary {
+        let count = |verdict| {
+            results
+                .iter()
+                .filter(|result| result.verdict == verdict)
+                .count()
+        };
+        Summary {
+            pass: count(Verdict::Pass),
+            fail: count(Verdict::Fail),
+            convention: count(Verdict::Convention),
+            inconclusive: count(Verdict::Inconclusive),
+            missing: count(Verdict::Missing),
+            error: count(Verdict::Error),
+        }
+    }
+}
+
+/// Meaning of a metric of results, in a sentence; empty for an unknown one.
+pub fn metric_meaning(name: &str) -> &'static str {
+    let of_suite = Analytic.metrics().iter().chain([&SAME_BITS]);
+    let found = of_suite.copied().find(|(known, _)| *known == name);
+    let meaning = found.map(|(_, meaning)| meaning);
+    meaning
+        .or_else(|| compare::metric_meaning(name))
+        .unwrap_or("")
+}

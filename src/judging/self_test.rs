@@ -1,0 +1,492 @@
+//! The self-test: does the suite catch every mistake, and nothing else?
+//!
+//! Every [mistake](crate::variations::mistakes) is made in the cases to which it applies, the image is rendered
+//! with fresh seeds, and judged like that of another renderer. A gate that was never seen to fail
+//! cannot be trusted; one that rejects a correct image is as bad.
+
+use super::finding::CheckedGolden;
+use super::validate::validate_with;
+use super::{Judged, Verdict};
+use crate::compare::Picture;
+use crate::compare::flip::SrgbImage;
+use crate::film::Film;
+use crate::math::rng::{Purpose, Stream};
+use crate::render::{Sampling, Seed, plans, render};
+use crate::scene::Scene;
+use crate::suite::{Case, Store};
+use crate::variations::edited_film::{mapped, rebuilt, value};
+use crate::variations::mistakes;
+use crate::variations::mistakes::Mistake;
+use half::f16;
+use serde::{Deserialize, Serialize};
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+
+/// The outcome of one mistake in one case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trial {
+    /// Rejected, as it should be.
+    Caught,
+    /// Not rejected.
+    Missed,
+    /// The mistake changes nothing here, or cannot be rendered.
+    NoOccasion,
+    /// Not tried, because another case had caught it.
+    NotTried,
+}
+
+/// Findings in one case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaseTrials {
+    /// Its name.
+    pub case: String,
+    /// Outcomes by name of the mistake.
+    pub mistakes: BTreeMap<String, Trial>,
+    /// The benign variants that were tried, and why they were rejected, if they were.
+    pub benign: Vec<(String, Option<String>)>,
+    /// The reason why its golden cannot be trusted, if so: then nothing was tried.
+    pub unusable: Option<String>,
+}
+
+impl CaseTrials {
+    fn is_usable(&self) -> bool {
+        self.unusable.is_none()
+    }
+
+    /// These findings with those of another process, which may have tried other mistakes; `None` if they contradict
+    /// each other.
+    pub fn with(mut self, other: CaseTrials) -> Option<CaseTrials> {
+        if self.unusable != other.unusable {
+            return None;
+        }
+        for (mistake, trial) in other.mistakes {
+            match self.mistakes.get(&mistake).unwrap_or(&Trial::NotTried) {
+                Trial::NotTried => _ = self.mistakes.insert(mistake, trial),
+                known if trial != Trial::NotTried && *known != trial => return None,
+                _ => {}
+            }
+        }
+        for (variant, rejection) in other.benign {
+            match self.benign.iter().find(|(name, _)| *name == variant) {
+                None => self.benign.push((variant, rejection)),
+                Some((_, known)) if *known != rejection => return None,
+                Some(_) => {}
+            }
+        }
+        Some(self)
+    }
+
+    fn trial(&self, mistake: &str) -> Trial {
+        self.mistakes
+            .get(mistake)
+            .copied()
+            .unwrap_or(Trial::NotTried)
+    }
+}
+
+/// A mistake and its outcome in each case.
+#[derive(Clone, Debug, Serialize)]
+pub struct MistakeTrials {
+    /// Its name in the catalogue.
+    pub mistake: &'static str,
+    /// By case, in their order.
+    pub trials: Vec<Trial>,
+}
+
+/// A benign variant, and the cases that rejected it.
+#[derive(Clone, Debug, Serialize)]
+pub struct BenignTrials {
+    /// Name of the variant.
+    pub variant: &'static str,
+    /// Cases that accepted it, or were undecided.
+    pub accepted: usize,
+    /// Cases that rejected it, and why.
+    pub rejected: Vec<Rejection>,
+}
+
+impl BenignTrials {
+    fn of(variant: &'static str, found: &[&CaseTrials]) -> BenignTrials {
+        let mut row = BenignTrials {
+            variant,
+            accepted: 0,
+            rejected: Vec::new(),
+        };
+        for of in found {
+            let tried = of.benign.iter().filter(|(name, _)| name == variant);
+            for (_, rejection) in tried {
+                match rejection {
+                    None => row.accepted += 1,
+                    Some(reason) => row.rejected.push(Rejection {
+                        case: of.case.clone(),
+                        reason: reason.clone(),
+                    }),
+                }
+            }
+        }
+        row
+    }
+}
+
+/// A correct image that was rejected.
+#[derive(Clone, Debug, Serialize)]
+pub struct Rejection {
+    /// Name of the case.
+    pub case: String,
+    /// Reason given by its gate.
+    pub reason: String,
+}
+
+/// Results of a self-test.
+#[derive(Clone, Debug, Serialize)]
+pub struct SelfTest {
+    /// Names of the cases, in order.
+    pub cases: Vec<String>,
+    /// Every mistake.
+    pub mistakes: Vec<MistakeTrials>,
+    /// Every benign variant.
+    pub benign: Vec<BenignTrials>,
+    /// Mistakes that no case caught although they applied; if all cases of the suite were tried,
+    /// also those that never applied.
+    pub uncaught: Vec<&'static str>,
+    /// Mistakes that the manifest of a case requires it to catch and that it missed.
+    pub broken_promises: Vec<String>,
+    /// Untrustworthy goldens with reasons: their cases cannot be tested.
+    pub unusable: Vec<Rejection>,
+}
+
+impl SelfTest {
+    /// Whether every mistake is caught, every promise kept and every correct image accepted.
+    pub fn passed(&self) -> bool {
+        self.unusable.is_empty() && self.judges_right()
+    }
+
+    /// Whether every mistake is caught, every promise kept and every correct image accepted by the
+    /// cases with trustworthy goldens.
+    pub fn judges_right(&self) -> bool {
+        self.uncaught.is_empty()
+            && self.broken_promises.is_empty()
+            && self.benign.iter().all(|benign| benign.rejected.is_empty())
+    }
+}
+
+/// Extent of a self-test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SelfTestExtent {
+    /// Every mistake in every case.
+    Full,
+    /// Every mistake in the cases required to catch it, and in others until one does; correct
+    /// images in every fourth case.
+    Quick,
+}
+
+/// Added to the seed of a scene for pictures of the self-test: they share no random number with
+/// goldens.
+const SEED: u64 = 0x7365_6c66_0000_0000;
+
+/// Progress of a self-test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step<'n> {
+    /// A picture of this case is made, or what this variant or mistake makes of cases is judged.
+    Begins(&'n str),
+    /// The current step is done.
+    Done,
+}
+
+/// The steps of a self-test on that many cases.
+pub fn self_test_steps(cases: usize) -> usize {
+    cases + BENIGN.len() + mistakes::catalogue().count()
+}
+
+/// Cases of a self-test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SelfTestCases {
+    /// All of the suite: each mistake is to be caught by one of them.
+    Whole,
+    /// Some of it: each mistake for which they give occasion is to be caught by one of them.
+    Selected,
+    /// A part of these: a mistake that it misses may be caught by another part.
+    Part,
+}
+
+/// Runs the self-test on `cases`, which are these of the suite. `report` is called for each
+/// of its [steps](self_test_steps).
+pub fn self_test(
+    cases: &[&Case],
+    which: SelfTestCases,
+    store: &Store,
+    extent: SelfTestExtent,
+    report: &dyn Fn(Step<'_>),
+) -> SelfTest {
+    let found = case_trials(cases, store, extent, report);
+    SelfTest::of(cases, &found, which)
+}
+
+/// Runs the self-test on `cases`: what each of them makes of every mistake and of correct images.
+pub fn case_trials(
+    cases: &[&Case],
+    store: &Store,
+    extent: SelfTestExtent,
+    report: &dyn Fn(Step<'_>),
+) -> Vec<CaseTrials> {
+    let mut found = Vec::new();
+    let mut subjects = Vec::new();
+    for case in cases {
+        report(Step::Begins(&case.name));
+        let subject = Subject::new(case, store);
+        found.push(CaseTrials {
+            case: case.name.clone(),
+            mistakes: BTreeMap::new(),
+            benign: Vec::new(),
+            unusable: subject.as_ref().err().cloned(),
+        });
+        subjects.extend(subject);
+        report(Step::Done);
+    }
+    let mut of_subjects: Vec<&mut CaseTrials> =
+        found.iter_mut().filter(|of| of.is_usable()).collect();
+    let every = match extent {
+        SelfTestExtent::Full => 1,
+        SelfTestExtent::Quick => 4,
+    };
+    for (variant, make) in BENIGN {
+        report(Step::Begins(variant));
+        for (subject, found) in subjects.iter().zip(&mut of_subjects).step_by(every) {
+            let Some(picture) = make(subject) else {
+                continue;
+            };
+            let result = subject.judge(picture).result;
+            let is_accepted = matches!(result.verdict, Verdict::Pass | Verdict::Inconclusive);
+            let rejection = (!is_accepted).then_some(result.reason);
+            found.benign.push(((*variant).to_owned(), rejection));
+        }
+        report(Step::Done);
+    }
+    for mistake in mistakes::catalogue() {
+        report(Step::Begins(mistake.name));
+        let trials = trials(mistake, &subjects, extent);
+        for (found, trial) in of_subjects.iter_mut().zip(trials) {
+            found.mistakes.insert(mistake.name.to_owned(), trial);
+        }
+        report(Step::Done);
+    }
+    found
+}
+
+impl SelfTest {
+    /// The self-test of these `cases` of the suite, of which this was `found`.
+    pub fn of(cases: &[&Case], found: &[CaseTrials], which: SelfTestCases) -> SelfTest {
+        let usable: Vec<&CaseTrials> = found.iter().filter(|of| of.is_usable()).collect();
+        let mistakes: Vec<MistakeTrials> = mistakes::catalogue()
+            .map(|mistake| MistakeTrials {
+                mistake: mistake.name,
+                trials: usable.iter().map(|of| of.trial(mistake.name)).collect(),
+            })
+            .collect();
+        let uncaught = mistakes
+            .iter()
+            .filter(|row| !row.trials.contains(&Trial::Caught))
+            .filter(|row| match which {
+                SelfTestCases::Whole => true,
+                SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
+                SelfTestCases::Part => false,
+            })
+            .map(|row| row.mistake)
+            .collect();
+        let by_name: BTreeMap<&str, &Case> =
+            cases.iter().map(|case| (&*case.name, *case)).collect();
+        let promised = |of: &CaseTrials, mistake: &str| {
+            let case = by_name.get(of.case.as_str());
+            case.is_some_and(|case| case.mistakes.iter().any(|name| name == mistake))
+        };
+        let mut broken_promises = Vec::new();
+        for row in &mistakes {
+            for (of, trial) in usable.iter().zip(&row.trials) {
+                if matches!(trial, Trial::Missed | Trial::NoOccasion) && promised(of, row.mistake) {
+                    broken_promises.push(format!("{}: {}", of.case, row.mistake));
+                }
+            }
+        }
+        let rejection = |case: &str, reason: &str| Rejection {
+            case: case.to_owned(),
+            reason: reason.to_owned(),
+        };
+        let unusable = found
+            .iter()
+            .filter_map(|of| Some(rejection(&of.case, of.unusable.as_ref()?)));
+        SelfTest {
+            cases: usable.iter().map(|of| of.case.clone()).collect(),
+            mistakes,
+            benign: BENIGN
+                .iter()
+                .map(|(variant, _)| BenignTrials::of(variant, &usable))
+                .collect(),
+            uncaught,
+            broken_promises,
+            unusable: unusable.collect(),
+        }
+    }
+}
+
+/// A case, and an honest picture of it.
+pub(crate) struct Subject<'c> {
+    pub case: &'c Case,
+    checked: CheckedGolden,
+    /// Per pixel, in every picture.
+    samples: u32,
+    honest: OnceCell<Film>,
+}
+
+impl<'c> Subject<'c> {
+    pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
+        let checked = CheckedGolden::load(case, store);
+        let checked = checked.and_then(|checked| checked.with_sensitivities(case));
+        let checked = checked.map_err(|finding| finding.reason)?;
+        let samples = case.sampling.map_or(1, |sampling| sampling.quick);
+        Ok(Subject {
+            case,
+            checked,
+            samples,
+            honest: OnceCell::new(),
+        })
+    }
+
+    /// The picture as it should be, rendered once.
+    fn honest(&self) -> &Film {
+        let make = || {
+            let film = self.right(0);
+            film.unwrap_or_else(|| self.checked.golden.film.clone())
+        };
+        self.honest.get_or_init(make)
+    }
+
+    /// The picture as it should be, with seeds of its own for each `run`.
+    pub fn right(&self, run: u64) -> Option<Film> {
+        picture(&self.checked.scene, self.samples, run)
+    }
+
+    /// What is rendered, were there no mistake.
+    pub fn scene(&self) -> &Scene {
+        &self.checked.scene
+    }
+
+    /// The picture as it should be, judged.
+    pub fn judged_right(&self) -> Judged {
+        self.judge(Picture::Radiance(self.honest().clone()))
+    }
+
+    /// Judges a picture of the case.
+    pub fn judge(&self, picture: Picture) -> Judged {
+        validate_with(self.case, &self.checked, picture)
+    }
+
+    /// The picture with all of `mistakes` that there is occasion for, first those of the scene;
+    /// nothing if that is none.
+    pub fn with_all(&self, mistakes: &[&Mistake], run: u64) -> Option<Film> {
+        let mut scene = None;
+        for mistake in mistakes {
+            let edited = mistake.in_scene(scene.as_ref().unwrap_or(&self.checked.scene));
+            scene = edited.or(scene);
+        }
+        let mut occurs = scene.is_some();
+        if !occurs && !mistakes.iter().any(|mistake| mistake.is_of_the_image()) {
+            return None;
+        }
+        let mut film = match &scene {
+            Some(scene) => picture(scene, self.samples, run)?,
+            // The seeds of the honest picture.
+            None if run == 0 => self.honest().clone(),
+            None => self.right(run)?,
+        };
+        for mistake in mistakes {
+            if let Some(edited) = mistake.in_image(&film) {
+                film = edited;
+                occurs = true;
+            }
+        }
+        occurs.then_some(film)
+    }
+}
+
+/// `scene` rendered as another renderer would that is built like the reference. Seeds differ from
+/// run to run; scenes without random numbers have none.
+fn picture(scene: &Scene, samples: u32, run: u64) -> Option<Film> {
+    let seed = scene.seed().unwrap_or(0).wrapping_add(SEED + run);
+    let sampling = Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(seed),
+    };
+    let made = render(&plans(scene), sampling, &|| ());
+    made.ok().map(|made| made.film)
+}
+
+/// What each case makes of `mistake`.
+fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -> Vec<Trial> {
+    let mut trials = vec![Trial::NotTried; subjects.len()];
+    let promises = |subject: &Subject<'_>| subject.case.mistakes.iter().any(|m| m == mistake.name);
+    let mut order: Vec<usize> = (0..subjects.len()).collect();
+    order.sort_by_key(|&index| !promises(&subjects[index]));
+    let mut is_caught = false;
+    for index in order {
+        let subject = &subjects[index];
+        if extent == SelfTestExtent::Quick && is_caught && !promises(subject) {
+            break;
+        }
+        trials[index] = match subject.with_all(&[mistake], 0) {
+            None => Trial::NoOccasion,
+            Some(film) => match subject.judge(Picture::Radiance(film)).result.verdict {
+                Verdict::Fail => Trial::Caught,
+                _ => Trial::Missed,
+            },
+        };
+        is_caught |= trials[index] == Trial::Caught;
+    }
+    trials
+}
+
+/// A way of being right: nothing where it means nothing to the case.
+type Benign = fn(&Subject<'_>) -> Option<Picture>;
+
+/// What an honest renderer may do.
+const BENIGN: &[(&str, Benign)] = &[
+    ("other-seed", |subject| {
+        Some(Picture::Radiance(subject.honest().clone()))
+    }),
+    ("half-precision", |subject| {
+        let half = mapped(subject.honest(), |x, _| (f16::from_f64(x).to_f64(), 1.0));
+        // What half precision cannot hold at all, nobody keeps in it.
+        let held = half.radiance().iter().flatten().all(|x| x.is_finite());
+        held.then_some(Picture::Radiance(half))
+    }),
+    ("other-rounding", |subject| {
+        Some(Picture::Radiance(rebuilt(subject.honest(), |film, at| {
+            let index = at[0] + film.width() * at[1];
+            let u = Stream::new(SEED, index as u32, 0).uniform(0, Purpose::Camera, 0);
+            // A renderer in single precision is off by no more than this.
+            let factor = 1.0 + 1e-4 * (2.0 * u as f32 - 1.0);
+            let (mean, variance) = value(film, at);
+            (mean.map(|x| f64::from(x as f32 * factor)), variance)
+        })))
+    }),
+    ("noise-not-stated", |subject| {
+        let film = subject.honest();
+        film.noise()?;
+        let silent = Film::new(film.width(), film.height(), film.radiance().to_vec());
+        Some(Picture::Radiance(silent))
+    }),
+    ("four-replicates", |subject| {
+        subject.case.sampling?;
+        let films: Vec<Film> = (1..5).filter_map(|run| subject.right(run)).collect();
+        Film::from_replicates(&films).ok().map(Picture::Radiance)
+    }),
+    ("png-at-the-exposure", |subject| {
+        // Noise is not in the eye's favour: pictures of few samples are not meant to look alike.
+        if subject.case.sampling.is_some() {
+            return None;
+        }
+        let film = subject.honest();
+        let codes = film.srgb_codes(subject.case.exposure);
+        let image = SrgbImage::new(film.width(), film.height(), codes);
+        image.ok().map(Picture::Codes)
+    }),
+];

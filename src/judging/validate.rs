@@ -1,0 +1,216 @@
+//! Another renderer's image against the golden of a case.
+
+use super::decide::cases_at;
+use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
+use super::measured::measured;
+use super::{Cause, Evidence, Judged, Verdict, refinement};
+use crate::compare::{
+    Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
+};
+use crate::conventions::Profile;
+use crate::film::Film;
+use crate::suite::{Case, Store};
+use std::time::Instant;
+
+/// The output of another renderer for a case.
+#[derive(Clone, Debug)]
+pub enum Output {
+    /// An image.
+    Picture(Box<Picture>),
+    /// Images with the step of the scene, half of it, a quarter and so on: at least three.
+    Refined(Vec<Film>),
+    /// None; with the reason, in words.
+    Missing(String),
+    /// An unusable image, or a renderer that failed; with the reason, in words.
+    Unusable(String),
+}
+
+/// Judges the output of another renderer for `case`, by the gate of the case: radiance by the
+/// deterministic or the stochastic one, 8-bit codes by the perceptual one.
+///
+/// With a `profile`, a classified volume is judged by its image under the conventions of that profile,
+/// rendered now, in place of the golden; in a case of class limit with the step of its scene.
+pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Profile>) -> Judged {
+    validate_among(MOST_CASES, case, store, output, profile)
+}
+
+/// [`validate`] at look `look`, from 1, of several at one case: together they raise no more false alarms
+/// than one.
+pub fn validate_at(
+    look: u32,
+    case: &Case,
+    store: &Store,
+    output: Output,
+    profile: Option<&Profile>,
+) -> Judged {
+    validate_among(cases_at(look), case, store, output, profile)
+}
+
+fn validate_among(
+    cases: usize,
+    case: &Case,
+    store: &Store,
+    output: Output,
+    profile: Option<&Profile>,
+) -> Judged {
+    let start = Instant::now();
+    // What images converge to does not depend on conventions.
+    let profile = profile.filter(|_| !matches!(output, Output::Refined(_)));
+    let checked = CheckedGolden::load(case, store);
+    let checked = checked.and_then(|checked| checked.with_sensitivities(case));
+    let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
+    let checked = checked.and_then(|checked| match profile {
+        Some(profile) => checked.under(profile),
+        None => Ok(checked),
+    });
+    let (finding, checked) = match (output, checked) {
+        (Output::Picture(picture), Ok(checked)) => {
+            let mut judged = validate_with(case, &checked, *picture);
+            judged.result.seconds = start.elapsed().as_secs_f64();
+            return judged;
+        }
+        (Output::Refined(images), Ok(checked)) if case.is_limit() => {
+            let (judgement, limit) = refinement::judge(&checked, &images);
+            let finding = with_words(case, &checked, judgement, &limit);
+            return Judged {
+                result: finding.result(&case.name, case.class(), &Refinement, start),
+                evidence: Evidence {
+                    test: Some(limit),
+                    ..evidence(case, &checked)
+                },
+            };
+        }
+        (Output::Refined(_), Ok(checked)) => {
+            let reason = "there are images with several steps, and the scene of this case states its \
+                          step: only cases of class limit are judged by several; keep one image";
+            weighed(Verdict::Error, reason.to_owned(), Ok(checked))
+        }
+        (Output::Picture(_) | Output::Refined(_), Err(finding)) => (finding, None),
+        (Output::Missing(reason), checked) => weighed(Verdict::Missing, reason, checked),
+        (Output::Unusable(reason), checked) => weighed(Verdict::Error, reason, checked),
+    };
+    Judged {
+        result: finding.result(&case.name, case.class(), case.gate(), start),
+        evidence: match checked {
+            Some(checked) => evidence(case, &checked),
+            None => Evidence::of(case),
+        },
+    }
+}
+
+/// What is said of a case without an image that can be judged: what is wrong with its golden or its
+/// scene, if anything is, for that weighs more, and then what the other renderer did.
+fn weighed(
+    verdict: Verdict,
+    reason: String,
+    checked: Result<CheckedGolden, CaseFinding>,
+) -> (CaseFinding, Option<CheckedGolden>) {
+    match checked {
+        Ok(checked) => (
+            CaseFinding::new(verdict, Cause::OtherRenderer, reason),
+            Some(checked),
+        ),
+        Err(mut finding) => {
+            finding.reason = format!("{}; {reason}", finding.reason);
+            (finding, None)
+        }
+    }
+}
+
+/// Judges `picture` as an image of `case`, whose golden is loaded.
+pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
+    let start = Instant::now();
+    let golden = Picture::Radiance(reference(case, checked, &picture));
+    // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
+    let (gate, _) = default_gate(&golden, &picture);
+    let has_step =
+        case.is_limit() && checked.profile.is_none() && gate.name() == Deterministic.name();
+    let (finding, gate): (_, &'static dyn Gate) = if has_step {
+        let judgement = refinement::judge_one(checked, &picture);
+        (with_words(case, checked, judgement, &picture), &Refinement)
+    } else {
+        (judged(case, gate, checked, &golden, &picture), gate)
+    };
+    Judged {
+        result: finding.result(&case.name, case.class(), gate, start),
+        evidence: Evidence {
+            test: Some(picture),
+            ..evidence(case, checked)
+        },
+    }
+}
+
+/// The image that `picture` is compared with. The mean of samples is compared with the mean of their
+/// distribution, where that is known: it has no noise that could hide a bias.
+fn reference(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Film {
+    let golden = &checked.golden.film;
+    let is_sampled = matches!(picture, Picture::Radiance(test) if test.noise().is_some());
+    match (case.truth, &case.answer) {
+        // Another image, rendered under the conventions of a profile.
+        _ if checked.profile.is_some() || !is_sampled => golden.clone(),
+        (Some(_), _) => golden.clone().known(),
+        (None, Some(answer)) => answer.image(golden.width(), golden.height()).known(),
+        (None, None) => golden.clone(),
+    }
+}
+
+fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
+    let answer = case.answer.as_ref();
+    let answer = answer.map(|answer| ("known answer".to_owned(), answer.to_string()));
+    Evidence {
+        provenance: checked.provenance().into_iter().chain(answer).collect(),
+        golden: Some(checked.golden.film.clone()),
+        ..Evidence::of(case)
+    }
+}
+
+fn judged(
+    case: &Case,
+    gate: &'static dyn ImageGate,
+    checked: &CheckedGolden,
+    golden: &Picture,
+    picture: &Picture,
+) -> CaseFinding {
+    let conditions = Conditions {
+        exposure: case.exposure,
+        cases: checked.cases,
+        promise: Some(case.promise),
+        nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
+        sensitivities: &checked.sensitivities,
+    };
+    let judgement = match judge(gate, golden, picture, &conditions) {
+        Ok(judgement) => judgement,
+        Err(error) => {
+            return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
+        }
+    };
+    let mut finding = with_words(case, checked, judgement, picture);
+    if gate.depends_on_exposure() {
+        let stops = if case.exposure.abs() == 1.0 {
+            "stop"
+        } else {
+            "stops"
+        };
+        let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
+        finding.reason.push_str(&exposure);
+    }
+    finding
+}
+
+/// The finding of `judgement` on `picture`, with what is measured of a whole image that fails.
+fn with_words(
+    case: &Case,
+    checked: &CheckedGolden,
+    judgement: Judgement,
+    picture: &Picture,
+) -> CaseFinding {
+    let mut finding = CaseFinding::from(judgement);
+    if finding.verdict == Verdict::Fail {
+        // What holds for the whole image comes first: it explains what the gate saw.
+        let mut said = measured(case, &checked.golden.film, picture);
+        said.push(finding.reason);
+        finding.reason = said.join("; ");
+    }
+    finding.reason.push_str(&checked.omissions());
+    finding
+}

@@ -1,0 +1,326 @@
+//! The likely mistake behind an image.
+//!
+//! A failing image is compared with the image that every mistake of the
+//! [catalogue](crate::variations::mistakes) would give: mistakes of the image are applied to the golden, those
+//! of the scene are rendered, first with few pixels or samples, the remaining ones with more. A
+//! mistake explains an image if it leaves no more than a [small share](unexplained) of what the
+//! image differs from the golden by; among several, the one that is significantly nearest comes
+//! first. If none does, pairs of mistakes are tried. Cases that passed contradict mistakes that would
+//! have shown in them.
+//!
+//! A case explained by a mistake found before is not searched again, so a mistake that affects a
+//! whole suite is searched once. The search of a case has a [budget](Search), and its renderings
+//! are [kept](Predictions) for the next run.
+
+mod clock;
+mod compared_case;
+mod distances;
+mod distinguished;
+mod fit;
+mod hunt;
+mod hypothesis;
+mod kept;
+mod prediction;
+mod step;
+
+use crate::compare::cells::Misfit;
+pub use clock::{Search, SearchStep, Stage};
+pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
+pub(crate) use prediction::{lattice_of, pixels_of};
+
+use crate::conventions::Profile;
+use crate::judging::{Cause, Judged, Likeness};
+use crate::scene::Scene;
+use crate::suite::Case;
+use clock::SearchClock;
+use compared_case::ComparedCase;
+use fit::Fitted;
+use hunt::singles;
+use hypothesis::Hypothesis;
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+/// What is said where nothing could be measured.
+const NOTHING_STANDS_OUT: &str =
+    "the difference is neither a gain nor a shift, and lies in no single part of the image";
+
+/// Mistakes named for an image, at most. Each comes with two or three lines of advice: five of them
+/// fill most of a terminal of 24 lines.
+const MOST_NAMED: usize = 5;
+
+/// Mistakes that cases which passed are asked about, at most: those that would be named.
+const MOST_CROSS_EXAMINED: usize = MOST_NAMED;
+
+/// Cases which passed that are asked, at most. Five mistakes in twelve cases are 60 first looks, about
+/// as many as the 53 mistakes of a radiative scene take in one failing case.
+const MOST_PASSING: usize = 12;
+
+/// Cases in which two mistakes at a time are looked for, at most. A first look at the pairs takes up
+/// to eight times as many renderings as one at single mistakes, 400 in place of 53, and what explains
+/// one case is tried in all others: the second is for a folder whose first failing case is special.
+const MOST_PAIR_SEARCHES: usize = 2;
+
+/// Results of a search for mistakes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Likenesses {
+    /// Likely mistakes, most likely first.
+    pub likely: Vec<Likeness>,
+    /// Cases that were searched, to the end or not.
+    pub searched: usize,
+    /// Searches that were ended before they were done.
+    pub unfinished: Vec<SearchStep>,
+    /// Cases that no mistake explains, with what was measured of their difference: sentences.
+    pub unexplained: Vec<(String, Vec<String>)>,
+}
+
+/// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
+/// and for all together, most likely first. `others` are cases that may distinguish mistakes where
+/// these cannot. Mistakes are made in scenes under the `profile` by which the images were judged.
+pub fn likeness(
+    cases: &[&Case],
+    others: &[Case],
+    profile: Option<&Profile>,
+    judged: &mut [Judged],
+    search: &Search<'_>,
+) -> Likenesses {
+    let scene_of = |case: &Case| {
+        let scene = case.load_scene().ok()?;
+        let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
+        Some(under.unwrap_or(scene))
+    };
+    likeness_with(cases, others, judged, &scene_of, search)
+}
+
+/// [`likeness`], where scenes come from elsewhere.
+pub(crate) fn likeness_with(
+    cases: &[&Case],
+    others: &[Case],
+    judged: &mut [Judged],
+    scenes: &dyn Fn(&Case) -> Option<Scene>,
+    search: &Search<'_>,
+) -> Likenesses {
+    let (mut failing, mut passing) = (Vec::new(), Vec::new());
+    for (index, judged) in judged.iter().enumerate() {
+        let case = cases.iter().find(|case| case.name == judged.result.name);
+        let Some(case) = case else { continue };
+        match judged.result.cause {
+            Cause::Mismatch if judged.differs() => {
+                let failed = ComparedCase::new(index, case, judged, scenes);
+                failing.extend(failed.filter(|case| !case.is_another_exposure));
+            }
+            Cause::None | Cause::Undecided => passing.push((index, *case)),
+            _ => {}
+        }
+    }
+    let mut known: Vec<Hypothesis> = Vec::new();
+    let mut fits: BTreeMap<Hypothesis, BTreeMap<usize, Misfit>> = BTreeMap::new();
+    let mut unfinished = Vec::new();
+    let mut open = Vec::new();
+    let mut fitted: BTreeMap<usize, Fitted> = BTreeMap::new();
+    for (at, failed) in failing.iter().enumerate() {
+        let mut clock = SearchClock::start(search, &failed.name, singles());
+        if failed.has_suspects() {
+            clock.report();
+            fitted.insert(failed.index, failed.fitted_numbers(&clock));
+        }
+        if !failed.is_decidable() {
+            continue;
+        }
+        clock.report();
+        let mut found: hunt::Explaining = known
+            .iter()
+            .filter_map(|hypothesis| Some((*hypothesis, failed.test(hypothesis, &clock)?)))
+            .filter(|(_, misfit)| failed.explained_by(misfit))
+            .collect();
+        if found.is_empty() {
+            let (singles, looks) = failed.search(&clock);
+            found = singles;
+            explain(&failing[..at], &found, &clock, &mut known, &mut fits);
+            if found.is_empty() && failed.simple.is_none() && !clock.is_late() {
+                clock.pause();
+                open.push((at, looks, clock));
+            } else {
+                unfinished.extend(clock.unfinished());
+            }
+        }
+        for (hypothesis, misfit) in found {
+            let of = fits.entry(hypothesis).or_default();
+            of.insert(failed.index, misfit);
+        }
+    }
+    // What no single mistake explains, also none that another case was explained by since.
+    let mut pair_searches = 0;
+    for (at, looks, mut clock) in open {
+        let failed = &failing[at];
+        let is_explained = fits.values().any(|cases| cases.contains_key(&failed.index));
+        if is_explained {
+            continue;
+        }
+        clock.resume();
+        // One number that is off is likelier than two mistakes.
+        let fit = fitted
+            .entry(failed.index)
+            .or_insert_with(|| failed.fitted_numbers(&clock));
+        fit.add(failed.fitted_step(&clock));
+        let is_explained = fit.is_explained;
+        if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
+            pair_searches += 1;
+            let found = failed.search_pairs(&looks, &mut clock);
+            let others = failing[..at].iter().chain(&failing[at + 1..]);
+            explain(others, &found, &clock, &mut known, &mut fits);
+            for (hypothesis, misfit) in found {
+                let of = fits.entry(hypothesis).or_default();
+                of.insert(failed.index, misfit);
+            }
+        }
+        unfinished.extend(clock.unfinished());
+    }
+    let mut ranked: Vec<Explanation> = fits.into_iter().map(Explanation::new).collect();
+    ranked.sort_by_cached_key(Explanation::rank);
+    // What passed speaks against mistakes that would have been seen there.
+    let most = ranked.first().map_or(0, |first| first.fits.len());
+    let close = ranked.iter_mut().filter(|other| other.fits.len() == most);
+    let mut close: Vec<_> = close.take(MOST_CROSS_EXAMINED).collect();
+    if close.len() > 1 {
+        let questions = close.len() * passing.len().min(MOST_PASSING);
+        let clock = SearchClock::start(search, "the cases that passed", questions);
+        for (index, case) in passing.into_iter().take(MOST_PASSING) {
+            if clock.is_over() {
+                break;
+            }
+            let Some(passed) = ComparedCase::new(index, case, &judged[index], scenes) else {
+                continue;
+            };
+            for explanation in &mut close {
+                let speaks_against = passed.speaks_against(&explanation.hypothesis, &clock);
+                explanation.contradictions += usize::from(speaks_against == Some(true));
+                clock.decided();
+            }
+        }
+    }
+    ranked.sort_by_cached_key(Explanation::rank);
+    for failed in &failing {
+        judged[failed.index].result.looks_like = ranked
+            .iter()
+            .filter(|explanation| explanation.fits.contains_key(&failed.index))
+            .map(|explanation| explanation.hypothesis.name())
+            .take(MOST_NAMED)
+            .collect();
+    }
+    let mut unexplained = Vec::new();
+    for failed in &failing {
+        let result = &mut judged[failed.index].result;
+        if result.looks_like.is_empty() {
+            let fit = fitted.remove(&failed.index).unwrap_or_default();
+            result.difference = fit.sentences;
+            if !failed.is_decidable() && result.difference.is_empty() {
+                let is_named = result.changes.iter().any(|change| change.fits_best);
+                let sentence = if is_named {
+                    "beside the change that the verdict names, noise hides what else may be wrong"
+                } else {
+                    "the noise leaves open which mistake it is"
+                };
+                result.difference.push(sentence.to_owned());
+            }
+            result.difference.extend(failed.measured_difference());
+            if result.difference.is_empty() && !failed.is_simple() {
+                result.difference.push(NOTHING_STANDS_OUT.to_owned());
+            }
+            unexplained.push((result.name.clone(), result.difference.clone()));
+        }
+    }
+    let mut likely: Vec<Likeness> = ranked
+        .iter()
+        .take(MOST_NAMED)
+        .map(|explanation| Likeness {
+            mistake: explanation.hypothesis.name(),
+            advice: explanation.hypothesis.advice(),
+            explains: explanation.fits.len(),
+            of: failing.len(),
+            cases: explanation
+                .fits
+                .keys()
+                .map(|&index| judged[index].result.name.clone())
+                .collect(),
+            beside_the_next: None,
+        })
+        .collect();
+    let is_unjudged = |case: &&Case| {
+        let of_case = |judged: &&Judged| judged.result.name == case.name;
+        let judged = judged.iter().find(of_case);
+        judged.is_none_or(|judged| judged.evidence.test.is_none())
+    };
+    let unjudged: Vec<&Case> = others.iter().filter(is_unjudged).collect();
+    for (likely, pair) in likely.iter_mut().zip(ranked.windows(2)) {
+        likely.beside_the_next = distinguished::in_words(&pair[0], &pair[1], &unjudged);
+    }
+    Likenesses {
+        likely,
+        searched: failing.len(),
+        unfinished,
+        unexplained,
+    }
+}
+
+/// What explains one case may explain the `others`, which were not asked: each hypothesis that was
+/// `found` and not known is tried there.
+fn explain<'c>(
+    others: impl IntoIterator<Item = &'c ComparedCase> + Clone,
+    found: &hunt::Explaining,
+    clock: &SearchClock<'_>,
+    known: &mut Vec<Hypothesis>,
+    fits: &mut BTreeMap<Hypothesis, BTreeMap<usize, Misfit>>,
+) {
+    for (hypothesis, _) in found {
+        if known.contains(hypothesis) {
+            continue;
+        }
+        known.push(*hypothesis);
+        for other in others.clone() {
+            if other.is_decidable()
+                && let Some(misfit) = other.test(hypothesis, clock)
+                && other.explained_by(&misfit)
+            {
+                let of = fits.entry(*hypothesis).or_default();
+                of.insert(other.index, misfit);
+            }
+        }
+    }
+}
+
+/// A hypothesis that explains at least one case.
+struct Explanation {
+    hypothesis: Hypothesis,
+    /// By index of the result, how well.
+    fits: BTreeMap<usize, Misfit>,
+    /// Cases that passed and would not have.
+    contradictions: usize,
+}
+
+impl Explanation {
+    fn new((hypothesis, fits): (Hypothesis, BTreeMap<usize, Misfit>)) -> Explanation {
+        Explanation {
+            hypothesis,
+            fits,
+            contradictions: 0,
+        }
+    }
+
+    /// Mean of `what` over the cases that it explains.
+    fn mean(&self, what: impl Fn(&Misfit) -> f64) -> f64 {
+        self.fits.values().map(what).sum::<f64>() / self.fits.len() as f64
+    }
+
+    /// The smaller, the likelier: few contradictions, many cases, one mistake rather than two,
+    /// small distances, and then the order of the catalogue.
+    fn rank(&self) -> (usize, Reverse<usize>, usize, u64, Hypothesis) {
+        (
+            self.contradictions,
+            Reverse(self.fits.len()),
+            self.hypothesis.mistakes().len(),
+            // Positive numbers are ordered as their bits are.
+            self.mean(|misfit| misfit.distance().at_most()).to_bits(),
+            self.hypothesis,
+        )
+    }
+}

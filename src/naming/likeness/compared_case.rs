@@ -1,0 +1,552 @@
+//! A case whose image is wrong, and how far that is from what a mistake would make.
+
+use super::clock::SearchClock;
+use super::distances::distances;
+use super::hypothesis::Hypothesis;
+use super::prediction::{
+    FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, pixels_of, predicted,
+};
+use crate::compare::cells::{Cells, Misfit};
+use crate::compare::stochastic::BLOCK;
+use crate::compare::unexplained::{SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
+use crate::compare::{
+    Conditions, Deterministic, NumberChange, Perceptual, Picture, judge, measured_difference,
+};
+use crate::film::Film;
+use crate::judging::Judged;
+use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
+use crate::math;
+use crate::render::Detail;
+use crate::scene::Scene;
+use crate::suite::Case;
+use crate::variations::edited_film::mapped;
+
+/// An 8-bit image is rounded, which leaves a share of a small difference unexplained: there the
+/// perceptual gate may say that prediction and image are the same, if no more than this share is
+/// left.
+const OF_CODES: f64 = 0.5;
+
+/// Cells over which a difference is spread at least where pairs of mistakes are asked for. In N
+/// dimensions a random direction has less than 2 % of its square across a given one with a probability
+/// of about 0.02^((N−1)/2): at 16, one in 10¹², and differences of pictures are far from random.
+const FEWEST_CELLS_FOR_PAIRS: f64 = 16.0;
+
+/// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
+/// pixels' has a standard error of a tenth even where one pixel in fifty differs.
+const FAR_OFF_ON_LATTICE: f64 = 0.75;
+
+/// A case whose image is wrong.
+pub(super) struct ComparedCase {
+    /// Among the results.
+    pub index: usize,
+    /// Of the case.
+    pub name: String,
+    /// The simple map of values that makes the image of the golden, which is said already.
+    pub simple: Option<SimpleMap>,
+    /// Cells over which the squared difference is spread.
+    pub effective_cells: f64,
+    /// Whether it is an 8-bit image at another exposure, which is said already and leaves nothing to
+    /// be explained.
+    pub is_another_exposure: bool,
+    /// Judged by noise, in coarse cells; else pixel by pixel.
+    pub is_sampled: bool,
+    pub golden: Film,
+    /// Numbers of the scene that the verdict names; none where it names none.
+    pub suspects: Vec<String>,
+    scene: Scene,
+    /// Of its panels.
+    widths: Vec<usize>,
+    exposure: f64,
+    /// Largest radiance that the file of the image can hold.
+    ceiling: Option<f64>,
+    /// The image as it was given, for the gates without noise.
+    picture: Picture,
+    golden_cells: Cells,
+    test_cells: Cells,
+    /// Misfit of the golden to the image: a mistake has to do better.
+    from_golden: Misfit,
+    /// Pixels of a first look, and samples in each.
+    first: (Detail, u32),
+    /// Likewise of a second.
+    second: (Detail, u32),
+    /// Without noise: golden and image as a first look sees them.
+    glimpse: Option<Glimpse>,
+}
+
+/// The pixels of a lattice.
+struct Glimpse {
+    golden: Cells,
+    test: Cells,
+    test_film: Film,
+    from_golden: Misfit,
+}
+
+/// The part of the largest score from which a number is suspected: far from the golden, where
+/// derivatives do not hold, another may have a larger score than the one that is off.
+const SUSPICIOUS: f64 = 0.5;
+
+impl ComparedCase {
+    /// Nothing where the image cannot be compared, or the scene cannot be read.
+    pub fn new(
+        index: usize,
+        case: &Case,
+        judged: &Judged,
+        scenes: &dyn Fn(&Case) -> Option<Scene>,
+    ) -> Option<ComparedCase> {
+        let golden = judged.evidence.golden.clone()?;
+        let picture = judged.evidence.test.clone()?;
+        let size = (golden.width(), golden.height());
+        let (test, ceiling) = match &picture {
+            Picture::Radiance(film) => (film.clone(), None),
+            Picture::Codes(codes) => {
+                let ceiling = math::exp2(-case.exposure);
+                (decoded(codes, case.exposure), Some(ceiling))
+            }
+        };
+        if !golden.is_comparable(&test) {
+            return None;
+        }
+        let is_sampled = case.sampling.is_some();
+        let in_cells = |film: &Film| {
+            if is_sampled {
+                Cells::of_blocks(film)
+            } else {
+                Cells::of_pixels(film)
+            }
+        };
+        let bounded = clamped(&golden, ceiling);
+        let golden_cells = in_cells(&bounded);
+        let mut test_cells = in_cells(&test);
+        if is_sampled && test.noise().is_none() {
+            test_cells.spread_noise_like(&golden_cells);
+        }
+        let scene = scenes(case)?;
+        let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
+        let (first, second) = match (is_sampled, blocks(&scene)) {
+            (true, Some(blocks)) => ((blocks, FIRST_LOOK), (blocks, SECOND_LOOK)),
+            (true, None) => (whole(FIRST_LOOK), whole(SECOND_LOOK)),
+            (false, _) => {
+                let (_, samples) = whole(SECOND_LOOK);
+                let lattice = first_lattice(size.0 * size.1);
+                ((lattice, samples), (Detail::Whole, samples))
+            }
+        };
+        let glimpse = (!is_sampled).then(|| Glimpse::new(&bounded, &test, &widths, first.0));
+        Some(ComparedCase {
+            index,
+            name: case.name.clone(),
+            simple: simple(case, &golden, &picture),
+            effective_cells: golden_cells.effective_cells(&test_cells),
+            is_another_exposure: is_another_exposure(case, &golden, &picture),
+            is_sampled,
+            suspects: suspects(judged),
+            from_golden: golden_cells.misfit(&test_cells, &golden_cells),
+            golden,
+            scene,
+            widths,
+            exposure: case.exposure,
+            ceiling,
+            picture,
+            golden_cells,
+            test_cells,
+            first,
+            second,
+            glimpse,
+        })
+    }
+
+    /// Whether a mistake with this misfit explains the image: all but a small share of its
+    /// difference from the golden, beyond doubt.
+    pub fn explained_by(&self, misfit: &Misfit) -> bool {
+        match self.picture {
+            Picture::Radiance(_) => misfit.explains(&self.from_golden, self.may_leave()),
+            Picture::Codes(_) => misfit.is_noise(),
+        }
+    }
+
+    /// Misfit of `film` to the image: a prediction of the whole image or in blocks.
+    pub fn misfit(&self, film: &Film) -> Option<Misfit> {
+        let film = clamped(film, self.ceiling);
+        let (cells, golden) = (&self.test_cells, &self.golden_cells);
+        if self.is_sampled {
+            return Some(in_cells(&film, golden)?.misfit(cells, golden));
+        }
+        let predicted = Cells::of_pixels(&film).without_noise();
+        if !predicted.has_size_of(golden) {
+            return None;
+        }
+        let misfit = predicted.misfit(cells, golden);
+        let Picture::Codes(_) = self.picture else {
+            return Some(misfit);
+        };
+        let is_within = |share: f64| misfit.distance().value <= share * self.whole_distance();
+        let conditions = Conditions {
+            exposure: self.exposure,
+            ..Conditions::default()
+        };
+        // FLIP takes its time, and need not be asked about what is far off.
+        let is_noise = is_within(UNEXPLAINED)
+            || is_within(OF_CODES)
+                && judge(
+                    &Perceptual,
+                    &Picture::Radiance(film),
+                    &self.picture,
+                    &conditions,
+                )
+                .is_ok_and(|judgement| judgement.passed);
+        Some(Misfit {
+            in_noise: if is_noise { 1.0 } else { f64::INFINITY },
+            ..misfit
+        })
+    }
+
+    /// The verdict names numbers of the scene.
+    pub fn has_suspects(&self) -> bool {
+        !self.suspects.is_empty()
+    }
+
+    /// Golden and image are means of samples.
+    pub fn is_sampled(&self) -> bool {
+        self.is_sampled
+    }
+
+    /// The share of the squared difference that a hypothesis may leave unexplained.
+    pub fn may_leave(&self) -> f64 {
+        if self.is_sampled {
+            UNEXPLAINED_IN_NOISE
+        } else {
+            UNEXPLAINED
+        }
+    }
+
+    /// Whether noise lets it be known of any hypothesis, the right one even, that it explains the
+    /// image.
+    pub fn is_decidable(&self) -> bool {
+        let whole = self.from_golden.distance();
+        let of_the_right_one = SquaredDistance {
+            value: 0.0,
+            error: self.from_golden.least_error,
+        };
+        let is_known = whole.at_least() > 0.0;
+        is_known && of_the_right_one.is_explained(&whole, self.may_leave())
+            || matches!(self.picture, Picture::Codes(_))
+    }
+
+    /// The difference has enough independent parts for one of thousands of pairs of mistakes not to
+    /// explain it by chance.
+    pub fn can_tell_pairs(&self) -> bool {
+        self.effective_cells >= FEWEST_CELLS_FOR_PAIRS
+    }
+
+    /// The image is the golden times a factor, as far as the gate can tell: it says nothing of a curve
+    /// of values.
+    pub fn is_gain(&self) -> bool {
+        self.simple == Some(SimpleMap::Gain)
+    }
+
+    /// What is measured of the difference, in sentences; nothing that the verdict says already.
+    pub fn measured_difference(&self) -> Vec<String> {
+        match &self.picture {
+            Picture::Radiance(test) if self.simple.is_none() => {
+                let distances = distances(&self.scene);
+                measured_difference(&self.golden, test, distances.as_deref())
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The verdict says how the image is made from the golden.
+    pub fn is_simple(&self) -> bool {
+        self.simple.is_some()
+    }
+
+    /// The scene of the case.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What a look sees of the scene that is `edited`, a change known as `label`: a lattice where
+    /// there is no noise, else blocks.
+    pub fn predicted_with(
+        &self,
+        edited: &Scene,
+        label: &str,
+        clock: &SearchClock<'_>,
+    ) -> Option<Cells> {
+        self.predicted_by_seed(edited, label, 0, clock)
+    }
+
+    fn predicted_by_seed(
+        &self,
+        edited: &Scene,
+        label: &str,
+        seed: u64,
+        clock: &SearchClock<'_>,
+    ) -> Option<Cells> {
+        let look = if self.is_sampled {
+            self.second
+        } else {
+            self.first
+        };
+        let film = predicted(&self.scene, edited, (label, seed), look, clock)?;
+        let film = clamped(&film, self.ceiling);
+        if self.is_sampled {
+            return in_cells(&film, &self.golden_cells);
+        }
+        Some(Cells::of_pixels(&film).without_noise())
+    }
+
+    /// Golden, image and the misfit of the golden, as [`predicted_with`](Self::predicted_with) sees
+    /// them.
+    fn as_predicted(&self) -> (&Cells, &Cells, &Misfit) {
+        match &self.glimpse {
+            Some(glimpse) => (&glimpse.golden, &glimpse.test, &glimpse.from_golden),
+            None => (&self.golden_cells, &self.test_cells, &self.from_golden),
+        }
+    }
+
+    /// Golden and image, as a [fit](crate::naming::likeness::fit) sees them.
+    pub fn in_fit(&self) -> [&Cells; 2] {
+        let (golden, test, _) = self.as_predicted();
+        [golden, test]
+    }
+
+    /// Renderings of `edited` for a fit, one for each seed: two where there is noise.
+    pub fn predicted_for_fit(
+        &self,
+        edited: &Scene,
+        label: &str,
+        clock: &SearchClock<'_>,
+    ) -> Option<Vec<Cells>> {
+        let seeds = if self.is_sampled { 2 } else { 1 };
+        let of_seed = |seed: u64| {
+            let cells = self.predicted_by_seed(edited, label, seed, clock)?;
+            cells.has_size_of(self.in_fit()[0]).then_some(cells)
+        };
+        (0..seeds).map(of_seed).collect()
+    }
+
+    /// The share of the squared difference that `prediction` leaves.
+    pub fn share_left(&self, prediction: &Cells) -> Option<f64> {
+        let (golden, test, whole) = self.as_predicted();
+        let fits = prediction.has_size_of(golden);
+        fits.then(|| prediction.misfit(test, golden))?
+            .share_of(whole)
+    }
+
+    /// Whether `prediction` leaves no more than `share`, beyond doubt.
+    pub fn is_explained_but_for(&self, prediction: &Cells, share: f64) -> Option<bool> {
+        let (golden, test, whole) = self.as_predicted();
+        let fits = prediction.has_size_of(golden);
+        fits.then(|| prediction.misfit(test, golden).explains(whole, share))
+    }
+
+    /// The squared distance between golden and image.
+    fn whole_distance(&self) -> f64 {
+        self.from_golden.distance().value
+    }
+
+    /// Misfit of `look`, as [`ComparedCase::look`] returns it, to the image, if it may be the image:
+    /// whether it is, a closer look says.
+    pub fn promise(&self, look: &Film) -> Option<Misfit> {
+        if self.is_sampled {
+            let misfit = self.misfit(look)?;
+            return misfit
+                .may_explain(&self.from_golden, self.may_leave())
+                .then_some(misfit);
+        }
+        if self.sees_all_at_once() {
+            return self.misfit(look).filter(|misfit| self.explained_by(misfit));
+        }
+        let misfit = self.distance(look)?;
+        let whole = self.glimpse.as_ref()?.from_golden.distance().value;
+        (misfit.distance().value <= FAR_OFF_ON_LATTICE * whole).then_some(misfit)
+    }
+
+    /// Misfit of `look` to the image; [`Misfit::in_noise`] means nothing where there is none.
+    pub fn distance(&self, look: &Film) -> Option<Misfit> {
+        let look = clamped(look, self.ceiling);
+        match &self.glimpse {
+            Some(glimpse) => {
+                let cells = Cells::of_pixels(&look).without_noise();
+                let fits = cells.has_size_of(&glimpse.golden);
+                fits.then(|| cells.misfit(&glimpse.test, &glimpse.golden))
+            }
+            None => {
+                let cells = in_cells(&look, &self.golden_cells)?;
+                Some(cells.misfit(&self.test_cells, &self.golden_cells))
+            }
+        }
+    }
+
+    /// Misfit of two mistakes together to the image, if each changed by the same factor
+    /// what it finds; of the looks at each by itself.
+    pub fn distance_of_both(&self, first: &Film, second: &Film) -> Option<f64> {
+        let cells = |film: &Film| {
+            if self.is_sampled {
+                in_cells(film, &self.golden_cells)
+            } else {
+                Some(Cells::of_pixels(film).without_noise())
+            }
+        };
+        let (golden, test) = match &self.glimpse {
+            Some(glimpse) => (&glimpse.golden, &glimpse.test),
+            None => (&self.golden_cells, &self.test_cells),
+        };
+        let both = cells(first)?.combined(&cells(second)?, golden)?;
+        Some(both.misfit(test, golden).distance().value)
+    }
+
+    /// Whether the first look sees all of the image, so that there is no closer one.
+    pub fn sees_all_at_once(&self) -> bool {
+        !self.is_sampled && self.first.0 == Detail::Whole
+    }
+
+    /// The first look at a scene with `hypothesis`; `None` where it has no occasion,
+    /// cannot be rendered, or the time is over.
+    pub fn look(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
+        self.predict(hypothesis, self.first, clock)
+    }
+
+    /// The whole image that `hypothesis` would make.
+    pub fn whole(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
+        self.predict(hypothesis, (Detail::Whole, self.second.1), clock)
+    }
+
+    /// Of `film`, the whole image or what a first look sees of it, what a first look sees.
+    pub fn as_first_seen(&self, film: &Film) -> Film {
+        let is_whole = (film.width(), film.height()) == self.picture.size();
+        match self.first.0 {
+            Detail::Lattice(_) if is_whole => pixels_of(film, &self.widths, self.first.0),
+            _ => film.clone(),
+        }
+    }
+
+    /// Misfit of `hypothesis` to the image, closely looked at: once more where noise leaves open
+    /// whether it explains the image.
+    pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
+        let film = self.predict(hypothesis, self.second, clock)?;
+        let misfit = self.misfit(&film)?;
+        let is_of_the_scene = hypothesis.mistakes().iter().any(|m| !m.is_of_the_image());
+        let is_open =
+            misfit.may_explain(&self.from_golden, self.may_leave()) && !self.explained_by(&misfit);
+        if !(self.is_sampled && is_of_the_scene && is_open) {
+            return Some(misfit);
+        }
+        let third = match self.second.0 {
+            Detail::Whole => whole(THIRD_LOOK),
+            blocks => (blocks, THIRD_LOOK),
+        };
+        let closer = self.predict(hypothesis, third, clock);
+        closer.map_or(Some(misfit), |film| self.misfit(&film))
+    }
+
+    /// Whether this image, which passed, could not have done so with `hypothesis` made.
+    pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<bool> {
+        let is_glimpsed = matches!(self.first.0, Detail::Lattice(_))
+            && matches!(self.picture, Picture::Radiance(_))
+            && !hypothesis.mistakes().iter().any(|m| m.is_of_the_image());
+        if is_glimpsed && let Some(glimpse) = &self.glimpse {
+            let film = self.predict(hypothesis, self.first, clock)?;
+            let test = Picture::Radiance(glimpse.test_film.clone());
+            let judgement = judge(
+                &Deterministic,
+                &Picture::Radiance(film),
+                &test,
+                &Conditions::default(),
+            );
+            return Some(judgement.is_ok_and(|judgement| !judgement.passed));
+        }
+        let look = if self.is_sampled {
+            self.first
+        } else {
+            self.second
+        };
+        let film = self.predict(hypothesis, look, clock)?;
+        if self.is_sampled || matches!(self.picture, Picture::Codes(_)) {
+            return Some(!self.misfit(&film)?.is_noise());
+        }
+        let film = Picture::Radiance(clamped(&film, self.ceiling));
+        let judgement = judge(&Deterministic, &film, &self.picture, &Conditions::default());
+        Some(judgement.is_ok_and(|judgement| !judgement.passed))
+    }
+
+    /// The image that `hypothesis` would make, or nothing where it has no occasion, or where the
+    /// time is over.
+    fn predict(
+        &self,
+        hypothesis: &Hypothesis,
+        mut look: (Detail, u32),
+        clock: &SearchClock<'_>,
+    ) -> Option<Film> {
+        let mistakes = hypothesis.mistakes();
+        let mut scene = None;
+        for mistake in mistakes.iter().filter(|m| !m.is_of_the_image()) {
+            scene = Some(mistake.in_scene(scene.as_ref().unwrap_or(&self.scene))?);
+        }
+        let of_the_image: Vec<_> = mistakes.iter().filter(|m| m.is_of_the_image()).collect();
+        if !of_the_image.is_empty() && matches!(look.0, Detail::Blocks(_)) {
+            // Blocks are as they are only where no mistake moves pixels about.
+            look = whole(look.1);
+        }
+        let mut film = match scene {
+            Some(scene) => {
+                let of_the_scene = mistakes.iter().filter(|m| !m.is_of_the_image());
+                let names: Vec<&str> = of_the_scene.map(|mistake| mistake.name).collect();
+                predicted(&self.scene, &scene, (&names.join(" + "), 0), look, clock)?
+            }
+            None => self.golden.clone(),
+        };
+        for mistake in of_the_image {
+            film = mistake.in_image(&film)?;
+        }
+        Some(film)
+    }
+}
+
+impl Glimpse {
+    fn new(golden: &Film, test: &Film, panels: &[usize], detail: Detail) -> Glimpse {
+        let [golden, test_film] = [golden, test].map(|film| pixels_of(film, panels, detail));
+        let [golden, test] = [&golden, &test_film].map(Cells::of_pixels);
+        Glimpse {
+            from_golden: golden.misfit(&test, &golden),
+            golden,
+            test,
+            test_film,
+        }
+    }
+}
+
+/// Names of the numbers that the difference looks like, or, of one that is too large for derivatives,
+/// those with the largest scores.
+fn suspects(judged: &Judged) -> Vec<String> {
+    let changes = &judged.result.changes;
+    let scores = changes.iter().map(|change| change.score.abs());
+    let largest = scores.fold(0.0, f64::max);
+    let is_suspect = |change: &&NumberChange| {
+        change.fits_best || change.alike || change.score.abs() > SUSPICIOUS * largest
+    };
+    let named = changes.iter().filter(is_suspect);
+    named.map(|change| change.name.clone()).collect()
+}
+
+/// The whole image, with the samples of its blocks.
+fn whole(samples: u32) -> (Detail, u32) {
+    (Detail::Whole, (samples / (BLOCK * BLOCK) as u32).max(2))
+}
+
+/// `film`, predicted in blocks or not, in the cells of an image of the size of `like`.
+fn in_cells(film: &Film, like: &Cells) -> Option<Cells> {
+    [Cells::of_pixels, Cells::of_blocks]
+        .into_iter()
+        .map(|cells| cells(film))
+        .find(|cells| cells.has_size_of(like))
+}
+
+/// `film` as a file keeps it that holds nothing above `ceiling`.
+fn clamped(film: &Film, ceiling: Option<f64>) -> Film {
+    match ceiling {
+        Some(ceiling) => mapped(film, |value, _| (value.min(ceiling), 1.0)),
+        None => film.clone(),
+    }
+}

@@ -1,0 +1,208 @@
+//! The search for what explains one image: cheap hypotheses first, each by as few pixels as rule it
+//! out.
+
+use super::clock::SearchClock;
+use super::compared_case::ComparedCase;
+use super::hypothesis::{Hypothesis, mistake};
+use crate::compare::cells::Misfit;
+use crate::film::Film;
+use crate::variations::mistakes;
+use rayon::prelude::*;
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+
+/// Hypotheses with a mistake of the scene that get a second look, at most. One takes up to 16 times
+/// the work of a first look, so that eight take as much as first looks at the whole catalogue of 126.
+const MOST_SECOND_LOOKS: usize = 8;
+
+/// Pairs of mistakes of the scene that are rendered, at most: those which are nearest by what each
+/// mistake does by itself. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
+/// have occasion for more.
+const MOST_SCENE_PAIRS: usize = 400;
+
+/// Hypotheses that explain an image, and how well.
+pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
+
+/// What a first look saw of mistakes of the scene, by place in the catalogue.
+pub(super) type Looks = BTreeMap<usize, Film>;
+
+/// Of two misfits, first the one that leaves less.
+fn nearer(a: &Misfit, b: &Misfit) -> Ordering {
+    a.distance().at_most().total_cmp(&b.distance().at_most())
+}
+
+/// Mistakes in the catalogue.
+pub(super) fn singles() -> usize {
+    mistakes::catalogue().count()
+}
+
+impl ComparedCase {
+    /// The single mistakes that explain the image, nearest first, and what was seen on the way:
+    /// those of the image, which take no rendering, come first.
+    pub fn search(&self, clock: &SearchClock<'_>) -> (Explaining, Looks) {
+        let mut looks = Looks::new();
+        let mut found = Explaining::new();
+        let mut promising = Explaining::new();
+        let (of_the_image, of_the_scene): (Vec<usize>, Vec<usize>) =
+            (0..singles()).partition(|&index| mistake(index).is_of_the_image());
+        for index in of_the_image {
+            if clock.is_late() {
+                break;
+            }
+            if !(self.is_gain() && mistake(index).is_curve())
+                && let Some(film) = mistake(index).in_image(&self.golden)
+                && let Some(misfit) = self.misfit(&film)
+                && self.explained_by(&misfit)
+            {
+                found.push((Hypothesis::One(index), misfit));
+            }
+            clock.decided();
+        }
+        for index in of_the_scene {
+            let look = self.look(&Hypothesis::One(index), clock);
+            if clock.is_late() {
+                break;
+            }
+            if let Some(film) = look {
+                let promise = self.promise(&film);
+                promising.extend(promise.map(|misfit| (Hypothesis::One(index), misfit)));
+                looks.insert(index, film);
+            }
+            clock.decided();
+        }
+        found.extend(self.look_closer(promising, clock));
+        found.sort_by(|(_, a), (_, b)| nearer(a, b));
+        (found, looks)
+    }
+
+    /// The pairs of mistakes that explain the image, nearest first.
+    pub fn search_pairs(&self, looks: &Looks, clock: &mut SearchClock<'_>) -> Explaining {
+        let images: Vec<(usize, Film)> = (0..singles())
+            .filter_map(|index| Some((index, mistake(index).in_image(&self.golden)?)))
+            .collect();
+        let seconds: Vec<usize> = (0..singles())
+            .filter(|&index| mistake(index).is_of_the_image())
+            .collect();
+        let scene_pairs = self.scene_pairs(looks, clock);
+        let before = images.len() * (seconds.len() - 1) + looks.len() * seconds.len();
+        clock.go_on_with_pairs(before + scene_pairs.len());
+        let (anywhere, whole_only): (Vec<usize>, Vec<usize>) = seconds
+            .iter()
+            .partition(|&&index| self.shows_on_a_first_look(index));
+        // One of the image on another, or on what was seen of one of the scene.
+        let seen = looks.iter().map(|(&index, film)| (index, film.clone()));
+        let mut firsts: Vec<(usize, Film)> = seen.collect();
+        firsts.extend(
+            images
+                .iter()
+                .map(|(index, film)| (*index, self.as_first_seen(film))),
+        );
+        let mut promising = self.on_top(&firsts, &anywhere, clock);
+        promising.extend(self.on_top(&images, &whole_only, clock));
+        for hypothesis in scene_pairs {
+            let look = self.look(&hypothesis, clock);
+            if clock.is_late() {
+                return self.look_closer(promising, clock);
+            }
+            let promise = look.and_then(|film| self.promise(&film));
+            promising.extend(promise.map(|misfit| (hypothesis, misfit)));
+            clock.decided();
+        }
+        // What moves pixels about takes a whole image of each mistake of the scene.
+        if !whole_only.is_empty() {
+            for first in self.nearest_first(looks) {
+                let whole = self.whole(&Hypothesis::One(first), clock);
+                if clock.is_late() {
+                    break;
+                }
+                let whole: Vec<_> = whole.into_iter().map(|film| (first, film)).collect();
+                promising.extend(self.on_top(&whole, &whole_only, clock));
+            }
+        }
+        self.look_closer(promising, clock)
+    }
+
+    /// Whether a mistake of the image, made in what a first look sees, is what a first look would
+    /// see of it.
+    fn shows_on_a_first_look(&self, index: usize) -> bool {
+        // Blocks show all as far as a first look goes; a closer one is at the pixels.
+        self.is_sampled || self.sees_all_at_once() || mistake(index).is_of_single_pixels()
+    }
+
+    /// Each of the `seconds` on top of each of the `firsts`, which are images whole or as a first
+    /// look sees them: those pairs that may explain the image.
+    fn on_top(
+        &self,
+        firsts: &[(usize, Film)],
+        seconds: &[usize],
+        clock: &SearchClock<'_>,
+    ) -> Explaining {
+        let pairs: Vec<(&(usize, Film), usize)> = firsts
+            .iter()
+            .flat_map(|first| seconds.iter().map(move |&second| (first, second)))
+            .filter(|(first, second)| first.0 != *second)
+            .collect();
+        pairs
+            .into_par_iter()
+            .filter_map(|((first, film), second)| {
+                if clock.is_late() {
+                    return None;
+                }
+                let edited = mistake(second).in_image(film);
+                let promise = edited.and_then(|film| self.promise(&self.as_first_seen(&film)));
+                clock.decided();
+                Some((Hypothesis::Two(*first, second), promise?))
+            })
+            .collect()
+    }
+
+    /// Pairs of mistakes of the scene, most promising first by what each does by itself.
+    fn scene_pairs(&self, looks: &Looks, clock: &SearchClock<'_>) -> Vec<Hypothesis> {
+        let seen: Vec<(&usize, &Film)> = looks.iter().collect();
+        let pairs: Vec<(usize, usize)> = (0..seen.len())
+            // Which is made first matters little.
+            .flat_map(|second| (0..second).map(move |first| (first, second)))
+            .collect();
+        let mut pairs: Vec<(f64, Hypothesis)> = pairs
+            .into_par_iter()
+            .filter_map(|(first, second)| {
+                let ((a, first), (b, second)) = (seen[first], seen[second]);
+                if clock.is_late() {
+                    return None;
+                }
+                let distance = self.distance_of_both(first, second)?;
+                Some((distance, Hypothesis::Two(*a, *b)))
+            })
+            .collect();
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pairs.truncate(MOST_SCENE_PAIRS);
+        pairs.into_iter().map(|(_, pair)| pair).collect()
+    }
+
+    /// Mistakes of the scene, those first that are nearest by themselves.
+    fn nearest_first(&self, looks: &Looks) -> Vec<usize> {
+        let mut nearest: Vec<(f64, usize)> = looks
+            .iter()
+            .filter_map(|(&index, film)| Some((self.distance(film)?.distance().value, index)))
+            .collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.into_iter().map(|(_, index)| index).collect()
+    }
+
+    /// Those of the nearest hypotheses that explain the image on a second look, nearest first.
+    fn look_closer(&self, mut promising: Explaining, clock: &SearchClock<'_>) -> Explaining {
+        promising.sort_by(|(_, a), (_, b)| a.distance().value.total_cmp(&b.distance().value));
+        promising.truncate(MOST_SECOND_LOOKS);
+        if !self.sees_all_at_once() {
+            promising.retain_mut(|(hypothesis, misfit)| {
+                let closer = self
+                    .test(hypothesis, clock)
+                    .filter(|m| self.explained_by(m));
+                *misfit = closer.unwrap_or(*misfit);
+                closer.is_some()
+            });
+        }
+        promising.sort_by(|(_, a), (_, b)| nearer(a, b));
+        promising
+    }
+}

@@ -1,0 +1,189 @@
+//! What an image would look like, were a mistake made.
+
+use super::clock::SearchClock;
+use crate::compare::stochastic::BLOCK;
+use crate::film::Film;
+use crate::render::{Detail, Plan, Sampling, Seed, plans, render_coarse};
+use crate::scene::{Panel, Scene};
+use crate::suite::golden::input_hashes;
+
+/// Seed of predictions, the first of a few: one that neither goldens nor renderings of users are likely to have.
+const SEED: u64 = 0x7072_6564_6963_7400;
+
+/// Samples in a block of a first look, by which most mistakes are ruled out: a quarter of a sample
+/// per pixel.
+pub(super) const FIRST_LOOK: u32 = 16;
+
+/// Samples in a block of a second look, at what is left: four per pixel.
+pub(super) const SECOND_LOOK: u32 = 256;
+
+/// Samples in a block of a third look, at what noise leaves open: 32 per pixel, as many as a test
+/// image of the suite has or more, so that the noise of the prediction is no longer the larger one.
+pub(super) const THIRD_LOOK: u32 = 2048;
+
+/// Pixels of a lattice, about, where the image has them: of a mistake that shows in one pixel in a
+/// hundred, twenty are seen.
+const LATTICE: usize = 2048;
+
+/// The lattice by which mistakes in an image of this size are ruled out first, where there is no
+/// noise; the whole image where it is small.
+pub(super) fn first_lattice(pixels: usize) -> Detail {
+    lattice_of(pixels, LATTICE)
+}
+
+/// A lattice of about `wanted` pixels of an image of `pixels`; the whole image where it is small.
+pub(crate) fn lattice_of(pixels: usize, wanted: usize) -> Detail {
+    match (pixels / wanted).isqrt() {
+        0 | 1 => Detail::Whole,
+        every => Detail::Lattice(every),
+    }
+}
+
+/// Blocks, where path tracing can make a pixel of each, and their borders are those of the blocks
+/// of the whole image: panels stand side by side.
+pub(super) fn blocks(scene: &Scene) -> Option<Detail> {
+    let (last, before) = scene.panels.split_last()?;
+    let is_large = last.width.min(last.height) >= BLOCK;
+    let is_aligned = before.iter().all(|panel| panel.width.is_multiple_of(BLOCK));
+    let can = is_large && is_aligned && plans(scene).iter().all(Plan::is_sampled);
+    can.then_some(Detail::Blocks(BLOCK))
+}
+
+/// The image of `edited`, which is `scene` with a change known as `label` (the names of mistakes, or
+/// of changed numbers), from the random numbers of a `seed` from 0, with `samples` in each pixel that is rendered, if it is sampled. Nothing where it
+/// cannot be rendered, or where the time is over.
+pub(super) fn predicted(
+    scene: &Scene,
+    edited: &Scene,
+    (label, seed): (&str, u64),
+    (detail, samples): (Detail, u32),
+    clock: &SearchClock<'_>,
+) -> Option<Film> {
+    let key = clock.predictions().key(&[
+        &scene.canonical_text(),
+        &format!("{:?}", input_hashes(scene)),
+        label,
+        &format!("{detail:?} {samples} {seed}"),
+    ]);
+    let columns = |panel: &Panel| detail.columns(panel.width).count();
+    let size = [
+        edited.panels.iter().map(columns).sum(),
+        detail.rows(edited.height()).count(),
+    ];
+    let kept = key
+        .as_ref()
+        .and_then(|key| clock.predictions().get(key, size));
+    if kept.is_some() {
+        return kept;
+    }
+    let sampling = Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(SEED + seed),
+    };
+    let film = render_coarse(&plans(edited), sampling, detail, &|| clock.is_over()).ok()?;
+    if let Some(key) = key {
+        clock.predictions().put(&key, &film);
+    }
+    Some(film)
+}
+
+/// The pixels of `film`, an image of panels of these widths, that are rendered with `detail`: the
+/// means over blocks are not among them.
+pub(crate) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
+    let mut columns = Vec::new();
+    let mut left = 0;
+    for &width in panels {
+        columns.extend(detail.columns(width).map(|column| left + column));
+        left += width;
+    }
+    let rows: Vec<usize> = detail.rows(film.height()).collect();
+    let indices = rows.iter().flat_map(|row| {
+        columns
+            .iter()
+            .map(move |column| column + row * film.width())
+    });
+    match film.opacity() {
+        Some(_) => {
+            let pixels = indices.map(|index| film.pixel(index)).collect();
+            Film::with_opacity(columns.len(), rows.len(), pixels)
+        }
+        None => {
+            let pixels = indices.map(|index| film.radiance()[index]).collect();
+            Film::new(columns.len(), rows.len(), pixels)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::cells::Cells;
+    use crate::render::{RenderError, render};
+    use crate::scene::Model;
+    use std::path::Path;
+
+    /// A scene of the suite with fewer pixels.
+    fn small(name: &str, [width, height]: [usize; 2]) -> Scene {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
+        let mut scene = Scene::load(&root.join(name)).unwrap();
+        for panel in &mut scene.panels {
+            (panel.width, panel.height) = (width, height);
+        }
+        scene
+    }
+
+    #[test]
+    fn a_lattice_has_the_bits_of_the_whole_image() {
+        // Two panels, a plot, and one whose pixels have random numbers.
+        for name in [
+            "figures/figure-5.toml",
+            "figures/figure-2.toml",
+            "smoke/cornell.toml",
+        ] {
+            let scene = small(name, [60, 44]);
+            let (plans, sampling) = (plans(&scene), Sampling::of_samples(16));
+            let whole = render(&plans, sampling, &|| ()).unwrap().film;
+            let panels: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
+            for every in [1, 2, 7] {
+                let detail = Detail::Lattice(every);
+                let lattice = render_coarse(&plans, sampling, detail, &|| false).unwrap();
+                let expected = pixels_of(&whole, &panels, detail);
+                assert_eq!(lattice.radiance(), expected.radiance(), "{name} {every}");
+                assert_eq!(lattice.opacity(), expected.opacity(), "{name} {every}");
+            }
+            // A plot takes no time.
+            if name != "figures/figure-2.toml" {
+                let stopped = render_coarse(&plans, sampling, Detail::Lattice(2), &|| true);
+                assert_eq!(stopped.err(), Some(RenderError::Stopped));
+            }
+        }
+    }
+
+    /// Blocks leave out what is left over at the edges, and are the means of their pixels.
+    #[test]
+    fn a_block_is_the_mean_of_its_pixels() {
+        let scene = small("smoke/cornell.toml", [19, 21]);
+        assert!(matches!(scene.panels[0].model, Model::Radiative(_)));
+        let (plans, detail) = (plans(&scene), blocks(&scene).unwrap());
+        let of = Sampling::of_samples;
+        let whole = render(&plans, of(64), &|| ()).unwrap().film;
+        let coarse = render_coarse(&plans, of(64 * 64), detail, &|| false).unwrap();
+        assert_eq!((coarse.width(), coarse.height()), (2, 2));
+        let [whole, coarse] = [Cells::of_blocks(&whole), Cells::of_pixels(&coarse)];
+        // Twelve squares: their mean is 1 within five times √(2/12).
+        let misfit = coarse.misfit(&whole, &whole);
+        assert!(misfit.in_noise < 3.1, "{misfit:?}");
+    }
+
+    #[test]
+    fn a_lattice_has_two_thousand_pixels_or_more() {
+        assert_eq!(first_lattice(12 * 10), Detail::Whole);
+        assert_eq!(first_lattice(4 * 2048 - 1), Detail::Whole);
+        assert_eq!(first_lattice(256 * 192), Detail::Lattice(4));
+        for [width, height] in [[256, 192], [400, 500], [100_000, 2], [8192, 1]] {
+            let detail = first_lattice(width * height);
+            let count = detail.columns(width).count() * detail.rows(height).count();
+            assert!(count >= 1024, "{width} × {height}: {count}");
+        }
+    }
+}

@@ -1,0 +1,554 @@
+//! New goldens, on purpose and with a reason.
+
+#[cfg(test)]
+mod tests;
+
+use super::units::{CaseUnits, RenderingUnits, Unit, UnitError, UnitFolder};
+use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
+use crate::film::Film;
+use crate::judging::finding::MARGIN;
+use crate::judging::truth::judge_by_truth;
+use crate::judging::verify::judge_quick;
+use crate::known_answers::Formula;
+use crate::render::{self, Detail, plans};
+use crate::scene::Scene;
+use crate::suite::golden::{
+    Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash, sensitivities_file,
+};
+use crate::suite::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
+use crate::suite::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
+use miette::Diagnostic;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use thiserror::Error;
+
+/// The outcome for the golden of one case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Accepted {
+    /// `family/name`.
+    pub case: String,
+    /// How it changed.
+    pub change: Change,
+    /// Whether a rendering from an earlier run was used.
+    pub resumed: bool,
+}
+
+/// How a golden changed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// There was no golden, or no trustworthy one.
+    New {
+        /// Whether some files of a golden existed.
+        damaged: bool,
+    },
+    /// Same image, scene and plan: unchanged, with its old reason.
+    Unchanged,
+    /// Same image, but of a changed scene or plan.
+    SamePicture,
+    /// Another image, with its difference from the old one.
+    Replaced(String),
+}
+
+/// Reason why nothing was accepted. All goldens are unchanged.
+#[derive(Debug, Diagnostic, Error)]
+pub enum AcceptError {
+    /// Nobody looks at images in CI.
+    #[error("goldens are not accepted where CI is set: nobody looks at the images there")]
+    #[diagnostic(help("accept on your own machine, look at the images, commit them"))]
+    Ci,
+    /// An empty reason.
+    #[error("a golden changes only with a reason, and none was given")]
+    #[diagnostic(help(
+        "state what was wrong before, or what a first golden is for: --reason \"…\""
+    ))]
+    NoReason,
+    /// A case could not be rendered.
+    #[error("{case}: {reason}")]
+    #[diagnostic(help("nothing was accepted, not even the other cases"))]
+    Incomplete {
+        /// `family/name`.
+        case: String,
+        /// What went wrong.
+        reason: String,
+    },
+    /// A converged image with too much noise.
+    #[error(
+        "{case}: the golden would be too noisy: the standard error of a block is {error:.2e} of \
+         its mean, and a resolution of {resolution} needs a quarter of the resolution or less"
+    )]
+    #[diagnostic(help("in the manifest: converged_samples = {enough}; nothing was accepted"))]
+    TooNoisy {
+        /// `family/name`.
+        case: String,
+        /// Relative standard error of a block that nine tenths do not exceed.
+        error: f64,
+        /// The bias that the case must detect.
+        resolution: f64,
+        /// Samples that would suffice.
+        enough: u64,
+    },
+    /// Two renderings of one scene that differ.
+    #[error(
+        "{case}: the quick rendering and the converged one differ by more than noise: {reason}"
+    )]
+    #[diagnostic(help(
+        "where light arrives rarely, few samples are far from normal: more quick_samples help; \
+         otherwise the renderer is wrong. Nothing was accepted"
+    ))]
+    Contradiction {
+        /// `family/name`.
+        case: String,
+        /// How they differ.
+        reason: String,
+    },
+    /// No image that could stay.
+    #[error("{case}: there is no image to keep: {reason}")]
+    #[diagnostic(help("without --keep-images it is rendered; nothing was accepted"))]
+    NothingToKeep {
+        /// `family/name`.
+        case: String,
+        /// Obstacle.
+        reason: String,
+    },
+    /// An image that differs from the known answer.
+    #[error("{case}: the image differs from the known answer: {reason}")]
+    #[diagnostic(help(
+        "either the `answer` or the `truth` of the manifest is wrong, or the scene, or the \
+         renderer. Nothing was accepted"
+    ))]
+    WrongAnswer {
+        /// `family/name`.
+        case: String,
+        /// Where it is farthest off.
+        reason: String,
+    },
+    /// The files could not be written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// A wish for new goldens.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'r> {
+    /// Fault of the old goldens, or use of the new ones.
+    pub reason: &'r str,
+    /// The images of sampled cases stay, and only the bits of their quick renderings are recorded
+    /// anew: for a renderer that samples in another way what it sampled before.
+    pub keep_images: bool,
+    /// The environment variable CI is set.
+    pub in_ci: bool,
+}
+
+/// Progress of an accept, called from any thread. Work is counted in pixels times samples.
+pub trait AcceptWatch: Sync {
+    /// Announces the amount of work, without units kept by earlier runs.
+    fn begin_all(&self, work: u64);
+    /// A case begins.
+    fn begin_case(&self, case: &str);
+    /// So much of the work is done.
+    fn worked(&self, work: u64);
+    /// Something unexpected, in a sentence.
+    fn note(&self, text: &str);
+}
+
+/// Turns the steps of a rendering into work.
+pub struct StepsOfWork<'w> {
+    watch: &'w dyn AcceptWatch,
+    work: u64,
+    steps: AtomicU64,
+}
+
+impl<'w> StepsOfWork<'w> {
+    /// Of a rendering that is this much work.
+    pub fn new(watch: &'w dyn AcceptWatch, work: u64) -> StepsOfWork<'w> {
+        StepsOfWork {
+            watch,
+            work,
+            steps: AtomicU64::new(1),
+        }
+    }
+}
+
+impl render::Watch for StepsOfWork<'_> {
+    fn begin(&self, steps: u64) {
+        self.steps.store(steps.max(1), Ordering::Relaxed);
+    }
+
+    fn step(&self) {
+        self.watch
+            .worked(self.work / self.steps.load(Ordering::Relaxed));
+    }
+}
+
+/// Renders `cases` and accepts the images as their goldens, all at once or none. Finished units of
+/// stochastic cases are kept in `kept` until then, so that an interrupted run resumes after them, and
+/// other processes may compute some.
+pub fn accept(
+    cases: &[&Case],
+    store: &Store,
+    kept: &UnitFolder,
+    request: Request<'_>,
+    watch: &dyn AcceptWatch,
+) -> Result<Vec<Accepted>, AcceptError> {
+    accept_with(&ReferenceRenderer, cases, store, kept, request, watch)
+}
+
+pub(crate) fn accept_with(
+    renderer: &dyn Renderer,
+    cases: &[&Case],
+    store: &Store,
+    kept: &UnitFolder,
+    request: Request<'_>,
+    watch: &dyn AcceptWatch,
+) -> Result<Vec<Accepted>, AcceptError> {
+    if request.in_ci {
+        return Err(AcceptError::Ci);
+    }
+    let reason = request.reason.trim();
+    if reason.is_empty() {
+        return Err(AcceptError::NoReason);
+    }
+    // All scenes first: a mistake in the last is not to be found after hours.
+    let mut tasks = cases
+        .iter()
+        .map(|case| CaseUnits::rendered_by(renderer, case))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut images = Vec::new();
+    for task in &mut tasks {
+        if task.case.sampling.is_some() {
+            let place = kept.check(&task.case.name);
+            place.map_err(|error| AcceptError::incomplete(task.case, error))?;
+        }
+        let image = if request.keep_images {
+            task.keep_image(store)?
+        } else {
+            None
+        };
+        images.push(image);
+    }
+    let mut sensitivities = Vec::new();
+    for task in &tasks {
+        sensitivities.push(sensitivities_of(task, store)?);
+    }
+    watch.begin_all(tasks.iter().map(|task| task.work(kept)).sum());
+    let mut accepted = Vec::new();
+    let mut files = Vec::new();
+    for ((task, image), sensitivities) in tasks.iter().zip(images).zip(sensitivities) {
+        watch.begin_case(&task.case.name);
+        let resumed = task.units().any(|unit| kept.is_intact(unit));
+        let image = GoldenImage {
+            sensitivities,
+            ..task.pictures(renderer, kept, image, watch)?
+        };
+        let (change, mut new) = prepare(task, image, store, reason)?;
+        accepted.push(Accepted {
+            case: task.case.name.clone(),
+            change,
+            resumed,
+        });
+        files.append(&mut new);
+    }
+    // Also without files: an accept that was interrupted after it was decided is completed.
+    store.publish(&files)?;
+    for case in cases.iter().filter(|case| case.sampling.is_some()) {
+        kept.forget(&case.name);
+    }
+    Ok(accepted)
+}
+
+impl From<UnitError> for AcceptError {
+    fn from(UnitError { case, reason }: UnitError) -> AcceptError {
+        AcceptError::Incomplete { case, reason }
+    }
+}
+
+impl AcceptError {
+    fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
+        AcceptError::Incomplete {
+            case: case.name.clone(),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+impl CaseUnits<'_> {
+    /// The work of what is not kept.
+    fn work(&self, kept: &UnitFolder) -> u64 {
+        let left = |of: &RenderingUnits| match of.rendering {
+            CaseRendering::Only => self.paths(of.rendering),
+            _ => {
+                let left = of.units.iter().filter(|unit| !kept.has(unit));
+                left.map(|unit| unit.paths).sum()
+            }
+        };
+        self.renderings.iter().map(left).sum()
+    }
+
+    /// The film of a sampled rendering, from its units: kept ones, and the others side by side on all
+    /// threads.
+    fn film_of_units(
+        &self,
+        renderer: &dyn Renderer,
+        of: &RenderingUnits,
+        kept: &UnitFolder,
+        watch: &dyn AcceptWatch,
+    ) -> Result<Film, AcceptError> {
+        let film = |unit: &Unit| {
+            match kept.get(unit) {
+                Ok(Some(film)) => return Ok(film),
+                Ok(None) => {}
+                Err(reason) => watch.note(&format!("computed again: {reason}")),
+            }
+            let steps = StepsOfWork::new(watch, unit.paths);
+            let film = self.rendered(renderer, of.rendering, unit, &steps)?;
+            // A failure is ignored: the next run renders it again.
+            let _ = kept.put(unit, &film);
+            Ok(film)
+        };
+        let films = of.units.par_iter().map(film);
+        let films: Vec<Film> = films.collect::<Result<_, AcceptError>>()?;
+        Ok(Film::below_each_other(&films))
+    }
+
+    /// Takes the image of the golden in `store`, and the converged rendering off this task; `None`
+    /// where the golden is no such rendering.
+    fn keep_image(&mut self, store: &Store) -> Result<Option<Film>, AcceptError> {
+        let converged = self.case.sampling.and_then(|sampling| sampling.converged);
+        let Some(converged) = converged else {
+            return Ok(None);
+        };
+        let nothing = |reason: String| AcceptError::NothingToKeep {
+            case: self.case.name.clone(),
+            reason,
+        };
+        let golden = Golden::read_with_any_sensitivities(store, self.case)
+            .map_err(|error| nothing(error.to_string()))?;
+        let provenance = &golden.provenance;
+        if !is_of(&golden, &self.scene) {
+            return Err(nothing("its golden is of another scene".to_owned()));
+        }
+        let (has, wanted) = (provenance.samples, u64::from(converged.samples));
+        if has != wanted {
+            return Err(nothing(format!(
+                "its golden has {has} samples, the manifest wants {wanted}"
+            )));
+        }
+        self.renderings.pop();
+        Ok(Some(golden.film))
+    }
+
+    /// The picture of the golden, and the rendering that `verify` repeats. An `image` that is given is
+    /// that picture.
+    fn pictures(
+        &self,
+        renderer: &dyn Renderer,
+        kept: &UnitFolder,
+        image: Option<Film>,
+        watch: &dyn AcceptWatch,
+    ) -> Result<GoldenImage, AcceptError> {
+        let incomplete = |reason| AcceptError::incomplete(self.case, reason);
+        let mut films = Vec::new();
+        let mut error_bound = None;
+        for of in &self.renderings {
+            if of.rendering != CaseRendering::Only {
+                films.push(self.film_of_units(renderer, of, kept, watch)?);
+                continue;
+            }
+            let steps = StepsOfWork::new(watch, self.paths(of.rendering));
+            let plans = plans(&self.scene);
+            let picture = render_case(renderer, &plans, of.rendering, Detail::Whole, &steps)
+                .map_err(incomplete)?;
+            error_bound = picture.error_bound;
+            films.push(picture.film);
+        }
+        films.extend(image);
+        let golden = films.pop().expect("a case has a picture");
+        if let Some(formula) = self.case.truth {
+            return self.known(formula, &golden);
+        }
+        let quick = films.pop();
+        if let Some(answer) = &self.case.answer {
+            let margin = answer.margin(&golden);
+            if !margin.passed() {
+                return Err(AcceptError::WrongAnswer {
+                    case: self.case.name.clone(),
+                    reason: margin.worst().to_owned(),
+                });
+            }
+        }
+        if let (Some(sampling), Some(quick)) = (self.case.sampling, &quick) {
+            if let Some(converged) = sampling.converged {
+                check_converged(self.case, converged, &golden)?;
+            }
+            let judgement = judge_quick(&golden, quick);
+            if !judgement.passed {
+                return Err(AcceptError::Contradiction {
+                    case: self.case.name.clone(),
+                    reason: judgement.reason,
+                });
+            }
+        }
+        if let Some(bound) =
+            error_bound.filter(|&bound| self.case.is_limit() && bound > LIMIT_KNOWN)
+        {
+            let reason = format!(
+                "the integral of a pixel may be off by {bound:.1e} of the brightest pixel; a limit is \
+                 known to {LIMIT_KNOWN:e}: does an opacity of 1 make it rough?"
+            );
+            return Err(incomplete(reason));
+        }
+        Ok(GoldenImage {
+            film: golden,
+            // Half of the spacing of 32-bit numbers besides.
+            error: error_bound.map(|bound| bound + f64::from(f32::EPSILON) / 2.0),
+            quick: quick.as_ref().map(pinned),
+            sensitivities: None,
+        })
+    }
+
+    /// The known answer, which `rendering` has to agree with.
+    fn known(&self, formula: &Formula, rendering: &Film) -> Result<GoldenImage, AcceptError> {
+        let known = formula
+            .image(&self.scene, self.case.footprint())
+            .map_err(|reason| AcceptError::incomplete(self.case, reason))?;
+        let judgement = judge_by_truth(self.case, &known, rendering);
+        if !judgement.passed {
+            return Err(AcceptError::WrongAnswer {
+                case: self.case.name.clone(),
+                reason: judgement.reason,
+            });
+        }
+        Ok(GoldenImage {
+            film: known.film,
+            error: Some(known.error),
+            quick: Some(pinned(rendering)),
+            sensitivities: None,
+        })
+    }
+}
+
+/// A rendering that `verify` is to repeat.
+fn pinned(film: &Film) -> Quick {
+    Quick {
+        samples: film.noise().map_or(1, |noise| noise.samples()),
+        pixels: film.pixel_hash(),
+    }
+}
+
+/// Fails if the noise of a golden would hide a bias that its case must detect.
+fn check_converged(
+    case: &Case,
+    sampling: ConvergedSampling,
+    golden: &Film,
+) -> Result<(), AcceptError> {
+    let error = stochastic::block_error(golden).expect("a converged image states its noise");
+    let excess = MARGIN * error / sampling.resolution;
+    if excess <= 1.0 {
+        return Ok(());
+    }
+    // Errors fall with the root of the samples. A tenth more, as the error is an estimate too.
+    let enough = f64::from(sampling.samples) * excess * excess * 1.1;
+    Err(AcceptError::TooNoisy {
+        case: case.name.clone(),
+        error,
+        resolution: sampling.resolution,
+        // A float becomes the nearest whole number there is room for.
+        enough: (enough as u64).next_multiple_of(64),
+    })
+}
+
+/// How well the limit of a case is known, at least: error of a pixel relative to the brightest.
+const LIMIT_KNOWN: f64 = 1e-6;
+
+/// The file of sensitivities that the golden of a case is to record, if there is one. The file stays as it is:
+/// before the record is replaced as after it, it is the file of one of the two.
+fn sensitivities_of(task: &CaseUnits<'_>, store: &Store) -> Result<Option<Vec<u8>>, AcceptError> {
+    let case = task.case;
+    let fails = |fault: String| {
+        Err(AcceptError::incomplete(
+            case,
+            GoldenError::sensitivities(case, fault),
+        ))
+    };
+    if let Some(bytes) = store.read(&sensitivities_file(case))? {
+        return match sensitivities::decoded(&bytes, &task.scene) {
+            Ok(_) => Ok(Some(bytes)),
+            Err(fault) => fails(fault),
+        };
+    }
+    match Golden::read_with_any_sensitivities(store, case) {
+        Ok(old) if old.provenance.sensitivities.is_some() && is_of(&old, &task.scene) => {
+            fails("is missing".to_owned())
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Whether `golden` was made from `scene`, and from the same files.
+fn is_of(golden: &Golden, scene: &Scene) -> bool {
+    let made_from = &golden.provenance;
+    made_from.scene == scene_hash(scene) && made_from.inputs == input_hashes(scene)
+}
+
+type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
+
+/// How the golden of a case will change, and the files that change it.
+fn prepare(
+    task: &CaseUnits<'_>,
+    golden: GoldenImage,
+    store: &Store,
+    reason: &str,
+) -> Result<(Change, GoldenFiles), AcceptError> {
+    let CaseUnits { case, scene, .. } = task;
+    let plans = plans(scene);
+    let mut damaged = false;
+    let old = match Golden::read_with_any_sensitivities(store, case) {
+        Ok(golden) => Some(golden),
+        Err(GoldenError::Store(error)) => return Err(error.into()),
+        Err(GoldenError::Missing(_)) => None,
+        Err(_) => {
+            damaged = true;
+            None
+        }
+    };
+    let same_file = |old: &Golden| {
+        old.provenance.case == case.name
+            && is_of(old, scene)
+            && old.provenance.plan == plan_hash(&plans)
+            && old.provenance.exposure == case.exposure
+            && old.provenance.quick == golden.quick
+            && old.provenance.sensitivities == golden.sensitivities_hash()
+            && old.provenance.truth.as_deref() == case.truth.map(|formula| formula.name)
+    };
+    let change = match &old {
+        None => Change::New { damaged },
+        Some(old) if old.provenance.pixels == golden.film.pixel_hash() => {
+            if same_file(old) {
+                return Ok((Change::Unchanged, Vec::new()));
+            }
+            Change::SamePicture
+        }
+        Some(old) => {
+            let [before, after] =
+                [&old.film, &golden.film].map(|film| Picture::Radiance(film.clone()));
+            let judgement = judge(&Exact, &before, &after, &Conditions::default());
+            Change::Replaced(judgement.expect("both images are radiance").reason)
+        }
+    };
+    // A picture that stays keeps its reason.
+    let reasons = match &old {
+        Some(old) if change == Change::SamePicture => Reasons {
+            picture: &old.provenance.reason,
+            record: reason,
+        },
+        _ => Reasons {
+            picture: reason,
+            record: "",
+        },
+    };
+    let replaces = old.as_ref().map(|golden| golden.provenance.pixels.clone());
+    let replaces = replaces.unwrap_or_default();
+    let files = Golden::encode(case, scene, &plans, golden, reasons, replaces)
+        .map_err(|error| AcceptError::incomplete(case, error))?;
+    Ok((change, files))
+}

@@ -1,0 +1,219 @@
+//! The mistakes people make in volume renderers.
+//!
+//! Each is a small edit of the scene or of the image, with advice for its author. The renderer
+//! itself never changes. The catalogue has two uses: the [self-test](crate::judging::self_test) proves that
+//! the suite rejects every mistake, and failing images are [compared with it](crate::naming::likeness) to
+//! name the mistake.
+
+mod classified;
+mod densities;
+mod images;
+mod lights;
+mod media;
+mod surfaces;
+
+use crate::film::Film;
+use crate::geometry::{Camera, Surface, length_of};
+use crate::media::{Appearance, Homogeneous, TransferOpacity};
+use crate::optics::{Light, Material};
+use crate::scene::{Body, Classified, Curve, Model, Radiative, Scene};
+use glam::DVec3;
+
+/// A mistake.
+#[derive(Clone, Copy, Debug)]
+pub struct Mistake {
+    /// Words joined by `-`; the name never changes.
+    pub name: &'static str,
+    /// Description and advice for the author of the image.
+    pub advice: &'static str,
+    edit: Edit,
+}
+
+/// The edit behind a mistake.
+#[derive(Clone, Copy, Debug)]
+enum Edit {
+    /// Of a classified volume.
+    Classified(fn(&mut Classified) -> bool),
+    /// Of the camera of either; with the height of a pixel over that of the image.
+    View(fn(&Camera, f64) -> Camera),
+    /// Of the formula for opacity, of a classified volume or of its plot.
+    Opacity(fn(&mut TransferOpacity) -> bool),
+    /// Of media among surfaces and lights.
+    Radiative(fn(&mut Radiative) -> bool),
+    /// Of every medium.
+    Medium(fn(&mut Homogeneous)),
+    /// Of every point, spot and directional light.
+    Light(fn(&mut Light)),
+    /// Of the material of every surface.
+    Material(fn(&mut Material)),
+    /// Of the finished image, in each pixel by itself.
+    Pixels(fn(&Film) -> Film),
+    /// Of the finished image, in where its pixels are or in how they mix.
+    Image(fn(&Film) -> Film),
+}
+
+impl Mistake {
+    /// Whether it is an edit of the finished image, not of the scene.
+    pub fn is_of_the_image(&self) -> bool {
+        matches!(self.edit, Edit::Pixels(_) | Edit::Image(_))
+    }
+
+    /// Whether it edits each pixel of the image independently, so that any part of the image shows
+    /// it.
+    pub fn is_of_single_pixels(&self) -> bool {
+        matches!(self.edit, Edit::Pixels(_))
+    }
+
+    /// It edits each value of the image, and not by a factor alone.
+    pub fn is_curve(&self) -> bool {
+        let probe = Film::new(3, 1, vec![[0.1; 3], [0.5; 3], [2.0; 3]]);
+        let Some(film) = self.in_image(&probe).filter(|_| self.is_of_single_pixels()) else {
+            return false;
+        };
+        let factor = |index: usize| film.radiance()[index][0] / probe.radiance()[index][0];
+        // A factor is the same for all but for rounding.
+        (1..3).any(|index| (factor(index) / factor(0) - 1.0).abs() > 1e-5)
+    }
+
+    /// `scene` with the mistake; `None` if it does not apply, or if it is one of the image.
+    pub fn in_scene(&self, scene: &Scene) -> Option<Scene> {
+        let mut scene = scene.clone();
+        let mut occurs = false;
+        for panel in &mut scene.panels {
+            occurs |= match (&self.edit, &mut panel.model) {
+                (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
+                (Edit::View(edit), _) => panel.edit_view(edit),
+                (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
+                (edit, Model::Radiative(radiative)) => {
+                    let before = scattering_depth(radiative);
+                    let occurs = in_radiative(edit, radiative);
+                    let depth = scattering_depth(radiative);
+                    if depth > DEEPEST && depth > 16.0 * before {
+                        return None;
+                    }
+                    occurs
+                }
+                _ => false,
+            };
+        }
+        occurs.then_some(scene)
+    }
+
+    /// `film` with the mistake; `None` if it changes nothing, or if it is one of the scene. The
+    /// noise of the image changes with it, to first order.
+    pub fn in_image(&self, film: &Film) -> Option<Film> {
+        match self.edit {
+            Edit::Pixels(edit) | Edit::Image(edit) => Some(edit(film)).filter(|new| new != film),
+            _ => None,
+        }
+    }
+}
+
+/// Optical depth beyond which nobody waits for light to be scattered all the way through: a path takes
+/// about as many collisions. Media that only absorb may be deeper, until a mistake makes them scatter.
+const DEEPEST: f64 = 4096.0;
+
+/// The largest optical depth of a medium that scatters, across its bounds.
+fn scattering_depth(scene: &Radiative) -> f64 {
+    let depth = |body: &Body| {
+        let coefficients = &body.medium.coefficients;
+        let across = length_of(body.boundary.as_ref()?.bounds().size());
+        let density = body.density.as_ref().map_or(1.0, |it| it.range().high);
+        let scatters = coefficients.sigma_s() != DVec3::ZERO;
+        scatters.then(|| coefficients.sigma_t().max_element() * density * across)
+    };
+    scene.media.iter().filter_map(depth).fold(0.0, f64::max)
+}
+
+/// Edits `scene`; returns whether the edit applies.
+fn in_radiative(edit: &Edit, scene: &mut Radiative) -> bool {
+    match edit {
+        Edit::Radiative(edit) => edit(scene),
+        Edit::Medium(edit) => changed(scene.media.iter_mut().map(|body| &mut body.medium), *edit),
+        Edit::Light(edit) => changed(&mut scene.lights, *edit),
+        Edit::Material(edit) => {
+            let materials = scene.objects.iter_mut().map(|object| &mut object.material);
+            changed(materials, *edit)
+        }
+        _ => false,
+    }
+}
+
+/// Edits each of the `items`; whether any changed.
+fn changed<'i, T: Copy + PartialEq + 'i>(
+    items: impl IntoIterator<Item = &'i mut T>,
+    edit: fn(&mut T),
+) -> bool {
+    let mut occurs = false;
+    for item in items {
+        let before = *item;
+        edit(item);
+        occurs |= *item != before;
+    }
+    occurs
+}
+
+/// Sets `value` to `new`; whether it changed.
+fn set<T: PartialEq>(value: &mut T, new: T) -> bool {
+    let old = std::mem::replace(value, new);
+    old != *value
+}
+
+/// The formula for opacity, where the model has one.
+fn opacity_of(model: &mut Model) -> Option<&mut TransferOpacity> {
+    match model {
+        Model::Classified(scene) => match &mut scene.transfer_function.appearance {
+            Appearance::Formula { opacity, .. } => Some(opacity),
+            Appearance::Points(_) => None,
+        },
+        Model::Curve(Curve::Formula { opacity, .. }) => Some(opacity),
+        Model::Curve(Curve::Points(_)) | Model::Radiative(_) => None,
+    }
+}
+
+/// All mistakes. If two explain an image equally well, the earlier one is named first; those of the
+/// image precede those of the scene, being easier to check.
+pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
+    [
+        images::MISTAKES,
+        classified::MISTAKES,
+        media::MISTAKES,
+        densities::MISTAKES,
+        lights::MISTAKES,
+        surfaces::MISTAKES,
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// The mistake of that name.
+pub fn named(name: &str) -> Option<&'static Mistake> {
+    catalogue().find(|mistake| mistake.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn names_are_words_and_each_is_there_once() {
+        let mut names = BTreeSet::new();
+        for mistake in catalogue() {
+            assert!(
+                names.insert(mistake.name),
+                "{} is there twice",
+                mistake.name
+            );
+            let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            assert!(mistake.name.chars().all(is_word), "{}", mistake.name);
+            assert!(
+                mistake.advice.len() > 40,
+                "{} says too little",
+                mistake.name
+            );
+            assert_eq!(named(mistake.name).map(|m| m.name), Some(mistake.name));
+        }
+        assert!(names.len() >= 40);
+    }
+}

@@ -1,0 +1,4 @@
+//! Edits of scenes and images: the mistakes that people make.
+
+pub(crate) mod edited_film;
+pub mod mistakes;
