@@ -33,7 +33,7 @@ impl Suite {
 /// ```
 /// use volref::film::Film;
 /// use volref::judging::Verdict;
-/// use volref::check;
+/// use volref::check::check;
 ///
 /// # fn my_renderer(scene: &str, width: usize, height: usize) -> Film {
 /// #     let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/golden/figures/figure-2.exr");

@@ -61,17 +61,11 @@
 //!
 //! # Modules
 //!
-//! [`mod@reference`] holds the plain renderers, [`scene`] their input. [`render`] computes the same
-//! images fast, and [`render::plan`] chooses the code for a scene, with reasons. [`compare`] compares
-//! two images, [`suite`] holds the goldens and the catalogue of common [mistakes](suite::mistakes),
-//! [`hard_cases`] is the catalogue of inputs for which renderers silently give wrong results,
-//! [`exchange`] exports scenes to other renderers. Tests of other renderers start at
-//! [`suite::check`]. [`known_answers`] holds formulas for the radiance of scenes that have one,
-//! [`sensitivity`] differentiates images by the numbers of their scenes,
-//! [`conventions`] holds what ray casters differ in without being wrong. Each
-//! module imports only from modules later in this list: `cli`, [`report`], [`suite`], [`hard_cases`],
-//! [`cost`], [`compare`], [`exchange`], [`sensitivity`], [`render`], [`conventions`], [`mod@reference`],
-//! [`known_answers`], [`scene`], [`media`], [`optics`], [`volume`], [`geometry`], [`film`], [`math`].
+//! `ARCHITECTURE.md` in the repository is the map. In short: [`scene`] reads a file, [`render::plan`]
+//! chooses the code for it with reasons, [`render`] computes the image, which [`mod@reference`]
+//! computes plainly; [`suite`] holds cases and goldens, [`compare`] judges two images, [`judging`] gives
+//! verdicts on cases, [`naming`] searches the mistake or convention behind a failing image.
+//! Tests of other renderers start at [`check`].
 //!
 //! ```no_run
 //! use volref::render::{Sampling, plans, render};

@@ -8,185 +8,54 @@ use files::{Files, circles};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Each room, and the rooms it may import, from the top down. `main.rs` and `lib.rs` are doors,
-/// not rooms.
-const ROOMS: &[(&str, &[&str])] = &[
-    (
-        "cli",
-        &[
-            "report",
-            "suite",
-            "conventions",
-            "sensitivity",
-            "hard_cases",
-            "cost",
-            "exchange",
-            "compare",
-            "reference",
-            "render",
-            "scene",
-            "media",
-            "optics",
-            "volume",
-            "geometry",
-            "film",
-            "math",
-            "atomic_file",
-            "regular_file",
-        ],
-    ),
-    ("report", &["suite", "cost", "compare", "film", "math"]),
-    (
-        "suite",
-        // Mistakes are edits of a scene, down to the nodes of its grids and its camera.
-        &[
-            "hard_cases",
-            "known_answers",
-            "compare",
-            "sensitivity",
-            "render",
-            "conventions",
-            "scene",
-            "media",
-            "optics",
-            "volume",
-            "geometry",
-            "film",
-            "math",
-            "atomic_file",
-            "misspelling",
-            "regular_file",
-        ],
-    ),
-    (
-        "hard_cases",
-        &[
-            "known_answers",
-            "render",
-            "scene",
-            "media",
-            "optics",
-            "volume",
-            "geometry",
-            "film",
-            "math",
-        ],
-    ),
-    (
-        // Formulas: not the code that they judge.
-        "known_answers",
-        &[
-            "scene", "media", "optics", "volume", "geometry", "film", "math",
-        ],
-    ),
-    (
-        "cost",
-        &[
-            "compare",
-            "render",
-            "scene",
-            "media",
-            "optics",
-            "volume",
-            "geometry",
-            "film",
-            "math",
-            "regular_file",
-        ],
-    ),
-    ("compare", &["film", "math", "regular_file"]),
-    (
-        "exchange",
-        &[
-            "render", "scene", "media", "optics", "volume", "geometry", "math",
-        ],
-    ),
-    (
-        "sensitivity",
-        &[
-            "render",
-            "scene",
-            "media",
-            "optics",
-            "geometry",
-            "film",
-            "math",
-            "misspelling",
-        ],
-    ),
-    (
-        "render",
-        &[
-            "conventions",
-            "scene",
-            "media",
-            "optics",
-            "volume",
-            "geometry",
-            "film",
-            "math",
-        ],
-    ),
-    (
-        "conventions",
-        &[
-            "scene",
-            "media",
-            "volume",
-            "geometry",
-            "film",
-            "math",
-            "regular_file",
-        ],
-    ),
-    (
-        // For `render --reference` and tests: a judge that what is judged imports would judge itself.
-        "reference",
-        &[
-            "scene", "media", "optics", "volume", "geometry", "film", "math",
-        ],
-    ),
-    (
-        "scene",
-        &[
-            "media",
-            "optics",
-            "volume",
-            "geometry",
-            "math",
-            "misspelling",
-            "regular_file",
-        ],
-    ),
-    ("media", &["volume", "geometry", "math"]),
-    ("optics", &["geometry", "math"]),
-    ("volume", &["geometry", "math", "decoder", "regular_file"]),
-    ("geometry", &["math", "decoder", "regular_file"]),
-    ("film", &["math", "decoder"]),
-    // Chapters, no code.
-    ("guide", &[]),
-    ("math", &[]),
-    ("decoder", &[]),
-    ("atomic_file", &[]),
-    ("misspelling", &[]),
-    ("regular_file", &[]),
-];
+/// A room of the table in `ARCHITECTURE.md`.
+struct Room {
+    name: &'static str,
+    /// Files to read first, within its folder.
+    first: Vec<&'static str>,
+    /// Rooms below it that it imports none the less.
+    never: Vec<&'static str>,
+}
+
+/// The rooms of the table, from the top down. `main.rs` and `lib.rs` are in none.
+fn rooms() -> Vec<Room> {
+    let table = include_str!("../../ARCHITECTURE.md")
+        .split_once("## Rooms")
+        .unwrap()
+        .1;
+    let table = table.split_once("\n## ").unwrap().0;
+    let rows = table.lines().filter(|line| line.starts_with("| `"));
+    let quoted = |cell: &'static str| cell.split('`').skip(1).step_by(2).collect::<Vec<_>>();
+    rows.map(|row| {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').collect();
+        assert_eq!(cells.len(), 5, "{row}");
+        Room {
+            name: quoted(cells[0])[0],
+            first: quoted(cells[2]),
+            never: quoted(cells[4]),
+        }
+    })
+    .collect()
+}
 
 /// What is wrong with the imports of `text`, a source file of the room `room`.
 fn wrong_arrows(room: &str, text: &str) -> Vec<String> {
-    let Some((_, allowed)) = ROOMS.iter().find(|(name, _)| *name == room) else {
-        return vec![format!("{room} is no room of the map")];
+    let rooms = rooms();
+    let place = |name: &str| rooms.iter().position(|room| room.name == name);
+    let Some(from) = place(room) else {
+        return vec![format!("{room} is no room of ARCHITECTURE.md")];
     };
     let mut wrong = Vec::new();
-    for target in imports(text) {
-        if target == room || allowed.contains(&target.as_str()) {
-            continue;
+    for target in imports(text).iter().filter(|target| *target != room) {
+        match place(target) {
+            None => wrong.push(format!(
+                "{room} imports {target}, which is no room of ARCHITECTURE.md"
+            )),
+            Some(to) if to < from || rooms[from].never.contains(&target.as_str()) => {
+                wrong.push(format!("{room} must not import {target}"));
+            }
+            Some(_) => {}
         }
-        wrong.push(if ROOMS.iter().any(|(name, _)| *name == target) {
-            format!("{room} must not import {target}")
-        } else {
-            format!("{room} imports {target}, which is no room of the map")
-        });
     }
     wrong
 }
@@ -408,19 +277,20 @@ const UNASKED: [&str; 6] = [
     "fs::read_to_string",
 ];
 
-/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written, the
-/// system's words on a process.
-const ASKED: [(&str, &str); 4] = [
+/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written, a
+/// partial file to be locked, the system's words on a process.
+const ASKED: [(&str, &str); 5] = [
     (
-        "atomic_file.rs",
+        "files/atomic_file.rs",
         "let mut stream = File::options().append(true).open(path)?;",
     ),
     (
-        "atomic_file.rs",
+        "files/atomic_file.rs",
         "match File::open(directory)?.sync_all() {",
     ),
+    ("files/partial_file.rs", "let file = File::open(&path);"),
     (
-        "suite/other_renderer/keeper.rs",
+        "renderers/other_renderer/keeper.rs",
         "&& let Ok(bytes) = std::fs::read(entry.path().join(\"stat\"))",
     ),
     ("suite/store.rs", "let opened = File::options()"),
@@ -446,7 +316,7 @@ fn files_are_read_through_one_door() {
         let relative = path.strip_prefix(&source).unwrap();
         let relative = relative.display().to_string().replace('\\', "/");
         let only_tests = relative.ends_with("tests.rs");
-        if relative == "regular_file.rs" || only_tests {
+        if relative == "files/regular_file.rs" || only_tests {
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
@@ -458,7 +328,7 @@ fn files_are_read_through_one_door() {
         .iter()
         .map(|(file, line)| ((*file).to_owned(), (*line).to_owned()))
         .collect();
-    assert_eq!(found, asked, "open files by crate::regular_file");
+    assert_eq!(found, asked, "open files by crate::files::regular_file");
     let text =
         "// File::open(path)\nlet a = std::fs::read(path);\n#[cfg(test)]\nmod tests {\nfs::read(x)";
     assert_eq!(unasked_lines(text), ["let a = std::fs::read(path);"]);
@@ -559,33 +429,42 @@ fn main_only_calls_the_command_line() {
 }
 
 #[test]
-fn the_map_itself_has_no_rings() {
-    let place = |name: &str| ROOMS.iter().position(|(room, _)| *room == name).unwrap();
-    for (room, allowed) in ROOMS {
-        for target in *allowed {
-            assert!(place(target) > place(room), "{room} → {target} points up");
+fn the_table_names_what_there_is() {
+    let rooms = rooms();
+    let place = |name: &str| rooms.iter().position(|room| room.name == name);
+    for (index, room) in rooms.iter().enumerate() {
+        let folder = source().join(room.name);
+        for file in &room.first {
+            let beside = source().join(file);
+            assert!(
+                folder.join(file).exists() || beside.exists(),
+                "{}: {file}",
+                room.name
+            );
+        }
+        for never in &room.never {
+            assert!(
+                place(never) > Some(index),
+                "{} never imports {never} anyway",
+                room.name
+            );
         }
     }
-}
-
-/// The front page lists the modules so that each imports only from later ones.
-#[test]
-fn the_front_page_lists_modules_from_the_top_down() {
-    let page = include_str!("../../src/lib.rs");
-    let list = page.split_once("later in this list:").unwrap().1;
-    let list = list.split_once("\n//!\n").unwrap().0;
-    let names = list.split('`').skip(1).step_by(2);
-    let names: Vec<&str> = names.map(|name| name.trim_start_matches("mod@")).collect();
-    assert!(names.len() > 15, "{names:?}");
-    for (room, allowed) in ROOMS {
-        let Some(place) = names.iter().position(|name| name == room) else {
-            continue;
-        };
-        for target in *allowed {
-            let later = names.iter().position(|name| name == target);
-            assert!(later.is_none_or(|later| later > place), "{room} → {target}");
-        }
+    // The files of the tables below.
+    let page = include_str!("../../ARCHITECTURE.md");
+    let below = page.split_once("\n## The way").unwrap().1;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let paths = below.split('`').skip(1).step_by(2);
+    let paths = paths.filter(|path| path.contains('/') && !path.contains([' ', '*']));
+    let mut checked = 0;
+    for path in paths {
+        assert!(
+            root.join(path).exists() || source().join(path).exists(),
+            "{path}"
+        );
+        checked += 1;
     }
+    assert!(checked > 20);
 }
 
 #[test]
@@ -595,8 +474,8 @@ fn the_checker_can_fail() {
     assert_eq!(faults("film", upward), "film must not import scene");
     assert_eq!(faults("render", upward), "");
     assert_eq!(
-        faults("volume", "fn f() { crate::atomic_file::write() }"),
-        "volume must not import atomic_file"
+        faults("volume", "fn f() { crate::suite::open() }"),
+        "volume must not import suite"
     );
     assert_eq!(
         faults(
@@ -607,9 +486,9 @@ fn the_checker_can_fail() {
     );
     assert_eq!(
         faults("cli", "use crate::kitchen::Sink;"),
-        "cli imports kitchen, which is no room of the map"
+        "cli imports kitchen, which is no room of ARCHITECTURE.md"
     );
-    assert_eq!(faults("attic", ""), "attic is no room of the map");
+    assert_eq!(faults("attic", ""), "attic is no room of ARCHITECTURE.md");
     assert_eq!(
         faults("math", "//! See [`crate::film`].\nuse other_crate::film;"),
         ""
