@@ -439,7 +439,7 @@ mod tests {
         assert!(std::fs::metadata(&path).unwrap().len() > 70 << 20);
         let read: String = unpacked(&path, "run", "case").unwrap();
         assert!(read == flat);
-        write_packed(&path, "run", "case", &flat[..1 << 20]).unwrap();
+        write_packed(&path, "run", "case", &&flat[..1 << 20]).unwrap();
         assert!(std::fs::metadata(&path).unwrap().len() < 1 << 16);
         let other = unpacked::<String>(&path, "run", "other").unwrap_err();
         assert!(other.ends_with(OTHER_CASE), "{other}");
