@@ -1,5 +1,7 @@
 //! The word that somebody meant.
 
+use strsim::damerau_levenshtein;
+
 /// Longest word that is compared: the distance takes time in proportion to both lengths.
 const LONGEST: usize = 64;
 
@@ -11,18 +13,20 @@ pub fn nearest<'n>(word: &str, names: impl IntoIterator<Item = &'n str>) -> Opti
     let word = word.to_lowercase();
     let near = names.into_iter().filter_map(|name| {
         let lower = name.to_lowercase();
-        let edits = strsim::damerau_levenshtein(&lower, &word);
-        // Half the letters wrong is no misspelling any more.
-        let is_near = 2 * edits <= name.len() && are_near_numbers(&lower, &word);
-        is_near.then_some((edits, name))
+        is_near(&lower, &word).then(|| (damerau_levenshtein(&lower, &word), name))
     });
     near.min().map(|(_, name)| name)
 }
 
-/// One digit may be wrong, missing or too many, or two exchanged: with more, another number is meant.
-fn are_near_numbers(one: &str, other: &str) -> bool {
-    let digits = |text: &str| text.replace(|letter: char| !letter.is_ascii_digit(), "");
-    strsim::damerau_levenshtein(&digits(one), &digits(other)) <= 1
+/// Half the letters wrong is no misspelling any more; nor is a number with more than one digit wrong, missing or
+/// too many, or two exchanged: another one is meant.
+fn is_near(name: &str, word: &str) -> bool {
+    let [digits, letters] = [true, false].map(|is_digit| {
+        let part = |text: &str| text.replace(|c: char| c.is_ascii_digit() != is_digit, "");
+        let (name, word) = (part(name), part(word));
+        (damerau_levenshtein(&name, &word), name.len())
+    });
+    digits.0 <= 1 && 2 * letters.0 <= letters.1
 }
 
 #[cfg(test)]

@@ -95,9 +95,7 @@ impl AcceptWatch for Unwatched {
 
     fn worked(&self, _: u64) {}
 
-    fn note(&self, text: &str) {
-        panic!("{text}");
-    }
+    fn note(&self, _: &str) {}
 }
 
 struct SampledFolder(tempfile::TempDir);
