@@ -43,51 +43,52 @@ pub const FIRST_SAMPLE: &str = "first_sample";
 pub const STEP: &str = "step";
 const EARLY_END: &str = "early_termination";
 
-/// Ends and steps of rays, which scenes state beside the table of conventions: choice, words, whether
-/// one stands alone, edit.
-const SAMPLES: [(&str, &str, bool, fn(&mut Classified)); 8] = [
-    (
+const fn of_samples(
+    choice: &'static str,
+    words: &'static str,
+    edit: fn(&mut Classified),
+) -> Convention {
+    Convention {
+        words,
+        choice,
+        stands_alone: true,
+        edit: Edit::Samples(edit),
+    }
+}
+
+/// Ends and steps of rays, which scenes state beside the table of conventions.
+const SAMPLES: [Convention; 8] = [
+    of_samples(
         EARLY_END,
         "ends rays at a transmittance of 0.001",
-        true,
         |scene| scene.end_rays_at(0.001),
     ),
-    (
+    of_samples(
         EARLY_END,
         "ends rays at a transmittance of 1/255",
-        true,
         |scene| scene.end_rays_at(1.0 / 255.0),
     ),
-    (
-        EARLY_END,
-        "ends rays at a transmittance of 0.01",
-        true,
-        |scene| scene.end_rays_at(0.01),
-    ),
-    (
-        EARLY_END,
-        "ends rays at a transmittance of 0.05",
-        true,
-        |scene| scene.end_rays_at(0.05),
-    ),
-    (STEP, "takes steps of half the length", true, |scene| {
+    of_samples(EARLY_END, "ends rays at a transmittance of 0.01", |scene| {
+        scene.end_rays_at(0.01)
+    }),
+    of_samples(EARLY_END, "ends rays at a transmittance of 0.05", |scene| {
+        scene.end_rays_at(0.05)
+    }),
+    of_samples(STEP, "takes steps of half the length", |scene| {
         scene.step *= 0.5
     }),
-    (
-        STEP,
-        "takes steps of a quarter of the length",
-        true,
-        |scene| scene.step *= 0.25,
-    ),
-    (
-        STEP,
-        "takes steps of an eighth of the length",
-        true,
-        |scene| scene.step *= 0.125,
-    ),
-    (STEP, "takes steps of twice the length", false, |scene| {
-        scene.step *= 2.0
+    of_samples(STEP, "takes steps of a quarter of the length", |scene| {
+        scene.step *= 0.25
     }),
+    of_samples(STEP, "takes steps of an eighth of the length", |scene| {
+        scene.step *= 0.125
+    }),
+    Convention {
+        stands_alone: false,
+        ..of_samples(STEP, "takes steps of twice the length", |scene| {
+            scene.step *= 2.0
+        })
+    },
 ];
 
 /// The conventions that are looked for: those of samples behind that of the last step of a ray.
@@ -101,14 +102,7 @@ pub static CATALOGUE: LazyLock<Vec<Convention>> = LazyLock::new(|| {
             edit: Edit::Convention(other),
         }));
         if *key == "last_step" {
-            all.extend(
-                SAMPLES.map(|(choice, words, stands_alone, edit)| Convention {
-                    words,
-                    choice,
-                    stands_alone,
-                    edit: Edit::Samples(edit),
-                }),
-            );
+            all.extend(SAMPLES);
         }
     }
     all

@@ -47,6 +47,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         ),
     };
     let nothing = || nothing.clone();
+    let has_no_gradient = scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3);
 
     let finding = |effect| match effect {
         Effect::Surfaces => Absent("the classified model has no surfaces"),
@@ -69,15 +70,18 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
                 PHONG,
                 "the density is constant: its gradient is 0".to_owned(),
             ),
-            Some(_) if is_conventional => matters(PHONG, "samples are shaded".to_owned()),
-            Some(_) if scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3) => null(
+            Some(_) if !is_conventional && has_no_gradient => null(
                 PHONG,
                 "no axis has three nodes: the stored gradient is 0".to_owned(),
             ),
-            Some(phong) if is_identity(phong) => null(
+            Some(phong) if !is_conventional && is_identity(phong) => null(
                 PHONG,
                 "ambient 1, diffuse 0 and specular 0 leave colours as they are".to_owned(),
             ),
+            Some(_) if least == most || has_no_gradient => {
+                let reason = "samples without a gradient are shaded, too, by some conventions";
+                matters(PHONG, reason.to_owned())
+            }
             Some(_) => matters(PHONG, "the density has a gradient".to_owned()),
         },
         Effect::Heterogeneity if transparent => null(VOLUME, nothing()),
