@@ -156,17 +156,6 @@ fn threads_beyond_all_cores() {
     }
     let run = folder.volref(&[&render[..], &["--threads", "100000"]].concat());
     run.expect(2, &["--threads", "1024"]);
-    // As many as there may be, where the system allows fewer.
-    let mut limited = std::process::Command::new("sh");
-    let limited = limited.args([
-        "-c",
-        "ulimit -v 1500000; exec \"$0\" render scene.toml -o image.exr",
-    ]);
-    let limited = limited
-        .arg(env!("CARGO_BIN_EXE_volref"))
-        .env("RAYON_NUM_THREADS", "1024");
-    let run = Run::of(limited.current_dir(folder.path("")).output().unwrap());
-    run.expect(2, &["RAYON_NUM_THREADS asks for 1024 threads: "]);
 }
 
 /// On stdout, too, JSON holds names as they are.
