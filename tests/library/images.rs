@@ -712,7 +712,7 @@ fn files_of_no_case_are_named() {
         format!("{} {}\n", file.display(), unknown.reason)
     });
     insta::assert_snapshot!(lines.collect::<String>(), @r#"
-    figure-1.1.2.exr does not match any case: did you mean figures/figure-1?
+    figure-1.1.2.exr does not match any case
     fog/<script>alert('1')<script>.png does not match any case
     fog/forward.jpg is not read: .jpg is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit sRGB)
     fog/forward.variance.npy is not read: variances are an .exr, with R, G, B and samples.Y
