@@ -22,8 +22,8 @@ pub struct Arguments {
     /// What was wrong with the old goldens, or what new ones are for; stored with each golden
     #[arg(long, value_name = "TEXT")]
     reason: String,
-    /// Keep the images of stochastic cases, and record only the bits of their quick renderings anew,
-    /// which have to agree with them: after a change of how a renderer samples, not of what
+    /// Keep the images of stochastic cases, and re-record only the hashes of their quick renderings,
+    /// which must still agree; for changes of the sampling, not of the physics
     #[arg(long)]
     keep_images: bool,
     #[command(flatten)]

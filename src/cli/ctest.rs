@@ -56,7 +56,7 @@ pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure>
     Ok(lines)
 }
 
-/// Writes the pictures of a case that there are; with what they show.
+/// Writes the pictures of a case, as far as it has any; returns their names and what each shows.
 fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
     let evidence = &judged.evidence;
     let exposure = evidence.exposure;

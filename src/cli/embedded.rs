@@ -1,4 +1,4 @@
-//! The suite within the program, unpacked where it can be read as files.
+//! The embedded suite, unpacked into files.
 
 use super::failure::{Exit, Failure};
 use super::{interrupt, progress};
@@ -13,7 +13,7 @@ pub type SuiteFiles = fn() -> Vec<(PathBuf, &'static [u8])>;
 
 static FILES: OnceLock<SuiteFiles> = OnceLock::new();
 
-/// Where the suite was unpacked, if that is for this process alone.
+/// Temporary folder of the unpacked suite, if it was made for this process alone.
 static TEMPORARY: Mutex<Option<TempDir>> = Mutex::new(None);
 
 /// Holds `files` as the suite of the program.
@@ -26,9 +26,9 @@ pub fn suite() -> EmbeddedSuite {
     EmbeddedSuite::new(FILES.get().map(|files| files()).unwrap_or_default())
 }
 
-/// The suite of the program, unpacked into the user's folder for caches, where it stays, else into a
-/// temporary one, which is removed [at the end](remove_temporary). Others' files beside its own are not
-/// part of it.
+/// The suite of the program, unpacked into the user's folder for caches, where it stays, else into
+/// a temporary one, which is removed [at the end](remove_temporary). Files of others in that folder
+/// are not part of it.
 pub fn open() -> Result<Suite, Failure> {
     let suite = suite();
     let cache = cache_of_the_user().map(|folder| folder.join("suite").join(suite.name()));

@@ -12,11 +12,11 @@ const CUT: u8 = 2;
 
 static NEXT: AtomicU8 = AtomicU8::new(ENDS);
 
-/// What is to be run before the process ends.
+/// Functions to run before the process ends.
 static LAST: Mutex<Vec<Box<dyn Fn() + Send>>> = Mutex::new(Vec::new());
 
-/// Runs `last` before Ctrl-C, or another signal, ends this process, and what was given before. On
-/// systems without such signals it does nothing.
+/// Runs `last`, after functions given earlier, before Ctrl-C or another signal ends this process.
+/// On systems without such signals it does nothing.
 pub fn before_the_end(last: impl Fn() + Send + 'static) {
     LAST.lock()
         .unwrap_or_else(PoisonError::into_inner)
@@ -41,7 +41,7 @@ pub fn can_be_cut_short<T>(work: impl FnOnce() -> T) -> (T, bool) {
     (value, NEXT.swap(ENDS, Ordering::SeqCst) == CUT)
 }
 
-/// Whether Ctrl-C was pressed since the interruptible work began.
+/// True if Ctrl-C was pressed since the interruptible work began.
 pub fn is_cut_short() -> bool {
     NEXT.load(Ordering::SeqCst) == CUT
 }

@@ -1,4 +1,4 @@
-//! `volref __keep PROGRAM ARGUMENTS…`: how volref calls itself, once for each renderer it runs.
+//! `volref __keep PROGRAM ARGUMENTS…`: the keeper process that volref starts for each renderer.
 
 use super::Outcome;
 use super::output::pretty;

@@ -12,7 +12,7 @@ use crate::suite::{Case, Suite};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-/// Where the results of cases are kept.
+/// Option for the folder of results.
 #[derive(clap::Args, Debug)]
 pub struct KeepArgument {
     /// Keep the result of each case in DIR, for volref merge [with --partition: .volref of the suite]
@@ -47,8 +47,8 @@ impl KeepArgument {
     }
 }
 
-/// The run of a command on `cases` of a suite, and on `others` that no file says anything of, before a part of
-/// them is taken.
+/// The run of a command on `cases` of a suite and on `others`, which have no files, before a part
+/// of them is taken.
 pub fn run_of<'c>(
     command: &str,
     suite: &Suite,
@@ -74,7 +74,7 @@ pub fn run_of<'c>(
     }
 }
 
-/// Keeps what was `judged` of `part`; the rest of it was passed over.
+/// Keeps the results `judged` of the cases of `part`; the others of them were passed over.
 ///
 /// # Errors
 ///
@@ -98,7 +98,7 @@ pub fn keep(
     })
 }
 
-/// Keeps what a self-test `found` in the cases of a part.
+/// Keeps the findings of a self-test in the cases of a part.
 ///
 /// # Errors
 ///
@@ -109,7 +109,7 @@ pub fn keep_trials(folder: &ResultFolder, run: &Run, found: &[CaseTrials]) -> Re
     })
 }
 
-/// Keeps results by `keep`, which is given the identifier of the run, and says where.
+/// Keeps results by `keep`, called with the identifier of the run, and prints their folder.
 fn keep_with(
     folder: &ResultFolder,
     run: &Run,

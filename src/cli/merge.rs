@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Folders that parts wrote: .volref, that of --results, or a folder with a .volref
     #[arg(value_name = "DIR", required = true)]
     folders: Vec<PathBuf>,
-    /// Where results of several runs are there: the one whose identifier begins with ID
+    /// Run to join, if there are several: start of its identifier
     #[arg(long = "run", value_name = "ID")]
     run: Option<String>,
     #[command(flatten)]
@@ -102,14 +102,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
-/// A run, and where there are results of it.
+/// A run, and the folders with results of it.
 struct ResultsOfRun {
     run: Run,
     id: String,
     folders: Vec<ResultFolder>,
 }
 
-/// The folder of units and results that `folder` is or has.
+/// The folder of units and results: `folder` itself or one in it.
 fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     let is_root = |root: &Path| {
         let (units, results) = (UnitFolder::open(root), ResultFolder::open(root));
@@ -132,7 +132,7 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     }
     let folder = folder.display();
     if !within.parent().is_some_and(Path::is_dir) {
-        return Err(bad_input(format!("{folder} is no folder")));
+        return Err(bad_input(format!("{folder} is not a folder")));
     }
     let message = format!("{folder} has neither results nor units");
     let help =
@@ -141,12 +141,11 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
 }
 
 fn damaged_run(reason: String) -> Failure {
-    let help =
-        "nothing can be said of the results beside it: remove its folder, and run its parts again";
+    let help = "the other results in its folder cannot be trusted: remove the folder, and run its parts again";
     Failure::new(Exit::Undecided, reason, Some(help))
 }
 
-/// The run of which there are results; `None` where there are only units.
+/// The run whose results are to be joined; `None` where there are only units.
 fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run>, Failure> {
     let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
     for folder in folders {
@@ -178,7 +177,7 @@ fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run
     }
 }
 
-/// Results of all parts, in the order of the cases; of those that are missing, that they are.
+/// Results of all parts, in the order of the cases; a missing one is a result that says so.
 fn joined_results(
     arguments: &Arguments,
     suite: &Suite,
@@ -274,8 +273,8 @@ fn joined_results(
     })
 }
 
-/// The self-test of all parts, as of `cases` on one machine. Where parts are missing, a mistake that
-/// nobody caught may be caught there.
+/// The self-test of all parts, as on one machine with all `cases`. Where parts are missing, a
+/// mistake that is not caught may be caught by one of them.
 fn joined_self_test(
     arguments: &Arguments,
     results: &ResultsOfRun,
@@ -336,7 +335,8 @@ fn contradicting_self_tests(name: &str, folders: [&ResultFolder; 2]) -> Failure 
     Failure::new(Exit::BadInput, message, Some(help))
 }
 
-/// The result of a case: of several that agree always the same, whatever the order of the folders.
+/// The result of a case; where several agree, always the same one, whatever the order of the
+/// folders.
 ///
 /// # Errors
 ///
@@ -396,7 +396,7 @@ fn contradiction(name: &str, found: [(&Judged, &ResultFolder); 2]) -> Failure {
 /// Reason of a case without a result.
 const NO_RESULT: &str = "no result: its part was not run, did not end, or wrote elsewhere";
 
-/// The cases without a result, with the reasons that are not [`NO_RESULT`].
+/// List of the cases without a result, with reasons other than [`NO_RESULT`].
 fn missing_text(missing: &[(&String, String)], all: usize) -> String {
     if missing.is_empty() {
         return String::new();

@@ -1,4 +1,4 @@
-//! Units of goldens of several machines, brought together.
+//! Units of goldens from several machines, copied to one place.
 
 use super::failure::{Exit, Failure, bad_input};
 use super::output::number_of;
@@ -11,7 +11,7 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Units brought together.
+/// Units of several folders, joined.
 #[derive(Default)]
 pub struct JoinedUnits {
     folder: PathBuf,
@@ -21,18 +21,19 @@ pub struct JoinedUnits {
     cases: Vec<UnitsOfCase>,
     /// Files that are not used, each with the reason.
     unused: Vec<String>,
-    /// Some of these cannot be read, and there is no other file of their names.
+    /// True if a file cannot be read, and no other file has its name.
     has_damage: bool,
 }
 
-/// Units of a case, and those that are not there.
+/// Units of a case, and those that are missing.
 struct UnitsOfCase {
     case: String,
     all: usize,
     missing: Vec<Unit>,
 }
 
-/// Brings the units in `files` to where `accept` finds them. All are looked at before any is copied.
+/// Copies the units in `files` to the folder in which `accept` looks for them. All are checked
+/// before any is copied.
 pub fn joined_units(
     files: &[PathBuf],
     suite: &Suite,
@@ -71,7 +72,7 @@ pub fn joined_units(
             Entry::Occupied(of_case) => of_case.into_mut(),
             Entry::Vacant(of_case) => {
                 let Some(case) = by_name.get(unit.case.as_str()) else {
-                    let what = format!("of {}, which is no case of this suite", unit.case);
+                    let what = format!("of {}, which is not a case of this suite", unit.case);
                     refused.push((file, what));
                     continue;
                 };

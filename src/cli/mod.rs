@@ -80,9 +80,9 @@ enum Command {
 
 /// The outcome of a command that succeeded.
 struct Outcome {
-    /// For stdout.
+    /// Text for stdout.
     text: String,
-    /// For the shell.
+    /// Exit code.
     exit: Exit,
 }
 

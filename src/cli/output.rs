@@ -1,5 +1,5 @@
-//! All printing. A reader may close the pipe early, and control characters in names, keys or the
-//! output of another renderer are never printed.
+//! Output of all commands. A reader may close the pipe early, and control characters in names, keys
+//! or the output of another renderer are never printed.
 
 use super::failure::{Exit, Failure, bad_input};
 use super::visible_report::visible_report;
@@ -34,8 +34,8 @@ fn write_out(text: &str) {
     note_error(stdout.write_all(text.as_bytes()));
 }
 
-/// Flushes stdout, and notes an error of this or of the write before. A closed pipe
-/// (`volref list | head -1`) is none.
+/// Flushes stdout, and records an error of this or of the write before. A closed pipe (`volref list
+/// | head -1`) is not an error.
 fn note_error(written: io::Result<()>) {
     match written.and_then(|()| io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -45,8 +45,8 @@ fn note_error(written: io::Result<()>) {
     }
 }
 
-/// The exit code of a command that ends with `exit`. Output that could not be written is an error, in words on
-/// stderr: whoever reads it would take the part that was for the whole.
+/// The exit code of a command that ends with `exit`. Output that could not be written is an error,
+/// reported on stderr: a reader would take the part for the whole.
 pub fn exit_after_output(exit: Exit) -> Exit {
     let Some(error) = STDOUT_ERROR.get() else {
         return exit;
@@ -72,7 +72,7 @@ fn without_elements(text: String) -> String {
     }
 }
 
-/// The command line has `--ctest`, whether or not it can be parsed.
+/// True if the command line has `--ctest`, even if it cannot be parsed.
 fn is_for_ctest() -> bool {
     let asks = |argument: OsString| {
         let argument = argument.to_string_lossy();
@@ -145,7 +145,7 @@ impl Json {
         file.filter(|path| path.as_os_str() != "-")
     }
 
-    /// Whether standard output is for JSON alone.
+    /// True if standard output is for JSON alone.
     pub fn is_printed(&self) -> bool {
         self.json.is_some() && self.file().is_none()
     }
@@ -202,8 +202,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_atomically(path, bytes).map_err(|error| not_written(path, &error.cause))
 }
 
-/// As [`write`], the file `inner` of a folder that the user named: volref chose the name of the file, so
-/// that neither a link nor a pipe of this name was meant to be written through.
+/// As [`write`], the file `inner` of a folder that the user named: volref chose the name of the
+/// file, so that the user cannot have meant a link or pipe of this name.
 pub fn write_within(folder: &Path, inner: &Path, bytes: &[u8]) -> Result<PathBuf, Failure> {
     own_file::make_folder(folder, directory_of(inner)).map_err(bad_input)?;
     let path = folder.join(inner);
@@ -298,7 +298,7 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(failed)
 }
 
-/// A number of things of this noun: `1 unit`, `2 units`.
+/// A number with its noun: `1 unit`, `2 units`.
 pub fn number_of(number: u64, noun: &str) -> String {
     match number {
         1 => format!("1 {noun}"),

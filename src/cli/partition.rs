@@ -16,7 +16,8 @@ pub struct PartitionArgument {
 }
 
 impl PartitionArgument {
-    /// Keeps the items of this part; `noun` says what they are, and `name` how one is called.
+    /// Keeps the items of this part; `noun` is their kind for messages, `name` gives the name of
+    /// one.
     ///
     /// # Errors
     ///
@@ -44,12 +45,12 @@ impl PartitionArgument {
         Ok(())
     }
 
-    /// All that the filters select is run here.
+    /// True if this run has all that the filters select.
     pub fn is_whole(&self) -> bool {
         self.partition.is_none()
     }
 
-    /// The first part, which does what belongs to no case.
+    /// True for the first part, which does the work that belongs to no case.
     pub fn is_first(&self) -> bool {
         self.partition.as_ref().is_none_or(|it| it.part == 1)
     }
@@ -59,7 +60,7 @@ impl PartitionArgument {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Partition {
     by: By,
-    /// From 1.
+    /// Number of the part, from 1.
     part: u64,
     parts: u64,
 }
@@ -120,7 +121,7 @@ impl FromStr for Partition {
     }
 }
 
-/// Variables of an engine that runs several parts.
+/// Environment variables of a scheduler that runs several parts.
 struct Engine {
     name: &'static str,
     /// Number of this part, and number of parts.
@@ -132,7 +133,8 @@ struct Engine {
 #[derive(Clone, Copy)]
 enum First {
     Fixed(u64),
-    /// Stands in this variable; parts have numbers that lie as far apart as the other says, or 1.
+    /// Value of the first variable; the numbers of parts are as far apart as the second says, or by
+    /// 1.
     Chosen(&'static str, &'static str),
 }
 
@@ -159,14 +161,14 @@ const ENGINES: [Engine; 4] = [
     },
 ];
 
-/// The slice that the variables of an engine ask for. Nothing, half of it or two different ones are
-/// errors: never the whole.
+/// The slice that the variables of a scheduler ask for. Missing, incomplete or contradicting
+/// variables are errors, never the whole.
 fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, String> {
     let number = |name: &str| {
         let value = variable(name).filter(|value| !value.is_empty());
         let parsed = value.map(|value| {
             let number = value.trim().parse::<u64>();
-            number.map_err(|_| format!("{name}={value} is no whole number"))
+            number.map_err(|_| format!("{name}={value} is not a whole number"))
         });
         parsed.transpose()
     };
@@ -195,7 +197,7 @@ fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, Str
         let place = from_first.filter(is_part);
         let Some(place) = place.map(|place| place / step) else {
             return Err(format!(
-                "{of_part}={part} is no part of {}, whose first is {first}",
+                "{of_part}={part} is not a part of {}, whose first is {first}",
                 engine.name
             ));
         };
@@ -348,7 +350,7 @@ mod tests {
         ];
         assert!(error(&both).contains("GitLab CI"));
         assert!(
-            error(&[("CI_NODE_INDEX", "x"), ("CI_NODE_TOTAL", "2")]).contains("no whole number")
+            error(&[("CI_NODE_INDEX", "x"), ("CI_NODE_TOTAL", "2")]).contains("not a whole number")
         );
         assert!(
             error(&[("CI_NODE_INDEX", "0"), ("CI_NODE_TOTAL", "2")]).contains("CI_NODE_INDEX=0")

@@ -43,7 +43,7 @@ fn forced(name: &str) -> Result<Forced, String> {
     effect.map_err(|error: String| format!("{error}; or all, for all elided effects"))
 }
 
-/// The plan for `panel` with what is `forced`.
+/// The plan for `panel` with the `forced` effects.
 fn plan_for<'s>(panel: &'s Panel, forced: &[Forced]) -> Result<Plan<'s>, PlanError> {
     let effects = forced.iter().flat_map(|forced| match forced {
         None => Plan::null_effects(panel),
@@ -57,7 +57,7 @@ struct PlanJson<'s> {
     schema: &'static str,
     scene: &'s PathBuf,
     image: ImageJson,
-    /// Of the values of all volumes.
+    /// Memory of the values of all volumes, bytes.
     volume_bytes: u64,
     panels: Vec<PanelJson<'s>>,
 }
@@ -67,9 +67,9 @@ struct PlanJson<'s> {
 struct ImageJson {
     width: usize,
     height: usize,
-    /// Of the finished image.
+    /// Memory of the finished image, bytes.
     bytes: u64,
-    /// Peak while it is rendered and written.
+    /// Peak memory while it is rendered and written, bytes.
     most_bytes: u64,
 }
 
@@ -87,7 +87,7 @@ struct PanelJson<'s> {
     defaults: Vec<DefaultJson<'s>>,
     /// Rays from the eye; the expected work is the sum over all of them.
     rays: u64,
-    /// By the names of the counters.
+    /// Expected work by the names of the counters.
     expected: BTreeMap<&'static str, AmountJson>,
     memory: Vec<Memory>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -40,13 +40,13 @@ pub struct Bar {
 
 struct SharedBar {
     start: Instant,
-    /// On a terminal.
+    /// The bar, on a terminal.
     bar: Option<ProgressBar>,
     said: Mutex<ProgressText>,
     changed: Condvar,
     /// The parts of the work, such as cases.
     parts: Counter,
-    /// The steps of what is under way.
+    /// Steps of the current part.
     steps: Counter,
 }
 
@@ -94,8 +94,8 @@ impl Counter {
     }
 }
 
-/// One image; `label` names the work. A panel that takes long is announced, with `advice` on making
-/// it faster. Notes are printed once the work takes long.
+/// Progress of one image; `label` names the work. A panel that takes long is announced, with
+/// `advice` on making it faster. Notes are printed once the work takes long.
 pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
     let said = ProgressText {
         advice: Some(advice),
@@ -105,12 +105,12 @@ pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
     Bar::begin(0, said)
 }
 
-/// A number of `cases`.
+/// Progress of that many `cases`.
 pub fn cases(cases: usize) -> Bar {
     counted("cases", cases)
 }
 
-/// A number of `parts`, with their name.
+/// Progress of that many `parts`, which have this name.
 pub fn counted(name: &'static str, parts: usize) -> Bar {
     let said = ProgressText {
         parts: Some(name),
@@ -119,7 +119,7 @@ pub fn counted(name: &'static str, parts: usize) -> Bar {
     Bar::begin(parts as u64, said)
 }
 
-/// Work whose amount is given later.
+/// Progress of work whose amount is given later.
 pub fn work() -> Bar {
     Bar::begin(0, ProgressText::default())
 }
@@ -132,7 +132,7 @@ pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// A line beside the work: which suite it is about, say.
+/// Prints a line about the work, such as the suite in use.
 pub fn note(text: &str) {
     let _ = writeln!(std::io::stderr(), "volref: {}", printable(text));
 }
@@ -151,7 +151,7 @@ pub fn mistakes(failed: usize, seconds: f64) -> Bar {
     Bar::begin(0, ProgressText::of("looking for the mistake"))
 }
 
-/// Shows the progress of that search.
+/// Shows a step of the search for mistakes.
 pub fn mistake(bar: &Bar, step: &SearchStep) {
     let left = step.left.map_or(String::new(), |left| {
         format!(", {:.0} s left for this case", left.as_secs_f64())
@@ -356,7 +356,7 @@ impl SharedBar {
     }
 }
 
-/// A bar only if the share done is known.
+/// Style of the display: a bar only if the share done is known.
 fn style(is_known: bool) -> ProgressStyle {
     let template = if is_known {
         "{spinner} [{bar:16}] {wide_msg}"
@@ -398,8 +398,8 @@ fn left(done: Option<f64>, elapsed: f64, expected: Option<f64>) -> Option<f64> {
     }
 }
 
-/// One line: the current work, its share done, time elapsed and left. Beside a bar the parts that
-/// may be cut off come last, and the time elapsed is left out.
+/// The display as one line: the current work, its share done, time elapsed and left. Beside a bar
+/// the parts that may be cut off come last, and the time elapsed is left out.
 fn state(
     message: &str,
     parts: Option<(&str, [u64; 2])>,

@@ -28,9 +28,9 @@ pub struct Findings<'f> {
     pub command: &'f str,
     /// Result and evidence of each case.
     pub judged: Vec<Judged>,
-    /// What the search for the mistakes behind the images found.
+    /// Findings of the search for the mistakes behind the images.
     pub found: Likenesses,
-    /// Units of goldens that were brought together.
+    /// Units of goldens that were joined.
     pub units: Option<Value>,
 }
 
@@ -45,12 +45,12 @@ impl Findings<'_> {
 }
 
 impl ResultFiles {
-    /// Whether standard output is for JSON alone.
+    /// True if standard output is for JSON alone.
     pub fn prints_json(&self) -> bool {
         self.json.is_printed()
     }
 
-    /// Whether the report needs the images behind the results.
+    /// True if the report needs the images behind the results.
     pub fn wants_evidence(&self) -> bool {
         self.report.is_some()
     }
@@ -136,7 +136,7 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 
-/// Whether `path` is in `folder`, however either is spelt.
+/// True if `path` is in `folder`, however either is spelt.
 fn is_below(path: &Path, folder: &Path) -> bool {
     let (Ok(path), Ok(folder)) = (std::path::absolute(path), folder.canonicalize()) else {
         return false;

@@ -106,7 +106,7 @@ pub fn exit_of(test: &SelfTest) -> Exit {
     Exit::first_of(golden.into_iter().chain([of_the_suite]))
 }
 
-/// The mistakes to make: each one `runs` times, and `pairs` pairs, spread over all pairs.
+/// Mistakes to simulate: each `runs` times, and `pairs` pairs, spread over all pairs.
 fn made(runs: u64, pairs: u64) -> Vec<(Vec<&'static Mistake>, u64)> {
     let all: Vec<&'static Mistake> = mistakes::catalogue().collect();
     let mut made = Vec::new();

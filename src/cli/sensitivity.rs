@@ -56,7 +56,7 @@ pub struct Arguments {
     json: Json,
 }
 
-/// Seeds of the numbers that make golden/sensitivities: none of a golden or of a rendering.
+/// Seeds of the numbers that make golden/sensitivities: no golden and no rendering uses them.
 const SEED_OF_SUITE: u64 = 0x7365_6e73_6974_0000;
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -281,8 +281,8 @@ fn of_all(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
-/// White where nothing changes, red where the image becomes brighter, blue where darker; full colour
-/// at the size that one pixel in a hundred exceeds.
+/// PNG pixels: white where nothing changes, red where the image becomes brighter, blue where
+/// darker; full colour at the size that one pixel in a hundred exceeds.
 fn in_red_and_blue(film: &Film) -> Vec<u8> {
     let means = film
         .radiance()

@@ -1,4 +1,4 @@
-//! Which suite, and which of its scenes, a command is about.
+//! Selection of a suite and its scenes by the arguments of a command.
 
 use super::embedded;
 use super::failure::{Exit, Failure};
@@ -28,7 +28,7 @@ impl Selection {
         Ok(suite)
     }
 
-    /// The suite, to be changed.
+    /// The suite, opened for changes.
     pub fn open_to_change(&self) -> Result<Suite, Failure> {
         if self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE)) {
             let message =
@@ -39,8 +39,8 @@ impl Selection {
         self.open()
     }
 
-    /// Where the units and results of this suite are kept: in it, or of the suite within the program, in
-    /// the current folder.
+    /// Folder for units and results of this suite: in the suite, or for the embedded one in the
+    /// current folder.
     pub fn kept_folder(&self, suite: &Suite) -> PathBuf {
         let is_own = self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE));
         let own = || Path::new(HERE).join(KEPT);
@@ -91,7 +91,7 @@ fn here_or_embedded() -> Result<Suite, Failure> {
 
 /// A scene that was named on the command line.
 pub struct NamedScene {
-    /// Its file.
+    /// Scene file.
     pub file: PathBuf,
     /// The case, or the file as it was given.
     pub name: String,
@@ -136,7 +136,7 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
     }
 }
 
-/// Existence of the folder of the path.
+/// True if the folder of the path exists.
 fn is_in_a_place(path: &Path) -> bool {
     let parent = path.parent().filter(|parent| *parent != Path::new(""));
     parent.is_some_and(Path::exists)

@@ -1,8 +1,8 @@
-//! Threads that rendering runs on, where the environment gives their number.
+//! Number of rendering threads, from environment variables.
 
 use super::failure::{Failure, bad_input};
 
-/// Threads at most, as of `--threads`: more than machines have cores.
+/// Largest number of threads, as for `--threads`: more than machines have cores.
 const MOST: usize = 1024;
 
 /// The environment variables of rayon, the older one last.

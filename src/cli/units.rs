@@ -35,7 +35,7 @@ pub struct Arguments {
     json: Json,
 }
 
-/// A unit, and the case that it is of.
+/// A unit and its case.
 type UnitOfCase<'u> = (&'u CaseUnits<'u>, &'u Unit);
 
 /// Runs the command.
@@ -97,7 +97,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
-/// Fails if an identifier is that of no unit, or too short to be that of one.
+/// Fails if an identifier fits no unit, or several.
 fn check_chosen(chosen: &[String], units: &[UnitOfCase<'_>]) -> Result<(), Failure> {
     for id in chosen {
         let found = units

@@ -49,7 +49,7 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     several independent renderings, name.0.exr, name.1.exr, ..., or from a file name.variance.exr \
     with the variances of the means; otherwise it is estimated.\n\n\
     The images of a case of the family limit are name.exr, with the step of its scene, \
-    name@0.5.exr, with half of it, and name@0.25.exr; of one image less can be said.\n\n\
+    name@0.5.exr, with half of it, and name@0.25.exr; a single image is judged less strictly.\n\n\
     In CMD, {scene} stands for the scene file, {output} for the image to write, {width}, {height}, \
     {spp}, {seed} for the image size, samples per pixel and seed, {case} for the name of the case, {step} for the distance between samples in world units, {rate} \
     for samples per voxel, and {export:mitsuba}, \
@@ -122,7 +122,7 @@ pub struct Arguments {
     #[arg(long, value_name = "TIME", default_value = BUDGET, allow_hyphen_values = true, requires = "decide", value_parser = decide::budget)]
     budget: Duration,
     /// A stochastic image passes only if a bias this large would have been detected, in percent of (image
-    /// mean + 0.001); noisier images are inconclusive [default: that of the case, 2 if it says nothing]
+    /// mean + 0.001); noisier images are inconclusive [default: from the case, else 2]
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = compare::percent)]
     resolution: Option<f64>,
     /// With --run: keep the images in DIR; with --decide those of the last look: put

@@ -1,4 +1,4 @@
-//! Verdicts of `validate` as they are printed, and the search for the mistakes behind those that fail.
+//! Printed verdicts of `validate`, and the search for the mistakes behind failures.
 
 use super::{interrupt, output, progress};
 use crate::conventions::Profile;
@@ -10,13 +10,13 @@ use std::time::Duration;
 
 /// Output while cases are judged.
 pub struct PrintedVerdicts {
-    /// Whether to print at all: not if standard output is for JSON.
+    /// True if verdicts are printed: not if standard output is for JSON.
     pub speaks: bool,
     /// Length of the longest name.
     pub widest: usize,
-    /// Whether cases without an image are only counted.
+    /// True if cases without an image are only counted.
     pub folds_missing: bool,
-    /// Whether cases that noise leaves open are decided later.
+    /// True if cases that noise leaves open are decided later.
     pub waits: bool,
 }
 
@@ -27,7 +27,7 @@ impl PrintedVerdicts {
         }
     }
 
-    /// Whether `result` is not listed.
+    /// True if `result` is not listed.
     fn folds(&self, result: &CaseResult) -> bool {
         let is_missing = (result.verdict, result.cause) == (Verdict::Missing, Cause::OtherRenderer);
         self.folds_missing && is_missing
@@ -47,8 +47,8 @@ impl PrintedVerdicts {
     }
 }
 
-/// Names the likely mistakes behind failed images, within `explain` seconds; and what is to be printed of it.
-/// Ctrl-C ends the search.
+/// Names the likely mistakes behind failed images, within `explain` seconds; returns also the text
+/// to print. Ctrl-C ends the search.
 pub fn named(
     explain: f64,
     suite: &Suite,

@@ -39,7 +39,7 @@ pub struct Arguments {
     threads: Option<u16>,
 }
 
-/// One thing that is verified.
+/// A case or row to verify.
 enum Selected<'s> {
     Case(&'s Case),
     /// A row of the catalogue of hard cases.

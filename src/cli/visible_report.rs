@@ -1,5 +1,5 @@
-//! A message whose foreign parts are made visible before it is drawn: afterwards the escape codes
-//! of a file's name cannot be told from those that colour the message.
+//! Messages with control characters made visible before they are drawn: afterwards the escape codes
+//! in the name of a file cannot be told from those that colour the message.
 
 use crate::report::{visible, visible_char};
 use miette::{
@@ -20,8 +20,7 @@ pub fn visible_report(diagnostic: &dyn Diagnostic) -> Report {
     Report::new(shown).with_source_code(excerpt)
 }
 
-/// The part of a text that labels point into, with some lines around it. Its offsets are those of
-/// the text, as far as its first character.
+/// Excerpt of a text: the part that labels point into, with some lines around it.
 #[derive(Debug)]
 struct VisibleExcerpt {
     name: String,
@@ -54,7 +53,7 @@ impl VisibleExcerpt {
         })
     }
 
-    /// `label` where it is in the text that is shown, whose characters may have more bytes.
+    /// `label` moved to its place in the excerpt, whose characters may have more bytes.
     fn shifted(&self, label: &LabeledSpan) -> LabeledSpan {
         let column = |at: usize| {
             let before = shown(&self.text, at.saturating_sub(self.offset));
@@ -91,7 +90,7 @@ impl SourceCode for VisibleExcerpt {
     }
 }
 
-/// What is shown of the first `length` bytes of `text`. Line ends of Windows stay, as they are
+/// The first `length` bytes of `text` as they are shown. Line ends of Windows stay, as they are
 /// never drawn.
 fn shown(text: &str, length: usize) -> String {
     let mut letters = text.char_indices().peekable();

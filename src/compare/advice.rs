@@ -9,10 +9,10 @@ use std::fmt;
 pub enum Undecided {
     /// More samples in the test image.
     Samples(Advice),
-    /// No test image: even one without noise would not show a bias below this, relative to the mean
-    /// of the image.
+    /// No test image would decide: even one without noise would not show a bias below this,
+    /// relative to the mean of the image.
     Reference(f64),
-    /// Images with smaller steps: this share of the mean is allowed for the step.
+    /// Images with smaller steps; this share of the mean is now allowed for the step.
     Step(f64),
 }
 
@@ -25,7 +25,7 @@ pub struct Advice {
     pub has: Option<u64>,
     /// Number of renderings: 1 for a single image.
     pub renderings: u32,
-    /// Whether it states the variance of its samples: estimated noise is less certain.
+    /// True if it states the variance of its samples: estimated noise is less certain.
     pub is_stated: bool,
 }
 

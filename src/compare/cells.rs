@@ -1,4 +1,4 @@
-//! Images in coarse cells, and how far two of them are apart beyond their noise.
+//! Images averaged over coarse cells, and the distance of two of them beyond their noise.
 //!
 //! Where pixels are means of random samples, a cell is a block of 8 × 8 of them: its noise is an
 //! eighth of theirs, and what a mistake would look like is known at little cost, since an image of
@@ -17,13 +17,13 @@ pub(crate) struct Cells {
     pub rows: usize,
     means: Vec<[f64; 3]>,
     variances: Vec<[f64; 3]>,
-    /// Cells most pixels of which have no noise, of an image that states it.
+    /// By cell, true if most of its pixels have no noise, in an image that states its noise.
     silent: Vec<bool>,
-    /// Random samples in a cell; none if nothing is known of them.
+    /// Random samples in a cell; `None` if unknown.
     samples: Option<f64>,
 }
 
-/// How far an image is from what a mistake would look like.
+/// Distance of an image from the prediction of a mistake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Misfit {
     /// Mean of the squared differences over their variance, each cut at [`FAR`]: about 1 if the
@@ -37,12 +37,12 @@ pub(crate) struct Misfit {
     pub least_error: f64,
 }
 
-/// One cell counts for no more than this many variances, so that a few cells of rare bright paths
-/// do not decide.
+/// Largest squared difference that counts for one cell, in variances, so that a few cells of rare
+/// bright paths do not decide.
 const FAR: f64 = 25.0;
 
-/// Up to this mean of squares the difference counts as noise: variances are estimates, and the
-/// stochastic gate lets as much pass.
+/// Largest mean of squares at which the difference counts as noise: variances are estimates, and
+/// the stochastic gate lets as much pass.
 const NOISE: f64 = 2.0;
 
 /// Relative rounding error of half precision, in which most renderers write: a difference of cells
@@ -50,7 +50,7 @@ const NOISE: f64 = 2.0;
 const HALF_ROUNDING: f64 = 1.0 / 2048.0;
 
 impl Misfit {
-    /// Whether the difference is no more than noise.
+    /// True if the difference is no more than noise.
     pub fn is_noise(&self) -> bool {
         self.in_noise <= NOISE
     }
@@ -60,7 +60,7 @@ impl Misfit {
         self.parts[0].plus(&self.parts[1])
     }
 
-    /// Whether a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
+    /// True if a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
     /// misfit of the golden: in the cells with noise and in those without.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
         let mut parts = self.parts.iter().zip(&whole.parts);
@@ -68,8 +68,8 @@ impl Misfit {
             && self.explains_together(whole, share)
     }
 
-    /// The same of all cells together, where neither part contradicts: cells without noise may be a single
-    /// lamp, of which too little is known to prove anything.
+    /// [`explains`](Misfit::explains) by all cells together, where neither part contradicts: cells
+    /// without noise may be a single lamp, of which too little is known to prove anything.
     pub fn explains_together(&self, whole: &Misfit, share: f64) -> bool {
         whole.distance().at_least() > 0.0
             && self.may_explain(whole, share)
@@ -81,7 +81,7 @@ impl Misfit {
         Some(self.distance().value / whole.distance().value).filter(|share| share.is_finite())
     }
 
-    /// Whether a closer look may show that it does.
+    /// True if a closer look may show that the hypothesis explains the image.
     pub fn may_explain(&self, whole: &Misfit, share: f64) -> bool {
         let mut parts = self.parts.iter().zip(&whole.parts);
         parts.all(|(left, whole)| left.may_be_explained(whole, share))
@@ -89,13 +89,13 @@ impl Misfit {
 }
 
 impl Cells {
-    /// Every pixel is a cell.
+    /// Cells of one pixel each.
     pub fn of_pixels(film: &Film) -> Cells {
         Cells::with_edge(film, 1)
     }
 
-    /// Every block of 8 × 8 pixels is a cell; what is left over at the edges is left out. An image
-    /// too small for a block is one of pixels.
+    /// Cells of 8 × 8 pixels; incomplete blocks at the edges are left out. An image too small for a
+    /// block has cells of one pixel.
     pub fn of_blocks(film: &Film) -> Cells {
         match film.width().min(film.height()) {
             0..BLOCK => Cells::with_edge(film, 1),
@@ -144,8 +144,8 @@ impl Cells {
         }
     }
 
-    /// Where noise was guessed: a block that missed what is rare seems to have none, so each has at
-    /// least what is due to it if noise is spread over the image as in `reference`.
+    /// Raises guessed variances: each block has at least its part of the noise, if that is spread
+    /// over the image as in `reference`, since a block without rare samples seems to have none.
     pub fn spread_noise_like(&mut self, reference: &Cells) {
         for c in 0..3 {
             let sum = |cells: &Cells| -> f64 { cells.variances.iter().map(|v| v[c]).sum() };
@@ -165,7 +165,7 @@ impl Cells {
         self
     }
 
-    /// Whether there are as many cells in each row and column.
+    /// True if there are as many cells in each row and column.
     pub fn has_size_of(&self, other: &Cells) -> bool {
         (self.columns, self.rows) == (other.columns, other.rows)
     }
@@ -184,8 +184,8 @@ impl Cells {
             .collect()
     }
 
-    /// These cells of an image with no less noise than that of the `golden` makes it for its samples: few
-    /// samples that missed the light claim to have none.
+    /// These cells with at least the noise that an image of as many samples has by the noise of the
+    /// `golden`: few samples that missed the light seem to have none.
     pub fn guarded_by(&self, golden: &Cells) -> Cells {
         let mut guarded = self.clone();
         for (cell, variances) in guarded.variances.iter_mut().enumerate() {
@@ -196,8 +196,8 @@ impl Cells {
         guarded
     }
 
-    /// This golden as a measure of differences from predictions with the noise of `renderings`, which are
-    /// all of one size: what they say little of weighs little.
+    /// This golden with the noise of `renderings`, all of one size, added: cells in which
+    /// predictions are uncertain weigh little.
     pub fn beside_noise_of(&self, renderings: &[Cells]) -> Cells {
         let mut scale = self.clone();
         let number = renderings.len() as f64;
@@ -210,9 +210,9 @@ impl Cells {
         scale
     }
 
-    /// This golden with a change, of which renderings from the same random numbers show what it does:
-    /// one `before` and `after` for each seed, all of one size. The noise of what it does is in
-    /// proportion to that of the renderings, by as much as seeds differ.
+    /// This golden with the effect of a change added, taken from renderings with the same random
+    /// numbers: one `before` and `after` for each seed, all of one size. The noise of the effect is
+    /// proportional to that of the renderings, by as much as seeds differ.
     pub fn moved(&self, before: &[Cells], after: &[Cells]) -> Cells {
         let mut moved = self.clone();
         let seeds = after.len() as f64;
@@ -249,9 +249,9 @@ impl Cells {
         moved
     }
 
-    /// What two changes make of `base` together, if each multiplies what it finds by the same
-    /// factor: `self · other / base`, or where that has no meaning `self + other − base`. All of
-    /// one size; without noise.
+    /// Effect of two changes of `base` together, if each multiplies cells by its own factor: `self
+    /// · other / base`, or where that has no meaning `self + other − base`. All of one size;
+    /// without noise.
     pub fn combined(&self, other: &Cells, base: &Cells) -> Option<Cells> {
         if !self.has_size_of(base) || !other.has_size_of(base) {
             return None;
@@ -272,7 +272,7 @@ impl Cells {
         Some(both)
     }
 
-    /// How far `test` is from `self`, relative to the brightness of `golden`; all of one size. The
+    /// Misfit of `test` to `self`, relative to the brightness of `golden`; all of one size. The
     /// weights of cells are the same for every `self`, so that distances may be compared.
     pub fn misfit(&self, test: &Cells, golden: &Cells) -> Misfit {
         let noise_over_golden = test.noise_over(golden);
@@ -379,9 +379,9 @@ impl Cells {
 #[derive(Clone, Copy, Debug, Default)]
 struct PartSums {
     squares: Sum,
-    /// Of their squares.
+    /// Sum of their squares.
     spread: Sum,
-    /// Of the variances that noise gives them.
+    /// Sum of their variances by noise.
     noise: Sum,
 }
 
@@ -392,7 +392,7 @@ impl PartSums {
         self.noise.add(noise * noise);
     }
 
-    /// As a mean over that many `cells`, those of the other part included.
+    /// The distance: a mean over that many `cells`, those of the other part included.
     fn distance(&self, cells: f64, has_noise: bool) -> SquaredDistance {
         // Noise that comes from rare bright paths is no normal number, and what one cell carries
         // alone may be such a path: the error is at least that by which the cells differ.

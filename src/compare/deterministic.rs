@@ -21,10 +21,10 @@ pub const RELATIVE: f64 = 0.01;
 /// Share of pixels that may lie outside: rays that graze a voxel face and fall, by a rounding,
 /// on its other side.
 pub(super) const OUTLIERS: f64 = 2e-4;
-/// The same where the nearest node is taken at places in single precision. Over a hundred steps a node
-/// coordinate of a hundred gathers roundings of some 4·10⁻⁵; of thirty visible samples of a ray, each
-/// with three coordinates, one is on the other side of a face in six rays of a thousand, and shows in
-/// a sixth of them.
+/// The same share where the nearest node is taken at positions in single precision. Over a hundred
+/// steps a node coordinate of a hundred gathers roundings of some 4·10⁻⁵; of thirty visible samples
+/// of a ray, each with three coordinates, one is on the other side of a face in six rays of a
+/// thousand, and shows in a sixth of them.
 const OUTLIERS_OF_NEAREST: f64 = 1e-3;
 /// No pixel may be further off than this many tolerances. One sample moved to the neighbouring
 /// voxel changes a pixel by at most its own opacity, about a fifth in the scenes of the suite.

@@ -33,7 +33,7 @@ pub trait ImageGate: Gate {
         None
     }
 
-    /// Whether the gate depends on the exposure, because it judges displayed images.
+    /// True if the gate depends on the exposure, because it judges displayed images.
     fn depends_on_exposure(&self) -> bool {
         false
     }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Outcome of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement {
-    /// Whether the images agree under the gate.
+    /// True if the images agree under the gate.
     pub passed: bool,
     /// The rule applied.
     pub gate: &'static dyn Gate,
@@ -21,8 +21,8 @@ pub struct Judgement {
     /// [bias](super::Conditions::promise): the verdict is *inconclusive*, and this would
     /// decide.
     pub undecided: Option<Undecided>,
-    /// What the difference looks like in numbers of the scene, the most significant first; of images
-    /// that differ, where [sensitivities](super::Conditions::sensitivities) are known.
+    /// Changes of numbers of the scene that fit the difference, the most significant first; for
+    /// images that differ, where [sensitivities](super::Conditions::sensitivities) are known.
     pub changes: Vec<NumberChange>,
     /// Changes of these numbers that would have been seen.
     pub detectable: Vec<Detectable>,
@@ -30,8 +30,8 @@ pub struct Judgement {
     pub fit: Option<Box<FitMap>>,
 }
 
-/// A difference, what the changes that fit best make of it, and what they leave: of every block, in
-/// standard errors of its difference; row by row from the top.
+/// A difference, and its part explained by the changes that fit best: by block, in standard errors
+/// of its difference; row by row from the top.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitMap {
     /// Blocks in a row.
@@ -43,7 +43,7 @@ pub struct FitMap {
 }
 
 impl FitMap {
-    /// Whole rows, at least one, and both values of each block.
+    /// True if the map has whole rows, at least one, and both values of each block.
     pub fn is_whole(&self) -> bool {
         let blocks = self.difference.len();
         blocks > 0 && self.fitted.len() == blocks && blocks.checked_rem(self.columns) == Some(0)
@@ -54,13 +54,13 @@ impl FitMap {
 /// show with probability one half.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detectable {
-    /// Of the number: `density`.
+    /// Name of the number: `density`.
     pub name: String,
     /// The change in words.
     pub words: String,
-    /// In the unit of the number; of most a share of itself.
+    /// Size of the change, in the unit of the number; for most numbers a share of it.
     pub change: f64,
-    /// The same, were there no score tests: by a block or the mean of the image.
+    /// Size without score tests: by a block or the mean of the image.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub without_score: Option<f64>,
 }
@@ -68,11 +68,12 @@ pub struct Detectable {
 /// A change of a number of the scene, estimated from the difference of two images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberChange {
-    /// Of the number: `density`.
+    /// Name of the number: `density`.
     pub name: String,
     /// The change in words, with its error.
     pub words: String,
-    /// Test image over reference, in the unit of the number; of most a share of itself.
+    /// Change of the test image against the reference, in the unit of the number; for most numbers
+    /// a share of it.
     pub change: f64,
     /// Standard error.
     pub error: f64,

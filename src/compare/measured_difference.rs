@@ -13,10 +13,10 @@ use super::stochastic::BLOCK;
 use crate::film::Film;
 use crate::math::Sum;
 
-/// Parts of the image, each of blocks from all over it, of which one at a time is left out.
+/// Parts of the image for the jackknife, each of blocks from all over it.
 const PARTS: usize = 20;
 
-/// Standard errors from which a measurement is said: by chance one in 370 is.
+/// Smallest measurement that is reported, in standard errors: by chance one in 370 is.
 const SIGNIFICANT: f64 = 3.0;
 
 /// Share of the squared difference that a gain or a shift accounts for, if it is worth saying. One
@@ -89,7 +89,7 @@ struct Pixels<'f> {
     mean: f64,
     /// Variance of the differences over that of the golden, by channel; none without noise.
     noise_over_golden: Option<[f64; 3]>,
-    /// Beyond it the slope, or the brightness, of a pixel is among the largest.
+    /// Slope and brightness beyond which a pixel is among the steepest, or the brightest.
     steep: f64,
     bright: f64,
     /// Distances of the surfaces, and the one that half of the lit pixels lie beyond; nothing where
@@ -124,7 +124,7 @@ impl<'f> Pixels<'f> {
         Some(pixels)
     }
 
-    /// Whether the surface of a pixel is among the nearer ones, or the farther ones.
+    /// True if the surface of a pixel is among the nearer ones, or the farther ones.
     fn is_near_or_far(&self, i: usize) -> [bool; 2] {
         let Some((distances, middle)) = self.distances else {
             return [false; 2];
@@ -136,9 +136,9 @@ impl<'f> Pixels<'f> {
         ]
     }
 
-    /// Where the test image does not state its noise and the golden does: by the second differences
-    /// of the difference, in which all that is linear is gone. Where the golden is known, it is taken
-    /// to be spread as radiance is, as in the stochastic gate.
+    /// Noise of a test image that does not state it, where the golden does: by the second
+    /// differences of the difference, free of everything linear. Where the golden is known, it is
+    /// taken to be spread as radiance is, as in the stochastic gate.
     fn unstated_noise(&self) -> Option<[f64; 3]> {
         self.golden.noise()?;
         if self.test.noise().is_some() {
@@ -167,7 +167,7 @@ impl<'f> Pixels<'f> {
             .then_some(ratios)
     }
 
-    /// In proportion to the variance of a pixel of an image that does not state it.
+    /// Variance of a pixel of an image that does not state it, up to a factor.
     fn shape_of_noise(&self, i: usize, c: usize) -> f64 {
         let noise = self.golden.noise();
         match noise {
@@ -196,7 +196,7 @@ impl<'f> Pixels<'f> {
         }
     }
 
-    /// By relative differences, but not those of what is next to black.
+    /// Weight of a difference: by relative differences, except near black.
     fn weight(&self, i: usize, c: usize) -> f64 {
         let size = self.value(i, c).abs() + self.mean;
         1.0 / (size * size)
@@ -223,7 +223,7 @@ impl<'f> Pixels<'f> {
         [along(x, width, 1), along(y, self.golden.height(), width)]
     }
 
-    /// A pixel that is no darker than a tenth of the mean.
+    /// True for a pixel at least a tenth as bright as the mean.
     fn is_lit(&self, i: usize) -> bool {
         self.brightness(i) > 0.3 * self.mean
     }
@@ -264,14 +264,14 @@ struct PartSums {
     /// Squared differences of the steepest and of the brightest pixels.
     steep: f64,
     bright: f64,
-    /// Of the pixels with near surfaces, and with far ones.
+    /// Squared differences of the pixels with near surfaces, and with far ones.
     near_and_far: [f64; 2],
-    /// Of the pixels without noise, where others have some.
+    /// Squared differences of the pixels without noise, where others have some.
     silent: f64,
 }
 
 impl PartSums {
-    /// Of each of the parts.
+    /// Sums of each part.
     fn of(pixels: &Pixels<'_>) -> [PartSums; PARTS] {
         let mut parts = [PartSums::default(); PARTS];
         for i in 0..pixels.golden.radiance().len() {
@@ -399,24 +399,24 @@ impl Jackknife {
         }
     }
 
-    /// It differs from `other` by more than its uncertainty.
+    /// True if it differs from `other` by more than its uncertainty.
     fn is_beyond(&self, other: f64) -> bool {
         (self.value - other).abs() > SIGNIFICANT * self.error
     }
 
-    /// It is at least `least`, beyond doubt.
+    /// True if it is at least `least`, beyond doubt.
     fn is_at_least(&self, least: f64) -> bool {
         self.value - SIGNIFICANT * self.error >= least
     }
 }
 
-/// As many decimals as are known: the standard error has one digit, or four decimals.
+/// The value with the decimals that are known: the standard error has one digit, or four decimals.
 fn decimals(value: f64, error: f64) -> String {
     let places = (1..4).find(|&places| error * crate::math::powu(10.0, places) >= 1.0);
     format!("{value:.*}", places.unwrap_or(4) as usize)
 }
 
-/// Whole per cent; but a part is never said to be the whole.
+/// A share in whole per cent; never 100 for less than all.
 fn percent(share: f64) -> String {
     match 100.0 * share {
         all if all >= 99.95 => "all".to_owned(),

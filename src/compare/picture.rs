@@ -31,7 +31,7 @@ pub enum PictureError {
     /// A directory, or a device.
     #[error("{path}: cannot be read: this is {what}, not an image file")]
     NotAFile {
-        /// Where.
+        /// Path.
         path: String,
         /// Kind of file found.
         what: &'static str,
@@ -42,7 +42,7 @@ pub enum PictureError {
         Picture::MOST_BYTES
     )]
     TooLong {
-        /// Where.
+        /// Path.
         path: String,
         /// Bytes in the file.
         bytes: u64,
@@ -52,7 +52,7 @@ pub enum PictureError {
     Film {
         /// The file.
         path: String,
-        /// What is wrong with it.
+        /// Fault of the file.
         error: FilmError,
     },
     /// The image has no pixels.

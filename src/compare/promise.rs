@@ -1,25 +1,25 @@
-//! The biases that an image which passes would have shown.
+//! Biases that a passing image must have been able to show.
 
-/// The noise of the reference hides some bias from any image. A promise need not be smaller than this many
-/// times that: an image with a fifteenth of the reference's samples keeps it, where all samples are alike, for the
-/// variances add up, and 1 + 15 = 4².
+/// Smallest promised bias, in units of the bias that the noise of the reference hides from any
+/// image: an image with a fifteenth of the reference's samples keeps it, where all samples are
+/// alike, for the variances add up, and 1 + 15 = 4².
 const TIMES_HIDDEN: f64 = 4.0;
 
 /// Biases that an image which passes would have shown with probability one half, relative to the radiance plus
 /// [`DARK`](super::stochastic::DARK).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promise {
-    /// Of the mean of the image.
+    /// Bias of the mean of the image.
     pub mean: f64,
-    /// The same, at most, where the noise of the reference asks for more than `mean`.
+    /// Largest bias of the mean, where the noise of the reference makes it more than `mean`.
     pub mean_at_most: f64,
-    /// Of nine tenths of the blocks of 8 × 8 pixels, or what the noise of the reference asks for; `None` for
-    /// any bias of a block.
+    /// Bias of nine tenths of the blocks of 8 × 8 pixels, or more where the noise of the reference
+    /// hides that; `None` for any bias of a block.
     pub block: Option<f64>,
 }
 
 impl Promise {
-    /// A bias of the mean of the image, whatever the noise of the reference is.
+    /// Promise of a bias of the mean of the image, whatever the noise of the reference.
     pub fn of_mean(bias: f64) -> Promise {
         Promise {
             mean: bias,
@@ -38,7 +38,7 @@ impl Promise {
         .with_blocks()
     }
 
-    /// The same, with a bias of blocks that is four times that of the mean.
+    /// This promise with a bias of blocks that is four times that of the mean.
     pub fn with_blocks(self) -> Promise {
         Promise {
             block: Some(4.0 * self.mean),

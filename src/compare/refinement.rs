@@ -14,8 +14,8 @@
 //! entry of a table (the caller renders what that changes), and rays that end where less than 1/255 of
 //! the light would still come through.
 //!
-//! One image has no order. It is judged by what rules of first order may be off by at its step: the
-//! caller renders them.
+//! A single image gives no order; it may deviate as much as images of first-order rules at its
+//! step, which the caller renders.
 //!
 //! Sources: Richardson 1911, *Phil. Trans. A* 210, 307–357; Roache 1994, "Perspective: a method for
 //! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.
@@ -55,8 +55,8 @@ const OF_THE_CORRECTION: f64 = 0.5;
 /// this share of the brightest radiance, is no level of the display.
 const LAST_LEVEL: f64 = 1.0 / 255.0;
 
-/// An image whose interval is wider than this, relative to the mean of the truth, decides nothing: a
-/// renderer with another integrand would pass, too.
+/// Widest interval, relative to the mean of the truth, that decides: otherwise a renderer with
+/// another integrand would pass, too.
 const WIDEST: f64 = 0.02;
 
 impl Gate for Refinement {
@@ -130,7 +130,7 @@ impl Gate for Refinement {
 pub struct Limit<'f> {
     /// The picture.
     pub golden: &'f Film,
-    /// The same from values that are off as much as look-up in a table makes them, up and down.
+    /// The image from values that are off as much as by look-up in a table, up and down.
     pub looked_up: &'f [Film],
 }
 
@@ -210,14 +210,14 @@ pub fn judge_refinement(truth: Limit<'_>, images: &[Film]) -> (Judgement, Film) 
     (judged.judgement(outcome, &steps), limit)
 }
 
-/// As many pixels as need be are within tolerance.
+/// True if enough pixels are within tolerance.
 fn agrees(golden: &Film, image: &Film) -> bool {
     let pixels = golden.radiance().iter().zip(image.radiance());
     let outside = pixels.filter(|(golden, test)| in_tolerances(**golden, **test) > 1.0);
     outside.count() as f64 <= OUTLIERS * golden.radiance().len() as f64
 }
 
-/// The larger of both.
+/// Raises each error to the other one, if that is larger.
 fn enlarge(errors: &mut [[f64; 3]], others: &[[f64; 3]]) {
     for (errors, others) in errors.iter_mut().zip(others) {
         *errors = std::array::from_fn(|c| errors[c].max(others[c]));
@@ -226,9 +226,9 @@ fn enlarge(errors: &mut [[f64; 3]], others: &[[f64; 3]]) {
 
 /// The largest errors of several images.
 struct LargestErrors {
-    /// By pixel and channel, in radiance.
+    /// Errors by pixel and channel, in radiance.
     pixels: Vec<[f64; 3]>,
-    /// Of the means of the channels, in radiance.
+    /// Errors of the means of the channels, in radiance.
     means: [f64; 3],
 }
 
@@ -286,17 +286,17 @@ pub fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> J
     judged.judgement(outcome, &steps)
 }
 
-/// An image, and what it may be off by because of its step.
+/// An image, and the error allowed for its step.
 struct Judged<'f> {
     golden: &'f Film,
     image: &'f Film,
     /// The image whose means are judged.
     mean_of: &'f Film,
-    /// By pixel and channel, in radiance.
+    /// Errors by pixel and channel, in radiance.
     step_errors: Vec<[f64; 3]>,
-    /// Of the means of the channels, in radiance.
+    /// Errors of the means of the channels, in radiance.
     mean_errors: [f64; 3],
-    /// By look-up in a table.
+    /// Errors by look-up in a table.
     table: LargestErrors,
 }
 
@@ -382,7 +382,7 @@ impl Judged<'_> {
     }
 }
 
-/// Metrics on their way to a judgement.
+/// Judgement under construction.
 #[derive(Default)]
 struct Outcome {
     metrics: Vec<(&'static str, f64)>,

@@ -13,7 +13,7 @@ pub struct Sensitivity {
     pub unit: Option<String>,
     /// Change by which the derivative was taken; infinite where the image changes in proportion.
     pub step: f64,
-    /// Possibility of a smaller and of a larger number: an albedo of 1 cannot be larger.
+    /// True where the number can be smaller, and larger: an albedo of 1 cannot be larger.
     pub can_be: [bool; 2],
     /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels, or of
     /// [`FINE_BLOCK`](super::stochastic::FINE_BLOCK)², per unit of change, with its variance.
@@ -31,18 +31,18 @@ impl Sensitivity {
         words
     }
 
-    /// Whether an image hardly changes in proportion to a change of this size.
+    /// True if an image hardly changes in proportion to a change of this size.
     pub fn is_far(&self, change: f64) -> bool {
         change.abs() > self.step
     }
 
-    /// What curvature may add to a change that is estimated by the derivative alone: of the change
-    /// by a whole step it is a tenth in most scenes.
+    /// Error by curvature of a change that is estimated by the derivative alone: a tenth of a whole
+    /// step in most scenes.
     pub fn curvature(&self, change: f64) -> f64 {
         0.1 * change * change / self.step
     }
 
-    /// Whether the number can change in this direction.
+    /// True if the number can change in this direction.
     pub fn can_change(&self, change: f64) -> bool {
         self.can_be[usize::from(change > 0.0)]
     }

@@ -16,9 +16,9 @@
 /// mistake leaves a little more: a quarter of a voxel in the volume beside half a pixel in the image.
 pub(crate) const UNEXPLAINED: f64 = 0.02;
 
-/// Likewise in noise, where the share has to be shown to be that small, beyond [`BOUND`] standard
-/// errors: of the right mistake nothing is left but that bound. Less than a quarter of the
-/// difference, root mean square.
+/// [`UNEXPLAINED`] for images with noise, where the share has to be shown to be that small, beyond
+/// [`BOUND`] standard errors: of the right mistake nothing is left but that bound. Less than a
+/// quarter of the difference, root mean square.
 pub(crate) const UNEXPLAINED_IN_NOISE: f64 = 0.05;
 
 /// Standard errors of a bound: beyond it is one chance in forty.
@@ -34,17 +34,17 @@ pub(crate) struct SquaredDistance {
 }
 
 impl SquaredDistance {
-    /// What it is at most, but for one chance in forty.
+    /// Upper bound, exceeded by chance once in forty.
     pub fn at_most(&self) -> f64 {
         self.value.max(0.0) + BOUND * self.error
     }
 
-    /// What is beyond doubt of it.
+    /// Lower bound, missed by chance once in forty.
     pub fn at_least(&self) -> f64 {
         (self.value - BOUND * self.error).max(0.0)
     }
 
-    /// Of two parts of an image, whose noise is independent.
+    /// Sum of the distances in two parts of an image, whose noise is independent.
     pub fn plus(&self, other: &SquaredDistance) -> SquaredDistance {
         SquaredDistance {
             value: self.value + other.value,
@@ -52,7 +52,7 @@ impl SquaredDistance {
         }
     }
 
-    /// Whether a hypothesis that leaves this of `whole` explains the rest beyond doubt: at most
+    /// True if a hypothesis that leaves this of `whole` explains the rest beyond doubt: at most
     /// `share` is left. Where there was no difference, the hypothesis may not make one.
     pub fn is_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
         if whole.at_least() > 0.0 {
@@ -62,7 +62,7 @@ impl SquaredDistance {
         }
     }
 
-    /// Whether a closer look may show that it does.
+    /// True if a closer look may show that the hypothesis explains the rest.
     pub fn may_be_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
         self.at_least() <= share * whole.at_most()
     }

@@ -1,4 +1,4 @@
-//! Conventions as edits of a scene: what a search for those behind an image tries.
+//! Conventions as edits of a scene: the candidates of the search behind a failed image.
 
 use crate::scene::{ALTERNATIVES, Alternative, Classified, Scene};
 use std::sync::LazyLock;

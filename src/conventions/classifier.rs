@@ -1,4 +1,4 @@
-//! From a value of the field to its opacity and colour.
+//! Classification: opacity and colour of a value of the field.
 
 use crate::media::{Appearance, TransferFunction};
 use crate::scene::Classified;

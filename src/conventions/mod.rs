@@ -1,4 +1,4 @@
-//! How other ray casters differ without being wrong, and the ray caster that does as they do.
+//! Conventions of other ray casters, and a ray caster that follows them.
 //!
 //! The conventions themselves, a row for each, are part of the language of scenes
 //! ([`Conventions`](crate::scene::Conventions)). The [`ray_caster`] renders under any of them; under

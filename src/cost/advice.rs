@@ -5,7 +5,7 @@ use super::results::{Cost, Level, Parameter, Recommendation, Study, Sweep};
 use super::study::WANTED;
 use crate::scene::{Model, Panel};
 
-/// Recommended settings of the reference renderer for each wanted error, from its own sweeps.
+/// Recommended settings of the fast renderer for each wanted error, from its own sweeps.
 pub fn recommendations(cost: &Cost, panel: &Panel) -> Vec<Recommendation> {
     let ours = |study: &&Study| matches!(study.name, "image" | "samples");
     let Some(study) = cost.studies.iter().find(ours) else {
@@ -30,10 +30,10 @@ pub fn recommendations(cost: &Cost, panel: &Panel) -> Vec<Recommendation> {
 /// Samples per pixel of a scene, at most: 2^31.
 const MOST_SAMPLES: f64 = 2_147_483_648.0;
 
-/// A command is given for no more samples than this: a day and more for a small image.
+/// Largest number of samples that a command is given for: a day and more for a small image.
 const MOST_ADVISED: f64 = 1e6;
 
-/// What the scene asks for.
+/// Settings that the scene asks for.
 struct SceneSettings {
     setting: String,
     price: Option<f64>,
@@ -86,8 +86,8 @@ fn samples_for(sweep: &Sweep, error: f64) -> f64 {
     (samples / unit).ceil() * unit
 }
 
-/// Look-ups at a setting: those of the nearest one, which are as good as proportional, or
-/// inversely so, to the setting.
+/// Lookups at a setting, from those of the nearest measured one: nearly proportional to the
+/// setting, or inversely so.
 fn price_at(sweep: &Sweep, value: f64) -> Option<f64> {
     let far = |level: &&Level| (level.value / value).max(value / level.value);
     let levels = sweep.levels.iter();
@@ -164,7 +164,7 @@ fn text_and_command(
     (text, None)
 }
 
-/// Of a sweep that ended early.
+/// Reason of a sweep that ended early.
 const NO_TIME: &str = "no setting measured in the time given is fine enough";
 
 /// A count or a ratio with two or three digits that say something.

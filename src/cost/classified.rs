@@ -3,7 +3,7 @@
 use crate::geometry::{Aabb, Ray, Span};
 use crate::math::exp;
 use crate::media::Appearance;
-use crate::media::collocation::{CollocatedLight, Collocation, Here};
+use crate::media::collocation::{CollocatedLight, Collocation, LocalProperties};
 use crate::render::Counters;
 use crate::render::classified::compositing::{FrontToBack, Layers};
 use crate::render::classified::empty_space::{EmptySpace, Skipping};
@@ -20,11 +20,11 @@ use glam::DVec3;
 /// Lighting of the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shade {
-    /// As in the scene.
+    /// Shaded and shadowed as in the scene.
     AsGiven,
-    /// By shadow rays sampled at this distance.
+    /// Shadow rays with samples at this distance.
     Every(f64),
-    /// Without a step, where the shadow is an integral of the density.
+    /// Shadow without a step, where it is an integral of the density.
     Exact,
     /// All of it.
     None,
@@ -37,9 +37,8 @@ pub struct ShadedVolume<'s> {
     density: GridDensity,
 }
 
-/// The reference renderer's ray caster, compiled once for all scenes: the kind of shading and of
-/// shadow is decided for each sample. What is compared is counted, and times are compared among
-/// themselves.
+/// The fast ray caster, compiled once for all scenes: the kind of shading and of shadow is decided
+/// for each sample. What is compared is counted, and times are compared among themselves.
 type Caster<'s> = RayCaster<
     's,
     GridField<'s, Interpolation>,
@@ -59,7 +58,7 @@ impl<'s> ShadedVolume<'s> {
         }
     }
 
-    /// Whether [`Shade::Exact`] is available.
+    /// True if [`Shade::Exact`] is available.
     pub fn has_exact_shadow(scene: &Classified) -> bool {
         matches!(
             scene.transfer_function.appearance,
@@ -77,7 +76,7 @@ impl<'s> ShadedVolume<'s> {
         self.layers(step, ray, work).before(self.scene.background)
     }
 
-    /// The same without the background.
+    /// Layers along `ray` without the background.
     pub fn layers(&self, step: f64, ray: &Ray, work: &mut Counters) -> Layers {
         self.caster.layers_by(step, ray, work)
     }
@@ -93,17 +92,17 @@ impl<'s> ShadedVolume<'s> {
     }
 
     /// Extinction and emission at distance `t`.
-    pub fn here(&self, ray: &Ray, t: f64, work: &mut Counters) -> Here {
+    pub fn here(&self, ray: &Ray, t: f64, work: &mut Counters) -> LocalProperties {
         let (value, source) = self.sample(ray, t, work);
-        Here::with_source(self.scene.transfer_function.extinction(value), source)
+        LocalProperties::with_source(self.scene.transfer_function.extinction(value), source)
     }
 
-    /// Whether `value` is not transparent.
+    /// True if `value` is not transparent.
     pub fn is_seen(&self, value: f64) -> bool {
         self.scene.transfer_function.reference_opacity(value) > 0.0
     }
 
-    /// Whether samples are shaded or shadowed.
+    /// True if samples are shaded or shadowed.
     pub fn is_lit(&self) -> bool {
         self.scene.phong.is_some() || self.scene.shadow.is_some()
     }
@@ -120,8 +119,8 @@ impl<'s> ShadedVolume<'s> {
         self.density.density(ray.at(t))
     }
 
-    /// What comes back along `ray` in the limit of small steps, each element of the integral
-    /// good to `tolerance`; and the largest extinction that was met.
+    /// Radiance along `ray` in the limit of small steps, with each element of the integral accurate
+    /// to `tolerance`; and the largest extinction met.
     pub fn exact(
         &self,
         collocation: &Collocation,
@@ -154,9 +153,9 @@ impl<'s> ShadedVolume<'s> {
         (light.before(&behind), steepest)
     }
 
-    /// What comes back along `ray` by the midpoint rule with everything in single precision that
-    /// a ray caster carries: places, values, colours, opacities and their sums. What is evaluated
-    /// in between, as interpolation and exponentials, is rounded to single precision each time.
+    /// Radiance along `ray` by the midpoint rule with the variables of a ray caster in single
+    /// precision: positions, values, colours, opacities and their sums. Everything evaluated in
+    /// between, as interpolation and exponentials, is rounded to single precision each time.
     pub fn cast_single(&self, step: f64, ray: &Ray) -> DVec3 {
         let background = self.scene.background.as_vec3();
         let Some(span) = self.span(ray) else {
@@ -186,8 +185,7 @@ impl<'s> ShadedVolume<'s> {
     }
 }
 
-/// Whether equal neighbours in space or in value look different: the nearest node's, or a step in a
-/// table. Then what is composited has jumps.
+/// True if the composited function has jumps: with the nearest node, or with a step in the table.
 pub fn has_jumps(scene: &Classified) -> bool {
     scene.interpolation == Interpolation::Nearest
         || match &scene.transfer_function.appearance {

@@ -1,4 +1,4 @@
-//! What the resolution of the data costs: the same field on coarser grids.
+//! Cost of the resolution of the data: the same field on coarser grids.
 
 use super::classified::{Shade, ShadedVolume};
 use super::image::{Rays, in_words};
@@ -21,13 +21,13 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Pixels of the larger side of the image that is looked at.
+/// Pixels of the larger side of the small image.
 const SIDE: usize = 16;
 
-/// Distances between nodes, in those of the data.
+/// Distances between nodes, in units of the data's.
 const SPACINGS: [f64; 6] = [8.0, 6.0, 4.0, 3.0, 2.0, 1.5];
 
-/// Each element of the integrals is good to this: far below what a grid is off by.
+/// Accuracy of each element of the integrals: far below the error of a coarser grid.
 const TOLERANCE: f64 = 1e-9;
 
 /// `grid` with nodes `factor ≥ 1` times as far apart, over the same box: its interpolant, looked

@@ -22,7 +22,7 @@ pub struct Variant {
     pub scene: Scene,
 }
 
-/// The effects of `panel`, each on alone upon what is there without any; the last is all of them.
+/// The effects of `panel`, each added alone to the scene without any; the last one has all of them.
 pub fn variants(panel: &Panel) -> Vec<Variant> {
     let variants = match &panel.model {
         Model::Classified(scene) => of_classified(scene),

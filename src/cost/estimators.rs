@@ -8,7 +8,7 @@ use super::timing::{Clock, Task};
 use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, exp};
-use crate::media::collocation::{Collocation, Here};
+use crate::media::collocation::{Collocation, LocalProperties};
 use crate::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
 use crate::render::radiative::sampler::{NumberRow, Sampler};
 use crate::render::radiative::tracking::{
@@ -24,7 +24,7 @@ pub enum TransmittanceEstimator {
     Delta,
     /// Product of the shares of tentative collisions that are null.
     Ratio,
-    /// The same relative to the lower bound of each segment: the reference renderer's.
+    /// Ratio tracking relative to the lower bound of each segment: that of the fast renderer.
     ResidualRatio,
     /// A series around a marched depth, ended by chance.
     UnbiasedMarching,
@@ -42,7 +42,7 @@ pub struct EstimatorSample {
 }
 
 impl TransmittanceEstimator {
-    /// All of them.
+    /// All estimators.
     pub const ALL: [TransmittanceEstimator; 4] = [
         TransmittanceEstimator::Delta,
         TransmittanceEstimator::Ratio,
@@ -73,7 +73,7 @@ impl TransmittanceEstimator {
             TransmittanceEstimator::UnbiasedMarching => {
                 return by_unbiased_marching(profile, stream);
             }
-            TransmittanceEstimator::Ratio => ratio(Control::Nothing, &mut numbers),
+            TransmittanceEstimator::Ratio => ratio(Control::None, &mut numbers),
             TransmittanceEstimator::ResidualRatio => ratio(Control::Minorant, &mut numbers),
             TransmittanceEstimator::Delta => {
                 let first = numbers.next();
@@ -119,7 +119,7 @@ impl TransmittanceEstimator {
     }
 }
 
-/// What is known of a ray beforehand.
+/// Integrals along a ray that predict variances and lookups.
 struct Known {
     depth: f64,
     /// `∫ σ̄ e^(−τ) dt`.
@@ -132,11 +132,11 @@ struct Known {
     majorant: f64,
     /// `∫ (σ̄ − c) dt`.
     residual_majorant: f64,
-    /// Of unbiased ray marching.
+    /// Lookups of unbiased ray marching.
     marching_lookups: f64,
-    /// Whether one extinction is everywhere.
+    /// True if the extinction is constant.
     is_constant: bool,
-    /// Whether every place takes as many lookups.
+    /// True if the number of lookups is the same everywhere.
     lookups_are_known: bool,
 }
 
@@ -152,7 +152,7 @@ impl Known {
             None => (0.0, 0.0),
         };
         let share = |squared: f64, bound: f64| if bound > 0.0 { squared / bound } else { 0.0 };
-        let attenuated = collocation.light(&cuts, TOLERANCE, |t| Here {
+        let attenuated = collocation.light(&cuts, TOLERANCE, |t| LocalProperties {
             extinction: profile.at(t),
             emission: DVec3::new(bounds(t).1, 0.0, 0.0),
         });
@@ -160,7 +160,7 @@ impl Known {
             let (low, high) = bounds(t);
             let sigma = profile.at(t);
             let above = sigma - low;
-            Here {
+            LocalProperties {
                 extinction: 0.0,
                 emission: DVec3::new(
                     share(sigma * sigma, high),
@@ -196,7 +196,7 @@ impl Known {
 /// Samples of each estimator in the table, and at each thickness.
 const SAMPLES: u32 = 1 << 16;
 const SAMPLES_OF_A_SWEEP: u32 = 1 << 14;
-/// Samples whose time is taken.
+/// Samples that are timed.
 const SAMPLES_TIMED: u32 = 1 << 12;
 
 /// Statistics of many samples.
@@ -297,7 +297,7 @@ pub fn table(
     }
 }
 
-/// Relative variances above this are not measured by so few samples.
+/// Largest relative variance that so few samples measure.
 const WIDE: f64 = 20.0;
 
 /// Optical thicknesses of a sweep: 1e-2 to 1e2, two for each power of ten.

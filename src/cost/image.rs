@@ -1,5 +1,5 @@
-//! What a classified image costs: the ray caster's step, the schemes people write, the step of
-//! shadow rays, and interpolation.
+//! Cost of a classified image: the ray caster's step, the schemes people write, the step of shadow
+//! rays, and interpolation.
 
 use super::classified::{Shade, ShadedVolume, has_jumps};
 use super::marching::Scheme;
@@ -21,15 +21,15 @@ use crate::volume::{Interpolation, Lattice};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Pixels of the larger side of the image that is looked at: every sweep needs the same rays,
-/// and some hundred of them tell an order as well as all do.
+/// Pixels of the larger side of the small image: every sweep needs the same rays, and some hundred
+/// of them tell an order as well as all do.
 const SIDE: usize = 32;
-/// The same where every sample casts a ray to the light.
+/// Pixels of the larger side where every sample casts a ray to the light.
 const SIDE_WITH_SHADOW: usize = 10;
 
 /// Steps, in voxels.
 const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625];
-/// The same where every sample casts a ray to the light: those that are done in seconds.
+/// Steps where every sample casts a ray to the light: those that take seconds.
 const STEPS_WITH_SHADOW: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
 
 /// Steps of shadow rays, in voxels.
@@ -38,26 +38,26 @@ const SHADOW_STEPS: [f64; 7] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625];
 /// A voxel of this optical depth lets a hundredth of the light through.
 const OPAQUE: f64 = 4.605_170_185_988_092;
 
-/// Each element of the reference is good to this share of a radiance of 1.
+/// Accuracy of each element of the reference, for a radiance of 1.
 const TOLERANCE: f64 = 1e-12;
-/// The same where every evaluation walks to the light.
+/// Accuracy where every evaluation walks to the light.
 const TOLERANCE_WITH_SHADOW: f64 = 1e-10;
 
 /// Rounding of sums of some hundred terms of size 1.
 const ROUNDING: f64 = 1e-14;
 
-/// A scene's rays, and what is right for each of them.
+/// Rays of a scene, with the true radiance of each.
 pub(super) struct Rays<'s> {
     scene: &'s Classified,
-    /// With the shadow as it should be.
+    /// The scene with its exact shadow.
     subject: ShadedVolume<'s>,
     size: [usize; 2],
     rays: Vec<Ray>,
     right: Vec<DVec3>,
-    /// By ray and channel, whether no voxel on the way is nearly opaque: where one is, light ends
+    /// By ray and channel, true if no voxel on the way is nearly opaque: in such a voxel light ends
     /// in less than a step, and no rule has its order before steps are finer than that.
     clear: Vec<bool>,
-    /// Root mean square of what is right.
+    /// Root mean square of the true radiance.
     scale: f64,
     bound: f64,
 }
@@ -86,8 +86,8 @@ impl<'s> Rays<'s> {
         }
     }
 
-    /// The rays of an image of `size`; for each of them `right` says what is, and whether it is
-    /// clear.
+    /// The rays of an image of `size`; `right` gives the true radiance of each, and true where it
+    /// is clear.
     pub(super) fn against(
         scene: &'s Classified,
         shade: Shade,
@@ -166,7 +166,7 @@ impl<'s> Rays<'s> {
         ExpectedOrder::of_step(if has_jumps(self.scene) { 1.0 } else { 2.0 })
     }
 
-    /// The reference renderer's ray caster by its step.
+    /// The fast ray caster by its step.
     fn ours(&self) -> PlannedSweep<'_> {
         let mut sweep = self.by_step("midpoint", self.order(), |step| {
             self.run(move |ray, _, work| self.subject.cast(step, ray, work))
@@ -221,7 +221,7 @@ impl<'s> Rays<'s> {
     }
 }
 
-/// What comes back along `ray` by pre-integrated segments of length `step`, and their depth.
+/// Radiance along `ray` by pre-integrated segments of length `step`, and their depth.
 ///
 /// The table holds what the transfer function makes of a segment. What shading and shadow add to
 /// that, or take from it, is looked up in its middle.

@@ -1,9 +1,9 @@
-//! Ways of adding up emission and absorption over equal steps along a ray.
+//! Schemes that sum emission and absorption over equal steps along a ray.
 //!
 //! One of them is the reference renderer's; the others are what people write.
 
 use crate::math::{exp, ln};
-use crate::media::collocation::Here;
+use crate::media::collocation::LocalProperties;
 use crate::media::optical_depth;
 use crate::render::classified::steps::Steps;
 use glam::DVec3;
@@ -12,21 +12,21 @@ use glam::DVec3;
 /// and `S = ε/σ` the source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
-    /// In its middle, `S (1 − e^(−σh))`: the reference's.
+    /// Sample in the middle, `S (1 − e^(−σh))`: that of the reference.
     Midpoint,
-    /// Where it begins, `S (1 − e^(−σh))`.
+    /// Sample at the beginning, `S (1 − e^(−σh))`.
     Left,
-    /// In its middle, with the opacity `min(σh, 1)` in place of `1 − e^(−σh)`.
+    /// Sample in the middle, with the opacity `min(σh, 1)` in place of `1 − e^(−σh)`.
     ThinOpacity,
-    /// In its middle, `ε h`: the step does not attenuate its own light.
+    /// Sample in the middle, `ε h`: the step does not attenuate its own light.
     NoSelfAttenuation,
-    /// In its middle, `ε h e^(−σh/2)`: light is attenuated as from the middle.
+    /// Sample in the middle, `ε h e^(−σh/2)`: light is attenuated as from the middle.
     MiddleAttenuation,
-    /// The means of `σ` and `ε` at its ends, attenuated as if they were spread evenly over it.
+    /// Means of `σ` and `ε` at both ends, attenuated as if they were constant over the step.
     Trapezoid,
-    /// As the midpoint rule, but at a random place in the step, another one in each.
+    /// Midpoint rule, but at a random place in the step, independent for each.
     Stratified,
-    /// As the midpoint rule, but at a random place in the step, the same in all of a ray.
+    /// Midpoint rule, but at a random place in the step, the same for all steps of a ray.
     Comb,
 }
 
@@ -52,7 +52,7 @@ const SCHEMES: [(Scheme, &str, f64); 8] = [
 ];
 
 impl Scheme {
-    /// All of them.
+    /// All schemes.
     pub fn all() -> [Scheme; 8] {
         SCHEMES.map(|(scheme, ..)| scheme)
     }
@@ -67,12 +67,12 @@ impl Scheme {
         SCHEMES[self as usize].2
     }
 
-    /// Light sent back over `steps`, and their depth. `at` says what is found at a distance,
-    /// `random` gives the random numbers of the step with an index, uniform in [0, 1).
+    /// Light sent back over `steps`, and their depth. `at` gives extinction and emission at a
+    /// distance, `random` the random numbers of the step with an index, uniform in [0, 1).
     pub fn march(
         self,
         steps: &Steps,
-        mut at: impl FnMut(f64) -> Here,
+        mut at: impl FnMut(f64) -> LocalProperties,
         mut random: impl FnMut(usize) -> f64,
     ) -> (DVec3, f64) {
         let mut radiance = DVec3::ZERO;
@@ -98,7 +98,7 @@ impl Scheme {
                     .into_iter()
                     .find(|end| end.extinction.is_infinite());
                 // An opaque end makes the step opaque: there is no mean with infinity.
-                let mean = opaque.unwrap_or(Here {
+                let mean = opaque.unwrap_or(LocalProperties {
                     extinction: 0.5 * (first.extinction + last.extinction),
                     emission: 0.5 * (first.emission + last.emission),
                 });

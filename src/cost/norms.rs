@@ -3,8 +3,8 @@
 use super::results::Norms;
 use crate::math::Sum;
 
-/// Sizes of `errors`, in units of `scale > 0`. One that is no number makes all norms infinite; so
-/// does it if there are none.
+/// Norms of `errors`, in units of `scale > 0`. All are infinite if an error is NaN, or if there are
+/// none.
 pub fn norms(errors: impl Iterator<Item = f64>, scale: f64) -> Norms {
     let (mut absolute, mut squares, mut fourths) = (Sum::default(), Sum::default(), Sum::default());
     let (mut largest, mut count) = (0.0_f64, 0.0_f64);
@@ -43,8 +43,8 @@ pub fn norms(errors: impl Iterator<Item = f64>, scale: f64) -> Norms {
     }
 }
 
-/// The same where so many errors in a row, those of the channels, are off together: they are fewer
-/// errors than numbers.
+/// [`norms`] where consecutive errors, those of the channels of a ray, are correlated: there are
+/// fewer independent errors than numbers.
 pub fn norms_of_channels(errors: impl Iterator<Item = f64>, scale: f64, channels: usize) -> Norms {
     let norms = norms(errors, scale);
     Norms {

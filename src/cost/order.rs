@@ -3,18 +3,19 @@
 use super::results::{ConvergenceOrder, Norms, OrderVerdict};
 use crate::math;
 
-/// Errors below this many times what the reference itself may be off are not counted.
+/// Smallest error that counts, in bounds on the error of the reference.
 const ABOVE_THE_BOUND: f64 = 100.0;
 
-/// The same where chance is at work: the noise of the reference adds up by squares, to an
-/// thirty-second of the error.
+/// Smallest error of a random estimate that counts, in standard errors of the reference: the
+/// squares add up, and move the error by a thirty-second.
 const ABOVE_THE_NOISE: f64 = 4.0;
 
-/// Errors above this share of what is right belong to no limit; those of chance all do.
+/// Largest relative error that counts: beyond it there is no limit yet. Errors of random estimates
+/// all count.
 const COARSE: f64 = 0.1;
 
-/// Settings that a fit needs, at least; and those that it takes, at most, from the fine end: an
-/// order is a statement about the limit.
+/// Smallest and largest number of settings in a fit, from the fine end: an order is a statement
+/// about the limit.
 const FEWEST: usize = 3;
 const MOST: usize = 4;
 
@@ -23,22 +24,22 @@ const MOST: usize = 4;
 pub struct ExpectedOrder {
     /// The order, if anything is expected.
     pub order: Option<f64>,
-    /// How far a fit may be off.
+    /// Largest deviation of a fit.
     pub tolerance: f64,
-    /// Whether all settings that count are fitted, not only the finest: where chance is at work,
-    /// every one of them is a measurement of the same law.
+    /// True if all settings that count are fitted, not only the finest: with random estimates every
+    /// one measures the same law.
     pub by_chance: bool,
 }
 
 impl ExpectedOrder {
-    /// Nothing.
+    /// No expectation.
     pub const NOTHING: ExpectedOrder = ExpectedOrder {
         order: None,
         tolerance: 0.1,
         by_chance: false,
     };
 
-    /// An order of a rule in the length of a step.
+    /// The order of a rule in the length of a step.
     pub fn of_step(order: f64) -> ExpectedOrder {
         ExpectedOrder {
             order: Some(order),

@@ -1,4 +1,4 @@
-//! What the size of pixels costs: their centres in place of their areas.
+//! Cost of the size of pixels: their centres in place of their areas.
 
 use super::classified::{Shade, ShadedVolume, has_jumps};
 use super::norms::root_mean_square;
@@ -13,8 +13,7 @@ use crate::scene::Classified;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A part of the image this many times smaller is looked at, in its middle: pixels become finer
-/// than the data only close by.
+/// Zoom on the middle of the image: only there do pixels become finer than the data.
 const ZOOM: usize = 32;
 
 /// Pixels of a side of that part.
@@ -23,7 +22,7 @@ const SIDES: [usize; 6] = [2, 4, 8, 16, 32, 64];
 /// Points on a side of the finest image, by which areas are known.
 const FINE: usize = 512;
 
-/// From this opacity on a volume has a silhouette.
+/// Smallest opacity with which a volume has a silhouette.
 const OPAQUE: f64 = 0.99;
 
 /// Samples of every ray are as far apart as the scene says: pixels are compared with pixels.

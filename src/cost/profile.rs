@@ -24,9 +24,9 @@ pub type Extinction<'p> = Box<dyn Fn(f64, &mut u64) -> f64 + Send + Sync + 'p>;
 pub struct BoundedSegment {
     /// The segment.
     pub span: Span,
-    /// No extinction is below.
+    /// Lower bound on the extinction.
     pub low: f64,
-    /// None is above.
+    /// Upper bound on the extinction.
     pub high: f64,
 }
 
@@ -52,7 +52,7 @@ impl Profile<'_> {
             .sum()
     }
 
-    /// Extinction at `t`, where nobody counts.
+    /// Extinction at `t`, without counting lookups.
     pub fn at(&self, t: f64) -> f64 {
         (self.extinction)(t, &mut 0)
     }

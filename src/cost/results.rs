@@ -33,7 +33,7 @@ pub struct Cost {
 pub struct Study {
     /// The quantity approximated: `image`, `transmittance`, …; a word for files and links.
     pub name: &'static str,
-    /// The same in a sentence.
+    /// The quantity in a sentence.
     pub quantity: String,
     /// The reference of the errors.
     pub reference: Reference,
@@ -52,7 +52,7 @@ pub struct Study {
 /// The reference of errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reference {
-    /// Its method.
+    /// Method of the reference.
     pub method: String,
     /// Its own error, relative as in [`Norms`], is at most this: errors not far above it are not
     /// called errors of a setting.
@@ -64,7 +64,7 @@ pub struct Reference {
 pub struct Sweep {
     /// The way to approximate: `midpoint`, `delta tracking`, …
     pub estimator: String,
-    /// Whether it is volref's own method.
+    /// True if it is volref's own method.
     pub is_ours: bool,
     /// The parameter that is varied.
     pub parameter: Parameter,
@@ -97,9 +97,9 @@ pub enum Parameter {
 /// One setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Level {
-    /// In words: "0.25 voxels", "16 samples".
+    /// The setting in words: "0.25 voxels", "16 samples".
     pub setting: String,
-    /// As a number: a length, or a number of samples.
+    /// The setting as a number: a length, or a number of samples.
     pub value: f64,
     /// Work for each ray (or pixel), mean over them.
     pub work: MeanWork,
@@ -208,26 +208,27 @@ pub struct Times {
     pub deviation: f64,
     /// Runs outside of 1.5 interquartile ranges around the quartiles.
     pub outliers: usize,
-    /// Whether the coefficient of variation is above 5 %.
+    /// True if the coefficient of variation is above 5 %.
     pub is_noisy: bool,
 }
 
 /// Order of convergence: the error falls as the `order`-th power of the parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ConvergenceOrder {
-    /// From theory, where that says; of a number of samples, negative.
+    /// Order by theory, if there is one; negative for a number of samples.
     pub expected: Option<f64>,
     /// Errors up to this may be those of the reference, and are not counted.
     pub known: f64,
     /// By setting, whether its error is counted.
     pub counted: Vec<bool>,
-    /// By least squares through the logarithms of the root mean square errors that are counted.
+    /// Order by least squares through the logarithms of the root mean square errors that are
+    /// counted.
     pub fitted: Option<f64>,
-    /// The same of the largest errors.
+    /// Order of the largest errors, likewise.
     pub fitted_max: Option<f64>,
-    /// From each setting to the next, of the root mean square error.
+    /// Order of the root mean square error from each setting to the next.
     pub local: Vec<Option<f64>>,
-    /// How far `fitted` may be from `expected`.
+    /// Largest distance of `fitted` from `expected`.
     pub tolerance: f64,
     /// Standard error of `fitted`, as far as these rays stand for others.
     pub uncertainty: f64,
@@ -235,15 +236,15 @@ pub struct ConvergenceOrder {
     pub verdict: OrderVerdict,
 }
 
-/// Whether an error falls as expected.
+/// Verdict on an order of convergence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OrderVerdict {
-    /// It does.
+    /// The error falls as expected.
     AsExpected,
-    /// It may: what `fitted` is off by beyond the tolerance is within two standard errors.
+    /// Undecided: `fitted` is outside of the tolerance by less than two standard errors.
     TooFewRays,
-    /// It does not.
+    /// The error falls otherwise.
     Otherwise,
     /// Too few settings count: too coarse, or below what the reference knows.
     Undecided,
@@ -256,9 +257,9 @@ pub enum OrderVerdict {
 /// The cheapest setting of each sweep for a wanted error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Price {
-    /// Root mean square error that is wanted.
+    /// Wanted root mean square error.
     pub error: f64,
-    /// By sweep, cheapest first.
+    /// Offers of the sweeps, cheapest first.
     pub offers: Vec<Offer>,
 }
 
@@ -275,29 +276,29 @@ pub struct Offer {
     pub lookups: Option<f64>,
     /// Median wall time for each ray, seconds.
     pub seconds: Option<f64>,
-    /// How many times the lookups of the cheapest.
+    /// Lookups relative to the cheapest.
     pub times_cheapest: Option<f64>,
 }
 
 /// Estimators of the transmittance of one ray.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EstimatorTable {
-    /// Which ray.
+    /// Description of the ray.
     pub ray: String,
     /// Its optical depth, to the last digits.
     pub depth: f64,
     /// Its transmittance.
     pub transmittance: f64,
-    /// Samples that were taken of each.
+    /// Samples of each estimator.
     pub samples: u32,
-    /// One each.
+    /// Estimators, one a row.
     pub rows: Vec<EstimatorRow>,
 }
 
 /// An estimator, predicted and measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EstimatorRow {
-    /// Which.
+    /// Name of the estimator.
     pub estimator: String,
     /// Mean of the samples.
     pub mean: f64,
@@ -307,13 +308,13 @@ pub struct EstimatorRow {
     pub standard_error: f64,
     /// Variance of one sample.
     pub variance: f64,
-    /// Standard error of that.
+    /// Standard error of the variance.
     pub variance_error: f64,
     /// Variance by theory, where there is one.
     pub predicted_variance: Option<f64>,
     /// Lookups of one sample.
     pub lookups: f64,
-    /// The same by theory.
+    /// Lookups by theory.
     pub predicted_lookups: Option<f64>,
     /// Variance times lookups: the smaller, the better.
     pub variance_times_lookups: f64,
@@ -327,7 +328,7 @@ pub struct EstimatorRow {
 /// Variance times lookups by optical thickness.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ThicknessSweep {
-    /// Which ray, whose extinction is scaled.
+    /// Description of the ray, whose extinction is scaled.
     pub ray: String,
     /// By estimator.
     pub curves: Vec<ThicknessCurve>,
@@ -336,7 +337,7 @@ pub struct ThicknessSweep {
 /// One estimator in thinner and denser media.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ThicknessCurve {
-    /// Which.
+    /// Name of the estimator.
     pub estimator: String,
     /// By rising optical thickness.
     pub points: Vec<ThicknessPoint>,
@@ -350,14 +351,14 @@ pub struct ThicknessPoint {
     /// Relative variance, variance/T², times lookups; as measured, if it could be: where almost
     /// no sample gets through, the spread of a few says nothing.
     pub measured: Option<f64>,
-    /// The same as predicted, where theory says.
+    /// Predicted value, where there is a theory.
     pub predicted: Option<f64>,
 }
 
 /// Bias and variance of jittered marching.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JitterSplit {
-    /// Which ray.
+    /// Description of the ray.
     pub ray: String,
     /// By kind of jitter.
     pub curves: Vec<JitterCurve>,
@@ -387,11 +388,11 @@ pub struct JitterPoint {
     pub deviation: f64,
     /// Standard deviation of the optical depth.
     pub depth_deviation: f64,
-    /// What the bias should be to leading order, `½ Var τ̂`.
+    /// Bias by theory to leading order, `½ Var τ̂`.
     pub predicted_bias: f64,
 }
 
-/// What one effect costs.
+/// Cost of one effect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectPrice {
     /// The effects simulated.
@@ -409,7 +410,7 @@ pub struct EffectPrice {
 pub struct Recommendation {
     /// Root mean square error wanted.
     pub error: f64,
-    /// In words.
+    /// Recommendation in words.
     pub text: String,
     /// The command that renders it.
     pub command: Option<String>,
@@ -431,9 +432,9 @@ pub struct ErrorPicture {
 /// Extinction along a ray, and the samples of a setting.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RayTrace {
-    /// Which ray.
+    /// Description of the ray.
     pub ray: String,
-    /// Which setting.
+    /// Description of the setting.
     pub setting: String,
     /// Distance and extinction, finely.
     pub extinction: Vec<[f64; 2]>,

@@ -31,7 +31,7 @@ const RULES: [(StepRule, &str, f64); 5] = [
 ];
 
 impl StepRule {
-    /// All of them.
+    /// All rules.
     pub fn all() -> [StepRule; 5] {
         RULES.map(|(rule, ..)| rule)
     }
@@ -46,7 +46,7 @@ impl StepRule {
         RULES[self as usize].2
     }
 
-    /// The same where the extinction is continuous and has kinks between the steps' ends, as
+    /// Order where the extinction is continuous and has kinks between the steps' ends, as
     /// interpolated data have; with `jumps`, where it is not even that.
     pub fn order_with_kinks(self, jumps: bool) -> f64 {
         self.order().min(if jumps { 1.0 } else { 2.0 })

@@ -21,7 +21,7 @@ pub struct Options {
     pub seed: u64,
 }
 
-/// Reason why nothing was measured.
+/// Errors that leave nothing measured.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CostError {
     /// The scene has no parameter to vary.
@@ -53,10 +53,10 @@ pub fn cost(
     costs.collect()
 }
 
-/// A reference that knows less than this is said to.
+/// Largest bound of a reference that is not noted.
 const SURE: f64 = 1e-8;
 
-/// What has been found out about a panel, and how it is looked into.
+/// Results of the studies of a panel so far, and their options.
 struct Inquiry<'a> {
     cost: Cost,
     panel: &'a Panel,
@@ -160,7 +160,7 @@ fn to_the_end(panel: &Panel) -> Option<(Panel, &'static str)> {
     Some((panel, note))
 }
 
-/// An optical depth at which all estimators have something to tell.
+/// Optical depth at which all estimators can be compared.
 const TYPICAL_DEPTH: f64 = 2.0;
 
 /// Steps of jittered marching on one ray, as shares of its length.
@@ -180,8 +180,8 @@ impl Inquiry<'_> {
         self.cost.notes.push(note.to_owned());
     }
 
-    /// Whether there is time for the next `step`, which is reported; if not, what is `missing` is
-    /// noted.
+    /// True if there is time for the next `step`, which is reported; else notes that `missing` was
+    /// left out.
     fn has_time(&mut self, step: &str, missing: &str) -> bool {
         let is_over = self.options.clock.is_over();
         if is_over {

@@ -54,9 +54,9 @@ pub type SettingRun<'a> = Box<dyn Fn() -> SettingOutcome + Send + Sync + 'a>;
 
 /// One setting of a sweep.
 pub struct Setting<'a> {
-    /// In words.
+    /// The setting in words.
     pub name: String,
-    /// As a number.
+    /// The setting as a number.
     pub value: f64,
     /// The run.
     pub run: SettingRun<'a>,
@@ -80,17 +80,17 @@ impl<'a> Setting<'a> {
 pub struct PlannedSweep<'a> {
     /// Name of the approximation.
     pub estimator: String,
-    /// Whether it is volref's own method.
+    /// True if it is volref's own method.
     pub is_ours: bool,
     /// The parameter that is varied.
     pub parameter: Parameter,
     /// The order that theory expects.
     pub expected: ExpectedOrder,
-    /// From coarse to fine.
+    /// Settings, from coarse to fine.
     pub settings: Vec<Setting<'a>>,
 }
 
-/// Reference of a study, with what its errors are measured by.
+/// Reference of a study, with the unit of its errors.
 pub struct Truth<'a> {
     /// Method of the reference.
     pub method: String,
@@ -98,7 +98,7 @@ pub struct Truth<'a> {
     pub scale: f64,
     /// Error of the reference itself at most, in those units.
     pub bound: f64,
-    /// Whether orders are judged by an error, for each; by all of them if there are none.
+    /// By error, true if orders are judged by it; `None` for all.
     pub judged: Option<&'a [bool]>,
 }
 
@@ -208,8 +208,8 @@ fn time(planned: &[PlannedSweep<'_>], levels: &mut [Vec<Level>], rays: usize, cl
 /// Wanted errors of the price list.
 pub const WANTED: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-6];
 
-/// The cheapest setting of each of the `sweeps`, which may be compared with one another. Nothing is
-/// said to reach an error that the reference does not know.
+/// The cheapest setting of each of the `sweeps`, which may be compared with one another. No setting
+/// reaches an error below that of the reference.
 fn price(sweeps: &[Sweep], error: f64) -> Price {
     let mut offers: Vec<Offer> = sweeps
         .iter()

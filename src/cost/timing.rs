@@ -7,7 +7,7 @@ use std::time::Instant;
 /// Runs of each setting.
 pub const RUNS: usize = 10;
 
-/// Work whose time is taken.
+/// Work to be timed.
 pub type Task<'a> = Box<dyn Fn() + Sync + 'a>;
 
 /// Time measurement; counts of work and errors do not need it.
@@ -26,12 +26,12 @@ impl Clock {
         deadline: None,
     };
 
-    /// The same without times: where what is measured is no work of the setting.
+    /// This clock without timings: for runs that are not the work of the setting.
     pub fn untimed(self) -> Clock {
         Clock { runs: 0, ..self }
     }
 
-    /// Whether the time limit has passed.
+    /// True if the time limit has passed.
     pub fn is_over(&self) -> bool {
         self.deadline
             .is_some_and(|deadline| Instant::now() >= deadline)
@@ -52,7 +52,7 @@ impl Clock {
         }
     }
 
-    /// The same on the threads of whoever asks; with at least one run.
+    /// [`Clock::by_turns`] on the threads of the caller; with at least one run.
     fn by_turns_here(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {
         let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); tasks.len()];
         // What the first run finds cold belongs to none of them.
@@ -72,7 +72,7 @@ impl Clock {
     }
 }
 
-/// What `runs` seconds came to; nothing of fewer than two.
+/// Statistics of `runs`, in seconds; `None` for fewer than two.
 pub fn summary(runs: &[f64]) -> Option<Times> {
     if runs.len() < 2 {
         return None;
@@ -108,7 +108,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 impl Machine {
-    /// The one this runs on, timing with `threads` threads.
+    /// The machine of this process, timing with `threads` threads.
     pub fn here(threads: usize) -> Machine {
         Machine {
             processor: processor(),
@@ -125,7 +125,7 @@ impl Machine {
     }
 }
 
-/// What the processor calls itself, where the system says.
+/// Name of the processor, where the system gives it.
 fn processor() -> String {
     let bytes = regular_file::read("/proc/cpuinfo".as_ref(), 1 << 24).unwrap_or_default();
     let text = String::from_utf8_lossy(&bytes);

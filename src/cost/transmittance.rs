@@ -13,7 +13,7 @@ use super::timing::Clock;
 use crate::geometry::{Ray, Span};
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{exp, powu};
-use crate::media::collocation::{Collocation, Here};
+use crate::media::collocation::{Collocation, LocalProperties};
 use crate::media::{Density, DensityLine, Field};
 use crate::render::Counters;
 use crate::render::classified::steps::Steps;
@@ -29,7 +29,7 @@ use rayon::prelude::*;
 
 /// Pixels of the larger side of the image whose rays are followed.
 const SIDE: usize = 32;
-/// The same where densities have no integral, and the reference takes its time.
+/// Pixels of the larger side where densities have no integral, and the reference is slow.
 const SIDE_WITHOUT_INTEGRAL: usize = 16;
 
 /// Steps, in units of the field: voxels, or blocks of what is no grid.
@@ -52,22 +52,22 @@ const ESTIMATES: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 /// Deepest bound along a ray through which flights are followed one by one.
 pub const MOST_DEPTHS: f64 = 1e4;
 
-/// Each element of the reference is good to this, where a density has no integral: fractal noise,
-/// for each digit of which a ray takes a multiple of elements.
+/// Accuracy of each element of the reference, where a density has no integral: fractal noise, for
+/// each digit of which a ray takes a multiple of elements.
 const TOLERANCE: f64 = 1e-9;
 
-/// Pieces that a ray is cut into, where nothing says what is smooth on it.
+/// Pieces of a ray whose smooth parts are unknown.
 const PIECES: usize = 64;
 
 /// A ray through heterogeneous media.
 pub struct RayThroughMedia<'s> {
-    /// Which pixel of the smaller image it belongs to.
+    /// Pixel of the smaller image.
     pub pixel: [usize; 2],
     /// Extinction along it, of what varies.
     pub profile: Profile<'s>,
     /// Its optical depth.
     pub depth: f64,
-    /// By how much that may be off.
+    /// Error bound of the depth.
     pub depth_error: f64,
     /// The media that vary on it.
     pub parts: Vec<MediumOnRay<'s>>,
@@ -83,12 +83,12 @@ pub struct MediumOnRay<'s> {
     pub density: &'s Density,
     /// The ray in the coordinates of the density.
     pub line: DensityLine,
-    /// Where the ray is in the box of the density.
+    /// Span of the ray in the box of the density.
     pub span: Span,
 }
 
 impl RayThroughMedia<'_> {
-    /// Whether all that varies is a grid.
+    /// True if all that varies is a grid.
     pub fn is_through_grids(&self) -> bool {
         let mut parts = self.parts.iter();
         parts.all(|part| matches!(part.density.field(), Field::Grid(_)))
@@ -116,28 +116,28 @@ pub struct Crossings<'s> {
     pub rays: Vec<RayThroughMedia<'s>>,
     /// Length of a voxel, or of a block of a field that is no grid, world units.
     pub unit: f64,
-    /// What that is.
+    /// Name of the unit.
     pub unit_name: &'static str,
-    /// Whether the densities have jumps.
+    /// True if the densities have jumps.
     pub jumps: bool,
-    /// Whether they have kinks, as interpolated ones do.
+    /// True if they have kinks, as interpolated ones do.
     pub kinks: bool,
-    /// Whether they have detail finer than any step here, as noise of many octaves does: then no
+    /// True if they have detail finer than any step here, as noise of many octaves does: then no
     /// step is small.
     pub rough: bool,
     /// Extinction at the ends of rays.
     pub ends: Ends,
 }
 
-/// How the extinctions compare in which rays begin and end: a rule that looks at one end of a step
-/// only is off by half a step's worth of their difference, to first order.
+/// Comparison of the extinctions at both ends of rays: a rule that looks at one end of a step only
+/// is off by half a step's worth of their difference, to first order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
-    /// They are the same: such a rule is as good as one that looks at both.
+    /// The same: such a rule is as good as one that looks at both.
     Same,
-    /// They are nearly so: it comes to its order only where steps are very fine.
+    /// Nearly the same: such a rule comes to its order only where steps are very fine.
     Alike,
-    /// They differ.
+    /// Different.
     Different,
 }
 
@@ -160,7 +160,8 @@ impl Ends {
     }
 }
 
-/// Those of `around`, for an image of `size` pixels in full; none if nothing varies.
+/// Crossings of the media of `around`, for an image of `size` pixels in full; `None` if nothing
+/// varies.
 pub fn crossings<'s>(
     around: &'s SceneContext<'s, Everything>,
     size: [usize; 2],
@@ -220,7 +221,7 @@ pub fn crossings<'s>(
     })
 }
 
-/// Steps are small against what is this many times as long.
+/// Ratio of a length to a step that is small against it.
 const FINE: f64 = 16.0;
 
 /// The edge of the smallest cells of noise, in its own coordinates.
@@ -229,7 +230,7 @@ fn detail(noise: &FractalParameters) -> f64 {
     1.0 / (noise.scale.abs().max_element() * octaves)
 }
 
-/// What `ray` crosses before it meets a surface.
+/// Media that `ray` crosses before it meets a surface.
 fn crossing<'s>(
     around: &'s SceneContext<'s, Everything>,
     collocation: &Collocation,
@@ -335,7 +336,7 @@ fn crossing<'s>(
         crossing.depth_error = crossing.depth * 1e-15;
     } else {
         let profile = &crossing.profile;
-        let light = collocation.light(&profile.cuts(), TOLERANCE, |t| Here {
+        let light = collocation.light(&profile.cuts(), TOLERANCE, |t| LocalProperties {
             extinction: profile.at(t),
             emission: DVec3::ZERO,
         });
@@ -403,7 +404,7 @@ pub fn study(crossings: &Crossings<'_>, seed: u64, clock: &Clock) -> Study {
     }
 }
 
-/// The rays, what is right for them, and a seed.
+/// The rays, their true transmittance, and a seed.
 struct Asked<'c, 's> {
     crossings: &'c Crossings<'s>,
     right: Vec<f64>,
@@ -411,7 +412,7 @@ struct Asked<'c, 's> {
 }
 
 impl Asked<'_, '_> {
-    /// Asks every ray for its transmittance.
+    /// Estimates the transmittance of every ray.
     fn run<'a>(
         &'a self,
         estimate: impl Fn(&RayThroughMedia<'_>, usize, &mut Counters) -> f64 + Send + Sync + 'a,

@@ -52,11 +52,11 @@ use crate::render::radiative::tracking::Effort;
 /// Mean lookups of an estimate for each lookup of one march: `1 + (e² − 1)/20`.
 pub const MEAN_MARCHES: f64 = 1.319_452_804_946_532_5;
 
-/// With which probability there is a term beyond the first.
+/// Probability of a term beyond the first.
 const BEYOND_FIRST: f64 = 0.1;
 
-/// How many steps a march takes by the authors' rule, at least 1, where the optical depth is at
-/// most `depth_bound ≥ 0`, finite: the extinction's bound times the length of the ray.
+/// Number of steps of a march by the authors' rule, at least 1, where the optical depth is at most
+/// `depth_bound ≥ 0`, finite: the extinction's bound times the length of the ray.
 ///
 /// `∛((0.015 + τ̄)(0.65 + τ̄)(60.3 + τ̄))`, rounded up, is a fit to what a tracking estimator with
 /// that bound looks up. The march is as long as makes the mean lookups the same:

@@ -1,4 +1,4 @@
-//! A radiative scene, put in order for other renderers.
+//! A radiative scene, prepared for export.
 
 use super::forms::Form;
 use super::nested_media::{BoundarySurface, NestedMedia};

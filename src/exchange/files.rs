@@ -1,4 +1,4 @@
-//! Grids and meshes as files of their own.
+//! Grids and meshes in separate files.
 
 use crate::volume::{Grid, vol_bytes};
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! Shapes by their coordinates in the world.
+//! Shapes in world coordinates.
 
 use crate::geometry::{Aabb, Boundary, Emitter, Luminous, Mesh, Rectangle, Shape, Sphere};
 use crate::geometry::{Surface, Transform};

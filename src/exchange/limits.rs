@@ -1,4 +1,4 @@
-//! What of a scene is lost in pbrt's numbers of 32 bits, and where it clamps.
+//! Limits of pbrt: losses to floats of 32 bits, and values that it clamps.
 
 use super::export_scene::ExportScene;
 use super::forms::Form;

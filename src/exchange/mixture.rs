@@ -1,4 +1,4 @@
-//! Media at one place.
+//! Mixtures: several media at one place.
 
 use crate::media::{Homogeneous, Phase};
 use glam::DVec3;

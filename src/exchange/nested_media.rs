@@ -1,4 +1,4 @@
-//! Which media lie in which, and where their boundaries may stand.
+//! Nesting of media, and the placement of their boundaries.
 //!
 //! In volref media overlap and add up. Mitsuba and pbrt know one medium at a point, named inside
 //! from outside by the boundary that a ray crosses. So media must be apart or one wholly within
@@ -23,7 +23,7 @@ const LARGEST: f64 = 1e15;
 
 /// A medium and where it ends.
 pub(super) struct NestedMedium<'s> {
-    /// Which of the scene's media it is.
+    /// Index of the medium in the scene.
     pub index: usize,
     /// Its boundary.
     pub form: Form,
@@ -55,7 +55,7 @@ pub(super) struct BoundarySurface {
     pub form: Form,
     /// Whether nobody can look behind it.
     pub opaque: bool,
-    /// Which of the scene's objects it is; none for a light.
+    /// Index of the object in the scene; `None` for a light.
     pub object: Option<usize>,
 }
 
@@ -119,7 +119,7 @@ impl<'s> NestedMedia<'s> {
         NestedMedia { list, eye }
     }
 
-    /// What the nested medium `at` is filled with: itself and all around it, from the inside out.
+    /// Mixture of the nested medium `at`: itself and all around it, from the inside out.
     pub(super) fn mixture(&self, at: usize) -> Mixture {
         let layers = std::iter::once(at).chain(ancestors(&self.list, at));
         Mixture::of(layers.map(|at| &self.list[at].medium))
@@ -301,7 +301,7 @@ fn behind(form: &mut Form, touched: &[bool], offset: f64) {
     }
 }
 
-/// Where boundaries meet surfaces.
+/// Contacts of boundaries and surfaces.
 struct Contacts<'w> {
     surfaces: &'w [BoundarySurface],
     gap: f64,

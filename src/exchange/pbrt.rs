@@ -1,5 +1,5 @@
-//! Scenes of pbrt-v4, held against its sources at commit 5f7a606 and rendered with it:
-//! scripts/peers/README.md. Files and functions below are those under its `src/pbrt/`.
+//! Scenes for pbrt-v4, checked against its sources at commit 5f7a606 and rendered with it
+//! (scripts/peers/README.md). Files and functions below are those under its `src/pbrt/`.
 //!
 //! - pbrt multiplies spectra, not channels. Only grey values mean the same to both: `rgb` of
 //!   three equal numbers is a constant spectrum for reflectances and coefficients, and the white
@@ -123,7 +123,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     faults.none(Format::Pbrt, Export { main, files })
 }
 
-/// What pbrt has no words for, though Mitsuba has.
+/// Checks for features that pbrt lacks and Mitsuba has.
 fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
     for (index, light) in scene.lights.iter().enumerate() {
         let Light::Spot(spot) = light else { continue };

@@ -1,4 +1,4 @@
-//! The eye, in the numbers that other renderers ask for.
+//! The camera, in the parameters of other renderers.
 
 use crate::geometry::{Camera, Direction, Ray};
 use crate::math::atan2;
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// A camera as position, direction and angle.
 pub(super) struct ExportView {
-    /// Where it stands.
+    /// Position of the camera.
     pub eye: DVec3,
     /// A point it looks at, as [`ahead`] of it.
     pub target: DVec3,

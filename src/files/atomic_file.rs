@@ -10,13 +10,13 @@ use super::partial_file;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {action} {}: {cause}{kept}; {}", path.display(), remedy(cause.kind()))]
 pub struct WriteError {
-    /// What was being done, as a verb phrase: "write", "replace", …
+    /// The action, as a verb phrase: "write", "replace", …
     pub action: &'static str,
-    /// The file or directory it was being done to.
+    /// File or directory of the action.
     pub path: PathBuf,
-    /// What the operating system said.
+    /// Error of the operating system.
     pub cause: io::Error,
-    /// What became of the file that was there before, as the end of a sentence.
+    /// State of the file that was there before, as the end of a sentence.
     kept: &'static str,
 }
 
@@ -44,8 +44,8 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     }
 }
 
-/// Puts a file into the place of whatever file or link is called `path`, as [`write_atomically`] does, but
-/// without following the link.
+/// Replaces the file or link at `path`, as [`write_atomically`] does, but without following the
+/// link.
 pub(crate) fn write_in_place_of(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace(path, path, bytes)
 }
@@ -101,7 +101,7 @@ fn failed(
     }
 }
 
-/// Where the bytes for a path have to go.
+/// Destination of the bytes for a path.
 enum Destination {
     /// A regular file, existing or not, with symbolic links followed.
     File(PathBuf),
@@ -191,7 +191,7 @@ pub(crate) fn sync_directory(directory: &Path) -> io::Result<()> {
     }
 }
 
-/// What the user can do about a failed file operation.
+/// Advice to the user about a failed file operation.
 pub(crate) fn remedy(kind: ErrorKind) -> &'static str {
     match kind {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {

@@ -1,5 +1,5 @@
-//! Runs decoders of other crates on bytes of other programs: where one panics, the bytes are
-//! unreadable, and no more.
+//! Barrier around the decoders of other crates: a panic on the bytes of another program is an error
+//! of the file.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
@@ -18,12 +18,12 @@ pub struct Stopped(String);
 const MOST_LETTERS: usize = 200;
 
 thread_local! {
-    /// Whether this thread runs a decoder.
+    /// True if this thread runs a decoder.
     static DECODING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What `decode` returns, or what it panicked with. Nothing of a panic is printed. What `decode`
-/// was changing then is half changed, and to be dropped.
+/// Result of `decode`, or the message of its panic, which is not printed. Data that `decode` was
+/// changing at a panic is incomplete and must be dropped.
 ///
 /// For code that panics in the thread it is called in: a panic in a thread of its own ends the
 /// process, or is waited for without end.
@@ -44,8 +44,7 @@ pub fn run<T>(decode: impl FnOnce() -> T) -> Result<T, Stopped> {
     })
 }
 
-/// The hook that prints panics is one for all threads, so it is replaced once, by one that asks
-/// which thread it is called in.
+/// Replaces the panic hook, one for all threads, by one that is silent in threads that decode.
 fn silence_decoders() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {

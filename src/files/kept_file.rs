@@ -1,5 +1,5 @@
-//! Files that one process leaves for another: a hash of the rest, a line of JSON that says what it is,
-//! and the contents. A file that was cut off, or changed, is not read.
+//! Sealed files, by which one process hands data to another: a hash of the rest, a line of JSON
+//! that describes the contents, and the contents. A truncated or changed file is not read.
 
 use super::atomic_file::{WriteError, directory_of};
 use super::own_file;
@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 /// A file could not be kept.
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
-    /// Its folder cannot be made, or something else is in its place.
+    /// The folder cannot be made, or something else is in its place.
     #[error("cannot create the folder {}: {error}", folder.display())]
     Folder {
-        /// Where.
+        /// Path.
         folder: PathBuf,
         /// Error of the operating system.
         error: std::io::Error,
@@ -26,7 +26,7 @@ pub enum KeepError {
     /// It cannot be expressed.
     #[error("cannot write {}: {reason}", path.display())]
     Encode {
-        /// Where.
+        /// Path.
         path: PathBuf,
         /// The fault.
         reason: String,
@@ -51,8 +51,8 @@ impl From<FolderError> for KeepError {
     }
 }
 
-/// Writes the file `inner` of the folder `root`, which says what it is; returns its bytes. Another process
-/// that writes the same at once does no harm.
+/// Writes the file `inner` of the folder `root` with its header; returns its bytes. Another process
+/// may write the same file at once.
 pub(crate) fn write(
     root: &Path,
     inner: &Path,
@@ -69,7 +69,7 @@ pub(crate) fn write(
     Ok(bytes.len() as u64)
 }
 
-/// The folder that `folder` is in, and its name: as a pair of which the second must be no link.
+/// The parent of `folder`, and its name, which must not be a link.
 pub(crate) fn in_its_folder(folder: &Path) -> (&Path, &Path) {
     match (folder.parent(), folder.file_name()) {
         (Some(parent), Some(name)) => (parent, Path::new(name)),
@@ -93,7 +93,7 @@ pub(crate) fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, Vec<u8>), Str
     Ok((head, rest[end + 1..].to_vec()))
 }
 
-/// Hides `folder`, and what it holds, from version control wherever it is.
+/// Hides `folder` and its contents from version control.
 pub(crate) fn hide(folder: &Path) {
     partial_file::sweep(folder);
     let ignore = folder.join(IGNORE);
@@ -102,7 +102,7 @@ pub(crate) fn hide(folder: &Path) {
     }
 }
 
-/// Removes `folder` if there is nothing in it but what hides it.
+/// Removes `folder` if it is empty but for the file that hides it.
 pub(crate) fn remove_if_empty(folder: &Path) {
     let is_hidden = |entry: std::fs::DirEntry| entry.file_name() == IGNORE;
     let only_hidden = |entries: std::fs::ReadDir| entries.flatten().all(is_hidden);

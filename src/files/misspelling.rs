@@ -1,4 +1,4 @@
-//! The word that somebody meant.
+//! Suggestions for misspelt words.
 
 use strsim::damerau_levenshtein;
 
@@ -18,8 +18,8 @@ pub fn nearest<'n>(word: &str, names: impl IntoIterator<Item = &'n str>) -> Opti
     near.min().map(|(_, name)| name)
 }
 
-/// Half the letters wrong is no misspelling any more; nor is a number with more than one digit wrong, missing or
-/// too many, or two exchanged: another one is meant.
+/// True if few letters differ. Words with half the letters wrong are other words, and so are
+/// numbers with more than one digit wrong, missing or added, or two exchanged.
 fn is_near(name: &str, word: &str) -> bool {
     let [digits, letters] = [true, false].map(|is_digit| {
         let part = |text: &str| text.replace(|c: char| c.is_ascii_digit() != is_digit, "");

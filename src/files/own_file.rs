@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot create the folder {}: {error}", folder.display())]
 pub(crate) struct FolderError {
-    /// Where.
+    /// Path of the folder.
     pub folder: PathBuf,
     /// The reason.
     pub error: io::Error,
@@ -23,7 +23,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_in_place_of(path, bytes)
 }
 
-/// Fails where something other than a regular file is at `path`; nothing at all is no error.
+/// Fails where something other than a regular file is at `path`; succeeds where nothing is.
 pub(crate) fn check(path: &Path) -> io::Result<()> {
     is_there(path, FILE).map(|_| ())
 }
@@ -63,7 +63,7 @@ pub(crate) fn check_folder(root: &Path, inner: &Path) -> Result<(), FolderError>
     Ok(())
 }
 
-/// The folders below `root` on the way to `inner`, and that.
+/// The folders from below `root` down to `inner`.
 fn folders(root: &Path, inner: &Path) -> impl Iterator<Item = PathBuf> {
     let parts = inner.components();
     parts.scan(root.to_owned(), |folder, part| {

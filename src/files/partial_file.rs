@@ -17,8 +17,8 @@ const SUFFIX: &str = ".partial";
 /// Random letters between the two.
 const LETTERS: usize = 6;
 
-/// An empty file in `directory`, to be written and renamed; removed when dropped before that. What killed
-/// processes left there is removed first.
+/// An empty file in `directory`, to be written and renamed; removed when dropped before that.
+/// Partial files of killed processes are removed first.
 pub(crate) fn create(directory: &Path) -> io::Result<NamedTempFile> {
     sweep(directory);
     let mut builder = tempfile::Builder::new();
@@ -36,7 +36,8 @@ pub(crate) fn create(directory: &Path) -> io::Result<NamedTempFile> {
     Err(io::Error::other("files written aside are removed at once"))
 }
 
-/// Locks a file just created: `false` if somebody took it for one left behind before it was locked.
+/// Locks a file just created: `false` if another process removed it as a leftover before it was
+/// locked.
 fn is_held(file: &NamedTempFile) -> bool {
     // Elsewhere a lock would keep readers off the file under its final name, too.
     if !cfg!(unix) {
@@ -49,7 +50,8 @@ fn is_held(file: &NamedTempFile) -> bool {
     }
 }
 
-/// Removes what killed processes left in `directory`, once for each process. Fails silently.
+/// Removes the partial files of killed processes from `directory`, once for each process. Fails
+/// silently.
 pub(crate) fn sweep(directory: &Path) {
     static SWEPT: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
     let mut swept = SWEPT.lock().unwrap_or_else(PoisonError::into_inner);

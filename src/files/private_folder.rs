@@ -1,4 +1,5 @@
-//! Folders that nobody but the user, or root, can change: what was looked at there is the same when it is read.
+//! Private folders: only the user or root can change them, so that a file is still the checked one
+//! when it is read.
 
 use std::io;
 use std::path::Path;
@@ -26,7 +27,8 @@ pub(crate) fn make(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Creates `folder` where it is missing. Elsewhere the folders of a user are his alone by their lists of rights.
+/// Creates `folder` where it is missing. On other systems access control lists make the folders of
+/// a user private.
 #[cfg(not(unix))]
 pub(crate) fn make(folder: &Path) -> io::Result<()> {
     std::fs::create_dir_all(folder)
@@ -48,8 +50,8 @@ mod unix {
         nix::unistd::geteuid().as_raw()
     }
 
-    /// Looks at every folder and link on the way to `path`, links followed, and creates folders that
-    /// are missing.
+    /// Checks every folder and link on the way to `path`, links followed, and creates missing
+    /// folders.
     pub(crate) fn way_to(path: &Path, links: u32) -> io::Result<Metadata> {
         let mut place = PathBuf::new();
         let mut last = fs::symlink_metadata("/")?;
@@ -79,7 +81,7 @@ mod unix {
             };
             if !last.is_dir() {
                 let place = place.display();
-                return Err(io::Error::other(format!("{place} is no folder")));
+                return Err(io::Error::other(format!("{place} is not a folder")));
             }
             if last.mode() & WRITABLE != 0 && last.mode() & STICKY == 0 {
                 return Err(writable(&place));
@@ -134,7 +136,7 @@ mod tests {
         make(&at("a")).unwrap();
         assert_eq!(mode(&at("a")), 0o700);
         fs::write(at("file"), "").unwrap();
-        refused("file/a", "is no folder");
+        refused("file/a", "is not a folder");
     }
 
     #[test]

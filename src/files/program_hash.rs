@@ -1,10 +1,10 @@
-//! Hashes of what things are computed from, and by which program.
+//! Hashes of the inputs of a result, and of the running program.
 
 use super::regular_file;
 use std::sync::OnceLock;
 
-/// Hash of the running program, since other builds may render other images; `None` if it cannot be
-/// read.
+/// Hash of the running executable, since other builds may render other images; `None` if it cannot
+/// be read.
 pub fn program_hash() -> Option<&'static str> {
     static HASH: OnceLock<Option<String>> = OnceLock::new();
     let read = || {

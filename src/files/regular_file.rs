@@ -1,5 +1,5 @@
-//! The one door through which files are read: none that is no file, none without a limit, and
-//! which ones were read is remembered, so that no output is written over an input.
+//! Reads regular files only, never beyond a size limit, and remembers which ones, so that no output
+//! is written over an input.
 
 use std::collections::HashSet;
 use std::fs::{File, Metadata};
@@ -11,27 +11,27 @@ use thiserror::Error;
 /// Largest file that is read unless a caller has a lower limit, in bytes: 4 GiB.
 pub const MOST_BYTES: u64 = 1 << 32;
 
-/// Why nothing was opened.
+/// Errors in opening a file.
 #[derive(Debug, Error)]
 pub enum OpenError {
-    /// Nothing there.
+    /// Nothing is at the path.
     #[error("{0}")]
     Missing(io::Error),
-    /// Not a regular file: what is there instead.
+    /// Not a regular file; with the kind found.
     #[error("this is {0}, not a file")]
     NotAFile(&'static str),
-    /// The system refuses.
+    /// Refused by the operating system.
     #[error("{0}")]
     Refused(io::Error),
 }
 
-/// Why nothing was read.
+/// Errors in reading a file.
 #[derive(Debug, Error)]
 pub enum ReadError {
-    /// Nothing was opened.
+    /// The file was not opened.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// Larger than anything that is meant.
+    /// The file is larger than the limit.
     #[error("the file has {bytes} bytes; at most {most} are read")]
     TooLarge {
         /// Bytes in the file, or at least as many.
@@ -80,8 +80,8 @@ pub fn open(path: &Path) -> Result<(File, u64), OpenError> {
     Ok((file, metadata.len()))
 }
 
-/// Fails where no regular file is at `path`. To be asked before opening: to open a named pipe is
-/// to wait for its other end.
+/// Fails where no regular file is at `path`. Called before opening, as opening a named pipe waits
+/// for its other end.
 pub fn check_kind(path: &Path) -> Result<(), OpenError> {
     let metadata = std::fs::metadata(path).map_err(OpenError::of)?;
     if metadata.is_file() {
@@ -109,18 +109,18 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
     }
 }
 
-/// What tells a file from all others, by whatever names and links it is reached.
+/// Identity of a file, the same by all names and links.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Identity(FileNumber);
 
 #[cfg(unix)]
 type FileNumber = (u64, u64);
-/// Elsewhere the path without links; hard links are two files then.
+/// On other systems the path without links: hard links count as two files.
 #[cfg(not(unix))]
 type FileNumber = std::path::PathBuf;
 
 impl Identity {
-    /// Of the file or folder at `path`, if there is one.
+    /// Identity of the file or folder at `path`, if there is one.
     pub fn of(path: &Path) -> Option<Identity> {
         Identity::with(path, &std::fs::metadata(path).ok()?)
     }
@@ -156,7 +156,7 @@ pub fn note_input(path: &Path) {
     }
 }
 
-/// Whether the file at `path` was read by this process, or noted as an input, under any name.
+/// True if the file at `path` was read by this process, or noted as an input, under any name.
 pub fn is_input(path: &Path) -> bool {
     let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
     Identity::of(path).is_some_and(|identity| inputs.contains(&identity))

@@ -45,7 +45,7 @@ pub(super) fn samples_of<'p>(part: &'p ExrPart, name: &str) -> Option<&'p FlatSa
 /// The channels of a layer.
 struct Group<'f> {
     part: &'f ExrPart,
-    /// What the names of its channels have before the last dot.
+    /// Prefix of the names of its channels, before the last dot.
     prefix: String,
     /// For people, and to find the main one: the name of the part and the prefix.
     name: String,

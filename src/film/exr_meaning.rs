@@ -1,4 +1,4 @@
-//! Statements of an EXR about what its pixels are, each heeded or refused.
+//! Attributes of an EXR that say what its pixels mean, each applied or refused.
 //!
 //! | attribute | rule |
 //! | --- | --- |
@@ -172,7 +172,7 @@ pub(super) fn primaries(colours: &Colours, file: &ExrParts) -> Result<Primaries,
             None => {
                 return Err(FilmError::unsuited(
                     format!(
-                        "the {name} of this EXR is {encoding:?}, which is no linear RGB known to volref"
+                        "the {name} of this EXR is {encoding:?}, which is not a linear RGB known to volref"
                     ),
                     REC709_PLEASE,
                 ));

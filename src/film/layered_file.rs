@@ -1,5 +1,5 @@
-//! Several images in one EXR file, each as a layer, with no more digits than their noise leaves: what is as
-//! noisy as derivatives are takes a tenth of its bytes so.
+//! Several images in one EXR file, each as a layer. Values are rounded to their noise, which makes
+//! files of derivatives ten times smaller.
 
 use super::exr_file::{floats, part, read_file, written_parts};
 use super::exr_layers::samples_of;

@@ -11,7 +11,7 @@ pub struct Noise {
     pub(super) origin: NoiseOrigin,
 }
 
-/// What variances were estimated from.
+/// Origin of variances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum NoiseOrigin {
     /// The spread of samples.

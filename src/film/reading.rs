@@ -1,4 +1,4 @@
-//! Circumstances of reading a file that its pixels do not show.
+//! Conversions on reading a file, which its pixels do not show.
 
 use std::fmt;
 

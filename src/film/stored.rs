@@ -1,4 +1,4 @@
-//! Films as serde reads them, before it is known that they are any.
+//! Films as serde reads them, before they are checked.
 
 use super::{Film, Noise};
 use serde::Deserialize;

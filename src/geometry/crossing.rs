@@ -1,4 +1,4 @@
-//! Where a line crosses a triangle, so that meshes have no cracks.
+//! Watertight intersection of a line with a triangle: meshes have no cracks.
 //!
 //! The line is laid along the third axis by a shear, which leaves the question whether the
 //! projected triangle winds around the origin of a plane. Each edge answers a part of it on its

@@ -110,7 +110,7 @@ impl Polygons {
                 }
                 "surf" => {
                     return Err(keyword.fault(
-                        "a free-form surface is no polygon: convert it to polygons, or export \
+                        "a free-form surface is not a polygon: convert it to polygons, or export \
                          without curves and surfaces"
                             .to_owned(),
                     ))?;
@@ -170,7 +170,7 @@ fn corner(word: &Word, count: usize) -> Result<usize, ObjFault> {
     let vertex = vertex.filter(|_| parts.clone().count() <= 2 && parts.all(is_whole));
     match vertex {
         None => Err(word.fault(format!(
-            "{:?} is no corner of a face: write the number of its vertex, like 7, 7/1, 7//1 or 7/1/1",
+            "{:?} is not a corner of a face: write the number of its vertex, like 7, 7/1, 7//1 or 7/1/1",
             word.text()
         ))),
         Some(0) => {

@@ -6,8 +6,8 @@ use std::fmt::{Debug, Display};
 /// Half a unit in the last place of 1: the largest relative error of one rounding.
 pub const U: f64 = f64::EPSILON / 2.0;
 
-/// How many standard errors a sampled mean may be off. One sound comparison in sixteen thousand is
-/// farther off; seeds are fixed, and not among those.
+/// Largest deviation of a sampled mean, in standard errors. One sound comparison in sixteen
+/// thousand is farther off; seeds are fixed, and not among those.
 pub const STANDARD_ERRORS: f64 = 4.0;
 
 /// The worst of many comparisons, each error relative to its tolerance: 0 is exact, 1 the limit.

@@ -1,4 +1,4 @@
-//! Set-ups in code, and what is seen in them by the code that renders.
+//! Scenes set up in code, rendered by the fast renderers.
 
 use super::margin::U;
 use crate::film::Film;

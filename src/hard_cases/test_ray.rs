@@ -106,7 +106,7 @@ pub fn by_delta(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimat
 /// By ratio tracking.
 pub fn by_ratio(sigma: &dyn Fn(f64) -> f64, bound: f64, samples: u32) -> Estimates {
     estimates(sigma, bound, samples, |ray, numbers, effort| {
-        ratio_tracking(ray, Control::Nothing, Small::Kept, numbers, effort).x
+        ratio_tracking(ray, Control::None, Small::Kept, numbers, effort).x
     })
 }
 

@@ -182,9 +182,9 @@ impl Looks {
     pub fn in_words(&self) -> String {
         let tail = self.heavy_tail();
         format!(
-            "its noise does not fall as the root of the samples: the mean of {} samples per pixel cannot be \
-             trusted. One pixel in a thousand has {:.0} % of the variance, and in another rendering these \
-             pixels have {:.2} of that, as of an estimator without a finite variance",
+            "its noise does not shrink like 1/√samples: the mean of {} samples per pixel cannot be trusted. \
+             0.1 % of the pixels carry {:.0} % of the variance, and only {:.2} of that in a second \
+             rendering, as with an estimator of infinite variance",
             self.samples(),
             100.0 * tail.map_or(0.0, |tail| tail.share),
             tail.map_or(1.0, |tail| tail.agreement),

@@ -14,7 +14,7 @@ pub struct Evidence {
     /// The image that was judged; `None` if it is missing or unreadable.
     #[serde(skip)]
     pub test: Option<Picture>,
-    /// Whether the case has no image, as rows of the catalogue of hard cases.
+    /// True if the case has no image, as rows of the catalogue of hard cases.
     pub without_image: bool,
     /// Initial exposure of the images, in stops.
     pub exposure: f64,
@@ -28,8 +28,8 @@ pub struct Evidence {
     pub provenance: Vec<(String, String)>,
     /// Commands that repeat the judgement, one to a line.
     pub reproduce: Vec<String>,
-    /// Of an image that was looked at several times: samples per pixel, and the standard error of a pixel (root
-    /// mean square over pixels and channels), radiance.
+    /// Noise at each look at an image that was looked at several times: samples per pixel, and the
+    /// standard error of a pixel (root mean square over pixels and channels), radiance.
     #[serde(default)]
     pub noise_by_samples: Vec<[f64; 2]>,
     /// Command line of the other renderer, if it was run.
@@ -62,7 +62,7 @@ pub struct Likeness {
     pub explains: usize,
     /// Failed cases that it was compared with.
     pub of: usize,
-    /// Names of those that it explains.
+    /// Names of the cases that it explains.
     pub cases: Vec<String>,
     /// Comparison with the next mistake, if both explain the same cases: a sentence without its
     /// subject, for people.

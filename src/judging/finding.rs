@@ -19,13 +19,13 @@ use std::time::Instant;
 pub struct Judged {
     /// The result of the case.
     pub result: CaseResult,
-    /// For a report.
+    /// Evidence for a report.
     pub evidence: Evidence,
 }
 
 impl Judged {
-    /// The image differs from its golden, and can be compared with it pixel by pixel: what is behind
-    /// the difference may be looked for.
+    /// True if the image differs from its golden, and can be compared with it pixel by pixel, so
+    /// that a search for the cause makes sense.
     pub fn differs(&self) -> bool {
         let comparable = || match (&self.evidence.golden, &self.evidence.test) {
             (Some(golden), Some(Picture::Radiance(test))) => golden.is_comparable(test),
@@ -39,11 +39,11 @@ impl Judged {
 /// The finding on a case, before time and names are added.
 #[derive(Debug)]
 pub struct CaseFinding {
-    /// What came of it.
+    /// Verdict.
     pub verdict: Verdict,
     /// Cause of the verdict.
     pub cause: Cause,
-    /// Why, in words.
+    /// Reason in words.
     pub reason: String,
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
@@ -171,7 +171,8 @@ impl CheckedGolden {
         })
     }
 
-    /// With the kept sensitivities of a stochastic `case`, by which images of other renderers are judged.
+    /// Adds the kept sensitivities of a stochastic `case`, by which images of other renderers are
+    /// judged.
     pub fn with_sensitivities(mut self, case: &Case) -> Result<CheckedGolden, CaseFinding> {
         let kept = self.golden.sensitivities.as_deref();
         if let Some(bytes) = kept.filter(|_| case.sampling.is_some()) {
@@ -198,7 +199,7 @@ impl CheckedGolden {
         Ok(self)
     }
 
-    /// The scene takes the nearest node, under conventions of less than double precision.
+    /// True if the scene takes the nearest node, under conventions of less than double precision.
     pub fn takes_nearest_in_single_precision(&self) -> bool {
         let mut volumes = self.scene.panels.iter().filter_map(Panel::classified);
         let rounded = |volume: &Classified| volume.conventions.precision != Precision::F64;
@@ -349,7 +350,7 @@ fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Opt
     }
 }
 
-/// Whether the renderings that the golden records are those of another class.
+/// True if the renderings that the golden records are those of another class.
 fn is_stale_class(case: &Case, quick: Option<&Quick>) -> bool {
     match (case.sampling, case.truth) {
         (Some(_), _) => quick.is_none(),

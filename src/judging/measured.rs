@@ -1,5 +1,5 @@
-//! What can be measured of an image that failed, without rendering anything: a simple map from the
-//! golden to it, and the levels of a file of 8 bits.
+//! Measurements of a failed image, without rendering anything: a simple map from the golden to it,
+//! and the levels of a file of 8 bits.
 //!
 //! These are statements about the image, not guesses at what went wrong: none is made unless it
 //! holds for all of the image.
@@ -14,7 +14,7 @@ use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 use std::collections::BTreeSet;
 
-/// What was measured of `picture`, an image of `case` that failed: sentences without a full stop.
+/// Measurements of `picture`, a failed image of `case`: sentences without a full stop.
 pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
     if let Picture::Codes(codes) = picture {
         let factor = exposure_factor(case, golden, codes);
@@ -40,7 +40,7 @@ pub(crate) enum SimpleMap {
     Other,
 }
 
-/// The simple map that makes `picture` of the golden, if one does.
+/// The simple map from the golden to `picture`, if there is one.
 pub(crate) fn simple(case: &Case, golden: &Film, picture: &Picture) -> Option<SimpleMap> {
     let map = simple_map(case, golden, comparable(golden, picture)?)?;
     Some(match map {
@@ -49,7 +49,7 @@ pub(crate) fn simple(case: &Case, golden: &Film, picture: &Picture) -> Option<Si
     })
 }
 
-/// Whether `picture` is an 8-bit image of the golden at another exposure. In a file made for a
+/// True if `picture` is an 8-bit image of the golden at another exposure. In a file made for a
 /// display that is what a plain factor means first.
 pub(crate) fn is_another_exposure(case: &Case, golden: &Film, picture: &Picture) -> bool {
     match picture {
@@ -66,7 +66,7 @@ pub(crate) fn decoded(codes: &SrgbImage, exposure: f64) -> Film {
     Film::new(codes.width(), codes.height(), pixels.collect())
 }
 
-/// The factor that makes of the golden what the perceptual gate cannot tell from `codes`.
+/// The factor on the golden after which the perceptual gate cannot tell it from `codes`.
 fn exposure_factor(case: &Case, golden: &Film, codes: &SrgbImage) -> Option<f64> {
     let test = decoded(codes, case.exposure);
     if !golden.is_comparable(&test) {
@@ -139,7 +139,7 @@ impl Map {
         mapped(film, |x, channel| self.at(x, channel))
     }
 
-    /// Whether more stays more, in all that it is made of but an offset.
+    /// True if the map is increasing, apart from its offset.
     fn is_growing(&self) -> bool {
         let is = |number: f64| number > 0.0 && number.is_finite();
         match *self {
@@ -173,7 +173,7 @@ impl Map {
     }
 }
 
-/// Four digits.
+/// A number in four digits.
 fn number(value: f64) -> String {
     match value.abs() {
         0.01..10.0 => format!("{value:.3}"),
@@ -182,7 +182,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The simplest map that makes of the golden what the gate of the case cannot tell from `test`.
+/// The simplest map of the golden after which the gate of the case cannot tell it from `test`.
 fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
     let is_sampled = case.sampling.is_some();
     let fits = Fits::new(golden, test)?;
@@ -221,7 +221,7 @@ impl Fits {
         Fits::of_values(golden, test, |_, _| true)
     }
 
-    /// Of the values, by pixel and channel, that are `wanted`.
+    /// Sums of the `wanted` values, by pixel and channel.
     fn of_values(
         golden: &Film,
         test: &Film,
@@ -297,19 +297,19 @@ fn power(golden: &Film, test: &Film) -> Option<Map> {
     Some(Map::Power { factor, exponent })
 }
 
-/// How codes stand for radiance.
+/// Transfer curve of codes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum CodeCurve {
     Srgb,
     Linear,
 }
 
-/// Different values that an image has at least, if anything is said of its levels: each of them is
-/// within [`OF_A_LEVEL`] of a level by chance once in five, all of them less than once in 10¹¹.
+/// Fewest different values of an image whose levels are reported: each of them is within
+/// [`OF_A_LEVEL`] of a level by chance once in five, all of them less than once in 10¹¹.
 const FEWEST_VALUES: usize = 16;
 
-/// How far a value of 8 bits may be from its level, in levels: half precision rounds to 2⁻¹², which
-/// is 0.06 levels of 255.
+/// Largest distance of an 8-bit value from its level, in levels: half precision rounds to 2⁻¹²,
+/// which is 0.06 levels of 255.
 const OF_A_LEVEL: f64 = 0.1;
 
 /// The curve by which all values of `film` are 8-bit levels, seen at `exposure` stops or at none, and

@@ -1,4 +1,4 @@
-//! Images of another renderer against a picture without a step.
+//! Images of another renderer at smaller and smaller steps, judged by the image without steps.
 
 use super::finding::CheckedGolden;
 use crate::compare::{Judgement, Limit, Picture, judge_one_step, judge_refinement};

@@ -50,7 +50,7 @@ pub enum Cause {
     /// No cause: the case passed.
     #[default]
     None,
-    /// The images: too noisy to decide.
+    /// The images are too noisy to decide.
     Undecided,
     /// The other renderer: its image is missing or unreadable, or it failed.
     OtherRenderer,
@@ -58,9 +58,9 @@ pub enum Cause {
     Convention,
     /// The images differ.
     Mismatch,
-    /// The golden.
+    /// The golden is missing, stale or changed.
     Golden,
-    /// The scene or its files.
+    /// The scene or its files are invalid.
     BadInput,
 }
 
@@ -89,7 +89,7 @@ pub struct CaseResult {
     /// The rule applied.
     #[serde(deserialize_with = "gate_named")]
     pub gate: &'static dyn Gate,
-    /// Why, in words.
+    /// Reason in words.
     pub reason: String,
     /// Notes beside the verdict.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -118,7 +118,7 @@ pub struct CaseResult {
     pub seconds: f64,
     /// Units of work by name, where they were counted.
     pub work: BTreeMap<String, u64>,
-    /// Whose fault it is.
+    /// Cause of the verdict.
     #[serde(skip)]
     pub cause: Cause,
 }

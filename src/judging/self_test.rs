@@ -1,4 +1,4 @@
-//! The self-test: does the suite catch every mistake, and nothing else?
+//! The self-test: the suite must catch every mistake, and reject no correct image.
 //!
 //! Every [mistake](crate::variations::mistakes) is made in the cases to which it applies, the image is rendered
 //! with fresh seeds, and judged like that of another renderer. A gate that was never seen to fail
@@ -43,9 +43,9 @@ pub struct CaseTrials {
     pub case: String,
     /// Outcomes by name of the mistake.
     pub mistakes: BTreeMap<String, Trial>,
-    /// The benign variants that were tried, and why they were rejected, if they were.
+    /// Benign variants tried; with the reason, if rejected.
     pub benign: Vec<(String, Option<String>)>,
-    /// The reason why its golden cannot be trusted, if so: then nothing was tried.
+    /// Reason why its golden cannot be trusted, if so: then nothing was tried.
     pub unusable: Option<String>,
 }
 
@@ -90,7 +90,7 @@ impl CaseTrials {
 pub struct MistakeTrials {
     /// Its name in the catalogue.
     pub mistake: &'static str,
-    /// By case, in their order.
+    /// Outcomes by case, in their order.
     pub trials: Vec<Trial>,
 }
 
@@ -156,12 +156,12 @@ pub struct SelfTest {
 }
 
 impl SelfTest {
-    /// Whether every mistake is caught, every promise kept and every correct image accepted.
+    /// True if every mistake is caught, every promise kept and every correct image accepted.
     pub fn passed(&self) -> bool {
         self.unusable.is_empty() && self.judges_right()
     }
 
-    /// Whether every mistake is caught, every promise kept and every correct image accepted by the
+    /// True if every mistake is caught, every promise kept and every correct image accepted by the
     /// cases with trustworthy goldens.
     pub fn judges_right(&self) -> bool {
         self.uncaught.is_empty()
@@ -187,7 +187,7 @@ const SEED: u64 = 0x7365_6c66_0000_0000;
 /// Progress of a self-test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step<'n> {
-    /// A picture of this case is made, or what this variant or mistake makes of cases is judged.
+    /// A picture of this case is rendered, or images with this variant or mistake are judged.
     Begins(&'n str),
     /// The current step is done.
     Done,
@@ -222,7 +222,7 @@ pub fn self_test(
     SelfTest::of(cases, &found, which)
 }
 
-/// Runs the self-test on `cases`: what each of them makes of every mistake and of correct images.
+/// Runs the self-test on `cases`: outcomes of every mistake and of correct images in each.
 pub fn case_trials(
     cases: &[&Case],
     store: &Store,
@@ -332,7 +332,7 @@ impl SelfTest {
 pub(crate) struct Subject<'c> {
     pub case: &'c Case,
     checked: CheckedGolden,
-    /// Per pixel, in every picture.
+    /// Samples per pixel, in every picture.
     samples: u32,
     honest: OnceCell<Film>,
 }
@@ -365,7 +365,7 @@ impl<'c> Subject<'c> {
         picture(&self.checked.scene, self.samples, run)
     }
 
-    /// What is rendered, were there no mistake.
+    /// The scene without mistakes.
     pub fn scene(&self) -> &Scene {
         &self.checked.scene
     }
@@ -380,8 +380,8 @@ impl<'c> Subject<'c> {
         validate_with(self.case, &self.checked, picture)
     }
 
-    /// The picture with all of `mistakes` that there is occasion for, first those of the scene;
-    /// nothing if that is none.
+    /// The picture with all of `mistakes` that the case has occasion for, first those of the scene;
+    /// `None` if it has none.
     pub fn with_all(&self, mistakes: &[&Mistake], run: u64) -> Option<Film> {
         let mut scene = None;
         for mistake in mistakes {
@@ -420,7 +420,7 @@ fn picture(scene: &Scene, samples: u32, run: u64) -> Option<Film> {
     made.ok().map(|made| made.film)
 }
 
-/// What each case makes of `mistake`.
+/// Outcomes of `mistake` in each case.
 fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -> Vec<Trial> {
     let mut trials = vec![Trial::NotTried; subjects.len()];
     let promises = |subject: &Subject<'_>| subject.case.mistakes.iter().any(|m| m == mistake.name);
@@ -444,10 +444,10 @@ fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -
     trials
 }
 
-/// A way of being right: nothing where it means nothing to the case.
+/// A correct variant of a picture; `None` where it does not apply to the case.
 type Benign = fn(&Subject<'_>) -> Option<Picture>;
 
-/// What an honest renderer may do.
+/// Benign variants: choices of correct renderers.
 const BENIGN: &[(&str, Benign)] = &[
     ("other-seed", |subject| {
         Some(Picture::Radiance(subject.honest().clone()))

@@ -1,4 +1,4 @@
-//! Renderings of volref against a known answer: by the gate by which others are judged.
+//! Renderings of volref judged by a known answer, with the gates for other renderers.
 
 use super::finding::MOST_CASES;
 use crate::compare::{Conditions, Deterministic, Judgement, Picture, judge, stochastic};
@@ -8,9 +8,9 @@ use crate::known_answers::KnownImage;
 use crate::suite::Case;
 use crate::suite::analytic::ERROR_OF_TOLERANCE;
 
-/// How far volref may be from an answer where it draws no random numbers, relative to the brightest
-/// channel of a pixel, beside the error of the answer itself: its integrals are within 6e-10, and
-/// pixels are stored with 24 binary digits.
+/// Largest error of volref against an answer where it draws no random numbers, relative to the
+/// brightest channel of a pixel, beside the error of the answer itself: its integrals are within
+/// 6e-10, and pixels are stored with 24 binary digits.
 const WITHIN: f64 = 1e-7;
 
 /// Judges a rendering of `case` by its answer: in noise by the stochastic gate, without it by the

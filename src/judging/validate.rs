@@ -19,7 +19,7 @@ pub enum Output {
     Picture(Box<Picture>),
     /// Images with the step of the scene, half of it, a quarter and so on: at least three.
     Refined(Vec<Film>),
-    /// None; with the reason, in words.
+    /// No image; with the reason, in words.
     Missing(String),
     /// An unusable image, or a renderer that failed; with the reason, in words.
     Unusable(String),
@@ -98,8 +98,8 @@ fn validate_among(
     }
 }
 
-/// What is said of a case without an image that can be judged: what is wrong with its golden or its
-/// scene, if anything is, for that weighs more, and then what the other renderer did.
+/// Finding on a case without an image to judge: a fault of its golden or scene first, since that
+/// weighs more, then that of the other renderer.
 fn weighed(
     verdict: Verdict,
     reason: String,
@@ -197,7 +197,7 @@ fn judged(
     finding
 }
 
-/// The finding of `judgement` on `picture`, with what is measured of a whole image that fails.
+/// The finding of `judgement` on `picture`, with measurements of a whole image that fails.
 fn with_words(
     case: &Case,
     checked: &CheckedGolden,

@@ -83,7 +83,7 @@ pub(crate) fn verify_with(
     }
 }
 
-/// What is known beforehand outranks the golden.
+/// Judges by the known answer, which outranks the golden.
 fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseFinding) {
     let margin = answer.margin(film);
     let share = margin.share();
@@ -158,7 +158,7 @@ fn compare(checked: &CheckedGolden, film: &Film) -> CaseFinding {
     finding
 }
 
-/// Names the input files that are not those of the golden, as the end of a sentence.
+/// Names the input files that differ from those of the golden, as the end of a sentence.
 fn moved_inputs(checked: &CheckedGolden) -> String {
     let inputs = input_hashes(&checked.scene);
     let moved: Vec<_> = inputs

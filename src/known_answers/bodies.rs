@@ -1,4 +1,4 @@
-//! Where lines cross the bodies of media: balls, boxes along the axes, and all space.
+//! Intersections of lines with the bodies of media: balls, boxes along the axes, and all space.
 
 use crate::geometry::Boundary;
 use crate::scene::Body;

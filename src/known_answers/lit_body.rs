@@ -37,7 +37,7 @@ pub const LIT_BODY: Formula = Formula {
     of,
 };
 
-/// What arrives at a point: irradiance, the direction in which it travels, and from how far.
+/// Light that arrives at a point: irradiance, direction of travel, and distance of its source.
 struct Arriving {
     irradiance: DVec3,
     direction: DVec3,

@@ -27,11 +27,11 @@ pub struct PlaneLayer {
     pub coefficients: Coefficients,
     /// Emission, per unit of length.
     pub emission: DVec3,
-    /// What the layer ends at.
+    /// Boundary at the back of the layer.
     pub back: Back,
 }
 
-/// What lies behind a layer.
+/// Boundary at the back of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Back {
     /// Nothing but the environment.

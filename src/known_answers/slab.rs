@@ -69,7 +69,7 @@ fn error(tau: f64) -> f64 {
     if tau > THICK { ERROR_OF_THICK } else { ERROR }
 }
 
-/// What a layer that scatters isotropically reflects and lets through.
+/// Reflection and transmission of a layer that scatters isotropically.
 #[derive(Clone, Debug)]
 pub struct Slab {
     tau: f64,
@@ -78,7 +78,7 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// Of a layer of optical thickness `tau`, more than 0, and the `albedo`, in [0, 1], of a single
+    /// The slab of optical thickness `tau`, more than 0, and the `albedo`, in [0, 1], of a single
     /// scattering.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The reference for integrals along a ray, with a bound on its own error.
+//! Collocation at Gauss points: integrals along a ray, with a bound on their error.
 //!
 //! Light along a ray is `∫ ε e^(−τ) dt`, with emission `ε`, and with the depth `τ(t) = ∫₀ᵗ σ` of
 //! the extinction. On an element, a short piece of the ray, `σ` and `ε` are taken at Gauss's seven
@@ -17,23 +17,23 @@ use glam::DVec3;
 
 /// Extinction and emission at a point of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Here {
+pub struct LocalProperties {
     /// Extinction, per length; infinite in opaque matter.
     pub extinction: f64,
     /// Radiance emitted per length; where the extinction is infinite, the radiance itself.
     pub emission: DVec3,
 }
 
-impl Here {
-    /// Where a sample of radiance `source` has this extinction.
-    pub fn with_source(extinction: f64, source: DVec3) -> Here {
+impl LocalProperties {
+    /// Properties where an opaque sample would have the radiance `source`.
+    pub fn with_source(extinction: f64, source: DVec3) -> LocalProperties {
         if extinction <= DENSEST {
-            Here {
+            LocalProperties {
                 extinction,
                 emission: source * extinction,
             }
         } else {
-            Here {
+            LocalProperties {
                 extinction: f64::INFINITY,
                 emission: source,
             }
@@ -114,7 +114,7 @@ impl Collocation {
         &self,
         cuts: &[f64],
         tolerance: f64,
-        mut at: impl FnMut(f64) -> Here,
+        mut at: impl FnMut(f64) -> LocalProperties,
     ) -> CollocatedLight {
         let mut ray = self.ray(tolerance, 1.0);
         for piece in cuts.windows(2) {
@@ -140,10 +140,15 @@ impl Collocation {
     }
 
     /// Light of one element.
-    fn element(&self, near: f64, far: f64, at: &mut impl FnMut(f64) -> Here) -> CollocationElement {
+    fn element(
+        &self,
+        near: f64,
+        far: f64,
+        at: &mut impl FnMut(f64) -> LocalProperties,
+    ) -> CollocationElement {
         let half = 0.5 * (far - near);
         let here = POINTS.map(|point| at(near + half * (1.0 + point)));
-        let is_opaque = |here: &&Here| here.extinction == f64::INFINITY;
+        let is_opaque = |here: &&LocalProperties| here.extinction == f64::INFINITY;
         if let Some(opaque) = here.iter().find(is_opaque) {
             return CollocationElement {
                 light: CollocatedLight {
@@ -202,7 +207,11 @@ impl CollocatedRay<'_> {
     /// Adds the piece between two positions, the first of which is the nearer one; within it `at` is
     /// smooth, if possible. Whether light still passes. Only lengths count: each piece may have an
     /// origin of its own.
-    pub fn add(&mut self, [near, far]: [f64; 2], mut at: impl FnMut(f64) -> Here) -> bool {
+    pub fn add(
+        &mut self,
+        [near, far]: [f64; 2],
+        mut at: impl FnMut(f64) -> LocalProperties,
+    ) -> bool {
         if near >= far {
             return true;
         }
@@ -313,9 +322,9 @@ mod tests {
     use crate::math::{cos, sin};
 
     /// The smooth test ray: extinction and emission per length, known to sixty digits.
-    fn smooth(t: f64) -> Here {
+    fn smooth(t: f64) -> LocalProperties {
         let extinction = 1.5 + sin(3.7 * t) + 0.6 * t * t;
-        Here {
+        LocalProperties {
             extinction,
             emission: DVec3::splat(0.7 + 0.5 * cos(5.1 * t + 0.3)),
         }
@@ -345,7 +354,7 @@ mod tests {
 
     #[test]
     fn a_uniform_source() {
-        let uniform = |_| Here::with_source(3.0, DVec3::new(1.0, 2.0, 0.0));
+        let uniform = |_| LocalProperties::with_source(3.0, DVec3::new(1.0, 2.0, 0.0));
         let light = Collocation::new().light(&[0.0, 1.0, 2.0], 1e-13, uniform);
         let seen = -crate::math::exp_m1(-6.0);
         assert!((light.radiance - DVec3::new(seen, 2.0 * seen, 0.0)).length() < 1e-13);
@@ -354,15 +363,17 @@ mod tests {
 
     #[test]
     fn kinks_jumps_and_what_is_opaque() {
-        let jump = |t: f64| Here::with_source(if t < 1.0 / 3.0 { 2.0 } else { 0.2 }, DVec3::ONE);
+        let jump = |t: f64| {
+            LocalProperties::with_source(if t < 1.0 / 3.0 { 2.0 } else { 0.2 }, DVec3::ONE)
+        };
         let light = Collocation::new().light(&[0.0, 1.0], 1e-12, jump);
         let depth = 2.0 / 3.0 + 0.2 * 2.0 / 3.0;
         assert!((light.depth - depth).abs() < 1e-11, "{light:?}");
         let wall = |t: f64| {
             if t < 0.7 {
-                Here::with_source(0.5, DVec3::ONE)
+                LocalProperties::with_source(0.5, DVec3::ONE)
             } else {
-                Here::with_source(f64::INFINITY, DVec3::splat(5.0))
+                LocalProperties::with_source(f64::INFINITY, DVec3::splat(5.0))
             }
         };
         let light = Collocation::new().light(&[0.0, 1.0], 1e-12, wall);

@@ -1,4 +1,4 @@
-//! What an optical depth lets through, and what it holds back.
+//! Transmittance of an optical depth, and its complement.
 //!
 //! Optical depth is the state that is carried, never transmittance: beyond a depth of 745 that
 //! is 0, and nothing may be divided by it.

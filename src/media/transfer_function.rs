@@ -1,4 +1,4 @@
-//! The classifier: what a value of the field looks like.
+//! The classifier: opacity and colour of a value of the field.
 
 use super::{Colormap, TransferOpacity, TransferPoints, over_length};
 use crate::math::ln_1p;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// What one value of the field looks like.
+/// Opacity and colour of one value of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransferPoint {
     /// Value of the field, in its own unit; within the range of `f32`.

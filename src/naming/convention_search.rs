@@ -1,10 +1,10 @@
 //! The conventions behind an image that differs from the golden of a classified volume.
 //!
 //! An image that agrees with the golden under other [conventions](crate::scene::Conventions) is not
-//! wrong. They are found one after the other, on few pixels: each time the one of the
-//! [catalogue](CATALOGUE) that brings the right image nearest to the test image. Once the whole image,
-//! rendered under all that were found, agrees, those that it agrees without are left out again.
-//! Nothing is claimed without that.
+//! wrong. Conventions are added one by one, on few pixels: each time the one of the
+//! [catalogue](CATALOGUE) that brings the right image nearest to the test image. Once the whole
+//! image, rendered under all of them, agrees, conventions that are not needed are removed again.
+//! Only a set that passes the gate is reported.
 
 use super::likeness::{lattice_of, pixels_of};
 use crate::compare::deterministic::in_tolerances;
@@ -21,7 +21,7 @@ use crate::suite::Case;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// How an image agrees with the right one under other conventions.
+/// Agreement of an image with the right one under other conventions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Agreement {
     /// It passes the gate.
@@ -31,7 +31,7 @@ pub enum Agreement {
 }
 
 impl Agreement {
-    /// Share of the pixels that are left.
+    /// Share of the pixels that disagree.
     fn rest(self) -> f64 {
         match self {
             Agreement::Full => 0.0,
@@ -45,7 +45,7 @@ impl Agreement {
 pub struct Explained {
     /// The conventions.
     pub set: ConventionSet,
-    /// What is left under them.
+    /// Agreement under them.
     pub agreement: Agreement,
     /// Others, in place of one of the set, under which the image agrees as well.
     pub alternatives: Vec<usize>,
@@ -67,7 +67,7 @@ impl Explained {
         self.set.iter().map(words).collect()
     }
 
-    /// Makes of a mismatch the verdict of these conventions; it passes where they are `accepted`.
+    /// Replaces a mismatch by the verdict of these conventions: a pass where they are `accepted`.
     fn explain(&self, result: &mut CaseResult, accepted: bool) {
         result.conventions = self.in_words();
         result.verdict = Verdict::Convention;
@@ -97,11 +97,11 @@ impl Explained {
     }
 }
 
-/// Conventions taken together, at most. VTK, as it comes, has eight of the catalogue.
+/// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
 const MOST_TOGETHER: usize = 9;
 
-/// A further convention has to remove this share of what is left; a convention of the renderer that
-/// removes less leaves an image that passes without it, or another one comes first.
+/// Share of the remaining difference that a further convention must remove. A convention of the
+/// renderer that removes less leaves an image that passes without it, or another one comes first.
 const LEAST_GAIN: f64 = 0.03;
 
 /// First conventions to begin with, from that which leaves least on: two together may look more like a
@@ -112,9 +112,9 @@ const STARTS: usize = 4;
 /// decide for the whole image.
 const CAP: f64 = 20.0;
 
-/// Share of the pixels of the lattice outside of the tolerance, at most, where the whole image is
-/// rendered to see whether it passes. The gate allows 0.02 %; a lattice of few pixels may have met more
-/// of them.
+/// Largest share of the pixels of the lattice outside of the tolerance at which the whole image is
+/// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
+/// them.
 const MOST_OUTSIDE: f64 = 0.005;
 
 /// Share of the pixels that may be outside of the tolerance under the conventions of a renderer, and
@@ -123,7 +123,7 @@ const MOST_OUTSIDE: f64 = 0.005;
 /// thousandth to more than the tolerance of 1 %: VTK, as it comes, has 18 to 38 such pixels of 65,536.
 const MOST_ROUNDED: f64 = 1e-3;
 
-/// Pixels of the lattice on which sets are compared, about.
+/// Approximate number of pixels of the lattice on which sets are compared.
 const LATTICE: usize = 1024;
 
 /// The search for the conventions behind images, with the sets that were found so far: what
@@ -134,8 +134,8 @@ pub struct ConventionSearch {
 }
 
 impl ConventionSearch {
-    /// Turns a mismatch that other conventions explain into that verdict: a pass if they are
-    /// `accepted`. Takes half of `seconds` at most.
+    /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
+    /// `accepted`. Takes at most half of `seconds`.
     pub fn explain_mismatch(&self, case: &Case, judged: &mut Judged, seconds: f64, accepted: bool) {
         if !judged.differs() {
             return;
@@ -195,7 +195,7 @@ impl ConventionSearch {
     }
 }
 
-/// Such as black: no convention makes that of a volume.
+/// True for an image such as black, which no convention makes of a volume.
 fn is_of_one_colour(picture: &Picture) -> bool {
     picture
         .radiance()
@@ -222,7 +222,7 @@ impl Attempt<'_> {
         render_coarse(&plans(&scene), sampling, detail, &|| self.is_over()).ok()
     }
 
-    /// How the test image agrees with the image under the conventions of `set`, if it does.
+    /// Agreement of the test image with the image under the conventions of `set`, if there is any.
     fn agreement(&self, set: &[usize]) -> Option<Agreement> {
         let image = self.image(set, Detail::Whole)?;
         let conditions = Conditions {
@@ -240,8 +240,8 @@ impl Attempt<'_> {
         is_rounding.then_some(Agreement::ButFor(misfit.outside))
     }
 
-    /// The conventions of a renderer that volref brings a profile of: a search by one at a time may miss
-    /// them where the nearest node is taken, and each step of it changes single pixels by much.
+    /// The set of a bundled profile that fits the image: a search by one at a time may miss them
+    /// where the nearest node is taken, and each step of it changes single pixels by much.
     fn of_a_profile(&self) -> Option<(ConventionSet, Agreement)> {
         Profile::shipped().find_map(|name| {
             let set = profile_set(&Profile::named(name).ok()?, self.scene)?;
@@ -249,7 +249,7 @@ impl Attempt<'_> {
                 return None; // volref's own
             }
             let agreement = self.agreement(&set)?;
-            self.needed((set, agreement))
+            self.backward_elimination((set, agreement))
         })
     }
 
@@ -269,12 +269,13 @@ impl Attempt<'_> {
         }
         by_what_is_left(&mut starts);
         let mut starts = starts.into_iter().take(STARTS);
-        let found = starts.find_map(|start| self.grown(start, misfit))?;
-        self.needed(found)
+        let found = starts.find_map(|start| self.forward_selection(start, misfit))?;
+        self.backward_elimination(found)
     }
 
-    /// The set that begins with `start` and grows by what leaves least, until the whole image agrees.
-    fn grown(
+    /// Forward selection: the set that begins with `start` and takes in the convention that leaves
+    /// least, until the whole image agrees.
+    fn forward_selection(
         &self,
         (mut set, mut left): (ConventionSet, Misfit),
         misfit: impl Fn(&[usize]) -> Option<Misfit>,
@@ -299,9 +300,9 @@ impl Attempt<'_> {
         }
     }
 
-    /// Without the conventions that the image agrees as well without; `None` if no more than one is
-    /// left that does not stand alone.
-    fn needed(
+    /// Backward elimination: the set without conventions that the image does not need; `None` if a
+    /// single one is left that cannot explain the image alone.
+    fn backward_elimination(
         &self,
         (mut set, mut agreement): (ConventionSet, Agreement),
     ) -> Option<(ConventionSet, Agreement)> {
@@ -321,8 +322,8 @@ impl Attempt<'_> {
         (is_claimed && !set.is_empty()).then_some((set, agreement))
     }
 
-    /// Conventions that stand in the place of one of `set` with no less agreement. Where nothing is at
-    /// the border, for one, it does not matter whether the first sample lies there.
+    /// Conventions that can replace one of `set` with the same agreement or more. Where nothing is
+    /// at the border, for example, the image does not depend on a first sample there.
     fn alternatives(&self, set: &[usize], agreement: Agreement) -> Vec<usize> {
         let others = CATALOGUE
             .iter()
@@ -403,8 +404,8 @@ fn profile_lines(scene: &Scene, set: &[usize]) -> Option<Vec<String>> {
     Some(lines)
 }
 
-/// `set` with a further convention, and what it leaves, for each that leaves much less than what is
-/// `left` without; those that leave least first. `None` if a `misfit` is out of time.
+/// Sets of `set` and one further convention, with their misfit, where that is much less than the
+/// misfit `left` before; smallest first. `None` if a `misfit` is out of time.
 fn further(
     set: &[usize],
     left: &Misfit,
@@ -445,14 +446,14 @@ fn samples_and_steps() -> impl Iterator<Item = ConventionSet> {
     of(FIRST_SAMPLE).flat_map(move |first| of(STEP).map(move |step| vec![first, step]))
 }
 
-/// Difference of two images in tolerances of the deterministic gate; of a pixel, that of its worst
-/// channel counts.
+/// Difference of two images in tolerances of the deterministic gate, by the worst channel of each
+/// pixel.
 struct Misfit {
     /// Mean over the pixels of its square.
     mean_square: f64,
     /// Share of the pixels that are off by more than one tolerance.
     outside: f64,
-    /// Of the worst pixel.
+    /// Difference of the worst pixel.
     worst: f64,
 }
 

@@ -40,24 +40,25 @@ use hypothesis::Hypothesis;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-/// What is said where nothing could be measured.
+/// Sentence for a difference of which nothing could be measured.
 const NOTHING_STANDS_OUT: &str =
     "the difference is neither a gain nor a shift, and lies in no single part of the image";
 
-/// Mistakes named for an image, at most. Each comes with two or three lines of advice: five of them
-/// fill most of a terminal of 24 lines.
+/// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
+/// five of them fill most of a terminal of 24 lines.
 const MOST_NAMED: usize = 5;
 
-/// Mistakes that cases which passed are asked about, at most: those that would be named.
+/// Largest number of mistakes that are tested against passing cases: those that would be named.
 const MOST_CROSS_EXAMINED: usize = MOST_NAMED;
 
-/// Cases which passed that are asked, at most. Five mistakes in twelve cases are 60 first looks, about
-/// as many as the 53 mistakes of a radiative scene take in one failing case.
+/// Largest number of passing cases in that test. Five mistakes in twelve cases are 60 first looks,
+/// about as many as the 53 mistakes of a radiative scene take in one failing case.
 const MOST_PASSING: usize = 12;
 
-/// Cases in which two mistakes at a time are looked for, at most. A first look at the pairs takes up
-/// to eight times as many renderings as one at single mistakes, 400 in place of 53, and what explains
-/// one case is tried in all others: the second is for a folder whose first failing case is special.
+/// Largest number of cases that are searched for pairs of mistakes. A first look at the pairs takes
+/// up to eight times as many renderings as one at single mistakes, 400 in place of 53, and what
+/// explains one case is tried in all others: the second is for a folder whose first failing case is
+/// special.
 const MOST_PAIR_SEARCHES: usize = 2;
 
 /// Results of a search for mistakes.
@@ -65,7 +66,7 @@ const MOST_PAIR_SEARCHES: usize = 2;
 pub struct Likenesses {
     /// Likely mistakes, most likely first.
     pub likely: Vec<Likeness>,
-    /// Cases that were searched, to the end or not.
+    /// Number of cases searched, completely or not.
     pub searched: usize,
     /// Searches that were ended before they were done.
     pub unfinished: Vec<SearchStep>,
@@ -262,8 +263,7 @@ pub(crate) fn likeness_with(
     }
 }
 
-/// What explains one case may explain the `others`, which were not asked: each hypothesis that was
-/// `found` and not known is tried there.
+/// Tries each new hypothesis `found` in one case also in the `others`.
 fn explain<'c>(
     others: impl IntoIterator<Item = &'c ComparedCase> + Clone,
     found: &hunt::Explaining,
@@ -291,9 +291,9 @@ fn explain<'c>(
 /// A hypothesis that explains at least one case.
 struct Explanation {
     hypothesis: Hypothesis,
-    /// By index of the result, how well.
+    /// Misfit by index of the result.
     fits: BTreeMap<usize, Misfit>,
-    /// Cases that passed and would not have.
+    /// Passing cases that would have failed.
     contradictions: usize,
 }
 
@@ -311,8 +311,8 @@ impl Explanation {
         self.fits.values().map(what).sum::<f64>() / self.fits.len() as f64
     }
 
-    /// The smaller, the likelier: few contradictions, many cases, one mistake rather than two,
-    /// small distances, and then the order of the catalogue.
+    /// Key of the order, likeliest first: few contradictions, many cases, one mistake rather than
+    /// two, small distances, and then the order of the catalogue.
     fn rank(&self) -> (usize, Reverse<usize>, usize, u64, Hypothesis) {
         (
             self.contradictions,

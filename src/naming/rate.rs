@@ -1,4 +1,4 @@
-//! Statistics on naming the mistake that was made.
+//! Success rate of naming the mistakes of simulated images.
 
 use super::likeness::{Predictions, Search, likeness_with};
 use crate::compare::Picture;
@@ -19,9 +19,8 @@ pub struct Naming {
 }
 
 impl Naming {
-    /// The place, among what was named, by which all that was made is named, 1 for the first. Of
-    /// two mistakes that meet in no case each is named by itself; a name that holds anything else
-    /// does not count.
+    /// Number of names, from 1, after which all mistakes made are named. Two mistakes that meet in
+    /// no case are named one by one; a name with any other mistake does not count.
     pub fn rank(&self) -> Option<usize> {
         let mut missing = self.made.clone();
         for (index, named) in self.named.iter().enumerate() {
@@ -37,10 +36,10 @@ impl Naming {
     }
 }
 
-/// Makes mistakes wherever there is occasion in `cases`, each of `made` by itself: one or two, and
-/// a number that chooses the seeds. The other cases are as they should be. Judges all, and says
-/// what is named, however long the search takes; `report` is called for each that is done. Cases whose golden cannot be trusted are
-/// left out.
+/// Simulates each of `made`, one or two mistakes and a number that chooses the seeds, in all
+/// `cases` that give occasion; the other cases are correct. Judges all cases, and returns the names
+/// given, without a time limit; `report` is called after each. Cases whose golden cannot be trusted
+/// are left out.
 pub fn naming(
     cases: &[&Case],
     store: &Store,

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// Contents of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Page<'a> {
-    /// Of the page.
+    /// Title of the page.
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,
@@ -25,7 +25,7 @@ pub struct Page<'a> {
     pub results: &'a [CaseResult],
     /// Evidence for each of them, in the same order; it may be shorter.
     pub evidence: &'a [Evidence],
-    /// What the search for the mistakes behind the failures found.
+    /// Findings of the search for the mistakes behind the failures.
     pub found: &'a Likenesses,
 }
 
@@ -68,7 +68,7 @@ pub fn results_html(page: &Page<'_>) -> String {
     )
 }
 
-/// Which cases come first: what is wrong before what is not known, and both before what is right.
+/// Order of the cases: failures before undecided cases, and both before passes.
 const ORDER: [Verdict; 6] = [
     Verdict::Fail,
     Verdict::Convention,

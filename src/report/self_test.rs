@@ -125,7 +125,7 @@ pub fn self_test_json(test: &SelfTest) -> Value {
     })
 }
 
-/// How often the mistake made was named, and what was named instead.
+/// Share of the mistakes that were named, and the names given instead.
 pub fn naming_text(namings: &[Naming]) -> String {
     let mut text = String::new();
     for (what, size, within) in [("mistakes", 1, 1), ("pairs of mistakes", 2, 3)] {

@@ -27,18 +27,18 @@ use thiserror::Error;
 pub struct Accepted {
     /// `family/name`.
     pub case: String,
-    /// How it changed.
+    /// Change of the golden.
     pub change: Change,
-    /// Whether a rendering from an earlier run was used.
+    /// True if a rendering from an earlier run was used.
     pub resumed: bool,
 }
 
-/// How a golden changed.
+/// Change of a golden.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
     /// There was no golden, or no trustworthy one.
     New {
-        /// Whether some files of a golden existed.
+        /// True if some files of a golden existed.
         damaged: bool,
     },
     /// Same image, scene and plan: unchanged, with its old reason.
@@ -68,7 +68,7 @@ pub enum AcceptError {
     Incomplete {
         /// `family/name`.
         case: String,
-        /// What went wrong.
+        /// Reason.
         reason: String,
     },
     /// A converged image with too much noise.
@@ -98,7 +98,7 @@ pub enum AcceptError {
     Contradiction {
         /// `family/name`.
         case: String,
-        /// How they differ.
+        /// Difference of the two.
         reason: String,
     },
     /// No image that could stay.
@@ -119,7 +119,7 @@ pub enum AcceptError {
     WrongAnswer {
         /// `family/name`.
         case: String,
-        /// Where it is farthest off.
+        /// Place of the largest error.
         reason: String,
     },
     /// The files could not be written.
@@ -127,7 +127,7 @@ pub enum AcceptError {
     Store(#[from] StoreError),
 }
 
-/// A wish for new goldens.
+/// A request for new goldens.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'r> {
     /// Fault of the old goldens, or use of the new ones.
@@ -145,9 +145,9 @@ pub trait AcceptWatch: Sync {
     fn begin_all(&self, work: u64);
     /// A case begins.
     fn begin_case(&self, case: &str);
-    /// So much of the work is done.
+    /// Reports this amount of work as done.
     fn worked(&self, work: u64);
-    /// Something unexpected, in a sentence.
+    /// Reports something unexpected, as a sentence.
     fn note(&self, text: &str);
 }
 
@@ -159,7 +159,7 @@ pub struct StepsOfWork<'w> {
 }
 
 impl<'w> StepsOfWork<'w> {
-    /// Of a rendering that is this much work.
+    /// Steps of a rendering with this amount of `work`.
     pub fn new(watch: &'w dyn AcceptWatch, work: u64) -> StepsOfWork<'w> {
         StepsOfWork {
             watch,
@@ -272,7 +272,7 @@ impl AcceptError {
 }
 
 impl CaseUnits<'_> {
-    /// The work of what is not kept.
+    /// The work of the units that are not kept.
     fn work(&self, kept: &UnitFolder) -> u64 {
         let left = |of: &RenderingUnits| match of.rendering {
             CaseRendering::Only => self.paths(of.rendering),
@@ -310,8 +310,8 @@ impl CaseUnits<'_> {
         Ok(Film::below_each_other(&films))
     }
 
-    /// Takes the image of the golden in `store`, and the converged rendering off this task; `None`
-    /// where the golden is no such rendering.
+    /// Takes the image of the golden in `store`, and removes the converged rendering from this
+    /// task; `None` where the golden is not a converged rendering.
     fn keep_image(&mut self, store: &Store) -> Result<Option<Film>, AcceptError> {
         let converged = self.case.sampling.and_then(|sampling| sampling.converged);
         let Some(converged) = converged else {
@@ -406,7 +406,7 @@ impl CaseUnits<'_> {
         })
     }
 
-    /// The known answer, which `rendering` has to agree with.
+    /// The image of the known answer, with which `rendering` must agree.
     fn known(&self, formula: &Formula, rendering: &Film) -> Result<GoldenImage, AcceptError> {
         let known = formula
             .image(&self.scene, self.case.footprint())
@@ -457,11 +457,11 @@ fn check_converged(
     })
 }
 
-/// How well the limit of a case is known, at least: error of a pixel relative to the brightest.
+/// Largest error of the limit of a case: error of a pixel relative to the brightest.
 const LIMIT_KNOWN: f64 = 1e-6;
 
-/// The file of sensitivities that the golden of a case is to record, if there is one. The file stays as it is:
-/// before the record is replaced as after it, it is the file of one of the two.
+/// The file of sensitivities that the golden of a case is to record, if there is one. The file
+/// itself is not changed, so that it fits the old record or the new one at any moment.
 fn sensitivities_of(task: &CaseUnits<'_>, store: &Store) -> Result<Option<Vec<u8>>, AcceptError> {
     let case = task.case;
     let fails = |fault: String| {
@@ -484,7 +484,7 @@ fn sensitivities_of(task: &CaseUnits<'_>, store: &Store) -> Result<Option<Vec<u8
     }
 }
 
-/// Whether `golden` was made from `scene`, and from the same files.
+/// True if `golden` was made from `scene`, and from the same files.
 fn is_of(golden: &Golden, scene: &Scene) -> bool {
     let made_from = &golden.provenance;
     made_from.scene == scene_hash(scene) && made_from.inputs == input_hashes(scene)
@@ -492,7 +492,7 @@ fn is_of(golden: &Golden, scene: &Scene) -> bool {
 
 type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
-/// How the golden of a case will change, and the files that change it.
+/// The change of the golden of a case, and the files that make it.
 fn prepare(
     task: &CaseUnits<'_>,
     golden: GoldenImage,

@@ -1,4 +1,4 @@
-//! Results of cases that several processes judge, each some of them, kept until they are joined.
+//! Results of the parts of a run, kept in files until they are joined.
 //!
 //! A *run* is one request, `verify`, `validate` or `selftest` with its settings, for a list of cases; its parts are
 //! judged by any process anywhere. A result is kept with the run that it belongs to, and in two files:
@@ -30,12 +30,12 @@ pub struct Run {
     pub settings: BTreeMap<String, String>,
     /// Names of the cases, of all parts, in order, each with a hash of what it is judged by.
     pub cases: Vec<(String, String)>,
-    /// True where no filter left a case out.
+    /// True if no filter excludes a case.
     pub is_everything: bool,
 }
 
 impl Run {
-    /// Short hash of all of it.
+    /// Identifier: a short hash of everything above.
     pub fn id(&self) -> String {
         let text = serde_json::to_vec(self).unwrap_or_default();
         hash(&[text]).chars().take(12).collect()
@@ -76,7 +76,7 @@ impl Run {
     }
 }
 
-/// Both values, from shortly before the first letter that differs.
+/// Both values, cut to begin shortly before the first different letter.
 fn where_they_differ(values: &[String; 2]) -> [String; 2] {
     const BEFORE: usize = 20;
     let [one, other] = values;
@@ -113,20 +113,20 @@ pub const RESULTS: &str = "results";
 /// A folder of results, hidden from version control.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
-    /// `.volref`.
+    /// The folder `.volref`.
     root: PathBuf,
 }
 
 /// State of a case.
 #[derive(Debug)]
 pub enum KeptResult {
-    /// Its result.
+    /// Judged; with the result.
     Judged(Box<Judged>),
     /// It was passed over, since it has no image and none was required.
     PassedOver,
     /// A file that cannot be used, with the reason.
     Damaged(String),
-    /// None.
+    /// There is no file.
     Missing,
 }
 
@@ -158,7 +158,7 @@ struct Images {
 #[derive(Serialize, Deserialize)]
 enum StoredPicture {
     Radiance(Film),
-    /// As PNG.
+    /// 8-bit codes, as PNG.
     Codes(Vec<u8>),
 }
 
@@ -168,7 +168,7 @@ impl ResultFolder {
         ResultFolder { root: root.into() }
     }
 
-    /// Where they are.
+    /// Folder of the results.
     pub fn path(&self) -> PathBuf {
         self.root.join(RESULTS)
     }
@@ -215,7 +215,7 @@ impl ResultFolder {
         self.path().join(run).join(format!("{case}.{extension}"))
     }
 
-    /// Says what the results of `run` belong to, and returns its identifier. Every part does.
+    /// Writes the description of `run`, and returns its identifier. Every part does so.
     ///
     /// # Errors
     ///
@@ -227,7 +227,8 @@ impl ResultFolder {
         Ok(id)
     }
 
-    /// Keeps the result of a case in the run with this identifier; `None` of one that was passed over.
+    /// Keeps the result of a case in the run with this identifier; `None` for a case that was
+    /// passed over.
     ///
     /// # Errors
     ///
@@ -254,7 +255,7 @@ impl ResultFolder {
         self.write_packed(run, case, FOUND, &of_case)
     }
 
-    /// Keeps what a self-test found in a case.
+    /// Keeps the findings of a self-test in a case.
     ///
     /// # Errors
     ///
@@ -280,7 +281,7 @@ impl ResultFolder {
         Ok(Some(trials))
     }
 
-    /// The runs that there are results of, by their identifiers.
+    /// Runs with results, by their identifiers.
     ///
     /// # Errors
     ///
@@ -392,7 +393,7 @@ impl StoredPicture {
     }
 }
 
-/// Name of the file that says what a run is.
+/// Name of the file that describes a run.
 const RUN: &str = "run";
 /// Extensions of the files of a case.
 const FOUND: &str = "result";
@@ -435,7 +436,7 @@ fn packed(
     Ok((head, body))
 }
 
-/// The contents of a file of `case`, as [`packed`] makes it; the reason if there are none: a sentence.
+/// Contents of a file of `case`, written by [`packed`]; else the reason as a sentence.
 fn unpacked<T: DeserializeOwned>(path: &Path, run: &str, case: &str) -> Result<T, String> {
     let read = || {
         let (head, body) = kept_file::read::<Head>(path)?;

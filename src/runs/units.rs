@@ -22,10 +22,10 @@ use crate::suite::rendering::{
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Paths of a unit: what a core traces in 10 to 250 s.
+/// Paths of a unit, about 10 to 250 s of one core.
 const PATHS_OF_UNIT: u64 = 1 << 22;
 
-/// Some rows of a rendering of a sampled case, and what they are computed from.
+/// Rows of a rendering of a sampled case, with everything that they are computed from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unit {
     /// Hash of everything that it is computed from.
@@ -70,7 +70,8 @@ impl Unit {
         )
     }
 
-    /// The rows in `exr`, if they are what the unit says; else a sentence without its subject.
+    /// The rows in `exr`, if they have the size and samples of the unit; else the reason, a
+    /// sentence without its subject.
     fn rows_from(&self, exr: &[u8]) -> Result<Film, String> {
         let rows = (self.rows[0]..self.rows[1]).len();
         let pixels = self.paths / u64::from(self.samples).max(1);
@@ -93,7 +94,7 @@ impl Unit {
         Ok(film)
     }
 
-    /// Difference of what `other` is computed from, if any: the end of a sentence.
+    /// Difference of the inputs of `other`, if any: the end of a sentence.
     fn otherwise(&self, other: &Unit) -> String {
         match () {
             () if self.volref != other.volref => {
@@ -146,8 +147,8 @@ pub struct CaseUnits<'c> {
     /// The case.
     pub case: &'c Case,
     pub(crate) scene: Scene,
-    /// The picture of the golden, unless that is a known answer, and before it the quick one of a
-    /// stochastic case.
+    /// Renderings: for a stochastic case the quick one first, then the image of the golden, unless
+    /// that is a known answer.
     pub(crate) renderings: Vec<RenderingUnits>,
 }
 
@@ -221,7 +222,7 @@ impl<'c> CaseUnits<'c> {
     ) -> Result<(), UnitError> {
         let of_unit = |of: &&RenderingUnits| of.units.contains(unit);
         let of = self.renderings.iter().find(of_unit);
-        let of = of.ok_or_else(|| UnitError::new(self.case, "this is no unit of it"))?;
+        let of = of.ok_or_else(|| UnitError::new(self.case, "this unit does not belong to it"))?;
         let place = folder.check(&self.case.name);
         place.map_err(|error| UnitError::new(self.case, error))?;
         let film = self.rendered(&ReferenceRenderer, of.rendering, unit, progress)?;
@@ -317,7 +318,7 @@ const UNITS: &str = "units";
 
 const EXTENSION: &str = "unit";
 
-/// The name is an identifier, as of [`Unit::file`].
+/// True if the file name is an identifier, as in [`Unit::file`].
 fn is_name_of_unit(path: &Path) -> bool {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let is_hash = stem.len() == 64 && stem.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -327,7 +328,7 @@ fn is_name_of_unit(path: &Path) -> bool {
 /// A folder of finished units, hidden from version control.
 #[derive(Clone, Debug)]
 pub struct UnitFolder {
-    /// `.volref`.
+    /// The folder `.volref`.
     root: PathBuf,
 }
 
@@ -337,17 +338,17 @@ impl UnitFolder {
         UnitFolder { root: root.into() }
     }
 
-    /// Where they are.
+    /// Folder of the units.
     pub fn path(&self) -> PathBuf {
         self.root.join(UNITS)
     }
 
-    /// Whether there is a file of this unit; it may be damaged.
+    /// True if there is a file of this unit; it may be damaged.
     pub fn has(&self, unit: &Unit) -> bool {
         self.path().join(unit.file()).is_file()
     }
 
-    /// Whether the rows of `unit` are kept, and as they were.
+    /// True if the rows of `unit` are kept, and undamaged.
     pub fn is_intact(&self, unit: &Unit) -> bool {
         matches!(self.get(unit), Ok(Some(_)))
     }
@@ -379,7 +380,7 @@ impl UnitFolder {
         Ok(own_file::check_folder(root, &name.join(UNITS).join(case))?)
     }
 
-    /// Removes what killed processes left among the units of `case`.
+    /// Removes partial files of killed processes among the units of `case`.
     pub fn sweep(&self, case: &str) {
         if self.check(case).is_ok() {
             partial_file::sweep(&self.path().join(case));
@@ -464,9 +465,9 @@ impl UnitFolder {
 /// Outcome of adding a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Added {
-    /// It was not here.
+    /// The unit is new here.
     New,
-    /// It was here.
+    /// The unit was already here.
     WasHere,
 }
 
@@ -478,14 +479,14 @@ pub enum AddError {
         "two processes computed other bits from the same things: one of the machines is broken"
     )]
     OtherBits,
-    /// It cannot be written.
+    /// The unit cannot be written.
     #[error(transparent)]
     Keep(#[from] KeepError),
 }
 
-/// A file of a unit, whose rows are still packed: how large they may be, the unit says.
+/// A file of a unit, whose rows are not yet unpacked: the unit limits their size.
 pub struct UnitFile {
-    /// The unit that it says it is.
+    /// The unit, by the header of the file.
     pub unit: Unit,
     exr: Vec<u8>,
 }
@@ -501,7 +502,7 @@ impl UnitFile {
         Ok(UnitFile { unit, exr })
     }
 
-    /// The rows, if they are what the unit says.
+    /// The rows, if they have the size and samples of the unit.
     ///
     /// # Errors
     ///

@@ -34,7 +34,7 @@ macro_rules! conventions {
 
         /// The declaration of `[classified.conventions]`.
         pub const CONVENTIONS: Table = Table::new(
-            "Choices in which ray casters differ without being wrong. Whatever is left out is as volref has it.",
+            "Choices in which ray casters differ without being wrong. Omitted keys keep volref's own convention.",
         )
         .keys(&[$(value!(key $kind $key, $($values)+).doc($doc),)+]);
 
@@ -366,7 +366,7 @@ conventions! {
     ];
 }
 
-/// What another renderer does in place of volref's convention.
+/// Choice of another renderer in place of volref's convention.
 #[derive(Clone, Copy, Debug)]
 pub struct Alternative {
     /// In a sentence about the renderer: "it …".

@@ -5,7 +5,7 @@ use miette::{Diagnostic, SourceSpan};
 use std::ops::Range;
 use thiserror::Error;
 
-/// What a file of volref's holds, or the mistake in it.
+/// Contents of a file of volref's, or the mistake in it.
 pub type SceneResult<T> = Result<T, Box<SceneError>>;
 
 /// An error in a TOML file of volref, with its position.

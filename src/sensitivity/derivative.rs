@@ -32,8 +32,8 @@ pub struct Derivative {
     pub step: f64,
     /// Renderings on both sides: else the number can only grow, or only shrink.
     pub is_central: bool,
-    /// Of an image without noise: pixels whose difference does not settle as the step becomes
-    /// shorter, because an edge crosses them. They have no derivative.
+    /// Number of pixels without a derivative in an image without noise: an edge crosses them, so
+    /// that their difference does not converge with the step.
     pub unsettled: usize,
 }
 
@@ -118,8 +118,9 @@ impl Sides {
             .collect()
     }
 
-    /// Of an image without noise: Richardson's extrapolation of the differences with the whole and
-    /// with half the step, whose distance is the error, and the rounding of both sides to 32 bits.
+    /// Derivative of an image without noise: Richardson's extrapolation of the differences with the
+    /// whole and with half the step, whose distance is the error, and the rounding of both sides to
+    /// 32 bits.
     fn without_noise(&self, film: &Film, whole: &[[f64; 3]], half: &[[f64; 3]]) -> Derivative {
         // Errors of central differences fall as the square of the step, of others as the step.
         let order = if self.is_central { 4.0 } else { 2.0 };

@@ -32,7 +32,7 @@ pub struct Quantity {
     pub words: &'static str,
     /// Item that has it, where there are several of these.
     pub of: &'static str,
-    /// Of its changes.
+    /// Unit of its changes.
     pub unit: Unit,
 }
 

@@ -9,7 +9,7 @@ use std::fmt;
 /// The known radiance of every pixel of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
-    /// Of an image without noise.
+    /// Every pixel of an image without noise.
     EveryPixel {
         /// Radiance of each pixel.
         radiance: DVec3,
@@ -39,7 +39,7 @@ impl fmt::Display for Answer {
 /// Red, green and blue, as messages name them.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// Pixels are stored with 24 binary digits: half of the last one, relative.
+/// Relative rounding of a stored pixel: half the last of 24 binary digits.
 const STORED: f64 = 1.0 / (1 << 24) as f64;
 
 impl Answer {

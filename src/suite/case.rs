@@ -23,11 +23,11 @@ const FIXTURES: &str = "fixtures";
 const SCENES: &str = "fixtures/scenes";
 /// Folder of the manifests, relative to the root of the suite.
 const CASES: &str = "fixtures/cases";
-/// Where the goldens are.
+/// Folder of the goldens.
 const GOLDEN: &str = "golden";
-/// A folder among the goldens for the results of other renderers.
+/// Folder for the results of other renderers, among the goldens.
 const PEERS: &str = "peers";
-/// Where renderings of an interrupted accept are.
+/// Folder for renderings of an interrupted accept.
 const CACHE: &str = ".volref";
 /// Longest manifest read: 1 MiB, far more than any needs.
 const MOST_MANIFEST_BYTES: u64 = 1 << 20;
@@ -99,9 +99,9 @@ pub struct Case {
     pub mistakes: Vec<String>,
     /// Exposure of 8-bit images, in stops.
     pub exposure: f64,
-    /// Whether the picture is the integral that renderers approximate by steps.
+    /// True if the picture is the integral that renderers approximate by steps.
     limit: bool,
-    /// Of a stochastic case.
+    /// Sampling, for a stochastic case.
     pub sampling: Option<CaseSampling>,
     /// Biases that an image with noise must show if it has them: in a case without random numbers, any.
     pub promise: Promise,
@@ -137,7 +137,7 @@ impl Case {
         }
     }
 
-    /// The part of a pixel that its radiance is of.
+    /// The part of a pixel that its radiance is averaged over.
     pub(crate) fn footprint(&self) -> Footprint {
         match self.sampling {
             Some(_) => Footprint::Square,
@@ -153,7 +153,7 @@ impl Case {
         }
     }
 
-    /// The picture is a limit, to which images converge with their step.
+    /// True if the image is a limit, to which renderings converge with their step.
     pub fn is_limit(&self) -> bool {
         self.limit
     }
@@ -171,7 +171,7 @@ pub struct Suite {
     cases: Vec<Case>,
     /// `family/name` of manifests that cannot be read, with the files.
     unreadable: Vec<(String, PathBuf)>,
-    /// The files that belong to it, relative to the root; `None` if all there do.
+    /// Files of the suite, relative to the root; `None` if every file there is one.
     own: Option<BTreeSet<PathBuf>>,
 }
 
@@ -196,7 +196,7 @@ pub enum SuiteError {
     Twice {
         /// `family/name`.
         name: String,
-        /// Where they are.
+        /// Their manifests.
         files: [String; 2],
     },
     /// A manifest with a mistake.
@@ -207,15 +207,15 @@ pub enum SuiteError {
     #[error("{filter:?} is not a pattern: {reason}")]
     #[diagnostic(help("a filter is a family, a case, or a pattern over them such as 'figures/*'"))]
     Pattern {
-        /// As given.
+        /// The filter as given.
         filter: String,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
     /// A filter that matches no case.
     #[error("no case matches {filter:?}")]
     NoMatch {
-        /// As given.
+        /// The filter as given.
         filter: String,
         /// The nearest names.
         #[help]
@@ -271,13 +271,13 @@ impl Suite {
         &self.cases
     }
 
-    /// Whether there is a manifest of this case, with or without a mistake.
+    /// True if there is a manifest of this case, with or without a mistake.
     pub fn has_manifest(&self, name: &str) -> bool {
         let is_unreadable = self.unreadable.iter().any(|(other, _)| other == name);
         is_unreadable || self.cases.iter().any(|case| case.name == name)
     }
 
-    /// Where the goldens are.
+    /// Folder of the goldens.
     pub fn golden_folder(&self) -> PathBuf {
         self.root.join(GOLDEN)
     }
@@ -329,7 +329,7 @@ impl Suite {
         self.root.join(CASES).join(format!("{}.toml", case.name))
     }
 
-    /// Where renderings are kept until they are accepted, and results until they are joined.
+    /// Folder for renderings until they are accepted, and for results until they are joined.
     pub fn cache_folder(&self) -> PathBuf {
         self.root.join(CACHE)
     }
@@ -358,7 +358,7 @@ impl Suite {
         Ok(cases.collect())
     }
 
-    /// What the filters choose among the names of the cases and `others`.
+    /// Names that the filters choose among those of the cases and `others`.
     pub(crate) fn chosen(
         &self,
         filters: &[String],
@@ -433,17 +433,17 @@ impl Suite {
     }
 }
 
-/// What filters choose: everything where there are none.
+/// Names chosen by filters: everything where there are none.
 pub(crate) struct Chosen(Vec<String>);
 
 impl Chosen {
-    /// Whether the case or row of this name is among it.
+    /// True if the case or row of this name is among it.
     pub fn has(&self, name: &str) -> bool {
         self.0.is_empty() || self.0.iter().any(|filter| matches(filter, name))
     }
 }
 
-/// Whether a filter names a case or row. Its `*` stands for slashes, too, unlike that of the crate.
+/// True if a filter names a case or row. Its `*` stands for slashes, too, unlike that of the crate.
 fn matches(filter: &str, name: &str) -> bool {
     let without_slashes = |text: &str| text.replace('/', ":");
     let is_match = |text| fast_glob::glob_match(without_slashes(filter), without_slashes(text));

@@ -1,4 +1,4 @@
-//! The suite that the program holds: the files of a checkout, which are unpacked where they are needed.
+//! The embedded suite: the files of a checkout within the program, unpacked where they are needed.
 //!
 //! Scenes name files beside them, and renderers that are run read scenes: both need a folder.
 

@@ -135,7 +135,7 @@ impl GoldenImage {
 /// A golden with its image and provenance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Golden {
-    /// Where it came from.
+    /// Provenance of the image.
     pub provenance: Provenance,
     /// The image.
     pub film: Film,
@@ -176,7 +176,7 @@ pub enum GoldenError {
     /// A file cannot be read.
     #[error("{file}: {reason}; restore it from version control")]
     Unreadable {
-        /// Which.
+        /// The file.
         file: String,
         /// Reason.
         reason: String,
@@ -188,7 +188,7 @@ pub enum GoldenError {
          restore it from version control"
     )]
     Tampered {
-        /// Which.
+        /// The file.
         file: String,
         /// Hash of the file.
         found: String,

@@ -1,4 +1,4 @@
-//! A number for a name.
+//! Hash of a name as a number.
 
 /// First eight bytes of the BLAKE3 hash of a name: the same everywhere, and different for different names.
 pub fn name_hash(name: &str) -> u64 {

@@ -35,15 +35,15 @@ pub struct Found {
     pub files: Vec<PathBuf>,
     /// The variance of the mean of a single image.
     pub variance: Option<PathBuf>,
-    /// Of images with smaller and smaller steps: the files have the step of the scene, half of it, a
-    /// quarter and so on.
+    /// True for images with smaller and smaller steps: the files have the step of the scene, half
+    /// of it, a quarter and so on.
     pub is_refined: bool,
 }
 
 /// A file that looks like an image and belongs to no case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownFile {
-    /// Where.
+    /// Path.
     pub file: PathBuf,
     /// Reason why it is not used, with a suggestion: a sentence without its subject.
     pub reason: String,
@@ -55,7 +55,7 @@ pub enum OutputError {
     /// A folder cannot be listed.
     #[error("{}: the folder cannot be read: {error}", folder.display())]
     Folder {
-        /// Where.
+        /// Path.
         folder: PathBuf,
         /// Error of the operating system.
         error: io::Error,
@@ -69,7 +69,7 @@ pub enum OutputError {
     Several {
         /// The case.
         case: String,
-        /// Two of them.
+        /// Two of the files.
         files: [PathBuf; 2],
     },
     /// A replicate is missing among the others.
@@ -97,9 +97,9 @@ pub enum OutputError {
     Step {
         /// The case.
         case: String,
-        /// One of the images there are.
+        /// An image that is present.
         file: PathBuf,
-        /// How often the missing step is halved.
+        /// Number of halvings of the missing step.
         missing: u32,
     },
     /// A variance without an image, or with several renderings.
@@ -273,7 +273,7 @@ impl Outputs {
     }
 }
 
-/// The case that `file` is of, and what it is to it; nothing if it is no image.
+/// The case of `file`, and its role there; nothing if it is not an image.
 fn role_of<'c>(
     file: &Path,
     family: &str,
@@ -298,7 +298,7 @@ fn role_of<'c>(
     Ok(Some((case, role)))
 }
 
-/// What is in a folder, by name, and whether it is a folder.
+/// Entries of a folder, sorted by name; true for folders.
 fn entries(folder: &Path) -> Result<Vec<(PathBuf, bool)>, OutputError> {
     let trouble = |error| OutputError::Folder {
         folder: folder.to_owned(),
@@ -322,8 +322,8 @@ fn last_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// The case that a file is of whose name is `stem`, with its family or without; or why there is
-/// none. A case may be called `rate-0.1`: the whole name comes before the number of a replicate.
+/// The case of a file called `stem`, with its family or without; else the reason why it has none. A
+/// case may be called `rate-0.1`: the whole name comes before the number of a replicate.
 fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), String> {
     if let Some(case) = case_called(stem, cases)? {
         return Ok((case, Role::Single));

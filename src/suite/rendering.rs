@@ -12,7 +12,7 @@ use crate::render::{self, Detail, Plan, RenderError, Rendering, Seed};
 /// Added to the seed of every panel for the converged rendering.
 const CONVERGED: u64 = 1 << 63;
 
-/// Which rendering of a case.
+/// A rendering of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CaseRendering {
     /// The only one of a deterministic case.
@@ -32,7 +32,7 @@ impl CaseRendering {
         }
     }
 
-    /// Of one of several.
+    /// Name, for one of several renderings.
     pub fn name(self) -> Option<&'static str> {
         match self {
             CaseRendering::Only => None,
@@ -56,7 +56,7 @@ impl CaseRendering {
 
 /// Makes the pictures of cases.
 pub(crate) trait Renderer: Sync {
-    /// Whether random numbers are used.
+    /// True if random numbers are used.
     fn is_sampled(&self, plans: &[Plan<'_>]) -> bool;
 
     /// The picture of the panels of `plans`, or a part of it.
@@ -69,7 +69,7 @@ pub(crate) trait Renderer: Sync {
     ) -> Result<Rendering, RenderError>;
 }
 
-/// The renderer of this crate; tests of the suite have others.
+/// The fast renderers of this crate; tests of the suite have others.
 pub(crate) struct ReferenceRenderer;
 
 impl Renderer for ReferenceRenderer {

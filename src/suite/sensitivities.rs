@@ -1,4 +1,4 @@
-//! Sensitivities that travel with goldens: derivatives of blocks by all numbers of a scene.
+//! Sensitivities stored with goldens: derivatives of blocks by all numbers of a scene.
 //!
 //! `golden/sensitivities/FAMILY/CASE.exr` has a layer for each number, of blocks of 8 × 8 pixels or, of a
 //! number that shows in smaller details, of pixels. What a layer was computed from stands in the comment of
@@ -14,7 +14,7 @@ use crate::render::{Detail, Plan, plans};
 use crate::scene::Scene;
 use crate::sensitivity::{Dependence, Differences, derivative, numbers};
 
-/// The part of a step by which a number is changed to see whether it can be.
+/// Share of a step by which a number is changed to test if it can change.
 const SLIGHT: f64 = 1e-3;
 
 /// The cosine between two derivatives up to which an image tells their numbers apart: a third of each
@@ -24,10 +24,12 @@ const TOLD_APART: f64 = 0.8;
 /// Samples for a derivative of pixels over those for one of blocks.
 const TIMES_FOR_FINE: u32 = 16;
 
-/// Pixels on each side of one whose derivatives say whether its own is known.
+/// Radius in pixels of the neighbourhood that decides if the derivative of a pixel is more than
+/// noise.
 const AROUND: usize = 2;
 
-/// Their squares over their variances, at least: half of the squares is then no noise.
+/// Smallest mean of squares over variances in that neighbourhood: half of the squares is then more
+/// than noise.
 const KNOWN: f64 = 2.0;
 
 /// The derivatives of blocks of `scene` by its numbers, from `spp` samples a pixel on each side, in

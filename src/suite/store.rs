@@ -1,4 +1,5 @@
-//! The files beneath the goldens: many are replaced as one, whatever happens meanwhile.
+//! Atomic storage of goldens: many files are replaced as one, even if the process is killed
+//! meanwhile.
 //!
 //! Several renames are not atomic, one is. So an accept goes through these steps, each durable
 //! before the next begins:
@@ -38,7 +39,7 @@ use name::{DRAFT, JOURNAL, LOCK, StoreName};
 pub use disk::{Disk, RealDisk};
 pub use error::{StoreError, StoreFailure};
 
-/// Where goldens live, and the only code that writes them.
+/// Storage of goldens, and the only code that writes them.
 #[derive(Clone, Debug)]
 pub struct Store<D: Disk = RealDisk> {
     root: PathBuf,
@@ -55,13 +56,13 @@ impl Store {
 /// Time for which another accept is waited for: writing the goldens of a whole suite takes a second or two.
 const PATIENCE: Duration = Duration::from_secs(if cfg!(test) { 0 } else { 60 });
 
-/// Time between two looks.
+/// Time between two attempts.
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// Reading. None of these functions writes, locks or creates anything.
 impl<D: Disk> Store<D> {
-    /// What a reader sees at `relative`, a path under the root, now; `None` if there is no such
-    /// file. Files that belong together are to be read by [`read_all`](Self::read_all).
+    /// Contents that a reader sees now at `relative`, a path under the root; `None` if there is no
+    /// such file. Files that belong together are to be read by [`read_all`](Self::read_all).
     ///
     /// # Errors
     ///
@@ -88,8 +89,8 @@ impl<D: Disk> Store<D> {
         }
     }
 
-    /// What a reader sees at all these paths at one moment, in their order: never some files
-    /// from before an accept and some from after it, even if it runs meanwhile.
+    /// Contents that a reader sees at all these paths at one moment, in their order: never some
+    /// files from before an accept and some from after it, even if it runs meanwhile.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! What verdicts depend on in a suite, as a hash.
+//! Hash of everything in a suite that verdicts depend on.
 
 use super::{Case, Suite, golden};
 use crate::files::program_hash::hash;

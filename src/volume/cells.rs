@@ -16,7 +16,7 @@ const TWO_52: f64 = 4_503_599_627_370_496.0;
 /// The [`Cell`]s around several points.
 #[derive(Clone, Copy, Debug)]
 pub enum Cells<const N: usize> {
-    /// All of them between nodes.
+    /// All points between nodes.
     Between {
         /// Indices of their first nodes.
         low: [usize; N],
@@ -25,7 +25,7 @@ pub enum Cells<const N: usize> {
         /// By axis, positions between the two nodes.
         t: [[f64; N]; 3],
     },
-    /// Anywhere.
+    /// Points anywhere.
     Anywhere([Cell; N]),
 }
 
@@ -64,7 +64,7 @@ impl<const N: usize> Cells<N> {
         }
     }
 
-    /// One of them.
+    /// The cell of one point.
     #[inline(always)]
     pub fn cell(&self, index: usize) -> Cell {
         match self {
@@ -107,7 +107,7 @@ impl<const N: usize> Cells<N> {
     }
 }
 
-/// All of `points` lie between nodes along every axis, none on the last.
+/// True if all `points` lie between nodes along every axis, none on the last.
 #[inline(always)]
 fn are_between_nodes<const N: usize>(lattice: &Lattice, points: &NodePoints<N>) -> bool {
     let last = lattice.last_node();

@@ -15,8 +15,8 @@ pub struct CubicSegment {
     pub coefficients: [f64; 4],
 }
 
-/// Steps of Newton's method, at most. Towards a root of a flat cubic, `u³`, each shortens the way by
-/// a third: 91 leave less than 2^-53 of it.
+/// Largest number of steps of Newton's method. Towards a root of a flat cubic, `u³`, each shortens
+/// the way by a third: 91 leave less than 2^-53 of it.
 const MOST_STEPS: usize = 100;
 
 impl CubicSegment {

@@ -1,4 +1,4 @@
-//! Why a volume could not be loaded.
+//! Errors in loading volumes.
 
 use super::LatticeError;
 use crate::geometry::ObjFault;

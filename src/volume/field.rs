@@ -20,9 +20,9 @@ pub trait DensityField: Sync {
 /// Bounds on a density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DensityRange {
-    /// No density is below; at least 0.
+    /// Lower bound, at least 0.
     pub low: f64,
-    /// No density is above: the majorant. 0 where there is nothing.
+    /// Upper bound: the majorant. 0 where there is nothing.
     pub high: f64,
 }
 

@@ -14,14 +14,14 @@ pub struct VolumeFormat {
     pub name: &'static str,
     /// Extensions of its files: a dot and lower-case letters. Upper case is recognised, too.
     pub extensions: &'static [&'static str],
-    /// Whether its files contain points to be splatted instead of a grid.
+    /// True if its files contain points to be splatted instead of a grid.
     pub is_point_cloud: bool,
     /// Reads a file of the format. Values of the grid are finite, unless asked for otherwise, and
     /// may be negative.
     pub(super) read: fn(&mut VolumeSource, &LoadOptions) -> VolumeRead,
 }
 
-/// What a file holds, and in which form.
+/// Grid of a file, and its storage.
 pub(super) type VolumeRead = Result<(Grid<f32>, Stored), VolumeFault>;
 
 /// The storage of a volume in a file.

@@ -141,7 +141,7 @@ impl FractalDensity {
         &self.parameters
     }
 
-    /// Where `point` lies in the lattice of the first octave.
+    /// Position of `point` in the lattice of the first octave.
     fn lattice_point(&self, point: DVec3) -> DVec3 {
         point * self.parameters.scale + self.parameters.offset
     }

@@ -15,7 +15,7 @@ pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
     gradients_over(grid, 1.0)
 }
 
-/// [`gradients`] for their directions only: per length of the power of two at or below the
+/// [`gradients`] for use as directions only: per length of the power of two at or below the
 /// [voxel](Lattice::voxel) of the grid.
 ///
 /// A power of two as unit changes no digit. Per world unit, the gradients of a small volume would

@@ -84,7 +84,7 @@ impl Lerp for DVec3 {}
 pub struct Cell {
     /// Index of the node with the smallest coordinates.
     pub(super) low: usize,
-    /// How far away in the array the neighbour along each axis is (0 where clamped).
+    /// Distance in the array to the neighbour along each axis (0 where clamped).
     pub(super) step: [usize; 3],
     /// Position between the two nodes of each axis.
     pub(super) t: DVec3,

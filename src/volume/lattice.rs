@@ -24,7 +24,7 @@ pub struct Lattice {
     last: DVec3,
 }
 
-/// Where the faces of the box lie.
+/// Position of the faces of the box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Centring {
     /// On the first and last node of an axis: values are samples at points.
@@ -108,7 +108,7 @@ impl Lattice {
         Ok(lattice)
     }
 
-    /// Where the faces of the box lie.
+    /// Position of the faces of the box.
     pub fn centring(&self) -> Centring {
         self.centring
     }

@@ -14,7 +14,7 @@ pub struct LoadOptions {
     pub non_finite: NonFinite,
     /// For grids: the treatment of axes other than x, y and z.
     pub orientation: Orientation,
-    /// Whether a header may name a file of data outside its own folder: by an absolute path, by
+    /// True if a header may name a file of data outside its own folder: by an absolute path, by
     /// `..`, or by a symbolic link that leads there.
     pub detached_anywhere: bool,
 }

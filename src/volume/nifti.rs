@@ -24,7 +24,7 @@ use std::io::{self, BufReader, Read};
 /// Bytes of the header.
 const HEADER: usize = 348;
 
-/// Where the data begin at the earliest: four bytes after the header say whether more follows.
+/// Earliest start of the data: four bytes after the header say if more header follows.
 const FIRST_DATA: u64 = 352;
 
 /// The square of a quaternion's real part that is lost in the rounding of the other three to
@@ -180,7 +180,7 @@ impl<'h> NiftiHeader<'h> {
             if axis > 3 && size > 1 {
                 let what = if axis == 4 { "times" } else { "components" };
                 return refused(format!(
-                    "`dim[{axis}]` is {size}, a number of {what}, which are no axis of space: a \
+                    "`dim[{axis}]` is {size}, a number of {what}, which are not an axis of space: a \
                      volume has one value per sample; write one of them to a file of its own, as by \
                      `image.slicer[..., 0]` of nibabel"
                 ));
@@ -478,7 +478,7 @@ mod tests {
         );
         assert_eq!(
             read(&turned(1.0, 2.0)).unwrap_err().to_string(),
-            "`quatern_b`, `quatern_c` and `quatern_d` are 0, 0 and 2, which is no rotation: their \
+            "`quatern_b`, `quatern_c` and `quatern_d` are 0, 0 and 2, which is not a rotation: their \
              squares add up to at most 1; correct the qform, or set `qform_code` to 0"
         );
     }
@@ -637,7 +637,7 @@ mod tests {
                 short(bytes, 40 + 2 * axis, 3);
             });
             let expected =
-                format!("`dim[{axis}]` is 3, a number of {what}, which are no axis of space: ");
+                format!("`dim[{axis}]` is 3, a number of {what}, which are not an axis of space: ");
             assert!(message.starts_with(&expected), "{message}");
         }
     }

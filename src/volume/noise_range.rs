@@ -3,7 +3,7 @@
 use super::perlin::{cell_and_fraction, fade, gradients_around, noise_in_cell};
 use glam::DVec3;
 
-/// No value of [`perlin_noise`](super::perlin_noise) has a magnitude beyond this.
+/// Upper bound on the magnitude of [`perlin_noise`](super::perlin_noise).
 ///
 /// At a fraction of a cell each gradient, with its two entries ±1, adds at most the larger two of
 /// the three distances to its corner, and the fades mix the eight. The largest such mixture is
@@ -11,7 +11,7 @@ use glam::DVec3;
 /// proves that it stays below this bound, by halving the cell until interval arithmetic does.
 pub const NOISE_BOUND: f64 = 1.04;
 
-/// What computed noise and computed bounds may be off by together.
+/// Error of computed noise and computed bounds together.
 ///
 /// With u = 2⁻⁵³, by counting roundings of numbers up to 16: a fade is off by at most 32 u, a
 /// corner's part by 3 u, and each of the three mixtures, of numbers up to 2, adds at most

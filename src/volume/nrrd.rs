@@ -173,7 +173,7 @@ const LONGEST_HEADER: usize = 1 << 20;
 /// As Teem: more axes than anybody uses.
 const MOST_AXES: usize = 16;
 
-/// Fields that say nothing about where the samples lie or what they are.
+/// Fields without effect on the positions or values of samples.
 const IGNORED: &str = "\
     content, number, block size, blocksize, min, max, old min, oldmin, old max, oldmax, \
     sample units, sampleunits, thicknesses, labels, units, space units, measurement \
@@ -403,7 +403,7 @@ impl Fields {
         Ok(Some(directions))
     }
 
-    /// Where the samples lie.
+    /// Positions of the samples.
     fn axes(&self, sizes: &[u64]) -> Result<Axes, VolumeFault> {
         let dimension = sizes.len();
         let mut roles = self.roles(sizes)?;
@@ -535,7 +535,7 @@ impl Fields {
     }
 }
 
-/// What an axis is for.
+/// Role of an axis.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     Space,
@@ -612,7 +612,7 @@ impl HeaderField<'_> {
     fn no_space(&self, axis: usize, samples: u64, what: &str) -> VolumeFault {
         let ordinal = axis + 1;
         self.fault(&format!(
-            "axis {ordinal}, of {samples} samples, is {what}, and no axis of space: a volume has \
+            "axis {ordinal}, of {samples} samples, is {what}, and not an axis of space: a volume has \
              three, and one value per sample; write one of the {samples} to a file of its own, as \
              by `unu slice -a {axis} -p 0`"
         ))
@@ -805,7 +805,7 @@ mod tests {
             (
                 "2 2 1",
                 "kinds: RGB-color domain domain",
-                "5: axis 1, of 2 samples, is of the kind \"RGB-color\", and no axis of space: a \
+                "5: axis 1, of 2 samples, is of the kind \"RGB-color\", and not an axis of space: a \
                  volume has three, and one value per sample; write one of the 2 to a file of its \
                  own, as by `unu slice -a 0 -p 0`",
             ),
@@ -839,12 +839,12 @@ mod tests {
             (
                 "2 2 1",
                 "space directions: none (1,0,0) (0,1,0)",
-                "5: axis 1, of 2 samples, is without a direction, and no axis of space",
+                "5: axis 1, of 2 samples, is without a direction, and not an axis of space",
             ),
             (
                 "2 1 2",
                 "space directions: (1,0,0) (0,1,0) (0,0,0)",
-                "5: axis 3, of 2 samples, is without a direction, and no axis of space",
+                "5: axis 3, of 2 samples, is without a direction, and not an axis of space",
             ),
             ("2 2 1", "space directions: (1,0,0) (0,1,0) none", plane),
         ] {

@@ -28,7 +28,7 @@ pub struct Axes {
     pub steps: AxisSteps,
     /// Position of the first sample, world units.
     pub first: DVec3,
-    /// Whether the box of the file ends at the outermost samples or half a step beyond.
+    /// Faces of the box of the file: at the outermost samples, or half a step beyond.
     pub centring: Centring,
 }
 
@@ -43,9 +43,9 @@ pub enum AxisSteps {
 
 /// Placement of stored samples in a grid.
 pub(super) struct Placement {
-    /// Where the nodes lie.
+    /// Positions of the nodes.
     pub lattice: Lattice,
-    /// For each axis of the world, the stored axis that runs along it, and whether backwards.
+    /// For each axis of the world, the stored axis that runs along it; true if backwards.
     from: [(usize, bool); 3],
 }
 

@@ -1,4 +1,4 @@
-//! Parameters that are no parameters.
+//! Errors for invalid parameters.
 
 use std::fmt;
 use thiserror::Error;

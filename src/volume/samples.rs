@@ -64,7 +64,7 @@ impl Element {
         }
     }
 
-    /// Whether samples are whole numbers.
+    /// True if samples are whole numbers.
     pub fn is_whole(self) -> bool {
         !matches!(self, Element::Float16 | Element::Float32 | Element::Float64)
     }
@@ -100,7 +100,7 @@ pub enum Endian {
     Big,
 }
 
-/// How samples are written.
+/// Encoding of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Binary, as in memory.
@@ -114,13 +114,13 @@ pub enum Encoding {
 /// The layout of the samples of a grid in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
-    /// Where the samples lie.
+    /// Positions of the samples.
     pub axes: Axes,
     /// Type of a sample.
     pub element: Element,
     /// Order of its bytes; irrelevant for samples of one byte and for text.
     pub endian: Endian,
-    /// How samples are written.
+    /// Encoding of samples.
     pub encoding: Encoding,
     /// Slope a and intercept b: a stored sample s stands for the value `a·s + b`.
     pub scaling: Option<(f64, f64)>,
@@ -173,7 +173,7 @@ pub(super) fn read_unpacked(
     })
 }
 
-/// Checks where the samples lie, reads them by `read`, and puts them there.
+/// Checks the positions of the samples, reads them by `read`, and puts them there.
 fn read_as(
     layout: &Layout,
     options: &LoadOptions,

@@ -155,9 +155,9 @@ impl BufRead for VolumeSource<'_> {
     }
 }
 
-/// Where `data` really lie, if a symbolic link leads out of the folder of the `header`: neither
-/// into the one in which it is named nor into the one in which it lies itself. Data that are not
-/// there lie nowhere.
+/// Real path of `data`, if a symbolic link leads out of the folder of the `header`: neither into
+/// the one in which it is named nor into the one in which it lies itself. `None` if the data are
+/// missing.
 fn away(header: &Path, data: &Path) -> Option<PathBuf> {
     let data = data.canonicalize().ok()?;
     let named = match header.parent() {

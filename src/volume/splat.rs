@@ -107,7 +107,7 @@ fn one_point_per_voxel(extent: DVec3, points: usize) -> usize {
         .unwrap_or(1)
 }
 
-/// Where a cloud's nodes lie.
+/// Frame of a cloud's grid.
 struct SplatFrame {
     /// Corners of the cloud.
     min: DVec3,
@@ -206,9 +206,9 @@ impl SplatFrame {
     }
 }
 
-/// How far, in spacings, the computed coordinate of a point can be from a whole number `k` when
-/// the cloud is meant to be a lattice of this spacing, whose points were computed as
-/// `first + k·step` in `f64` from decimal numbers.
+/// Largest distance, in spacings, of the computed coordinate of a point from a whole number `k`
+/// when the cloud is meant to be a lattice of this spacing, whose points were computed as `first +
+/// k·step` in `f64` from decimal numbers.
 ///
 /// Let u = 2⁻⁵³, B the largest coordinate, h the spacing, N the intervals of the longest axis.
 /// The step is rounded, multiplied and added: with |k·step| ≤ 2B that is an error of at most

@@ -22,7 +22,7 @@ pub struct Walk {
     origin: DVec3,
     direction: DVec3,
     cell: [usize; 3],
-    /// Where the cell is left along each axis; never, if it is the last.
+    /// Distance at which the line leaves the cell along each axis; infinite if it is the last.
     crossing: DVec3,
     rest: Span,
 }
@@ -63,7 +63,7 @@ impl Walk {
         walk
     }
 
-    /// Where the line leaves the present cell along `axis`.
+    /// Distance at which the line leaves the present cell along `axis`.
     fn exit(&self, axis: usize) -> f64 {
         let (index, direction) = (self.cell[axis], self.direction[axis]);
         let plane = if direction > 0.0 && index + 1 < self.cells[axis] {

@@ -233,7 +233,7 @@ fn volumes_whose_header_or_text_says_something_else() {
     for (file, part) in [
         (
             "colour.nrrd",
-            "colour.nrrd:6: axis 1, of 3 samples, is of the kind \"RGB-color\", and no axis of space",
+            "colour.nrrd:6: axis 1, of 3 samples, is of the kind \"RGB-color\", and not an axis of space",
         ),
         (
             "inf.nrrd",

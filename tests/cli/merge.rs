@@ -281,8 +281,8 @@ fn results_of_different_runs_are_refused_by_what_differs() {
 fn folders_without_anything_are_said_to_be_so() {
     let suite = Folder::with_goldens();
     merged(&suite, &["golden".to_owned()], &[]).expect(5, &["neither results nor units"]);
-    merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["nowhere is no folder"]);
-    merged(&suite, &["results/nowhere".to_owned()], &[]).expect(2, &["nowhere is no folder"]);
+    merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["nowhere is not a folder"]);
+    merged(&suite, &["results/nowhere".to_owned()], &[]).expect(2, &["nowhere is not a folder"]);
     suite.write("taken", "");
     let run = suite.volref(&["verify", "--results", "taken"]);
     run.expect(2, &["cannot create the folder taken"]);

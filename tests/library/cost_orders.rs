@@ -22,7 +22,7 @@ use volref::cost::{Options, cost};
 use volref::geometry::{Ray, Span};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{cos, exp, sin};
-use volref::media::collocation::{Collocation, Here};
+use volref::media::collocation::{Collocation, LocalProperties};
 use volref::render::classified::steps::Steps;
 use volref::scene::Scene;
 use volref::volume::{
@@ -42,8 +42,8 @@ const STEPS: [f64; 7] = [
 
 const RADIANCE: f64 = 0.338_236_980_254_304_8;
 
-fn here(t: f64) -> Here {
-    Here {
+fn here(t: f64) -> LocalProperties {
+    LocalProperties {
         extinction: smooth(t),
         emission: DVec3::splat(0.7 + 0.5 * cos(5.1 * t + 0.3)),
     }
@@ -345,7 +345,7 @@ fn rules_on_a_grid() {
             let mut cuts = vec![span.near];
             let pieces = density.smooth_segments(ray.origin, *ray.direction, span);
             cuts.extend(pieces.map(|piece| piece.far));
-            let light = collocation.light(&cuts, 1e-14, |t| Here {
+            let light = collocation.light(&cuts, 1e-14, |t| LocalProperties {
                 extinction: density.density(ray.at(t)),
                 emission: DVec3::ZERO,
             });

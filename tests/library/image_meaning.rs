@@ -216,9 +216,9 @@ fn statements_that_cannot_be_heeded_are_refused() {
     .map(|bytes| refusal(&bytes) + "\n")
     .concat();
     insta::assert_snapshot!(said, @r#"
-    the colorInteropID of this EXR is "data", which is no linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
-    the colorInteropID of this EXR is "srgb_rec709_scene", which is no linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
-    the oiio:ColorSpace of this EXR is "sRGB", which is no linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
+    the colorInteropID of this EXR is "data", which is not a linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
+    the colorInteropID of this EXR is "srgb_rec709_scene", which is not a linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
+    the oiio:ColorSpace of this EXR is "sRGB", which is not a linear RGB known to volref; write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have
     this EXR contradicts itself: its primaries are ACEScg (AP1) by chromaticities, and Rec.709 by colorInteropID; remove the attribute that is wrong
     this EXR contradicts itself: its primaries are ACEScg (AP1) by chromaticities, and ACES2065-1 (AP0) by acesImageContainerFlag; remove the attribute that is wrong
     the chromaticities of this EXR are those of no colours: (0.3000, 0.3000), (0.3000, 0.3000), (0.3000, 0.3000) with white (0.3000, 0.3000); write linear RGB with the primaries of Rec.709 (colorInteropID lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have

@@ -114,17 +114,17 @@ fn what_is_refused_says_where() {
         ),
         (
             format!("{start}f 1 2 x"),
-            "4:7: \"x\" is no corner of a face",
+            "4:7: \"x\" is not a corner of a face",
         ),
-        (format!("{start}f 1 2 3.0"), "4:7: \"3.0\" is no corner"),
+        (format!("{start}f 1 2 3.0"), "4:7: \"3.0\" is not a corner"),
         (
             format!("{start}f 1 2 3/1/1/1"),
-            "4:7: \"3/1/1/1\" is no corner",
+            "4:7: \"3/1/1/1\" is not a corner",
         ),
-        (format!("{start}f 1 2 3/a"), "4:7: \"3/a\" is no corner"),
+        (format!("{start}f 1 2 3/a"), "4:7: \"3/a\" is not a corner"),
         (
             format!("{start}f 1 2 99999999999999999999"),
-            "4:7: \"99999999999999999999\" is no corner",
+            "4:7: \"99999999999999999999\" is not a corner",
         ),
         (
             format!("{start}f 1 2 9223372036854775807"),
@@ -176,7 +176,7 @@ fn what_is_refused_says_where() {
         ),
         (
             format!("{start}f 1 2 3\nsurf 0 1 0 1 1 2 3"),
-            "5:1: a free-form surface is no polygon",
+            "5:1: a free-form surface is not a polygon",
         ),
         (
             "call other.obj".to_owned(),

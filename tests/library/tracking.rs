@@ -214,7 +214,7 @@ fn delta_tracking_on_the_smooth_ray() {
 fn ratio_tracking_on_the_smooth_ray() {
     let (low, high) = extremes();
     let pieces = whole(low, high);
-    let plain = by_ratio(&smooth, &pieces, (Control::Nothing, Small::Kept));
+    let plain = by_ratio(&smooth, &pieces, (Control::None, Small::Kept));
     let squared = along(|t| smooth(t) * smooth(t) / high);
     let variance = ratio_tracking_variance(DEPTH, squared);
     assert!((variance - 9.83e-4).abs() < 5e-7, "{variance:e}");
@@ -274,7 +274,7 @@ fn bounds_piece_by_piece() {
     agrees("delta", &delta, mean, delta_tracking_variance(depth));
     costs("delta", &delta, over(&|t, piece| piece.high * exp(-to(t))));
 
-    let ratio = by_ratio(&sigma, &pieces, (Control::Nothing, Small::Kept));
+    let ratio = by_ratio(&sigma, &pieces, (Control::None, Small::Kept));
     let squared = over(&|t, piece| sigma(t) * sigma(t) / piece.high);
     agrees(
         "ratio",
@@ -298,7 +298,7 @@ fn bounds_piece_by_piece() {
     );
 
     // Thinned estimates are noisier and cheaper, and have the same mean.
-    let thinned = by_ratio(&sigma, &pieces, (Control::Minorant, Small::Thinned));
+    let thinned = by_ratio(&sigma, &pieces, (Control::Minorant, Small::Roulette));
     let spread = thinned.estimates.variance().unwrap();
     agrees("thinned", &thinned, mean, spread);
     assert!(spread > variance && thinned.lookups < residual.lookups);
@@ -309,7 +309,7 @@ fn bounds_piece_by_piece() {
 #[test]
 fn a_bound_that_is_too_small() {
     let pieces = whole(0.0, 2.0);
-    let ratio = by_ratio(&smooth, &pieces, (Control::Nothing, Small::Kept));
+    let ratio = by_ratio(&smooth, &pieces, (Control::None, Small::Kept));
     assert!(ratio.violations > 0);
     let squared = along(|t| smooth(t) * smooth(t) / 2.0);
     let variance = ratio_tracking_variance(DEPTH, squared);
@@ -361,7 +361,7 @@ fn an_edge() {
         exp(-depth),
         delta_tracking_variance(depth),
     );
-    let ratio = by_ratio(&sigma, &pieces, (Control::Nothing, Small::Kept));
+    let ratio = by_ratio(&sigma, &pieces, (Control::None, Small::Kept));
     let squared = 0.02 * edge + 2.0 * (LENGTH - edge);
     let variance = ratio_tracking_variance(depth, squared);
     agrees("edge, ratio", &ratio, exp(-depth), variance);
@@ -390,7 +390,7 @@ fn known_answers() {
             }]
         };
         let mean = entry.expected("transmittance");
-        let plain = (Control::Nothing, Small::Kept);
+        let plain = (Control::None, Small::Kept);
         let ratio = by_ratio(&|_| sigma, &piece(length), plain);
         agrees(
             entry.id(),

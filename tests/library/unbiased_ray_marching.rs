@@ -169,7 +169,7 @@ fn less_noise_than_ratio_tracking_at_the_same_cost() {
                 span: Some(Span::new(0.0, LENGTH)),
                 high,
             };
-            let nothing = Control::Nothing;
+            let nothing = Control::None;
             ratio_tracking(&mut curve, nothing, Small::Kept, &mut numbers, &mut effort).x
         })
         .collect();

@@ -10,7 +10,7 @@ use super::plane::Plane;
 use super::power::power;
 use crate::math::{quick_cbrt, srgb_to_linear};
 
-/// A colour as three numbers; which three, the name of the variable says.
+/// A colour as three numbers, in the colour space named by the variable.
 pub type Colour = [f64; 3];
 type Matrix = [[f64; 3]; 3];
 
@@ -34,7 +34,7 @@ const fn mean_weights(shares: [u32; 3]) -> [f64; 3] {
     [r / total, g / total, b / total]
 }
 
-/// By Cramer's rule.
+/// Inverse by Cramer's rule.
 const fn inverse(m: Matrix) -> Matrix {
     let mut cofactors = [[0.0; 3]; 3];
     let mut i = 0;

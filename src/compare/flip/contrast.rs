@@ -12,7 +12,7 @@ use crate::math::exp;
 #[derive(Clone, Copy)]
 struct Gaussian {
     a: f64,
-    /// Square degrees.
+    /// Width, square degrees.
     b: f64,
 }
 
@@ -75,7 +75,7 @@ impl ContrastFilter {
         Self([single(ACHROMATIC), single(RED_GREEN), blue_yellow])
     }
 
-    /// Of every kernel.
+    /// Radius of every kernel, pixels.
     fn radius(&self) -> usize {
         self.0[0][0][0].radius()
     }

@@ -30,7 +30,7 @@ impl FeatureFilter {
     }
 }
 
-/// How strongly one row of an image shows edges and points.
+/// Strength of edges and points along one row of an image.
 #[derive(Clone, Debug)]
 pub struct FeatureRow {
     /// The row after filtering along columns only.

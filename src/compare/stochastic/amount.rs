@@ -1,4 +1,4 @@
-//! The amount of noise: do the squares of the differences sum to the variances?
+//! Chi-square test of the amount of noise: squared differences against stated variances.
 
 use super::super::significance::chi_square_two_sided;
 use super::blocks::{Block, Channel};
@@ -6,22 +6,22 @@ use super::comparison::Comparison;
 use super::variance::unstated;
 use super::{Metrics, finite};
 
-/// There may be this much times the noise that is stated, or one part in this of it, however
-/// unlikely: variances are themselves estimates, and their ratio to the squares is not quite
-/// chi-square where channels share their noise or samples are far from normal.
+/// Factor by which the noise may be larger or smaller than stated, however unlikely: variances are
+/// themselves estimates, and their ratio to the squares is not quite chi-square where channels
+/// share their noise or samples are far from normal.
 const AMOUNT: f64 = 2.0;
 
-/// Samples from which too much noise is looked for: light that arrives in fewer samples than one
-/// in so many makes pixels differ by more than they know. Too little noise has no such excuse: an
-/// event that is not seen raises no variance.
+/// Fewest samples with which too much noise is tested for: light that arrives in fewer samples than
+/// one in so many makes pixels differ by more than they know. Too little noise has no such excuse:
+/// an event that is not seen raises no variance.
 const ENOUGH: u32 = 64;
 
 /// Variance of a pixel over the square of its rounding, below which rounding hides too much of it: what
 /// is left of normal squares at four times the rounding is 0.66 of them, more than a half.
 const HIDDEN: f64 = 16.0;
 
-/// Mean over blocks and channels of their squares over their variance, and how many pixels and
-/// channels that is the mean of.
+/// Mean over blocks and channels of their squares over their variance, and the number of pixels and
+/// channels in it.
 fn mean_ratio(blocks: &[Block], ratio: impl Fn(&Channel) -> (f64, f64)) -> Option<(f64, f64)> {
     let (mut sum, mut count) = (0.0, 0.0);
     for block in blocks {
@@ -39,8 +39,8 @@ fn mean_ratio(blocks: &[Block], ratio: impl Fn(&Channel) -> (f64, f64)) -> Optio
     (count > 0.0).then(|| (finite(sum / count), count))
 }
 
-/// Too much or too little of `amount`: chi-square of `count` values over that number, where the
-/// channels of a pixel may share their noise, as if there were a third of them.
+/// Probability of an `amount` as far from 1: chi-square of `count` values over that number, where
+/// the channels of a pixel may share their noise, as if there were a third of them.
 fn probability(amount: f64, count: f64) -> f64 {
     chi_square_two_sided(amount * count / 3.0, count / 3.0)
 }

@@ -1,4 +1,4 @@
-//! Two images, put together block by block.
+//! Sums over the blocks of two images.
 
 use crate::film::Film;
 use crate::math::Moments;
@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Pixels on a side of a block. What is left over at the edges goes to the last blocks.
 pub const BLOCK: usize = 8;
 
-/// Likewise where changes of small details are looked for: single pixels.
+/// Pixels on a side of a block in the search for changes of small details: single pixels.
 pub const FINE_BLOCK: usize = 1;
 
 /// Radiance added to the mean of a block before a bias is taken relative to it: the absolute
@@ -17,30 +17,30 @@ pub const DARK: f64 = 1e-3;
 /// Sums over one channel of the image.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Total {
-    /// Of the reference.
+    /// Sum of the reference.
     pub radiance: f64,
     pub difference: Difference,
     /// [Own](Variance::own) variance.
     pub own: f64,
-    /// That which reference and test image state; 0 where one does not.
+    /// Variances that reference and test image state; 0 where one does not.
     pub stated: [f64; 2],
 }
 
 /// Relative rounding error of half precision, 11 significant bits.
 const HALF_ROUNDING: f64 = 1.0 / 2048.0;
-/// Below this half precision has fewer bits.
+/// Smallest normal number of half precision: below it there are fewer bits.
 const SMALLEST_HALF: f64 = 1.0 / 16384.0;
 
 /// A sum of differences, test minus reference.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Difference {
     pub value: f64,
-    /// How much of it the rounding of the test image's means to 16 bits can explain.
+    /// Part of it that rounding of the test image's means to 16 bits can explain.
     pub rounding: f64,
 }
 
 impl Difference {
-    /// Of one pixel with the value `a` in the reference and `b` in the test image.
+    /// Difference of one pixel with the value `a` in the reference and `b` in the test image.
     pub fn of(a: f64, b: f64) -> Difference {
         Difference {
             value: b - a,
@@ -50,7 +50,7 @@ impl Difference {
         }
     }
 
-    /// What rounding does not explain.
+    /// Part of it that rounding does not explain.
     pub fn beyond_rounding(&self) -> f64 {
         let beyond = (self.value.abs() - self.rounding).max(0.0);
         beyond.copysign(self.value)
@@ -62,13 +62,13 @@ impl Difference {
     }
 }
 
-/// What is known of the variance of a difference of sums, by where it comes from: reference and
-/// test image. See the [module](super) on why there are two answers.
+/// Variance of a difference of sums, by its origin: reference and test image. The [module](super)
+/// says why there are two estimates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Variance {
-    /// As the images state, or as the differences spread.
+    /// Estimate from the images' statements, or from the spread of the differences.
     pub own: [f64; 2],
-    /// By the finer of the two images.
+    /// Estimate from the finer of the two images.
     pub guard: [f64; 2],
 }
 
@@ -90,12 +90,12 @@ impl Variance {
 /// Sums over one channel of a block.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Channel {
-    /// Of the reference.
+    /// Sum of the reference.
     pub radiance: f64,
     pub difference: Difference,
-    /// Of the squares of what rounding does not explain.
+    /// Sum of the squares of what rounding does not explain.
     pub squares: f64,
-    /// Of the variances that reference and test image state; 0 where one does not.
+    /// Sums of the variances that reference and test image state; 0 where one does not.
     pub stated: [f64; 2],
     /// Variance of the sum of the differences, from how they spread within the block.
     pub spread: f64,
@@ -143,7 +143,7 @@ impl Block {
         block
     }
 
-    /// Of the pixels, in an image of that many columns.
+    /// Indices of the pixels, in an image of `width` columns.
     pub fn indices(&self, width: usize) -> impl Iterator<Item = usize> + use<> {
         let columns = self.columns.clone();
         let row = move |row| columns.clone().map(move |column| row * width + column);
@@ -154,7 +154,7 @@ impl Block {
         self.columns.len() * self.rows.len()
     }
 
-    /// What a bias of `channel` is relative to: its sum over the block, and a little more.
+    /// Unit of a bias of `channel`: its sum over the block, and a little more.
     pub fn floor(&self, channel: usize) -> f64 {
         self.channels[channel].radiance.abs() + DARK * self.pixels() as f64
     }

@@ -1,4 +1,4 @@
-//! Two images, block by block, with their noise completed.
+//! Two images compared block by block, with variances that are not stated filled in.
 
 use super::super::significance::deviation;
 use super::blocks::{BLOCK, Block, Total, Variance, parts_of};
@@ -9,7 +9,7 @@ use crate::film::Film;
 pub(super) struct Comparison<'f> {
     /// Reference and test image.
     pub films: [&'f Film; 2],
-    /// Row by row from the top.
+    /// Blocks, row by row from the top.
     pub blocks: Vec<Block>,
     /// The noise that each image states.
     pub stated: [Stated; 2],
@@ -28,7 +28,7 @@ impl<'f> Comparison<'f> {
         Comparison::in_blocks([reference, test], BLOCK, level)
     }
 
-    /// The same in blocks of another size.
+    /// [`Comparison::new`] in blocks of another size.
     pub fn in_blocks(films: [&'f Film; 2], edge: usize, level: f64) -> Comparison<'f> {
         let [reference, _] = films;
         let mut blocks = Vec::new();
@@ -40,8 +40,8 @@ impl<'f> Comparison<'f> {
         Comparison::completed((films, edge), films.map(Stated::by), blocks, level, 1.0)
     }
 
-    /// With the variances of `blocks` from what is stated and from how differences spread, of a test
-    /// image with `times` the samples that it was looked at with.
+    /// Completes the variances of `blocks` from statements and from the spread of differences, for
+    /// a test image with `times` its samples.
     fn completed(
         (films, edge): ([&'f Film; 2], usize),
         stated: [Stated; 2],
@@ -75,8 +75,8 @@ impl<'f> Comparison<'f> {
         }
     }
 
-    /// As far as variances go, what this would be with `times` the samples in the test image: its
-    /// noise is that much smaller, and that of the reference stays.
+    /// This comparison with the variances for `times` the samples in the test image: its noise is
+    /// that much smaller, that of the reference unchanged.
     pub fn with_samples(&self, times: f64) -> Comparison<'f> {
         let reference = self.shape.share_of_reference;
         let mut blocks = self.blocks.clone();
@@ -94,7 +94,7 @@ impl<'f> Comparison<'f> {
         parts_of(self.films[0].width(), self.edge).count()
     }
 
-    /// Blocks and channels, of which each is asked for a bias.
+    /// Number of blocks and channels tested for a bias.
     pub fn asked(&self) -> usize {
         3 * self.blocks.len()
     }
@@ -110,8 +110,8 @@ impl<'f> Comparison<'f> {
         }
     }
 
-    /// Numbers that the variances of reference and test image are the spread of, where they state
-    /// their noise.
+    /// Number of values behind the variances of reference and test image, where they state their
+    /// noise.
     pub fn numbers(&self) -> [Option<u32>; 2] {
         self.films
             .map(|film| film.noise().map(|noise| noise.samples()))

@@ -1,4 +1,4 @@
-//! Numbers of all blocks of an image.
+//! Maps over the blocks of an image: standard errors and deviations.
 
 use super::blocks::{DARK, parts};
 use super::comparison::Comparison;

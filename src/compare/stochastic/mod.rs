@@ -139,7 +139,7 @@ pub const FALSE_ALARM: f64 = 1e-6;
 /// was underestimated.
 const SHARES: f64 = 10.0;
 
-/// What is printed of a deviation without bound: numbers of a judgement are finite.
+/// Value printed for an infinite deviation: numbers of a judgement are finite.
 const BOUNDLESS: f64 = 1e9;
 
 /// Means of random samples, by the noise they state.
@@ -491,7 +491,7 @@ fn means(reference: f64, difference: f64, deviation: f64) -> String {
     )
 }
 
-/// In four digits.
+/// Radiance in four digits.
 fn radiance(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -542,7 +542,7 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
 struct WorstBlock<'c> {
     block: &'c Block,
     channel: usize,
-    /// Of all blocks and channels.
+    /// Probabilities of all blocks and channels.
     probabilities: Vec<f64>,
 }
 
@@ -596,8 +596,8 @@ impl<'c> WorstBlock<'c> {
     }
 }
 
-/// Of a block that is off as far as this one, where nothing is wrong: the larger by both answers
-/// to what its variance is.
+/// Probability that a correct block deviates as far as this one: the larger by both estimates of
+/// its variance.
 fn probability(channel: &Channel, degrees: f64) -> f64 {
     let beyond = channel.difference.beyond_rounding();
     let own = deviation(beyond, channel.variance.own());
@@ -605,7 +605,7 @@ fn probability(channel: &Channel, degrees: f64) -> f64 {
     two_sided_estimated(own, degrees).max(two_sided(guard))
 }
 
-/// In the larger of both standard errors.
+/// Deviation of a block in the larger of both standard errors.
 fn block_deviation(channel: &Channel) -> f64 {
     deviation(
         channel.difference.beyond_rounding(),

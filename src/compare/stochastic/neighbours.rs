@@ -1,4 +1,4 @@
-//! Neighbouring pixels: are their differences correlated?
+//! Test for correlated differences of neighbouring pixels.
 //!
 //! Pixels of the reference are independent of each other, so pixels of the test image must be, too.
 //! They are not if an image was denoised, smoothed, or filtered over more than a pixel, if all
@@ -32,8 +32,8 @@ use super::comparison::Comparison;
 use crate::film::Film;
 use crate::math::{self, Moments};
 
-/// Correlation of neighbours that is left alone, however unlikely: with it, the variance of the
-/// sum of a block is less than 1 + 4 · 0.05 times what it should be, its standard error a tenth
+/// Largest correlation of neighbours that is accepted, however unlikely: with it, the variance of
+/// the sum of a block is less than 1 + 4 · 0.05 times what it should be, its standard error a tenth
 /// off.
 const CORRELATED: f64 = 0.05;
 
@@ -71,7 +71,7 @@ impl NeighbourAxis {
         math::exp(-0.5 * excess * excess / self.squared_products)
     }
 
-    /// One more product, of the channels together: they may share their noise.
+    /// Adds one product, of the channels together: they may share their noise.
     fn add(&mut self, [a, b, c, d]: [[f64; 3]; 4]) {
         let mut product = 0.0;
         for channel in 0..3 {
@@ -87,7 +87,7 @@ impl NeighbourAxis {
 /// The pixels a, b, c, d along a line of a block: neighbours, and neighbours half a block on.
 const QUADS: [[usize; 4]; 2] = [[0, 1, 4, 5], [2, 3, 6, 7]];
 
-/// In what differences are measured, so that blocks can be added.
+/// Unit of the differences, so that blocks can be added.
 #[derive(Clone, Copy)]
 enum Unit {
     /// The standard error of a pixel of the finer image, or of the median block where that is
@@ -98,7 +98,7 @@ enum Unit {
     Spread,
 }
 
-/// What the differences of each block and channel are multiplied by.
+/// Factors on the differences of each block and channel.
 fn scales(comparison: &Comparison<'_>, unit: Unit) -> Vec<[f64; 3]> {
     let fine = comparison.shape.fine;
     let noise = |channel: &Channel| {
@@ -138,7 +138,7 @@ fn is_flat(film: &Film, block: &Block, c: usize) -> bool {
     moments.population_variance() <= FLAT * mean_square
 }
 
-/// 0 of no values.
+/// Median; 0 for no values.
 fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() {
@@ -194,9 +194,10 @@ pub(super) fn judge_neighbours(
 pub(super) struct Together([f64; 2]);
 
 impl Together {
-    /// Why they are, in words: a filter leaves no pixel its own noise, and a bias does, whose
-    /// neighbours agree only because the region they lie in is off. `rejected` are blocks in which
-    /// there is a bias; nothing is said of one that is known to be there (`is_biased`).
+    /// Reason for the correlation, in words: a filter leaves no pixel its own noise, and a bias
+    /// does, whose neighbours agree only because the region they lie in is off. `rejected` are
+    /// blocks in which there is a bias; nothing is said of one that is known to be there
+    /// (`is_biased`).
     pub fn reason(
         &self,
         comparison: &Comparison<'_>,
@@ -228,7 +229,7 @@ impl Together {
 /// than a third in 8 × 8 pixels; noise alone has a little less than 0.
 const SMOOTH: f64 = 0.25;
 
-/// Whether neighbours are off together in detail, in most blocks that have no bias of their own.
+/// True if neighbours are off together in detail, in most blocks that have no bias of their own.
 fn is_smooth(comparison: &Comparison<'_>, rejected: &[bool]) -> bool {
     let [reference, test] = comparison.films.map(|film| film.radiance());
     let (mut found, mut asked) = (Vec::new(), 0);
@@ -250,8 +251,8 @@ fn is_smooth(comparison: &Comparison<'_>, rejected: &[bool]) -> bool {
     found.len() * 8 >= asked && median(found) > SMOOTH
 }
 
-/// Correlation of the neighbours across and down, of what a plane through the rows of `width`
-/// pixels leaves; nothing where it leaves nothing.
+/// Correlation of the neighbours across and down, in the residual of a plane fitted to rows of
+/// `width` pixels; `None` where the residual is zero.
 fn correlation_beside_plane(pixels: &[f64], width: usize) -> Option<f64> {
     let height = pixels.len() / width;
     // From the middle: the three terms of a plane are then orthogonal on a grid.

@@ -1,4 +1,4 @@
-//! Numbers of the scene that a difference looks like, in blocks of either size.
+//! Tests for changed numbers of the scene, in large blocks and in small ones.
 
 use super::blocks::{BLOCK, FINE_BLOCK};
 use super::comparison::Comparison;
@@ -11,12 +11,12 @@ use crate::compare::sensitivity::Sensitivity;
 /// Findings on the numbers of a scene.
 #[derive(Default)]
 pub(super) struct NumberFindings {
-    /// Reason to reject: what the difference looks like.
+    /// Reason to reject: the changes that the difference looks like.
     pub fault: Option<String>,
-    /// Of a rejected image.
+    /// Changes that fit, for a rejected image.
     pub changes: Vec<NumberChange>,
     pub detectable: Vec<Detectable>,
-    /// Of a rejected image, in the blocks of the number with the largest score.
+    /// Map of the fit for a rejected image, in the blocks of the number with the largest score.
     pub fit: Option<Box<FitMap>>,
 }
 

@@ -1,4 +1,5 @@
-//! Single pixels: too many far off, different without noise, black without cause, or copied.
+//! Tests of single pixels: too many outliers, differences without noise, black without cause,
+//! copied values.
 
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
@@ -10,20 +11,20 @@ use crate::math;
 /// A pixel beyond this many standard errors is counted.
 const FAR: f64 = 5.0;
 
-/// What single pixels come to.
+/// Counts of single pixels.
 #[derive(Default)]
 pub(super) struct PixelDifferences {
-    /// Of each channel.
+    /// Values of each channel.
     values: u64,
-    /// Beyond [`FAR`], by channel.
+    /// Pixels beyond [`FAR`], by channel.
     far: [u64; 3],
-    /// Different although neither image has noise there, in all channels.
+    /// Pixels that differ although neither image has noise there, in all channels.
     contrary: u64,
-    /// With noise beyond that of rounding.
+    /// Pixels with noise beyond that of rounding.
     noisy: u64,
-    /// Of those, the same bits in both images.
+    /// Noisy pixels with the same bits in both images.
     copied: u64,
-    /// Black ones, and how many there are to be by chance.
+    /// Black pixels, and the number expected by chance.
     black: BlackPixels,
 }
 
@@ -55,7 +56,7 @@ impl PixelDifferences {
         pixels
     }
 
-    /// Asked only where both images state their noise: else that of a pixel is not known.
+    /// Test for outliers, where both images state their noise: else that of a pixel is not known.
     pub fn judge_far(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
         // Chebyshev, for any distribution of that variance.
         let each = 1.0 / (FAR * FAR);
@@ -72,7 +73,7 @@ impl PixelDifferences {
         })
     }
 
-    /// `samples` are those of a pixel of both images.
+    /// Test for differences without noise; `samples` are those of a pixel of both images.
     pub fn judge_contrary(
         &self,
         samples: [u32; 2],
@@ -91,7 +92,7 @@ impl PixelDifferences {
         })
     }
 
-    /// Asked where the test image states its noise and the number of its samples.
+    /// Test for black pixels, where the test image states its noise and the number of its samples.
     pub fn judge_black(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
         let BlackPixels {
             count,
@@ -137,7 +138,7 @@ impl PixelDifferences {
     }
 }
 
-/// Pixels of the test image that are exactly 0 in all channels, and how many noise makes.
+/// Pixels of the test image that are exactly 0 in all channels, and their expected number by noise.
 ///
 /// A mean of n samples that are not negative is 0 only if all of them are. By Cantelli's inequality a
 /// sample of mean μ and variance σ² is 0 with a probability of σ²/(σ² + μ²) at most, all n with the
@@ -150,19 +151,19 @@ impl PixelDifferences {
 #[derive(Clone, Copy, Debug, Default)]
 struct BlackPixels {
     count: u64,
-    /// The mean number of them, at most, where nothing is wrong.
+    /// Upper bound on their mean number in a correct image.
     expected: f64,
-    /// The probability, at most, of the least likely of them, of all pixels that were considered.
+    /// Upper bound on the probability of the least likely of them, among all pixels considered.
     least: f64,
     considered: u64,
     first: [usize; 2],
 }
 
-/// Pixels in each direction whose variance a black one may have.
+/// Radius in pixels of the neighbourhood whose variance a black pixel may have.
 const REACH: usize = 2;
 
 impl BlackPixels {
-    /// Nothing where the samples of an image are unknown.
+    /// Black pixels of a comparison; `None` where the samples of an image are unknown.
     fn of(comparison: &Comparison<'_>) -> Option<BlackPixels> {
         let (of_golden, of_test) = match comparison.stated {
             [Stated::Samples(of_golden), Stated::Samples(of_test)] => (of_golden, of_test),
@@ -222,8 +223,8 @@ impl BlackPixels {
     }
 }
 
-/// Probability, at most, that as many of any number of independent events happen of which `expected`
-/// are.
+/// Upper bound on the probability that `count` or more independent events happen, whose expected
+/// number is `expected`.
 ///
 /// Source: Chernoff 1952, Annals of Mathematical Statistics 23, 493–507.
 fn many_by_chance(count: u64, expected: f64) -> f64 {
@@ -237,7 +238,7 @@ fn many_by_chance(count: u64, expected: f64) -> f64 {
     math::exp(count - expected + count * math::ln(expected / count))
 }
 
-/// Pixels, at least, by which one number for three variances is recognised.
+/// Fewest pixels that show one number for three variances.
 const RECOGNISED: u64 = 64;
 
 /// A reason if the test image states the same variance for its three channels, to the bit, wherever

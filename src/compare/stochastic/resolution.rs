@@ -9,7 +9,8 @@ use crate::compare::promise::Promise;
 use crate::compare::significance::{critical, critical_estimated};
 use std::f64::consts::SQRT_2;
 
-/// More samples than any renderer takes: it is the reference that is in the way.
+/// Largest factor on the samples: beyond it, it is the noise of the reference that prevents a
+/// decision.
 const MOST_TIMES: f64 = 1e6;
 
 /// Standard errors by which the noise may be larger than it seems, when samples are advised: √2
@@ -17,7 +18,7 @@ const MOST_TIMES: f64 = 1e6;
 /// that for what one in seven hundred exceeds.
 const SAFETY: f64 = 3.0 * SQRT_2;
 
-/// A very rough estimate of the noise does not multiply the advice by more.
+/// Largest safety factor on the advice, for very rough estimates of the noise.
 const MOST_SAFETY: f64 = 2.0;
 
 /// Deviations at which blocks are rejected, by how their variance is known, and at which the whole
@@ -26,12 +27,12 @@ pub(super) struct Limits<'c> {
     comparison: &'c Comparison<'c>,
     whole: f64,
     guard: f64,
-    /// By the pixels of a block, of which there are four numbers at most.
+    /// Deviation by the number of pixels of a block, of which there are at most four.
     own: Vec<(usize, f64)>,
 }
 
 impl<'c> Limits<'c> {
-    /// `level` is that of all blocks together, and that of the channels of the whole image.
+    /// Limits at `level`, for all blocks together, and again for the channels of the whole image.
     pub fn new(comparison: &'c Comparison<'c>, level: f64) -> Limits<'c> {
         let whole = critical(level / 3.0);
         let level = level / comparison.asked() as f64;
@@ -51,8 +52,8 @@ impl<'c> Limits<'c> {
         }
     }
 
-    /// Variance of the difference of a sum over the block, by both answers, times the square of the
-    /// deviation at which it is rejected. The bias must exceed the roots of both.
+    /// Variance of the difference of a sum over the block, by both estimates, times the square of
+    /// the deviation at which it is rejected. The bias must exceed the roots of both.
     fn terms(&self, block: &Block, channel: usize) -> [f64; 2] {
         let known = self.own.iter().find(|&&(n, _)| n == block.pixels());
         let own = known.map_or(f64::INFINITY, |&(_, limit)| limit);
@@ -69,7 +70,7 @@ impl<'c> Limits<'c> {
         self.resolution_of(self.comparison)
     }
 
-    /// The same in a comparison with other variances.
+    /// Resolution in a comparison with other variances.
     fn resolution_of(&self, comparison: &Comparison<'_>) -> f64 {
         let visible = |block: &Block, channel: usize| {
             let [own, guard] = self.terms(block, channel);
@@ -84,8 +85,8 @@ impl<'c> Limits<'c> {
         [self.guard, self.whole]
     }
 
-    /// The standard errors, in the larger of both answers, up to which a channel of a block may be
-    /// off among so many.
+    /// The standard errors, by the larger of both estimates, up to which a channel of a block may
+    /// be off among so many.
     pub fn of_block(&self, block: &Block, channel: usize) -> f64 {
         let [own, guard] = self.terms(block, channel);
         let variance = block.channels[channel].variance.largest();
@@ -102,7 +103,7 @@ impl<'c> Limits<'c> {
         self.mean_resolution_of(self.comparison)
     }
 
-    /// The same in a comparison with other variances.
+    /// Resolution in a comparison with other variances.
     fn mean_resolution_of(&self, comparison: &Comparison<'_>) -> f64 {
         let totals = comparison.totals();
         let visible = [0, 1, 2].map(|c| {

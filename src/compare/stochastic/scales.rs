@@ -1,4 +1,5 @@
-//! Squares of blocks at every scale: a bias that is too small for a block and too local for the image.
+//! Tests of squares of blocks at every scale, for a bias too small for one block and too local for
+//! the mean of the image.
 
 use super::blocks::{Block, Channel};
 use super::comparison::Comparison;

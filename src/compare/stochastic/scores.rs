@@ -1,4 +1,5 @@
-//! Score tests: does the difference look like what a change of a number of the scene makes?
+//! Score tests: correlation of the difference with the derivative of the image by each number of
+//! the scene.
 //!
 //! The derivative D of the image by a number says where a small error of that number shows. The sum
 //! `S = Σ D·d/v` over blocks and channels, of the differences d whose variances are v, is of all sums
@@ -36,11 +37,11 @@ use crate::compare::sensitivity::Sensitivity;
 use crate::math;
 use glam::{DMat3, DVec3};
 
-/// A difference that is a smaller part of the radiance weighs no more than this one: rounding and
-/// the last of an infinite series are of this size, whatever the noise.
+/// Smallest error of a difference, as a share of the radiance: rounding and the last of an infinite
+/// series are of this size, whatever the noise.
 const FLOOR: f64 = 1e-3;
 
-/// Numbers that are fitted together, at most: data of one image seldom tell more apart.
+/// Largest number of numbers fitted together: one image seldom tells more apart.
 const MOST_FITTED: usize = 3;
 
 /// The score at which a further number is fitted or named beside another: what noise alone exceeds
@@ -58,7 +59,7 @@ const ALIKE: f64 = 0.5;
 /// Scores of one comparison.
 pub(super) struct Scores<'s> {
     sensitivities: Vec<&'s Sensitivity>,
-    /// By number.
+    /// Scores by number.
     tested: Vec<Tested>,
     cells: Vec<Cell>,
     /// Pixels on a side of a block.
@@ -72,14 +73,14 @@ struct Cell {
     /// Sum of the differences over the block.
     difference: f64,
     weight: f64,
-    /// Variance of the difference, by both answers.
+    /// Variance of the difference, by both estimates.
     variances: [f64; 2],
-    /// Of each number: derivative and its variance.
+    /// Derivative by each number, and its variance.
     derivatives: Vec<[f64; 2]>,
 }
 
 impl Cell {
-    /// Variance of the difference, the larger of both answers.
+    /// Variance of the difference, the larger of both estimates.
     fn variance(&self) -> f64 {
         self.variances[0].max(self.variances[1])
     }
@@ -103,7 +104,7 @@ struct Tested {
 }
 
 impl Tested {
-    /// Of number `k`.
+    /// Score of number `k`.
     fn new(cells: &[Cell], k: usize) -> Tested {
         let information: f64 = cells.iter().map(|cell| cell.information(k)).sum();
         let blocks = || cells.chunks(3);
@@ -159,23 +160,23 @@ impl Tested {
 struct Fitted {
     /// Index of the number.
     number: usize,
-    /// In its unit.
+    /// Change in its unit.
     change: f64,
-    /// Standard error of that.
+    /// Standard error of the change.
     error: f64,
 }
 
 /// Changes that explain a difference.
 pub(super) struct Explanation {
-    /// Those that together fit best, the one with the largest score first.
+    /// Changes that together fit best, the one with the largest score first.
     best: Vec<Fitted>,
     /// Numbers that explain it as well as the only one of these.
     alike: Vec<usize>,
 }
 
 impl<'s> Scores<'s> {
-    /// Of blocks with an `edge` of so many pixels; `None` where there is nothing to be tested: no
-    /// sensitivities of blocks like these.
+    /// Scores in blocks with an `edge` of that many pixels; `None` without sensitivities in such
+    /// blocks.
     pub fn new(
         comparison: &Comparison<'_>,
         edge: usize,
@@ -230,7 +231,7 @@ impl<'s> Scores<'s> {
         self.tested[k].deviation().abs()
     }
 
-    /// Whether a score is so large by chance with a probability of `level` at most, in one test.
+    /// True if a score is so large by chance with a probability of `level` at most, in one test.
     pub fn is_rejected(&self, level: f64) -> bool {
         self.largest().1.abs() >= critical(level)
     }
@@ -308,8 +309,8 @@ impl<'s> Scores<'s> {
         }
     }
 
-    /// One number that leaves nothing of a difference to which several were fitted: an exposure, say, in place of
-    /// three gains.
+    /// A single number that explains a difference to which several were fitted, such as an exposure
+    /// in place of three gains.
     fn one_instead(&self, fitted: &[Fitted]) -> Option<Fitted> {
         if fitted.len() < 2 {
             return None;
@@ -325,7 +326,7 @@ impl<'s> Scores<'s> {
         enough.max_by(|a, b| self.size(a.number).total_cmp(&self.size(b.number)))
     }
 
-    /// Of the numbers that are not fitted, that with the largest score in what is left, if it is one.
+    /// The number not yet fitted with the largest score in the residual, if that is significant.
     fn next_beside(&self, fitted: &[Fitted]) -> Option<usize> {
         let is_free = |k: &usize| fitted.iter().all(|it| it.number != *k);
         let scores = (0..self.count())
@@ -335,7 +336,8 @@ impl<'s> Scores<'s> {
         (score >= BESIDE).then_some(k)
     }
 
-    /// The score of a number in what the fitted ones leave, in standard errors of a single test.
+    /// The score of a number in the residual of the fitted ones, in standard errors of a single
+    /// test.
     fn score_beside(&self, k: usize, fitted: &[Fitted]) -> f64 {
         let whole = self.tested[k].information;
         let (mut score, mut left) = (self.tested[k].score, whole);
@@ -362,7 +364,8 @@ impl<'s> Scores<'s> {
         score.signum() * (score.abs() - curvature).max(0.0) / variance.sqrt()
     }
 
-    /// The most that a score of number `k` may come from the curvature of the image in a fitted one.
+    /// Upper bound on the part of a score of number `k` that comes from the curvature of the image
+    /// in a fitted number.
     fn curvature_along(&self, k: usize, it: &Fitted) -> f64 {
         let curvature = self.sensitivities[it.number].curvature(it.change);
         let of_cell = |cell: &Cell| {
@@ -455,7 +458,7 @@ impl<'s> Scores<'s> {
         (whole > BESIDE * squares.sqrt()).then(|| (1.0 - left / whole).clamp(0.0, 1.0))
     }
 
-    /// The changes that fit best, and what they cannot be told from.
+    /// The changes that fit best, and the numbers that cannot be told from them.
     pub fn explanation(&self) -> Explanation {
         let best = self.fitted();
         let alike = match best[..] {
@@ -603,8 +606,8 @@ fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cel
     cells
 }
 
-/// Variance of a sum over blocks, of whose channels each has this standard error: at most, if their
-/// noise is the same.
+/// Upper bound on the variance of a sum over blocks, whose channels each have this standard error:
+/// reached if their noise is the same.
 fn of_blocks(cells: &[Cell], error: impl Fn(&Cell) -> f64) -> f64 {
     let of_block = |block: &[Cell]| {
         let sum: f64 = block.iter().map(|cell| error(cell).abs()).sum();

@@ -1,4 +1,4 @@
-//! Numbers of the values of an image: what exposure, gains, an offset or an exponent change of it.
+//! Changes of pixel values as numbers to test for: exposure, gains, offset, exponent.
 
 use super::blocks::{Block, Channel};
 use super::comparison::Comparison;

@@ -1,21 +1,21 @@
-//! The variance of images that cannot know it or do not state it.
+//! Variances that an image does not state, or underestimates for want of samples.
 
 use super::super::significance::critical;
 use super::blocks::{BLOCK, Block, Channel};
 use crate::film::Film;
 use crate::math;
 
-/// What an image says of its noise, and how many numbers each of its variances is the spread of.
-/// In the order of how much is known: the finer of two images is the larger.
+/// Statement of an image about its noise, with the number of values behind each variance. In the
+/// order of how much is known: the finer of two images is the larger.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(super) enum Stated {
-    /// Nothing.
+    /// No statement.
     Nothing,
-    /// How renderings differ, each the mean of samples that it does not count.
+    /// Spread of renderings, each the mean of an unknown number of samples.
     Renderings(f64),
-    /// How samples differ.
+    /// Spread of samples.
     Samples(f64),
-    /// None: the radiance is known.
+    /// No noise: the radiance is known.
     Known,
 }
 
@@ -29,7 +29,7 @@ impl Stated {
         }
     }
 
-    /// The same of `times` as many samples.
+    /// The statement for `times` as many samples.
     pub fn times(self, times: f64) -> Stated {
         match self {
             Stated::Samples(samples) => Stated::Samples(samples * times),
@@ -38,8 +38,8 @@ impl Stated {
     }
 }
 
-/// The noise of both images by that of the finer one: what the variances of the finer image are
-/// to be multiplied by to give those of the other.
+/// The noise of both images by that of the finer one: factors on the variances of the finer image
+/// that give those of the other.
 ///
 /// Where the reference is known, the finer image has none. The noise of the test image is then taken
 /// to be spread as that of light that arrives or does not: a sample is 0 or the same number
@@ -48,14 +48,14 @@ impl Stated {
 pub(super) struct NoiseShape {
     /// 0: the reference is the finer image, 1: the test image.
     pub fine: usize,
-    /// Whether the reference is known, and [`coarse`](NoiseShape::coarse) and
+    /// True if the reference is known, and [`coarse`](NoiseShape::coarse) and
     /// [`whole`](NoiseShape::whole) are variances over radiance.
     pub is_known: bool,
     /// Variance of the coarser image over that of the finer, of a block.
     pub coarse: f64,
-    /// The same of the whole image, where the brightest parts count most.
+    /// The ratio of the whole image, where the brightest parts count most.
     pub whole: f64,
-    /// Share of the noise of the reference in how the differences spread over the whole image;
+    /// Share of the noise of the reference in the spread of the differences over the whole image;
     /// without meaning where both images state theirs.
     pub share_of_reference: f64,
     /// Relative standard error of `whole`, by how the ratio varies from block to block. A bound,
@@ -169,7 +169,7 @@ impl NoiseShape {
 struct Ratio(Vec<[f64; 2]>);
 
 impl Ratio {
-    /// Of the variances of each channel, relative to the square of a radiance.
+    /// Ratio of the variances of each channel, relative to the square of a radiance.
     fn new(
         blocks: &[Block],
         radiance: impl Fn(&Block) -> [f64; 3],
@@ -197,9 +197,10 @@ impl Ratio {
         if below > 0.0 { above / below } else { 0.0 }
     }
 
-    /// The most it may be, `z` standard errors up. A few bright events in the whole image count
-    /// as a Poisson number: k of them are too few for up to λ = k + z²/2 + z·√(k + z²/4), where
-    /// λ − k is z·√λ. The same of sums with the excess of a block over the ratio as its event.
+    /// Upper bound on the ratio, `z` standard errors up. A few bright events in the whole image
+    /// count as a Poisson number: k of them are too few for up to λ = k + z²/2 + z·√(k + z²/4),
+    /// where λ − k is z·√λ. The same of sums with the excess of a block over the ratio as its
+    /// event.
     fn upper(&self, z: f64) -> f64 {
         let [above, below] = self.sums();
         if below <= 0.0 {
@@ -211,11 +212,11 @@ impl Ratio {
         (above + excess(z, squares, largest)) / below
     }
 
-    /// What [`upper`](Ratio::upper) would be of an image with `times` the samples, whose variances
-    /// above are already that much smaller. What it has above the ratio stays where it comes from
+    /// Value of [`upper`](Ratio::upper) for an image with `times` the samples, whose variances
+    /// above are already that much smaller. Its excess over the ratio stays where it comes from
     /// blocks that are normal, of so many `degrees` of freedom, and where the noise of the images
-    /// lies in other places; it falls as the root of the samples where it comes from rare events. It
-    /// is taken to fall as the root of that root, and not below what it has of normal blocks.
+    /// lies in other places; it falls as the root of the samples where it comes from rare events.
+    /// It is taken to fall as the root of that root, and not below what it has of normal blocks.
     fn upper_of_more(&self, z: f64, degrees: f64, times: f64) -> f64 {
         let (value, upper) = (self.value(), self.upper(z));
         let [_, below] = self.sums();
@@ -243,7 +244,7 @@ impl Ratio {
         }
     }
 
-    /// What each block has above what the ratio of all would give it.
+    /// Excess of each block over the ratio of all.
     fn excesses(&self) -> impl Iterator<Item = f64> + Clone {
         let ratio = self.value();
         let excess = move |[above, below]: &[f64; 2]| above - ratio * below;
@@ -251,8 +252,8 @@ impl Ratio {
     }
 }
 
-/// How far `z` standard errors up a sum may be, of parts whose squared excesses have this sum and
-/// whose largest is an event that may be rare.
+/// Excess of a sum at `z` standard errors, of parts whose squared excesses have this sum and whose
+/// largest is an event that may be rare.
 fn excess(z: f64, squares: f64, largest: f64) -> f64 {
     let more = 0.5 * z * largest;
     z * more + z * (squares + more * more).sqrt()

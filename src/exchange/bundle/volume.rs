@@ -230,7 +230,7 @@ fn light(position: DVec3) -> Entries {
     ]
 }
 
-/// What a sample sends to the eye: only the factors that there are.
+/// Formula of the radiance of a sample: only the factors that the scene has.
 fn radiance(scene: &Classified) -> String {
     let strength = match scene.transfer_function.appearance {
         Appearance::Formula { .. } => "d^2 * ",

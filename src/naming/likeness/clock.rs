@@ -10,7 +10,7 @@ pub struct Search<'s> {
     pub budget: Option<Duration>,
     /// Predictions kept from run to run.
     pub predictions: &'s Predictions,
-    /// Whether to stop at once; polled from any thread.
+    /// True to stop at once; polled from any thread.
     pub interrupted: &'s (dyn Fn() -> bool + Sync),
     /// Called for every hypothesis, from any thread.
     pub progress: &'s (dyn Fn(&SearchStep) + Sync),
@@ -64,19 +64,19 @@ pub(super) struct SearchClock<'s> {
     search: &'s Search<'s>,
     case: &'s str,
     end: Option<Instant>,
-    /// When first looks end, so that there is time for a second at what they found.
+    /// End of the first looks, which leaves time for second looks at what they found.
     late: Option<Instant>,
-    /// Whether anybody was told that time is over.
+    /// True if the search was ended early.
     was_ended: AtomicBool,
     stage: Stage,
     done: AtomicUsize,
     of: usize,
-    /// While it stands still: the time until `end` and `late`.
+    /// Time left until `end` and `late`, while the clock is paused.
     left: [Option<Duration>; 2],
 }
 
 impl<'s> SearchClock<'s> {
-    /// Begins now, with `of` single mistakes to try.
+    /// Starts the clock, with `of` single mistakes to try.
     pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> SearchClock<'s> {
         let now = Instant::now();
         // A budget beyond the end of time is none.
@@ -94,20 +94,20 @@ impl<'s> SearchClock<'s> {
         }
     }
 
-    /// Stands still, while another case is searched.
+    /// Pauses the clock, while another case is searched.
     pub fn pause(&mut self) {
         let now = Instant::now();
         let until = |end: Option<Instant>| Some(end?.saturating_duration_since(now));
         self.left = [until(self.end), until(self.late)];
     }
 
-    /// Goes on.
+    /// Continues after a pause.
     pub fn resume(&mut self) {
         let now = Instant::now();
         [self.end, self.late] = self.left.map(|left| now.checked_add(left?));
     }
 
-    /// Goes on with `of` pairs.
+    /// Continues with `of` pairs.
     pub fn go_on_with_pairs(&mut self, of: usize) {
         self.stage = Stage::Pairs;
         self.done = AtomicUsize::new(0);
@@ -118,13 +118,13 @@ impl<'s> SearchClock<'s> {
         self.search.predictions
     }
 
-    /// Whether the search of this case is to end.
+    /// True if the search of this case is to end.
     pub fn is_over(&self) -> bool {
         self.is_after(self.end)
     }
 
-    /// Whether no further hypothesis is to be tried, but those that were found are to be looked at
-    /// closely.
+    /// True when no further hypothesis is to be tried, and those that were found get their second
+    /// look.
     pub fn is_late(&self) -> bool {
         self.is_after(self.late)
     }
@@ -137,18 +137,18 @@ impl<'s> SearchClock<'s> {
         is
     }
 
-    /// A hypothesis was decided, one way or the other: not to be called for one that was given up.
+    /// Counts a hypothesis as decided; not to be called for one that was given up.
     pub fn decided(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
         self.report();
     }
 
-    /// Reports where the search is.
+    /// Reports the progress.
     pub fn report(&self) {
         (self.search.progress)(&self.step());
     }
 
-    /// How far the search came, where it was ended.
+    /// Progress of a search that was ended early.
     pub fn unfinished(&self) -> Option<SearchStep> {
         let was_ended = self.was_ended.load(Ordering::Relaxed);
         was_ended.then(|| self.step())

@@ -1,4 +1,4 @@
-//! A case whose image is wrong, and how far that is from what a mistake would make.
+//! A failed case, and the misfit of its image to the predicted image of a mistake.
 
 use super::clock::SearchClock;
 use super::distances::distances;
@@ -26,27 +26,28 @@ use crate::variations::edited_film::mapped;
 /// left.
 const OF_CODES: f64 = 0.5;
 
-/// Cells over which a difference is spread at least where pairs of mistakes are asked for. In N
-/// dimensions a random direction has less than 2 % of its square across a given one with a probability
-/// of about 0.02^((N−1)/2): at 16, one in 10¹², and differences of pictures are far from random.
+/// Smallest number of cells over which a difference must be spread in a search for pairs of
+/// mistakes. In N dimensions a random direction has less than 2 % of its square across a given one
+/// with a probability of about 0.02^((N−1)/2): at 16, one in 10¹², and differences of pictures are
+/// far from random.
 const FEWEST_CELLS_FOR_PAIRS: f64 = 16.0;
 
 /// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
 /// pixels' has a standard error of a tenth even where one pixel in fifty differs.
 const FAR_OFF_ON_LATTICE: f64 = 0.75;
 
-/// A case whose image is wrong.
+/// A failed case.
 pub(super) struct ComparedCase {
-    /// Among the results.
+    /// Index of the case among the results.
     pub index: usize,
-    /// Of the case.
+    /// Name of the case.
     pub name: String,
-    /// The simple map of values that makes the image of the golden, which is said already.
+    /// The simple map of values from the golden to the image, which the verdict states already.
     pub simple: Option<SimpleMap>,
     /// Cells over which the squared difference is spread.
     pub effective_cells: f64,
-    /// Whether it is an 8-bit image at another exposure, which is said already and leaves nothing to
-    /// be explained.
+    /// True for an 8-bit image at another exposure, which the verdict states already: nothing is
+    /// left to explain.
     pub is_another_exposure: bool,
     /// Judged by noise, in coarse cells; else pixel by pixel.
     pub is_sampled: bool,
@@ -54,7 +55,7 @@ pub(super) struct ComparedCase {
     /// Numbers of the scene that the verdict names; none where it names none.
     pub suspects: Vec<String>,
     scene: Scene,
-    /// Of its panels.
+    /// Widths of its panels.
     widths: Vec<usize>,
     exposure: f64,
     /// Largest radiance that the file of the image can hold.
@@ -67,7 +68,7 @@ pub(super) struct ComparedCase {
     from_golden: Misfit,
     /// Pixels of a first look, and samples in each.
     first: (Detail, u32),
-    /// Likewise of a second.
+    /// Pixels of a second look, and samples in each.
     second: (Detail, u32),
     /// Without noise: golden and image as a first look sees them.
     glimpse: Option<Glimpse>,
@@ -86,7 +87,8 @@ struct Glimpse {
 const SUSPICIOUS: f64 = 0.5;
 
 impl ComparedCase {
-    /// Nothing where the image cannot be compared, or the scene cannot be read.
+    /// The case of a failed image; `None` where the image cannot be compared, or the scene cannot
+    /// be read.
     pub fn new(
         index: usize,
         case: &Case,
@@ -155,7 +157,7 @@ impl ComparedCase {
         })
     }
 
-    /// Whether a mistake with this misfit explains the image: all but a small share of its
+    /// True if a mistake with this misfit explains the image: all but a small share of its
     /// difference from the golden, beyond doubt.
     pub fn explained_by(&self, misfit: &Misfit) -> bool {
         match self.picture {
@@ -200,12 +202,12 @@ impl ComparedCase {
         })
     }
 
-    /// The verdict names numbers of the scene.
+    /// True if the verdict names numbers of the scene.
     pub fn has_suspects(&self) -> bool {
         !self.suspects.is_empty()
     }
 
-    /// Golden and image are means of samples.
+    /// True if golden and image are means of samples.
     pub fn is_sampled(&self) -> bool {
         self.is_sampled
     }
@@ -219,7 +221,7 @@ impl ComparedCase {
         }
     }
 
-    /// Whether noise lets it be known of any hypothesis, the right one even, that it explains the
+    /// True if noise is low enough to decide if a hypothesis, even the right one, explains the
     /// image.
     pub fn is_decidable(&self) -> bool {
         let whole = self.from_golden.distance();
@@ -232,19 +234,19 @@ impl ComparedCase {
             || matches!(self.picture, Picture::Codes(_))
     }
 
-    /// The difference has enough independent parts for one of thousands of pairs of mistakes not to
-    /// explain it by chance.
+    /// True if the difference has so many independent parts that none of thousands of pairs of
+    /// mistakes explains it by chance.
     pub fn can_tell_pairs(&self) -> bool {
         self.effective_cells >= FEWEST_CELLS_FOR_PAIRS
     }
 
-    /// The image is the golden times a factor, as far as the gate can tell: it says nothing of a curve
-    /// of values.
+    /// True if the image is the golden times a factor, as far as the gate can tell: then it shows
+    /// no curve of values.
     pub fn is_gain(&self) -> bool {
         self.simple == Some(SimpleMap::Gain)
     }
 
-    /// What is measured of the difference, in sentences; nothing that the verdict says already.
+    /// Measurements of the difference as sentences, without those that the verdict states already.
     pub fn measured_difference(&self) -> Vec<String> {
         match &self.picture {
             Picture::Radiance(test) if self.simple.is_none() => {
@@ -255,7 +257,7 @@ impl ComparedCase {
         }
     }
 
-    /// The verdict says how the image is made from the golden.
+    /// True if the verdict states how the image follows from the golden.
     pub fn is_simple(&self) -> bool {
         self.simple.is_some()
     }
@@ -265,8 +267,8 @@ impl ComparedCase {
         &self.scene
     }
 
-    /// What a look sees of the scene that is `edited`, a change known as `label`: a lattice where
-    /// there is no noise, else blocks.
+    /// Pixels of the `edited` scene, a change known as `label`, in one look: a lattice where there
+    /// is no noise, else blocks.
     pub fn predicted_with(
         &self,
         edited: &Scene,
@@ -334,7 +336,7 @@ impl ComparedCase {
             .share_of(whole)
     }
 
-    /// Whether `prediction` leaves no more than `share`, beyond doubt.
+    /// True if `prediction` leaves no more than `share`, beyond doubt.
     pub fn is_explained_but_for(&self, prediction: &Cells, share: f64) -> Option<bool> {
         let (golden, test, whole) = self.as_predicted();
         let fits = prediction.has_size_of(golden);
@@ -346,8 +348,8 @@ impl ComparedCase {
         self.from_golden.distance().value
     }
 
-    /// Misfit of `look`, as [`ComparedCase::look`] returns it, to the image, if it may be the image:
-    /// whether it is, a closer look says.
+    /// Misfit of `look`, as [`ComparedCase::look`] returns it, to the image, if a closer look may
+    /// find that they agree.
     pub fn promise(&self, look: &Film) -> Option<Misfit> {
         if self.is_sampled {
             let misfit = self.misfit(look)?;
@@ -397,7 +399,7 @@ impl ComparedCase {
         Some(both.misfit(test, golden).distance().value)
     }
 
-    /// Whether the first look sees all of the image, so that there is no closer one.
+    /// True if the first look sees all of the image, so that there is no closer one.
     pub fn sees_all_at_once(&self) -> bool {
         !self.is_sampled && self.first.0 == Detail::Whole
     }
@@ -441,7 +443,7 @@ impl ComparedCase {
         closer.map_or(Some(misfit), |film| self.misfit(&film))
     }
 
-    /// Whether this image, which passed, could not have done so with `hypothesis` made.
+    /// True if this image, which passed, would have failed with the mistakes of `hypothesis`.
     pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<bool> {
         let is_glimpsed = matches!(self.first.0, Detail::Lattice(_))
             && matches!(self.picture, Picture::Radiance(_))

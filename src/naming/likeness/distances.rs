@@ -1,4 +1,4 @@
-//! How far away the surfaces of a scene are.
+//! Distances of surfaces from the eye.
 
 use crate::geometry::{Ray, Surface};
 use crate::scene::{Model, Panel, Radiative, Scene};

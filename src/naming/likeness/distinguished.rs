@@ -1,20 +1,20 @@
-//! Which of two mistakes is the likelier, and why.
+//! Comparison of two mistakes that explain the same cases.
 
 use super::Explanation;
 use super::hypothesis::Hypothesis;
 use crate::suite::Case;
 
-/// Scenes loaded for a hint, at most. Loading one takes up to a quarter of a second (figure 5): two
-/// seconds in all.
+/// Largest number of scenes loaded for a hint. Loading one takes up to a quarter of a second
+/// (figure 5): two seconds in all.
 const MOST_SCENES: usize = 8;
 
 /// A mistake that leaves less than this share of an image unexplained, root mean square, leaves its
 /// rounding to 32 bits.
 const ROUNDING: f64 = 1e-6;
 
-/// Why `first`, which explains the same cases as `second`, is named before it: a sentence about
-/// `first`. Nothing where they explain other cases, which is reason enough. `unjudged` are cases
-/// without an image.
+/// Reason why `first`, which explains the same cases as `second`, is named before it: a sentence
+/// about `first`. Nothing where they explain other cases, which is reason enough. `unjudged` are
+/// cases without an image.
 pub(super) fn in_words(
     first: &Explanation,
     second: &Explanation,

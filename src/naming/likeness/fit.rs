@@ -1,11 +1,12 @@
 //! Numbers of the scene that may be off, fitted to an image that no mistake explains.
 //!
 //! A mistake of the catalogue is one edit; a volume that is a tenth too dense is none. The scene is
-//! rendered with each of its [numbers](crate::sensitivity) changed a little, which gives the derivatives
-//! of the image: the columns of its Jacobian. The numbers whose derivatives lead nearest to the image are
-//! changed by the Gauss–Newton method, with an image rendered for every step and Broyden's update of the
-//! Jacobian (of one number alone: secants). Where that leaves much, a second number is changed beside the first, and
-//! a third. What is fitted is said if it leaves little of the difference: a measurement, not a name.
+//! rendered with each of its [numbers](crate::sensitivity) changed a little, which gives the
+//! derivatives of the image: the columns of its Jacobian. The numbers whose derivatives lead
+//! nearest to the image are changed by the Gauss–Newton method, with an image rendered for every
+//! step and Broyden's update of the Jacobian (of one number alone: secants). Where that leaves
+//! much, a second number is changed beside the first, and a third. A fit is reported only if it
+//! explains most of the difference: a measurement, not a name.
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
@@ -15,50 +16,51 @@ use crate::scene::Scene;
 use crate::sensitivity::{Number, Unit, numbers};
 use glam::{DMat3, DVec3};
 
-/// The share of the squared difference that changes may leave unexplained, if they are said: a third
-/// of the difference, root mean square. The sentence states what they leave.
+/// Largest share of the squared difference that reported changes may leave unexplained: a third of
+/// the difference, root mean square. The sentence states what they leave.
 pub(super) const LEFT: f64 = 0.1;
 
-/// Numbers that are fitted each alone, and beside others, at most: those whose derivatives lead nearest.
+/// Largest number of candidates in a fit of one number, or of one more: those whose derivatives
+/// lead nearest.
 const TRIED: usize = 4;
 
-/// Numbers that are fitted together, at most: one image seldom tells more apart.
+/// Largest number of numbers fitted together: one image seldom tells more apart.
 const TOGETHER: usize = 3;
 
-/// The part of what was left before that changes may leave at most for another number to count.
+/// Largest share of the previous residual that a fit with another number may leave.
 const WORTH_ANOTHER: f64 = 0.5;
 
-/// Steps of a fit, at most.
+/// Largest number of steps of a fit.
 const STEPS: usize = 12;
 
-/// Halvings of a step that leads away, at most.
+/// Largest number of halvings of a step that leads away.
 const HALVINGS: usize = 2;
 
-/// Standard errors of its change from which a number counts beside another.
+/// Smallest change of a number beside another, in its standard errors.
 const BESIDE: f64 = 4.0;
 
-/// A step that is smaller than this part of that of the number ends the fit: what is said has no more
-/// digits.
+/// Share of the step of a number below which a step of the fit is the last: the sentence has no
+/// more digits.
 const CLOSE: f64 = 0.002;
 
-/// The farthest that numbers are looked for: shares down to a quarter and up to four times a number,
-/// others this many of their steps away.
+/// Range of the fit: shares down to a quarter and up to four times a number, others this many of
+/// their steps away.
 const SHARES: [f64; 2] = [-0.75, 3.0];
 const FARTHEST: f64 = 16.0;
 
 /// Values of all channels of all cells.
 type Vector = Vec<f64>;
 
-/// Changes of numbers, and what they leave.
+/// Changes of numbers, and their residual.
 struct Fit {
     /// Places in the list of numbers.
     numbers: Vec<usize>,
-    /// Of each, in its unit.
+    /// Change of each, in its unit.
     changes: Vec<f64>,
     /// Standard errors of the changes.
     errors: Vec<f64>,
     predicted: Cells,
-    /// The share of the squared difference.
+    /// Residual: share of the squared difference.
     left: f64,
 }
 
@@ -80,12 +82,12 @@ struct Fitting<'f> {
     guarded_test: Cells,
 }
 
-/// What is said of changes of numbers.
+/// Report on changes of numbers.
 #[derive(Debug, Default)]
 pub(super) struct Fitted {
     /// One for each fit.
     pub sentences: Vec<String>,
-    /// One of them explains the image as well as a mistake would have to.
+    /// True if one of them explains the image as well as a mistake must.
     pub is_explained: bool,
 }
 
@@ -188,7 +190,7 @@ impl<'f> Fitting<'f> {
             together = Some(more);
         }
         match together {
-            Some(together) => vec![self.without_idle(together)],
+            Some(together) => vec![self.without_insignificant(together)],
             None => {
                 let least = alone.first().map(|fit| self.misfit(&fit.predicted));
                 let least = least.map_or(f64::INFINITY, |least| least.distance().at_most());
@@ -198,13 +200,14 @@ impl<'f> Fitting<'f> {
         }
     }
 
-    /// `fit` leaves no more than this share, beyond doubt.
+    /// True if `fit` leaves no more than this share, beyond doubt.
     fn leaves(&self, fit: &Fit, share: f64) -> bool {
         self.misfit(&fit.predicted)
             .explains_together(&self.whole, share)
     }
 
-    /// `fit` leaves more than this distance, beyond doubt; without noise two numbers may well do the same.
+    /// True if `fit` leaves more than this distance, beyond doubt; without noise two numbers may
+    /// well do the same.
     fn is_worse(&self, fit: &Fit, distance: f64) -> bool {
         self.case.is_sampled() && self.misfit(&fit.predicted).distance().at_least() > distance
     }
@@ -219,7 +222,7 @@ impl<'f> Fitting<'f> {
     }
 
     /// `fit` without numbers that hardly change.
-    fn without_idle(&self, fit: Fit) -> Fit {
+    fn without_insignificant(&self, fit: Fit) -> Fit {
         let is_idle = |&i: &usize| fit.changes[i].abs() < BESIDE * fit.errors[i];
         let idle = (0..fit.numbers.len()).find(is_idle);
         let Some(idle) = idle.filter(|_| fit.numbers.len() > 1) else {
@@ -229,7 +232,7 @@ impl<'f> Fitting<'f> {
         numbers.remove(idle);
         changes.remove(idle);
         match self.fitted(&numbers, &changes, fit.left / WORTH_ANOTHER) {
-            Some(simpler) => self.without_idle(simpler),
+            Some(simpler) => self.without_insignificant(simpler),
             None => fit,
         }
     }
@@ -313,7 +316,7 @@ impl<'f> Fitting<'f> {
         })
     }
 
-    /// The changes after a step, within what is looked for.
+    /// The changes after a step, within their [`range`].
     fn after(&self, chosen: &[usize], changes: &[f64], step: DVec3) -> Vec<f64> {
         let of = chosen.iter().zip(changes).enumerate();
         of.map(|(i, (&at, change))| {
@@ -323,7 +326,7 @@ impl<'f> Fitting<'f> {
         .collect()
     }
 
-    /// The way between changes in steps of the numbers.
+    /// Difference of two sets of changes, in steps of the numbers.
     fn in_steps(&self, chosen: &[usize], from: &[f64], to: &[f64]) -> Vec<f64> {
         let of = chosen.iter().zip(from).zip(to);
         of.map(|((&at, from), to)| (to - from) / self.numbers[at].step)
@@ -442,14 +445,14 @@ impl<'f> Fitting<'f> {
     }
 }
 
-/// In degrees; none of an orthographic camera.
+/// Field of view in degrees; `None` for an orthographic camera.
 fn field_of_view(scene: &Scene) -> Option<f64> {
     let mut cameras = scene.panels.iter().filter_map(|panel| panel.model.camera());
     let camera = cameras.next().filter(|camera| !camera.is_orthographic())?;
     Some(camera.vertical_fov().to_degrees())
 }
 
-/// The changes of a number that are looked for.
+/// Range of the changes of a number in a fit.
 fn range(number: &Number) -> [f64; 2] {
     match number.quantity.unit {
         Unit::Share => SHARES,

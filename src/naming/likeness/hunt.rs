@@ -1,5 +1,5 @@
-//! The search for what explains one image: cheap hypotheses first, each by as few pixels as rule it
-//! out.
+//! The search for the mistakes behind one image: cheap hypotheses first, each with as few pixels as
+//! rule it out.
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
@@ -11,36 +11,37 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// Hypotheses with a mistake of the scene that get a second look, at most. One takes up to 16 times
-/// the work of a first look, so that eight take as much as first looks at the whole catalogue of 126.
+/// Largest number of hypotheses with a mistake of the scene that get a second look. One takes up to
+/// 16 times the work of a first look, so that eight take as much as first looks at the whole
+/// catalogue of 126.
 const MOST_SECOND_LOOKS: usize = 8;
 
-/// Pairs of mistakes of the scene that are rendered, at most: those which are nearest by what each
-/// mistake does by itself. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
+/// Largest number of rendered pairs of mistakes of the scene: the most promising by the effect of
+/// each mistake alone. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
 /// have occasion for more.
 const MOST_SCENE_PAIRS: usize = 400;
 
-/// Hypotheses that explain an image, and how well.
+/// Hypotheses that explain an image, with their misfits.
 pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
-/// What a first look saw of mistakes of the scene, by place in the catalogue.
-pub(super) type Looks = BTreeMap<usize, Film>;
+/// First looks at mistakes of the scene, by place in the catalogue.
+pub(super) type FirstLooks = BTreeMap<usize, Film>;
 
-/// Of two misfits, first the one that leaves less.
+/// Order of misfits: the one that leaves less first.
 fn nearer(a: &Misfit, b: &Misfit) -> Ordering {
     a.distance().at_most().total_cmp(&b.distance().at_most())
 }
 
-/// Mistakes in the catalogue.
+/// Number of mistakes in the catalogue.
 pub(super) fn singles() -> usize {
     mistakes::catalogue().count()
 }
 
 impl ComparedCase {
-    /// The single mistakes that explain the image, nearest first, and what was seen on the way:
-    /// those of the image, which take no rendering, come first.
-    pub fn search(&self, clock: &SearchClock<'_>) -> (Explaining, Looks) {
-        let mut looks = Looks::new();
+    /// The single mistakes that explain the image, nearest first, and the first looks at mistakes
+    /// of the scene. Mistakes of the image, which take no rendering, are tried first.
+    pub fn search(&self, clock: &SearchClock<'_>) -> (Explaining, FirstLooks) {
+        let mut looks = FirstLooks::new();
         let mut found = Explaining::new();
         let mut promising = Explaining::new();
         let (of_the_image, of_the_scene): (Vec<usize>, Vec<usize>) =
@@ -76,7 +77,7 @@ impl ComparedCase {
     }
 
     /// The pairs of mistakes that explain the image, nearest first.
-    pub fn search_pairs(&self, looks: &Looks, clock: &mut SearchClock<'_>) -> Explaining {
+    pub fn search_pairs(&self, looks: &FirstLooks, clock: &mut SearchClock<'_>) -> Explaining {
         let images: Vec<(usize, Film)> = (0..singles())
             .filter_map(|index| Some((index, mistake(index).in_image(&self.golden)?)))
             .collect();
@@ -122,15 +123,15 @@ impl ComparedCase {
         self.look_closer(promising, clock)
     }
 
-    /// Whether a mistake of the image, made in what a first look sees, is what a first look would
-    /// see of it.
+    /// True if a mistake of the image can be made in the pixels of a first look, with the same
+    /// result as in the whole image.
     fn shows_on_a_first_look(&self, index: usize) -> bool {
         // Blocks show all as far as a first look goes; a closer one is at the pixels.
         self.is_sampled || self.sees_all_at_once() || mistake(index).is_of_single_pixels()
     }
 
-    /// Each of the `seconds` on top of each of the `firsts`, which are images whole or as a first
-    /// look sees them: those pairs that may explain the image.
+    /// Pairs that may explain the image: each of the `seconds` on top of each of the `firsts`,
+    /// whole images or first looks.
     fn on_top(
         &self,
         firsts: &[(usize, Film)],
@@ -156,8 +157,8 @@ impl ComparedCase {
             .collect()
     }
 
-    /// Pairs of mistakes of the scene, most promising first by what each does by itself.
-    fn scene_pairs(&self, looks: &Looks, clock: &SearchClock<'_>) -> Vec<Hypothesis> {
+    /// Pairs of mistakes of the scene, most promising first by the effect of each alone.
+    fn scene_pairs(&self, looks: &FirstLooks, clock: &SearchClock<'_>) -> Vec<Hypothesis> {
         let seen: Vec<(&usize, &Film)> = looks.iter().collect();
         let pairs: Vec<(usize, usize)> = (0..seen.len())
             // Which is made first matters little.
@@ -179,8 +180,8 @@ impl ComparedCase {
         pairs.into_iter().map(|(_, pair)| pair).collect()
     }
 
-    /// Mistakes of the scene, those first that are nearest by themselves.
-    fn nearest_first(&self, looks: &Looks) -> Vec<usize> {
+    /// Mistakes of the scene, ordered by their misfits alone, smallest first.
+    fn nearest_first(&self, looks: &FirstLooks) -> Vec<usize> {
         let mut nearest: Vec<(f64, usize)> = looks
             .iter()
             .filter_map(|(&index, film)| Some((self.distance(film)?.distance().value, index)))
@@ -189,7 +190,7 @@ impl ComparedCase {
         nearest.into_iter().map(|(_, index)| index).collect()
     }
 
-    /// Those of the nearest hypotheses that explain the image on a second look, nearest first.
+    /// Hypotheses among the nearest that explain the image on a second look, nearest first.
     fn look_closer(&self, mut promising: Explaining, clock: &SearchClock<'_>) -> Explaining {
         promising.sort_by(|(_, a), (_, b)| a.distance().value.total_cmp(&b.distance().value));
         promising.truncate(MOST_SECOND_LOOKS);

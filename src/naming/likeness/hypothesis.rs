@@ -1,4 +1,4 @@
-//! One mistake, or two, that an image may come from.
+//! Hypotheses: one mistake, or two, behind an image.
 
 use crate::variations::mistakes;
 use crate::variations::mistakes::Mistake;

@@ -1,4 +1,4 @@
-//! Predictions kept from run to run.
+//! Cache of predictions, kept from run to run.
 //!
 //! The image that a mistake makes of a case depends on neither the image that is judged nor on
 //! whose it is: whoever judges the pictures of a whole class, or the same renderer again after a
@@ -20,11 +20,11 @@ use std::time::SystemTime;
 /// Environment variable for the folder of the cache; empty for no cache.
 pub const CACHE_VARIABLE: &str = "VOLREF_CACHE";
 
-/// The folder grows to this many bytes; then the oldest files go. A prediction of a case of the
-/// suite has 20 to 500 kB.
+/// Largest size of the folder, bytes: beyond it the oldest files are removed. A prediction of a
+/// case of the suite has 20 to 500 kB.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// What is left then, so that not every further file makes others go.
+/// Size of the folder after a removal, bytes, so that not every further file leads to another one.
 const BYTES_LEFT: u64 = MOST_BYTES / 4 * 3;
 
 const EXTENSION: &str = "prediction";
@@ -33,19 +33,19 @@ const EXTENSION: &str = "prediction";
 #[derive(Debug, Default)]
 pub struct Predictions {
     folder: Option<PathBuf>,
-    /// Reason why the folder is not used, once it was looked at.
+    /// Reason why the folder is not used, after it was checked.
     refusal: OnceLock<Option<String>>,
-    /// Bytes in the folder, once it was looked at.
+    /// Bytes in the folder, after they were counted.
     bytes: Mutex<Option<u64>>,
 }
 
 impl Predictions {
-    /// Keeps nothing.
+    /// A cache that keeps nothing.
     pub fn nowhere() -> Predictions {
         Predictions::default()
     }
 
-    /// Keeps predictions in `folder`, which need not exist, and is used if nobody else can write there.
+    /// A cache in `folder`, which need not exist; unused if others can write there.
     pub fn in_folder(folder: impl Into<PathBuf>) -> Predictions {
         Predictions {
             folder: Some(folder.into()),
@@ -53,8 +53,8 @@ impl Predictions {
         }
     }
 
-    /// Keeps them in the folder that the environment variable [`VOLREF_CACHE`](CACHE_VARIABLE)
-    /// names, else in the user's folder for caches; nowhere if there is none.
+    /// A cache in the folder that the environment variable [`VOLREF_CACHE`](CACHE_VARIABLE) names,
+    /// else in the user's folder for caches; nowhere if there is none.
     pub fn of_the_user() -> Predictions {
         Predictions {
             folder: cache_of_the_user(),
@@ -62,14 +62,14 @@ impl Predictions {
         }
     }
 
-    /// What a prediction is known by, of the `parts` that it depends on besides the program.
+    /// Key of a prediction: a hash of the program and of the `parts` that it depends on besides.
     pub(super) fn key(&self, parts: &[&str]) -> Option<String> {
         self.folder.as_ref()?;
         let executable = program_hash()?;
         Some(hash(&[parts, &[executable]].concat()))
     }
 
-    /// The prediction with this key, of `size`, if it was kept as it was.
+    /// The prediction with this key, of `size`, if it was kept and is undamaged.
     pub(super) fn get(&self, key: &str, size: [usize; 2]) -> Option<Film> {
         let (key_of_file, film) = kept_film::read::<String>(&self.path(key)?, size).ok()?;
         (key_of_file == key).then_some(film)
@@ -84,7 +84,7 @@ impl Predictions {
         }
     }
 
-    /// Reason why nothing is kept where it was to be; a sentence.
+    /// Reason why the cache keeps nothing; a sentence.
     pub fn refusal(&self) -> Option<&str> {
         let folder = self.subfolder()?;
         let look = || match private_folder::make(&folder) {
@@ -106,7 +106,7 @@ impl Predictions {
         Some(self.usable_folder()?.join(file(key)))
     }
 
-    /// Removes the oldest files where `written` bytes more are too many.
+    /// Removes the oldest files if the folder is too large with `written` more bytes.
     fn keep_small(&self, folder: &Path, written: u64) {
         let Ok(mut bytes) = self.bytes.lock() else {
             return;
@@ -158,7 +158,7 @@ struct KeptPrediction {
     written: SystemTime,
 }
 
-/// The predictions in `folder`; nothing else that may be there.
+/// The predictions in `folder`, without other files.
 fn files(folder: &Path) -> Vec<KeptPrediction> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     entries
@@ -175,8 +175,8 @@ fn files(folder: &Path) -> Vec<KeptPrediction> {
         .collect()
 }
 
-/// Removes the oldest predictions in `folder` until no more than `most` bytes are left; how many
-/// are.
+/// Removes the oldest predictions in `folder` until at most `most` bytes are left; returns the
+/// bytes left.
 fn without_the_oldest(folder: &Path, most: u64) -> u64 {
     let mut files = files(folder);
     files.sort_by_key(|file| file.written);

@@ -1,4 +1,4 @@
-//! What an image would look like, were a mistake made.
+//! Predictions: images of a scene in which a mistake is made.
 
 use super::clock::SearchClock;
 use crate::compare::stochastic::BLOCK;
@@ -21,12 +21,12 @@ pub(super) const SECOND_LOOK: u32 = 256;
 /// image of the suite has or more, so that the noise of the prediction is no longer the larger one.
 pub(super) const THIRD_LOOK: u32 = 2048;
 
-/// Pixels of a lattice, about, where the image has them: of a mistake that shows in one pixel in a
-/// hundred, twenty are seen.
+/// Approximate number of pixels of a lattice: of a mistake that shows in one pixel in a hundred,
+/// twenty are seen.
 const LATTICE: usize = 2048;
 
-/// The lattice by which mistakes in an image of this size are ruled out first, where there is no
-/// noise; the whole image where it is small.
+/// The lattice of a first look at an image of this size without noise; the whole image where it is
+/// small.
 pub(super) fn first_lattice(pixels: usize) -> Detail {
     lattice_of(pixels, LATTICE)
 }
@@ -39,8 +39,8 @@ pub(crate) fn lattice_of(pixels: usize, wanted: usize) -> Detail {
     }
 }
 
-/// Blocks, where path tracing can make a pixel of each, and their borders are those of the blocks
-/// of the whole image: panels stand side by side.
+/// Blocks as pixels, for scenes that are path traced and whose panels, side by side, have the
+/// borders of blocks; else `None`.
 pub(super) fn blocks(scene: &Scene) -> Option<Detail> {
     let (last, before) = scene.panels.split_last()?;
     let is_large = last.width.min(last.height) >= BLOCK;

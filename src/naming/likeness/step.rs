@@ -1,4 +1,4 @@
-//! Distances between samples that would explain an image.
+//! Steps along the ray that would explain an image.
 //!
 //! Samples lie elsewhere at each distance, so that none is near another and a distance cannot be
 //! approached: a list of factors is tried.
@@ -8,7 +8,7 @@ use super::compared_case::ComparedCase;
 use super::fit::{LEFT, explained_but_for};
 use crate::scene::Model;
 
-/// Factors that are tried: fractions of small numbers, and what another unit makes.
+/// Factors that are tried: ratios of small numbers, and those of a wrong unit.
 const FACTORS: [f64; 14] = [
     0.1,
     0.2,
@@ -27,8 +27,8 @@ const FACTORS: [f64; 14] = [
 ];
 
 impl ComparedCase {
-    /// Sentence on that of the factors which is nearest to the image, if it leaves little, and whether
-    /// it explains the image as well as a mistake would have to.
+    /// The best factor as a sentence, if it explains most of the difference, and whether it
+    /// explains the image as well as a mistake must.
     pub fn fitted_step(&self, clock: &SearchClock<'_>) -> Option<(String, bool)> {
         let predicted = |factor: f64| {
             if clock.is_late() {

@@ -21,7 +21,7 @@
 use crate::geometry::{Aabb, Ray};
 use crate::math::exp_m1;
 use crate::media::TransferFunction;
-use crate::media::collocation::{CollocatedLight, Collocation, Here};
+use crate::media::collocation::{CollocatedLight, Collocation, LocalProperties};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
@@ -120,7 +120,7 @@ impl<'s> RayIntegrator<'s> {
                     let extinction = self.transfer_function.extinction(value) * half;
                     let colour = self.transfer_function.colour(value);
                     let emission = self.transfer_function.emission(value);
-                    Here::with_source(extinction, colour * emission)
+                    LocalProperties::with_source(extinction, colour * emission)
                 });
                 if !passes {
                     break 'segments;

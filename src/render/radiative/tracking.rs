@@ -165,7 +165,7 @@ pub fn delta_tracking<M: Majorants>(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
     /// None: plain ratio tracking.
-    Nothing,
+    None,
     /// The minorant of each segment: residual ratio tracking.
     Minorant,
 }
@@ -176,7 +176,7 @@ pub enum Small {
     /// They are carried to the end.
     Kept,
     /// Russian roulette: noisier, and far cheaper in dense media.
-    Thinned,
+    Roulette,
 }
 
 /// Ratio tracking: an estimate of the transmittance along all of `majorants`, by channel.
@@ -188,7 +188,7 @@ pub fn ratio_tracking<M: Majorants>(
     effort: &mut Effort,
 ) -> DVec3 {
     let known = |segment: &MajorantSegment| match control {
-        Control::Nothing => DVec3::ZERO,
+        Control::None => DVec3::ZERO,
         Control::Minorant => segment.minorant,
     };
     let rate = |segment: &MajorantSegment| (segment.majorant - known(segment)).max_element();
@@ -210,7 +210,7 @@ pub fn ratio_tracking<M: Majorants>(
             ratio *= DVec3::ONE - (extinction - known(segment)) / rate(segment);
             match small {
                 Small::Kept => Continue(()),
-                Small::Thinned => thin(&mut ratio, u),
+                Small::Roulette => thin(&mut ratio, u),
             }
         },
     );

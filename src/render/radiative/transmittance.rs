@@ -150,7 +150,7 @@ fn estimated_transmittance<W: Work>(
     let transmittance = ratio_tracking(
         &mut majorants,
         Control::Minorant,
-        Small::Thinned,
+        Small::Roulette,
         &mut tracker.sampler.tentative(NumberRow::Transmittance),
         &mut scratch.effort,
     );

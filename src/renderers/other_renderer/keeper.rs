@@ -77,7 +77,7 @@ mod unix {
     /// a disk that does not answer, may never go.
     const PATIENCE: Duration = Duration::from_secs(2);
 
-    /// Of many that were still running, so many are named.
+    /// At most this many leftover processes are named.
     const MOST_NAMED: usize = 8;
 
     /// Runs the renderer that `words` call, to its end or to that of standard input, then ends all

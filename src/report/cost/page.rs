@@ -10,7 +10,7 @@ use minijinja::{Value, context};
 /// Contents of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct CostPage<'a> {
-    /// Of the page.
+    /// Title of the page.
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,

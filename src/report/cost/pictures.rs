@@ -98,7 +98,7 @@ fn colour(error: f64, largest: f64) -> [u8; 3] {
     code(shade(error, largest))
 }
 
-/// Where an error is on the scale from −1 to 1.
+/// Position of an error on the scale from −1 to 1.
 fn shade(error: f64, largest: f64) -> f64 {
     if error == 0.0 || largest == 0.0 {
         return 0.0;

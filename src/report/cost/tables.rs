@@ -425,7 +425,7 @@ fn jitter_order_rows(split: &JitterSplit) -> Vec<Row> {
     rows
 }
 
-/// What each effect costs.
+/// Cost of each effect.
 pub(super) fn effects(effects: &[EffectPrice]) -> Table {
     Table {
         title: "cost of each effect by itself".to_owned(),

@@ -104,8 +104,8 @@ fn scene(cost: &Cost) -> String {
     text
 }
 
-/// Whether all settings of a sweep are shown on a terminal: of what the reference renderer does,
-/// and of what does not do as expected.
+/// Whether all settings of a sweep are shown on a terminal: for the methods of the fast renderer,
+/// and for those that do not converge as expected.
 fn is_shown(sweep: &Sweep) -> bool {
     let is_fine = matches!(
         sweep.order.verdict,

@@ -36,7 +36,7 @@ pub(super) fn sweep(study: &Study, estimator: &str, varied: Parameter) -> String
     }
 }
 
-/// What the prices of a study count. Of a mixture it is what most have: lookups.
+/// Work counted in the prices of a study; of a mixture the kind that most have: lookups.
 pub(super) fn counted(study: &Study) -> &'static str {
     let levels = || study.sweeps.iter().flat_map(|sweep| &sweep.levels);
     let any = |what: Counted| levels().any(|level| level.work.counted() == what);
@@ -56,7 +56,7 @@ pub(super) fn price(level: &Level) -> String {
     format!("{} {noun}", count(level.work.price()))
 }
 
-/// How a verdict is marked: never by colour alone.
+/// Mark of a verdict: never by colour alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Mark {
@@ -102,7 +102,7 @@ pub(super) fn agreement(row: &EstimatorRow) -> (Mark, &'static str) {
     }
 }
 
-/// How many standard errors the mean is off, with its sign.
+/// Deviation of the mean in standard errors, with its sign.
 pub(super) fn standard_errors(row: &EstimatorRow) -> String {
     match row.standard_error > 0.0 {
         true => format!("{:+.1}", row.bias / row.standard_error),
@@ -233,7 +233,7 @@ pub(super) fn machine(machine: &Machine) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// What makes times of this machine worthless.
+/// Reason why times of this machine are worthless.
 pub(super) fn machine_warning(machine: &Machine) -> Option<&'static str> {
     (machine.profile != "release").then_some("debug build: lookup counts are valid, times are not")
 }

@@ -1,4 +1,4 @@
-//! By how much two images differ, and where, in numbers and words.
+//! Size and place of the difference of two images, in numbers and words.
 
 use super::words;
 use crate::compare::BlockMap;

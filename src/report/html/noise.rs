@@ -1,4 +1,4 @@
-//! The noise of an image, drawn so that a reader can believe it: p-values of its blocks against the
+//! Plots by which a reader can check the noise of an image: p-values of its blocks against the
 //! uniform distribution, and its standard error against its samples.
 
 use crate::compare::BlockMap;

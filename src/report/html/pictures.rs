@@ -21,7 +21,7 @@ pub(super) struct Views<'a> {
     pair: Option<(&'a Film, &'a Picture)>,
     /// Stops at which they are shown first.
     pub(super) exposure: f64,
-    /// What is odd about them, in words.
+    /// Remarks on the images, in words.
     pub(super) notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What a report says in words.
+//! Sentences of a report.
 
 use crate::judging::{CaseResult, Likeness, Summary, Verdict};
 use crate::naming::Likenesses;

@@ -36,7 +36,7 @@ const REFLECTIONS: [(&Quantity, Strength); 3] = [
     (&SPECULAR, |phong| &mut phong.specular),
 ];
 
-/// Of a volume of which `scene` is the first panel's.
+/// Numbers of a volume; `scene` is that of the first panel.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     let mut numbers = vec![Number::new(
         &OPACITY,

@@ -50,7 +50,7 @@ static ENVIRONMENT: Quantity =
 /// A place moves by this part of its distance from the eye.
 const PART_OF_DISTANCE: f64 = 0.01;
 
-/// Of every light.
+/// Numbers of every light.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let mut numbers = Vec::new();
     let eye = scene.camera.eye();

@@ -26,13 +26,13 @@ static TURN: Quantity = Quantity::absolute(
     "degrees",
 );
 
-/// Of several items all together, then each; of one, itself.
+/// Selections of several items: all together, then each alone; of one item, itself.
 fn each(count: usize) -> impl Iterator<Item = Option<usize>> {
     let all = (count > 1).then_some(None);
     all.into_iter().chain((0..count).map(Some))
 }
 
-/// Of every medium by itself, and of all media together where there are several.
+/// Numbers of every medium alone, and of all media together where there are several.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let mut numbers = Vec::new();
     let count = scene.media.len();

@@ -33,7 +33,7 @@ static SHIFTS: [Quantity; 2] = [
 /// Step of a shift: what half a pixel moves over an edge is as much as a pixel shows of it.
 const PIXELS: f64 = 0.5;
 
-/// Of the first camera; panels have theirs changed alike.
+/// Numbers of the first camera; the cameras of other panels are changed alike.
 pub(super) fn numbers(scene: &Scene) -> Vec<Number> {
     let mut cameras = scene.panels.iter().filter_map(|panel| panel.model.camera());
     let Some(camera) = cameras.next() else {

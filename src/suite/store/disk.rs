@@ -1,4 +1,4 @@
-//! The few operations by which the store changes files.
+//! File operations of the store.
 
 use std::fs::{self, File};
 use std::io::{self, Write};

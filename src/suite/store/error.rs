@@ -9,11 +9,11 @@ use crate::files::atomic_file::remedy;
 /// One file operation that failed.
 #[derive(Debug)]
 pub struct StoreFailure {
-    /// What was being done, as a verb phrase: "write", "rename", …
+    /// The action, as a verb phrase: "write", "rename", …
     pub action: &'static str,
-    /// The file or directory it was being done to.
+    /// File or directory of the action.
     pub path: PathBuf,
-    /// What the operating system said.
+    /// Error of the operating system.
     pub cause: io::Error,
 }
 
@@ -37,7 +37,7 @@ pub enum StoreError {
     Name {
         /// The path as given.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason.
         problem: &'static str,
     },
     /// One accept with two contents for the same file. Nothing was done.
@@ -88,7 +88,7 @@ pub enum StoreError {
         path: PathBuf,
         /// Counted from 1.
         line: usize,
-        /// What is wrong in that line.
+        /// Fault of that line.
         problem: String,
     },
     /// An interrupted accept gave a file contents that are nowhere to be found. Whether the

@@ -34,7 +34,7 @@ pub(super) struct JournalEntry {
     hash: String,
 }
 
-/// Why a text is not a journal.
+/// Reason why a text is not a journal.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Malformed {
     /// Counted from 1.
@@ -107,7 +107,7 @@ impl JournalEntry {
         }
     }
 
-    /// Whether these are the contents the accept gave to the file.
+    /// True if these are the contents the accept gave to the file.
     pub(super) fn describes(&self, bytes: &[u8]) -> bool {
         self.hash == hash(bytes)
     }

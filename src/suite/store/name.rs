@@ -59,13 +59,13 @@ impl StoreName {
         &self.0
     }
 
-    /// Where the file is.
+    /// Path of the file.
     pub(super) fn under(&self, root: &Path) -> PathBuf {
         root.join(&self.0)
     }
 
-    /// Where the file is written aside by the accept with this tag: `.figure-3.exr.TAG.volref-new`
-    /// in the same directory.
+    /// Path where the accept with this tag writes the file aside: `.figure-3.exr.TAG.volref-new` in
+    /// the same directory.
     pub(super) fn staged_under(&self, root: &Path, tag: &str) -> PathBuf {
         let (directory, file) = self.0.rsplit_once('/').unwrap_or(("", &self.0));
         root.join(directory).join(format!(".{file}.{tag}{STAGED}"))

@@ -1,4 +1,4 @@
-//! Mistakes about how much of a medium is where: grids and noise.
+//! Mistakes about densities: grids and noise.
 
 use super::{Edit, Mistake};
 use crate::media::Field;

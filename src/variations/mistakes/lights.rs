@@ -1,4 +1,4 @@
-//! Mistakes about lights, and about who looks at them.
+//! Mistakes about lights, and about the camera.
 
 use super::{Edit, Mistake, set};
 use crate::geometry::Camera;

@@ -1,4 +1,4 @@
-//! Mistakes about what media do to light.
+//! Mistakes about media: absorption, scattering, emission, phase functions.
 
 use super::{Edit, Mistake};
 use crate::media::{Asymmetry, Coefficients, Homogeneous};

@@ -1,9 +1,9 @@
-//! Where labels go, so that none covers another or a mark.
+//! Placement of labels, so that none covers another or a mark.
 
 /// A rectangle: left, top, right, bottom.
 pub(super) type Box = [f64; 4];
 
-/// How wide a text is, nearly: there are no fonts here to measure with.
+/// Approximate width of a text: there are no fonts here to measure with.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     let letters: f64 = text
         .chars()
