@@ -274,7 +274,7 @@ pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Optio
     // Its work is that of the image but for the light; times would only say so again.
     let study = by_steps(&Rays::new(&unlit, size), &clock.untimed());
     Some(Study {
-        name: "unlit",
+        name: "unlit".to_owned(),
         quantity: format!("{}, without shading or shadow", study.quantity),
         ..study
     })

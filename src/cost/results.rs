@@ -3,10 +3,11 @@
 use crate::render::Counters;
 pub use crate::render::Event;
 use crate::render::counters::PerEvent;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
 
 /// The cost of accuracy in one scene, or in one panel of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Cost {
     /// The scene, as named by the user: a file, or a case.
     pub scene: String,
@@ -29,10 +30,10 @@ pub struct Cost {
 }
 
 /// One quantity, approximated in several ways.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Study {
     /// The quantity approximated: `image`, `transmittance`, …; a word for files and links.
-    pub name: &'static str,
+    pub name: String,
     /// The same in a sentence.
     pub quantity: String,
     /// The reference of the errors.
@@ -50,7 +51,7 @@ pub struct Study {
 }
 
 /// The reference of errors.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Reference {
     /// Its method.
     pub method: String,
@@ -60,7 +61,7 @@ pub struct Reference {
 }
 
 /// Settings of one parameter, from coarse to fine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Sweep {
     /// The way to approximate: `midpoint`, `delta tracking`, …
     pub estimator: String,
@@ -77,7 +78,7 @@ pub struct Sweep {
 }
 
 /// A parameter that is varied.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
     /// Distance between samples along a ray.
@@ -95,7 +96,7 @@ pub enum Parameter {
 }
 
 /// One setting.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Level {
     /// In words: "0.25 voxels", "16 samples".
     pub setting: String,
@@ -168,6 +169,14 @@ impl Serialize for MeanWork {
     }
 }
 
+impl<'de> Deserialize<'de> for MeanWork {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<MeanWork, D::Error> {
+        let means = BTreeMap::<String, f64>::deserialize(deserializer)?;
+        let mean = |event: Event| (event, means.get(event.key()).copied().unwrap_or(0.0));
+        Ok(MeanWork::from(MeanWork::REPORTED.map(mean)))
+    }
+}
+
 /// The kind of work that a price counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counted {
@@ -181,7 +190,7 @@ pub enum Counted {
 
 /// Sizes of an error over many rays and channels, relative to the root mean square of what is
 /// right.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Norms {
     /// Mean of the absolute error.
     pub l1: f64,
@@ -194,7 +203,7 @@ pub struct Norms {
 }
 
 /// Wall time for each ray, in seconds, of runs taken by turns with those of the other settings.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Times {
     /// Number of runs.
     pub runs: usize,
@@ -213,7 +222,7 @@ pub struct Times {
 }
 
 /// Order of convergence: the error falls as the `order`-th power of the parameter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ConvergenceOrder {
     /// From theory, where that says; of a number of samples, negative.
     pub expected: Option<f64>,
@@ -236,7 +245,7 @@ pub struct ConvergenceOrder {
 }
 
 /// Whether an error falls as expected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OrderVerdict {
     /// It does.
@@ -254,7 +263,7 @@ pub enum OrderVerdict {
 }
 
 /// The cheapest setting of each sweep for a wanted error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Price {
     /// Root mean square error that is wanted.
     pub error: f64,
@@ -263,7 +272,7 @@ pub struct Price {
 }
 
 /// The price of a sweep for a wanted error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Offer {
     /// The estimator.
     pub estimator: String,
@@ -280,7 +289,7 @@ pub struct Offer {
 }
 
 /// Estimators of the transmittance of one ray.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct EstimatorTable {
     /// Which ray.
     pub ray: String,
@@ -295,7 +304,7 @@ pub struct EstimatorTable {
 }
 
 /// An estimator, predicted and measured.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct EstimatorRow {
     /// Which.
     pub estimator: String,
@@ -325,7 +334,7 @@ pub struct EstimatorRow {
 }
 
 /// Variance times lookups by optical thickness.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ThicknessSweep {
     /// Which ray, whose extinction is scaled.
     pub ray: String,
@@ -334,7 +343,7 @@ pub struct ThicknessSweep {
 }
 
 /// One estimator in thinner and denser media.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ThicknessCurve {
     /// Which.
     pub estimator: String,
@@ -343,7 +352,7 @@ pub struct ThicknessCurve {
 }
 
 /// An estimator at one optical thickness.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ThicknessPoint {
     /// Optical thickness of the ray.
     pub depth: f64,
@@ -355,7 +364,7 @@ pub struct ThicknessPoint {
 }
 
 /// Bias and variance of jittered marching.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct JitterSplit {
     /// Which ray.
     pub ray: String,
@@ -364,7 +373,7 @@ pub struct JitterSplit {
 }
 
 /// One kind of jitter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct JitterCurve {
     /// `comb`: one offset for all steps; `stratified`: one for each.
     pub jitter: String,
@@ -377,7 +386,7 @@ pub struct JitterCurve {
 }
 
 /// Jittered marching at one step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct JitterPoint {
     /// The step, world units.
     pub step: f64,
@@ -392,7 +401,7 @@ pub struct JitterPoint {
 }
 
 /// What one effect costs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct EffectPrice {
     /// The effects simulated.
     pub effect: String,
@@ -405,7 +414,7 @@ pub struct EffectPrice {
 }
 
 /// A recommended setting.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Recommendation {
     /// Root mean square error wanted.
     pub error: f64,
@@ -416,7 +425,7 @@ pub struct Recommendation {
 }
 
 /// Signed error of an image.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ErrorPicture {
     /// The setting.
     pub setting: String,
@@ -429,7 +438,7 @@ pub struct ErrorPicture {
 }
 
 /// Extinction along a ray, and the samples of a setting.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct RayTrace {
     /// Which ray.
     pub ray: String,

@@ -113,7 +113,7 @@ impl Study {
     ) -> Study {
         let sweeps = run_sweeps(planned, &truth, clock);
         Study {
-            name,
+            name: name.to_owned(),
             quantity,
             reference: Reference {
                 method: truth.method,

@@ -160,6 +160,8 @@ fn json_has_a_schema() {
     let study = &value["costs"][0]["studies"][0];
     assert_eq!(study["sweeps"][1]["parameter"], "shadow-step");
     assert_eq!(study["sweeps"][4]["order"]["verdict"], "otherwise");
+    let read: Vec<Cost> = serde_json::from_value(value["costs"].clone()).unwrap();
+    assert_eq!(read[1], small());
 }
 
 #[test]
