@@ -271,10 +271,15 @@ impl Suite {
         &self.cases
     }
 
+    /// The case of this name.
+    pub fn case(&self, name: &str) -> Option<&Case> {
+        self.cases.iter().find(|case| case.name == name)
+    }
+
     /// Whether there is a manifest of this case, with or without a mistake.
     pub fn has_manifest(&self, name: &str) -> bool {
         let is_unreadable = self.unreadable.iter().any(|(other, _)| other == name);
-        is_unreadable || self.cases.iter().any(|case| case.name == name)
+        is_unreadable || self.case(name).is_some()
     }
 
     /// Where the goldens are.
