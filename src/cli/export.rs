@@ -6,6 +6,7 @@ use super::output::{self, Json};
 use super::suite::scene_file;
 use crate::exchange::{self, Export, Format, Refusal};
 use crate::files::partial_file;
+use crate::film::CHANNELS;
 use crate::scene::Scene;
 use serde_json::json;
 use std::fs;
@@ -129,7 +130,6 @@ fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
     match format {
         Format::Mitsuba => {
             let stem = export.main.trim_end_matches(".xml");
-            let channels = ["red", "green", "blue"];
             let split = format!("{stem}.red.xml");
             if named(".xml").contains(&split.as_str()) {
                 let command = |channel| {
@@ -138,7 +138,7 @@ fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
                         quoted(&export.main)
                     )
                 };
-                return channels.map(command).to_vec();
+                return CHANNELS.map(command).to_vec();
             }
             let main = quoted(&export.main);
             vec![format!("mitsuba -m scalar_rgb -o {stem}.exr {main}")]

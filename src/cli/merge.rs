@@ -191,14 +191,9 @@ fn joined_results(
         let message = format!("these are results of volref {theirs}, and this is volref {version}");
         return Err(bad_input(message));
     }
-    let by_name: BTreeMap<&str, &Case> = suite
-        .cases()
-        .iter()
-        .map(|case| (case.name.as_str(), case))
-        .collect();
     let mut cases = Vec::new();
     for (name, hash) in &run.cases {
-        let case = by_name.get(name.as_str()).copied();
+        let case = suite.case(name);
         if case.map(|case| suite.hash_of(case)).unwrap_or_default() != *hash {
             let message = format!(
                 "the parts judged by another suite: the scene, manifest or golden of {name} is not the one here"
@@ -258,9 +253,7 @@ fn joined_results(
     };
     let text = text + &missing_text(&missing, run.cases.len());
     let missing = missing.into_iter();
-    judged.extend(
-        missing.map(|(name, reason)| without_result(name, by_name.get(name.as_str()), &reason)),
-    );
+    judged.extend(missing.map(|(name, reason)| without_result(name, suite.case(name), &reason)));
     let findings = Findings {
         command: if is_verified { "verify" } else { "validate" },
         judged,
@@ -416,7 +409,7 @@ fn missing_text(missing: &[(&String, String)], all: usize) -> String {
 }
 
 /// The verdict on a case without a result.
-fn without_result(name: &str, case: Option<&&Case>, reason: &str) -> Judged {
+fn without_result(name: &str, case: Option<&Case>, reason: &str) -> Judged {
     let finding = CaseFinding::new(Verdict::Missing, Cause::Undecided, reason);
     let (class, gate): (_, &'static dyn Gate) = match case {
         Some(case) => (case.class(), case.gate()),

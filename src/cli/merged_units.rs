@@ -5,7 +5,7 @@ use super::output::number_of;
 use super::progress;
 use super::suite::Selection;
 use crate::runs::{AddError, Added, CaseUnits, Unit, UnitFile, UnitFolder};
-use crate::suite::{Case, Suite};
+use crate::suite::Suite;
 use serde_json::{Value, json};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -49,11 +49,6 @@ pub fn joined_units(
     let mut of_cases: BTreeMap<String, (CaseUnits<'_>, Vec<&PathBuf>)> = BTreeMap::new();
     let mut refused: Vec<(&PathBuf, String)> = Vec::new();
     let mut damaged = BTreeSet::new();
-    let by_name: BTreeMap<&str, &Case> = suite
-        .cases()
-        .iter()
-        .map(|case| (case.name.as_str(), case))
-        .collect();
     for file in files {
         bar.inc(1);
         let mut damage = |reason: String| {
@@ -71,7 +66,7 @@ pub fn joined_units(
         let (of, files) = match of_cases.entry(unit.case.clone()) {
             Entry::Occupied(of_case) => of_case.into_mut(),
             Entry::Vacant(of_case) => {
-                let Some(case) = by_name.get(unit.case.as_str()) else {
+                let Some(case) = suite.case(&unit.case) else {
                     let what = format!("of {}, which is not a case of this suite", unit.case);
                     refused.push((file, what));
                     continue;

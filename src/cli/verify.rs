@@ -151,7 +151,7 @@ fn what_moved(results: &[CaseResult], suite: &Suite) -> String {
     let failed = results
         .iter()
         .find(|result| result.verdict == Verdict::Fail);
-    let case = failed.and_then(|failed| suite.cases().iter().find(|case| case.name == failed.name));
+    let case = failed.and_then(|failed| suite.case(&failed.name));
     let Some(case) = case else {
         return String::new();
     };

@@ -11,7 +11,7 @@ use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
 use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
-use crate::film::Film;
+use crate::film::{CHANNELS, Film};
 use crate::math::Sum;
 
 /// Absolute tolerance of a channel.
@@ -222,7 +222,7 @@ fn judge(reference: &Film, test: &Film, outliers: f64) -> Judgement {
         let reason = format!(
             "every pixel is close, but {} is too {} on the whole: its mean is off by {:.3e}, \
              {:.1} times what is allowed",
-            ["red", "green", "blue"][worst_bias],
+            CHANNELS[worst_bias],
             if bias[worst_bias] > 0.0 {
                 "bright"
             } else {

@@ -10,7 +10,7 @@
 //! "An iterative image registration technique" (shift below a pixel).
 
 use super::stochastic::BLOCK;
-use crate::film::Film;
+use crate::film::{CHANNELS, Film};
 use crate::math::Sum;
 
 /// Parts of the image for the jackknife, each of blocks from all over it.
@@ -46,8 +46,6 @@ const OUTSIDE: f64 = 0.01;
 
 /// Values that end at the same number, if they are said to be cut off there.
 const CUT_OFF: usize = 8;
-
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Sentences, without a full stop, on how `test` differs from `golden`; none where nothing can be
 /// measured: other sizes, values that are no numbers, or no difference beyond noise. `distances` are

@@ -26,7 +26,7 @@ use super::difference_scale::DifferenceScale;
 use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
 use super::judgement::Judgement;
 use super::{Deterministic, incomparable};
-use crate::film::Film;
+use crate::film::{CHANNELS, Film};
 use crate::math::{Sum, exp2, log2};
 
 /// Images with steps `h`, `h/2`, `h/4` against their limit, or one against a bound of first order.
@@ -359,7 +359,7 @@ impl Judged<'_> {
             let reason = format!(
                 "the mean of {} is off by {:+.2} % where the step is taken out, {:.1} times what it may be; \
                  {steps}",
-                ["red", "green", "blue"][most],
+                CHANNELS[most],
                 100.0 * off[most] / right[most].max(f64::MIN_POSITIVE),
                 bias[most]
             );

@@ -7,7 +7,7 @@ use crate::scene::{Model, Panel};
 
 /// Recommended settings of the fast renderer for each wanted error, from its own sweeps.
 pub fn recommendations(cost: &Cost, panel: &Panel) -> Vec<Recommendation> {
-    let ours = |study: &&Study| matches!(study.name, "image" | "samples");
+    let ours = |study: &&Study| matches!(&*study.name, "image" | "samples");
     let Some(study) = cost.studies.iter().find(ours) else {
         return vec![Recommendation {
             error: 0.0,

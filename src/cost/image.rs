@@ -6,7 +6,7 @@ use super::marching::Scheme;
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
 use super::results::{ErrorPicture, Parameter, RayTrace, Study};
-use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth, halved};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::Ray;
@@ -28,12 +28,12 @@ const SIDE: usize = 32;
 const SIDE_WITH_SHADOW: usize = 10;
 
 /// Steps, in voxels.
-const STEPS: [f64; 9] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625, 0.031_25, 0.015_625];
+const STEPS: [f64; 9] = halved(4.0);
 /// Steps where every sample casts a ray to the light: those that take seconds.
-const STEPS_WITH_SHADOW: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
+const STEPS_WITH_SHADOW: [f64; 6] = halved(4.0);
 
 /// Steps of shadow rays, in voxels.
-const SHADOW_STEPS: [f64; 7] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.0625];
+const SHADOW_STEPS: [f64; 7] = halved(4.0);
 
 /// A voxel of this optical depth lets a hundredth of the light through.
 const OPAQUE: f64 = 4.605_170_185_988_092;
@@ -274,7 +274,7 @@ pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Optio
     // Its work is that of the image but for the light; times would only say so again.
     let study = by_steps(&Rays::new(&unlit, size), &clock.untimed());
     Some(Study {
-        name: "unlit",
+        name: "unlit".to_owned(),
         quantity: format!("{}, without shading or shadow", study.quantity),
         ..study
     })

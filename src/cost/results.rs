@@ -3,10 +3,11 @@
 use crate::render::Counters;
 pub use crate::render::Event;
 use crate::render::counters::PerEvent;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
 
 /// The cost of accuracy in one scene, or in one panel of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Cost {
     /// The scene, as named by the user: a file, or a case.
     pub scene: String,
@@ -29,10 +30,10 @@ pub struct Cost {
 }
 
 /// One quantity, approximated in several ways.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Study {
     /// The quantity approximated: `image`, `transmittance`, …; a word for files and links.
-    pub name: &'static str,
+    pub name: String,
     /// The quantity in a sentence.
     pub quantity: String,
     /// The reference of the errors.
@@ -50,7 +51,7 @@ pub struct Study {
 }
 
 /// The reference of errors.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Reference {
     /// Method of the reference.
     pub method: String,
@@ -60,7 +61,7 @@ pub struct Reference {
 }
 
 /// Settings of one parameter, from coarse to fine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Sweep {
     /// The way to approximate: `midpoint`, `delta tracking`, …
     pub estimator: String,
@@ -77,7 +78,7 @@ pub struct Sweep {
 }
 
 /// A parameter that is varied.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
     /// Distance between samples along a ray.
@@ -95,7 +96,7 @@ pub enum Parameter {
 }
 
 /// One setting.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Level {
     /// The setting in words: "0.25 voxels", "16 samples".
     pub setting: String,
@@ -168,6 +169,14 @@ impl Serialize for MeanWork {
     }
 }
 
+impl<'de> Deserialize<'de> for MeanWork {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<MeanWork, D::Error> {
+        let means = BTreeMap::<String, f64>::deserialize(deserializer)?;
+        let mean = |event: Event| (event, means.get(event.key()).copied().unwrap_or(0.0));
+        Ok(MeanWork::from(MeanWork::REPORTED.map(mean)))
+    }
+}
+
 /// The kind of work that a price counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Counted {
@@ -181,7 +190,7 @@ pub enum Counted {
 
 /// Sizes of an error over many rays and channels, relative to the root mean square of what is
 /// right.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct Norms {
     /// Mean of the absolute error.
     pub l1: f64,
@@ -194,7 +203,7 @@ pub struct Norms {
 }
 
 /// Wall time for each ray, in seconds, of runs taken by turns with those of the other settings.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Times {
     /// Number of runs.
     pub runs: usize,
@@ -213,7 +222,7 @@ pub struct Times {
 }
 
 /// Order of convergence: the error falls as the `order`-th power of the parameter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ConvergenceOrder {
     /// Order by theory, if there is one; negative for a number of samples.
     pub expected: Option<f64>,
@@ -237,7 +246,7 @@ pub struct ConvergenceOrder {
 }
 
 /// Verdict on an order of convergence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OrderVerdict {
     /// The error falls as expected.
@@ -255,7 +264,7 @@ pub enum OrderVerdict {
 }
 
 /// The cheapest setting of each sweep for a wanted error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Price {
     /// Wanted root mean square error.
     pub error: f64,
@@ -264,7 +273,7 @@ pub struct Price {
 }
 
 /// The price of a sweep for a wanted error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Offer {
     /// The estimator.
     pub estimator: String,
@@ -281,7 +290,7 @@ pub struct Offer {
 }
 
 /// Estimators of the transmittance of one ray.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct EstimatorTable {
     /// Description of the ray.
     pub ray: String,
@@ -296,7 +305,7 @@ pub struct EstimatorTable {
 }
 
 /// An estimator, predicted and measured.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct EstimatorRow {
     /// Name of the estimator.
     pub estimator: String,
@@ -326,7 +335,7 @@ pub struct EstimatorRow {
 }
 
 /// Variance times lookups by optical thickness.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ThicknessSweep {
     /// Description of the ray, whose extinction is scaled.
     pub ray: String,
@@ -335,7 +344,7 @@ pub struct ThicknessSweep {
 }
 
 /// One estimator in thinner and denser media.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ThicknessCurve {
     /// Name of the estimator.
     pub estimator: String,
@@ -344,7 +353,7 @@ pub struct ThicknessCurve {
 }
 
 /// An estimator at one optical thickness.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ThicknessPoint {
     /// Optical thickness of the ray.
     pub depth: f64,
@@ -356,7 +365,7 @@ pub struct ThicknessPoint {
 }
 
 /// Bias and variance of jittered marching.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct JitterSplit {
     /// Description of the ray.
     pub ray: String,
@@ -365,7 +374,7 @@ pub struct JitterSplit {
 }
 
 /// One kind of jitter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct JitterCurve {
     /// `comb`: one offset for all steps; `stratified`: one for each.
     pub jitter: String,
@@ -378,7 +387,7 @@ pub struct JitterCurve {
 }
 
 /// Jittered marching at one step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct JitterPoint {
     /// The step, world units.
     pub step: f64,
@@ -393,7 +402,7 @@ pub struct JitterPoint {
 }
 
 /// Cost of one effect.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct EffectPrice {
     /// The effects simulated.
     pub effect: String,
@@ -406,7 +415,7 @@ pub struct EffectPrice {
 }
 
 /// A recommended setting.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Recommendation {
     /// Root mean square error wanted.
     pub error: f64,
@@ -417,7 +426,7 @@ pub struct Recommendation {
 }
 
 /// Signed error of an image.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct ErrorPicture {
     /// The setting.
     pub setting: String,
@@ -430,7 +439,7 @@ pub struct ErrorPicture {
 }
 
 /// Extinction along a ray, and the samples of a setting.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct RayTrace {
     /// Description of the ray.
     pub ray: String,

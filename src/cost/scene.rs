@@ -3,6 +3,7 @@
 use super::estimators;
 use super::jitter::Jitter;
 use super::results::{Cost, JitterSplit, Study};
+use super::study::halved;
 use super::timing::Clock;
 use super::transmittance::{self, Crossings, RayThroughMedia};
 use super::{advice, data, effects, image, pixels, samples};
@@ -164,16 +165,7 @@ fn to_the_end(panel: &Panel) -> Option<(Panel, &'static str)> {
 const TYPICAL_DEPTH: f64 = 2.0;
 
 /// Steps of jittered marching on one ray, as shares of its length.
-const JITTER_STEPS: [f64; 8] = [
-    0.25,
-    0.125,
-    0.0625,
-    0.031_25,
-    0.015_625,
-    0.007_812_5,
-    0.003_906_25,
-    0.001_953_125,
-];
+const JITTER_STEPS: [f64; 8] = halved(0.25);
 
 impl Inquiry<'_> {
     fn note(&mut self, note: &str) {

@@ -102,6 +102,17 @@ pub struct Truth<'a> {
     pub judged: Option<&'a [bool]>,
 }
 
+/// `first`, and after each number its half.
+pub(super) const fn halved<const N: usize>(first: f64) -> [f64; N] {
+    let mut numbers = [first; N];
+    let mut at = 1;
+    while at < N {
+        numbers[at] = 0.5 * numbers[at - 1];
+        at += 1;
+    }
+    numbers
+}
+
 impl Study {
     /// Runs all `planned` sweeps, with prices and without pictures.
     pub fn of(
@@ -113,7 +124,7 @@ impl Study {
     ) -> Study {
         let sweeps = run_sweeps(planned, &truth, clock);
         Study {
-            name,
+            name: name.to_owned(),
             quantity,
             reference: Reference {
                 method: truth.method,

@@ -7,7 +7,7 @@ use super::order::ExpectedOrder;
 use super::profile::{BoundedSegment, Profile};
 use super::results::{Parameter, Study};
 use super::rules::StepRule;
-use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth};
+use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth, halved};
 use super::thumbnail;
 use super::timing::Clock;
 use crate::geometry::{Ray, Span};
@@ -33,18 +33,7 @@ const SIDE: usize = 32;
 const SIDE_WITHOUT_INTEGRAL: usize = 16;
 
 /// Steps, in units of the field: voxels, or blocks of what is no grid.
-const STEPS: [f64; 10] = [
-    4.0,
-    2.0,
-    1.0,
-    0.5,
-    0.25,
-    0.125,
-    0.0625,
-    0.031_25,
-    0.015_625,
-    0.007_812_5,
-];
+const STEPS: [f64; 10] = halved(4.0);
 
 /// Estimates for each ray.
 const ESTIMATES: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];

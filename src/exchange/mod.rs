@@ -76,9 +76,6 @@ impl FromStr for Format {
     }
 }
 
-/// The names of the channels in files that hold one each.
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
-
 /// A scene in another format: files by names relative to one folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Export {

@@ -8,6 +8,8 @@ pub(crate) mod own_file;
 pub(crate) mod partial_file;
 pub(crate) mod private_folder;
 pub(crate) mod program_hash;
+#[cfg(test)]
+pub(crate) mod proptest_failures;
 pub(crate) mod regular_file;
 
 pub use kept_file::KeepError;

@@ -28,6 +28,9 @@ use noise::is_sound;
 pub use reading::Overflow;
 use reading::Reading;
 
+/// Names of the channels of a pixel.
+pub const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
 /// Linear, scene-referred RGB radiance, top row first; with opacity for a volume, and with noise if
 /// the radiance is a mean of random samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -266,11 +266,8 @@ impl Fits {
     }
 
     fn shifted(&self) -> Option<Map> {
-        let [weights, a, b, aa, ab] = self.all();
-        let spread = weights * aa - a * a;
-        let factor = (weights * ab - a * b) / spread;
         // An image of one value is shifted as well as scaled: that was tried.
-        let offset = (b - factor * a) / weights;
+        let [factor, offset] = line(self.all());
         (factor.is_finite() && offset.is_finite()).then_some(Map::Shifted { factor, offset })
     }
 }
@@ -291,10 +288,15 @@ fn power(golden: &Film, test: &Film) -> Option<Map> {
             }
         }
     }
-    let [weights, x, y, xx, xy] = sums;
-    let exponent = (weights * xy - x * y) / (weights * xx - x * x);
-    let factor = math::exp((y - exponent * x) / weights);
+    let [exponent, offset] = line(sums);
+    let factor = math::exp(offset);
     Some(Map::Power { factor, exponent })
+}
+
+/// Slope and offset of the line nearest to points, by weighted sums of 1, x, y, x² and x y.
+fn line([weights, x, y, xx, xy]: [f64; 5]) -> [f64; 2] {
+    let slope = (weights * xy - x * y) / (weights * xx - x * x);
+    [slope, (y - slope * x) / weights]
 }
 
 /// Transfer curve of codes.

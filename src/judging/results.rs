@@ -158,6 +158,19 @@ impl Summary {
             error: count(Verdict::Error),
         }
     }
+
+    /// The counts with their words.
+    pub fn in_words(&self) -> [(usize, &'static str); 6] {
+        let errors = if self.error == 1 { "error" } else { "errors" };
+        [
+            (self.pass, "passed"),
+            (self.fail, "failed"),
+            (self.convention, "by convention"),
+            (self.inconclusive, "inconclusive"),
+            (self.missing, "missing"),
+            (self.error, errors),
+        ]
+    }
 }
 
 /// Meaning of a metric of results, in a sentence; empty for an unknown one.

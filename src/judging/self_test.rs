@@ -293,10 +293,8 @@ impl SelfTest {
             })
             .map(|row| row.mistake)
             .collect();
-        let by_name: BTreeMap<&str, &Case> =
-            cases.iter().map(|case| (&*case.name, *case)).collect();
         let promised = |of: &CaseTrials, mistake: &str| {
-            let case = by_name.get(of.case.as_str());
+            let case = cases.iter().find(|case| case.name == of.case);
             case.is_some_and(|case| case.mistakes.iter().any(|name| name == mistake))
         };
         let mut broken_promises = Vec::new();

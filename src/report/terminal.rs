@@ -135,23 +135,8 @@ pub fn summary_text(results: &[CaseResult]) -> String {
             limit.\n",
         );
     }
-    let summary = Summary::of(results);
-    let counts = [
-        (summary.pass, "passed"),
-        (summary.fail, "failed"),
-        (summary.convention, "by convention"),
-        (summary.inconclusive, "inconclusive"),
-        (summary.missing, "missing"),
-        (
-            summary.error,
-            if summary.error == 1 {
-                "error"
-            } else {
-                "errors"
-            },
-        ),
-    ];
-    let said: Vec<_> = counts
+    let said: Vec<_> = Summary::of(results)
+        .in_words()
         .into_iter()
         .filter(|&(count, word)| count > 0 || word == "passed")
         .map(|(count, word)| format!("{count} {word}"))

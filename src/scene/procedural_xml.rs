@@ -496,9 +496,9 @@ fn line_of(text: &str, offset: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::proptest_failures::failures_in;
     use crate::volume::DensityField;
     use proptest::prelude::*;
-    use proptest::test_runner::FileFailurePersistence;
 
     const SOURCE: &str = include_str!("../../fixtures/scenes/procedural/source-block.xml");
 
@@ -864,13 +864,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 2000,
-            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-                "fixtures/proptest-regressions/procedural_xml.txt",
-            ))),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(ProptestConfig { cases: 2000, ..failures_in("fixtures/proptest-regressions/procedural_xml.txt") })]
 
         /// No text makes the reader panic, and every complaint has words.
         #[test]

@@ -1,6 +1,6 @@
 //! Known answers, which take precedence over any golden.
 
-use crate::film::Film;
+use crate::film::{CHANNELS, Film};
 use crate::hard_cases::{Margin, STANDARD_ERRORS};
 use crate::math::Sum;
 use glam::DVec3;
@@ -35,9 +35,6 @@ impl fmt::Display for Answer {
         }
     }
 }
-
-/// Red, green and blue, as messages name them.
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Relative rounding of a stored pixel: half the last of 24 binary digits.
 const STORED: f64 = 1.0 / (1 << 24) as f64;

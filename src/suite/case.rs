@@ -13,7 +13,7 @@ use crate::scene::{Scene, SceneError, SceneResult};
 use crate::variations::mistakes;
 use miette::Diagnostic;
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -169,6 +169,8 @@ impl Case {
 pub struct Suite {
     root: PathBuf,
     cases: Vec<Case>,
+    /// Places of the cases, by name.
+    by_name: HashMap<String, usize>,
     /// `family/name` of manifests that cannot be read, with the files.
     unreadable: Vec<(String, PathBuf)>,
     /// Files of the suite, relative to the root; `None` if every file there is one.
@@ -252,6 +254,7 @@ impl Suite {
         let mut suite = Suite {
             root: root.to_owned(),
             cases: Vec::new(),
+            by_name: HashMap::new(),
             unreadable: Vec::new(),
             own,
         };
@@ -259,7 +262,10 @@ impl Suite {
         check_names(&manifests)?;
         for path in manifests {
             match read_manifest(&path) {
-                Ok(case) => suite.cases.push(case),
+                Ok(case) => {
+                    suite.by_name.insert(case.name.clone(), suite.cases.len());
+                    suite.cases.push(case);
+                }
                 Err(_) => suite.unreadable.push((name_of(&path), path)),
             }
         }
@@ -271,10 +277,15 @@ impl Suite {
         &self.cases
     }
 
+    /// The case of this name.
+    pub fn case(&self, name: &str) -> Option<&Case> {
+        self.by_name.get(name).map(|&index| &self.cases[index])
+    }
+
     /// True if there is a manifest of this case, with or without a mistake.
     pub fn has_manifest(&self, name: &str) -> bool {
         let is_unreadable = self.unreadable.iter().any(|(other, _)| other == name);
-        is_unreadable || self.cases.iter().any(|case| case.name == name)
+        is_unreadable || self.case(name).is_some()
     }
 
     /// Folder of the goldens.

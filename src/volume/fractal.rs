@@ -195,8 +195,8 @@ impl DensityField for FractalDensity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::proptest_failures::failures_in;
     use proptest::prelude::*;
-    use proptest::test_runner::FileFailurePersistence;
 
     /// The parameters of the source's XML block.
     const SOURCE: FractalParameters = FractalParameters {
@@ -355,13 +355,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 2000,
-            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-                "fixtures/proptest-regressions/fractal.txt",
-            ))),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(ProptestConfig { cases: 2000, ..failures_in("fixtures/proptest-regressions/fractal.txt") })]
 
         /// Densities are finite, at most the largest, above the threshold or 0, and within the
         /// range over any box around them.

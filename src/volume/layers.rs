@@ -195,8 +195,8 @@ fn finite(name: &'static str, value: DVec3) -> Result<DVec3, InvalidParameter> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::proptest_failures::failures_in;
     use proptest::prelude::*;
-    use proptest::test_runner::FileFailurePersistence;
 
     #[test]
     fn densities_by_hand() {
@@ -258,13 +258,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            cases: 1000,
-            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-                "fixtures/proptest-regressions/layers.txt",
-            ))),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(ProptestConfig { cases: 1000, ..failures_in("fixtures/proptest-regressions/layers.txt") })]
 
         /// Densities are finite, not negative and within the range over any box around them.
         #[test]

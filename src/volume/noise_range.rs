@@ -204,9 +204,9 @@ impl Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::proptest_failures::failures_in;
     use crate::volume::perlin_noise;
     use proptest::prelude::*;
-    use proptest::test_runner::FileFailurePersistence;
 
     /// Bounds on the mixture that [`NOISE_BOUND`] speaks of, over a part of a cell.
     fn largest_mixture(low: DVec3, high: DVec3) -> f64 {
@@ -264,12 +264,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-                "fixtures/proptest-regressions/noise_range.txt",
-            ))),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(failures_in("fixtures/proptest-regressions/noise_range.txt"))]
 
         /// Noise lies within its range, in boxes of all sizes, near and far, on their faces too.
         #[test]

@@ -154,8 +154,8 @@ const GRADIENTS: [[f64; 3]; 16] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::proptest_failures::failures_in;
     use proptest::prelude::*;
-    use proptest::test_runner::FileFailurePersistence;
 
     #[test]
     fn the_permutation_is_one() {
@@ -224,12 +224,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig {
-            failure_persistence: Some(Box::new(FileFailurePersistence::Direct(
-                "fixtures/proptest-regressions/perlin.txt",
-            ))),
-            ..ProptestConfig::default()
-        })]
+        #![proptest_config(failures_in("fixtures/proptest-regressions/perlin.txt"))]
 
         /// The noise vanishes at lattice points and repeats after 256 cells.
         #[test]

@@ -307,7 +307,7 @@ const OF_THE_SUITE: [(&str, u32); 10] = [
 
 /// The golden of a case of `suite`, and the level of one case of all.
 fn golden(suite: &Suite, name: &str) -> (Film, f64) {
-    let case = suite.cases().iter().find(|case| case.name == name).unwrap();
+    let case = suite.case(name).unwrap();
     let film = Golden::read(&suite.store(), case).unwrap().film;
     (film, FALSE_ALARM / suite.cases().len() as f64)
 }

@@ -1,6 +1,7 @@
 //! Laws of shapes, meshes and transforms. Names that begin with `g` are hard cases.
 
 use crate::common;
+use crate::common::direction;
 use crate::meshes;
 use crate::meshes::{closed, cuboid, icosphere, knot};
 use glam::{DMat3, DVec3};
@@ -16,20 +17,6 @@ fn config() -> ProptestConfig {
 
 fn vector(size: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-size..size).prop_map(DVec3::from_array)
-}
-
-/// Directions as renderers meet them: any, along an axis or a plane of axes with zeros of either
-/// sign, nearly so, with denormal components.
-fn direction() -> impl Strategy<Value = DVec3> {
-    let component = prop_oneof![
-        4 => -1.0..1.0,
-        1 => Just(0.0),
-        1 => Just(-0.0),
-        1 => prop_oneof![Just(1e-17), Just(-1e-9), Just(5e-324), Just(-1e-310)],
-    ];
-    prop::array::uniform3(component)
-        .prop_map(DVec3::from_array)
-        .prop_filter("a direction", |v| v.abs().max_element() > 0.1)
 }
 
 fn ray() -> impl Strategy<Value = Ray> {

@@ -121,7 +121,7 @@ use super::picture::{Picture, PictureError};
 use super::promise::Promise;
 use super::sensitivity::{Sensitivity, with_error};
 use super::significance::{deviation, holm, two_sided, two_sided_estimated};
-use crate::film::Film;
+use crate::film::{CHANNELS, Film};
 use crate::math;
 use amount::judge_amount;
 use blocks::{Block, Channel};
@@ -462,10 +462,6 @@ fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
 }
 
-fn colour(channel: usize) -> &'static str {
-    ["red", "green", "blue"][channel]
-}
-
 fn side(difference: f64) -> &'static str {
     if difference > 0.0 { "bright" } else { "dark" }
 }
@@ -524,7 +520,7 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
     let rejected = holm(&probabilities, level);
     let what = match rejected {
         3 if (0..3).all(|other| side(mean(other)) == side(mean(c))) => "the image",
-        _ => colour(c),
+        _ => CHANNELS[c],
     };
     let blocks = comparison.blocks.iter();
     let reference: f64 = blocks.map(|block| block.channels[c].radiance).sum();
@@ -532,7 +528,7 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
         format!(
             "{what} is too {} overall: the mean of {} is {}",
             side(mean(c)),
-            colour(c),
+            CHANNELS[c],
             means(reference / pixels as f64, mean(c), deviations[c]),
         )
     })
@@ -589,7 +585,7 @@ impl<'c> WorstBlock<'c> {
                 corner[0],
                 corner[1],
                 side(off),
-                colour(self.channel),
+                CHANNELS[self.channel],
                 means(channel.radiance / pixels, off / pixels, self.deviation()),
             )
         })

@@ -3,8 +3,9 @@
 
 use super::blocks::{Block, Channel};
 use super::comparison::Comparison;
-use super::{colour, means, probability, side};
+use super::{means, probability, side};
 use crate::compare::significance::{deviation, holm};
+use crate::film::CHANNELS;
 
 /// A channel of a square of blocks.
 struct Square {
@@ -54,7 +55,7 @@ pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<St
             first.columns.start,
             first.rows.start,
             side(worst.sums.difference.value),
-            colour(worst.colour),
+            CHANNELS[worst.colour],
             means(
                 worst.sums.radiance / worst.pixels as f64,
                 worst.sums.difference.value / worst.pixels as f64,

@@ -131,7 +131,7 @@ fn sweep_rows(study: &Study, sweep: &Sweep) -> Vec<Row> {
         };
         let l2_of = |norms: Norms| words::error(norms.l2);
         let mut row = vec![
-            key("study", study.name),
+            key("study", &*study.name),
             key("estimator", &*sweep.estimator),
             key("is_ours", sweep.is_ours),
             key("parameter", words::key(sweep.parameter)),
@@ -190,7 +190,7 @@ pub(super) fn orders(study: &Study) -> Table {
 fn order_rows(study: &Study) -> Vec<Row> {
     let row = |sweep: &Sweep| {
         let mut row = vec![
-            key("study", study.name),
+            key("study", &*study.name),
             named("estimator", &sweep.estimator).key("of", &*sweep.estimator),
             named("varied", words::parameter(sweep.parameter))
                 .key("parameter", words::key(sweep.parameter)),
@@ -256,7 +256,7 @@ fn price_rows(study: &Study, wanted: fn(&Offer) -> bool) -> Vec<Row> {
         let name = words::sweep(study, &offer.estimator, offer.parameter);
         let setting = offer.setting.as_deref();
         vec![
-            key("study", study.name),
+            key("study", &*study.name),
             named("error", &words::round(price.error)).key("error", price.error),
             named("estimator", &name).key("estimator", &*offer.estimator),
             key("parameter", words::key(offer.parameter)),

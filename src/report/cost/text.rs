@@ -86,7 +86,7 @@ fn scene(cost: &Cost) -> String {
             }
         }
         if !rest.is_empty() {
-            let (study, rest) = (study.name, rest.join("; "));
+            let (study, rest) = (&study.name, rest.join("; "));
             let where_else = format!("{study}: page and CSV have all settings of {rest}");
             text.push('\n');
             text.push_str(&wrapped(&where_else, 0));

@@ -3,7 +3,7 @@
 use super::words;
 use crate::compare::BlockMap;
 use crate::compare::stochastic::BLOCK;
-use crate::film::Film;
+use crate::film::{CHANNELS, Film};
 use minijinja::{Value, context};
 
 /// The mean of each channel in both images, over the pixels that are finite in both.
@@ -30,7 +30,7 @@ pub(super) fn means(golden: &Film, test: &Film) -> Vec<Value> {
             ratio,
         }
     };
-    let channels = ["red", "green", "blue"].into_iter().enumerate();
+    let channels = CHANNELS.into_iter().enumerate();
     channels.map(mean).collect()
 }
 

@@ -10,22 +10,12 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
     if of == 0 {
         return "Nothing was compared.".to_owned();
     }
-    let undecided: Vec<_> = [
-        (summary.inconclusive, "inconclusive"),
-        (summary.missing, "missing"),
-        (
-            summary.error,
-            if summary.error == 1 {
-                "error"
-            } else {
-                "errors"
-            },
-        ),
-    ]
-    .into_iter()
-    .filter(|(count, _)| *count > 0)
-    .map(|(count, word)| format!("{count} {word}"))
-    .collect();
+    let [_, _, _, undecided @ ..] = summary.in_words();
+    let undecided: Vec<_> = undecided
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, word)| format!("{count} {word}"))
+        .collect();
     let mut rest = match summary.convention {
         0 => String::new(),
         1 => " 1 differs by convention.".to_owned(),

@@ -91,16 +91,19 @@ fn colours_too_far_apart_to_be_tracked() {
     scene(&seen(&red.replace("[0, 0, 0]", "[0, 0, 2]")));
 }
 
+/// A folder that holds `cloud.obj`, a cloud of three points.
+fn beside_a_cloud() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let points = "v 0 0 0\nv 1 0 0\nv 0 1 1\n";
+    std::fs::write(folder.path().join("cloud.obj"), points).unwrap();
+    folder
+}
+
 /// So far away the length of a ray's way through the volume is the rounding of its ends: 1e292,
 /// taken in steps of half a voxel.
 #[test]
 fn an_eye_that_cannot_tell_a_step() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(
-        folder.path().join("cloud.obj"),
-        "v 0 0 0\nv 1 0 0\nv 0 1 1\n",
-    )
-    .unwrap();
+    let folder = beside_a_cloud();
     let path = folder.path().join("scene.toml");
     let text = "[camera]\n\
                 eye = [0, 0, 1.7976931348623155e308]\n\
@@ -121,12 +124,7 @@ fn an_eye_that_cannot_tell_a_step() {
 /// Either step alone is accepted: together they ask for 7.5e15 samples of each ray.
 #[test]
 fn shadows_of_too_many_samples() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(
-        folder.path().join("cloud.obj"),
-        "v 0 0 0\nv 1 0 0\nv 0 1 1\n",
-    )
-    .unwrap();
+    let folder = beside_a_cloud();
     let path = folder.path().join("scene.toml");
     let text = "[classified]\n\
                 step = 1e-7\n\

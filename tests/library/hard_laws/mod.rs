@@ -9,6 +9,7 @@ mod rays;
 mod spheres;
 
 use crate::common;
+use crate::common::direction;
 use crate::exact;
 use crate::ray_caster::scenes;
 use glam::DVec3;
@@ -57,18 +58,6 @@ fn offset() -> impl Strategy<Value = DVec3> {
         scenes::power_of_two(exponent) * if negative { -1.0 } else { 1.0 }
     });
     vector(power)
-}
-
-/// Directions as renderers meet them: any, along an axis or a plane of axes with zeros of either
-/// sign, nearly so, with denormal components.
-fn direction() -> impl Strategy<Value = DVec3> {
-    let component = prop_oneof![
-        4 => -1.0..1.0,
-        1 => Just(0.0),
-        1 => Just(-0.0),
-        1 => prop_oneof![Just(1e-17), Just(-1e-9), Just(5e-324), Just(-1e-310)],
-    ];
-    vector(component).prop_filter("a direction", |v| v.abs().max_element() > 0.1)
 }
 
 /// A random number as the generator makes them, also close to 0 and to 1, and either end.
