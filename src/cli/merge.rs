@@ -422,7 +422,7 @@ fn without_result(name: &str, case: Option<&Case>, reason: &str) -> Judged {
         },
         evidence: Evidence {
             without_image: true,
-            ..case.map(|case| Evidence::of(case)).unwrap_or_default()
+            ..case.map(Evidence::of).unwrap_or_default()
         },
     }
 }

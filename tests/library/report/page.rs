@@ -54,7 +54,7 @@ fn names_are_escaped() {
 
 #[test]
 fn the_page_asks_for_nothing_outside() {
-    asks_for_nothing_outside(&samples::suite_html());
+    asks_for_nothing_outside(samples::suite_html());
 }
 
 /// Bars that lie in the band, and the slope, of noise against its golden with `edit` as the test image.
