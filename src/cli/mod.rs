@@ -125,7 +125,7 @@ fn run() -> Exit {
     };
     if let Err(failure) = started {
         output::print_error(&failure);
-        return failure.exit.into();
+        return failure.exit;
     }
     let result = match arguments.command {
         Command::Verify(arguments) => verify::run(arguments),
