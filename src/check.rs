@@ -3,9 +3,9 @@
 use crate::compare::Picture;
 use crate::film::Film;
 use crate::judging::CaseResult;
-use crate::judging::validate::{Output, validate};
+use crate::judging::validate::validate;
 use crate::naming::{ConventionSearch, Predictions, Search, likeness};
-use crate::suite::{Suite, SuiteError};
+use crate::suite::{Output, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 

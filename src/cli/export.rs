@@ -5,12 +5,8 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::scene_file;
 use crate::exchange::{self, Export, Format, Refusal};
-use crate::files::partial_file;
-use crate::film::CHANNELS;
 use crate::scene::Scene;
 use serde_json::json;
-use std::fs;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Write a scene for another renderer
@@ -47,7 +43,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         outputs.extend(files.iter().map(|file| Some(file.as_path())));
         output::check(&outputs, &[])?;
     }
-    write_all(folder, &export).map_err(|error| {
+    export.write_into(folder).map_err(|error| {
         let message = format!("cannot write into {}: {error}", folder.display());
         let help = "nothing was written; give a folder that can be created or written to";
         Failure::new(Exit::BadInput, message, Some(help))
@@ -81,41 +77,6 @@ impl From<Refusal> for Failure {
         let help = "nothing was written; remove these features from the scene or replace them";
         Failure::new(Exit::BadInput, refusal.to_string(), Some(help))
     }
-}
-
-/// All files or none: they are written under temporary names in the same folder, then renamed, the
-/// main one last. A folder created for them is removed again on failure.
-pub(super) fn write_all(folder: &Path, export: &Export) -> io::Result<()> {
-    let is_new = !folder.exists();
-    fs::create_dir_all(folder)?;
-    let written = write_into(folder, export);
-    if written.is_err() && is_new {
-        // Of several folders made, the last; the others are empty and in nobody's way.
-        let _ = fs::remove_dir(folder);
-    }
-    written
-}
-
-fn write_into(folder: &Path, export: &Export) -> io::Result<()> {
-    let folder_in_the_way = export
-        .files
-        .iter()
-        .find(|(name, _)| folder.join(name).is_dir());
-    if let Some((name, _)) = folder_in_the_way {
-        return Err(io::Error::other(format!("{name} is a folder")));
-    }
-    let mut aside = Vec::new();
-    for (name, bytes) in &export.files {
-        let mut file = partial_file::create(folder)?;
-        file.write_all(bytes)?;
-        file.as_file().sync_all()?;
-        aside.push((name, file));
-    }
-    aside.sort_by_key(|(name, _)| **name == export.main);
-    for (name, file) in aside {
-        file.persist(folder.join(name))?;
-    }
-    Ok(())
 }
 
 /// Command lines of the other renderer.

@@ -13,6 +13,7 @@
 //! [pbrt-v4]: https://pbrt.org
 
 mod bundle;
+mod export_files;
 mod export_scene;
 mod files;
 mod forms;
@@ -25,6 +26,7 @@ mod refusal;
 mod view;
 
 pub use bundle::bundle;
+pub use export_files::Export;
 pub use refusal::{ExportFault, Refusal};
 
 use crate::scene::{Model, Scene};
@@ -74,15 +76,6 @@ impl FromStr for Format {
                 format!("there is no format `{text}`: choose one of {names}")
             })
     }
-}
-
-/// A scene in another format: files by names relative to one folder.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Export {
-    /// The main file, for the command line of the other renderer; one of `files`.
-    pub main: String,
-    /// Every file with its contents. No name leads out of the folder.
-    pub files: Vec<(String, Vec<u8>)>,
 }
 
 /// `scene` in the given `format`, in files whose names begin with `name`: letters, digits, `.`, `-`

@@ -4,6 +4,7 @@ pub(crate) mod decide;
 pub(crate) mod evidence;
 pub(crate) mod finding;
 pub(crate) mod measured;
+pub(crate) mod more_samples;
 pub(crate) mod refinement;
 pub(crate) mod results;
 pub(crate) mod rows;
@@ -15,11 +16,12 @@ pub(crate) mod verify;
 pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
+pub use more_samples::{MoreSamples, is_open};
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use rows::verify_row;
 pub use self_test::{
     BenignTrials, CaseTrials, MistakeTrials, Rejection, SelfTest, SelfTestCases, SelfTestExtent,
     Step, Trial, case_trials, self_test, self_test_steps,
 };
-pub use validate::{Output, validate, validate_at};
+pub use validate::{validate, validate_at};
 pub use verify::{verify, without_case};

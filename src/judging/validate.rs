@@ -9,21 +9,8 @@ use crate::compare::{
 };
 use crate::conventions::Profile;
 use crate::film::Film;
-use crate::suite::{Case, Store};
+use crate::suite::{Case, Output, Store};
 use std::time::Instant;
-
-/// The output of another renderer for a case.
-#[derive(Clone, Debug)]
-pub enum Output {
-    /// An image.
-    Picture(Box<Picture>),
-    /// Images with the step of the scene, half of it, a quarter and so on: at least three.
-    Refined(Vec<Film>),
-    /// No image; with the reason, in words.
-    Missing(String),
-    /// An unusable image, or a renderer that failed; with the reason, in words.
-    Unusable(String),
-}
 
 /// Judges the output of another renderer for `case`, by the gate of the case: radiance by the
 /// deterministic or the stochastic one, 8-bit codes by the perceptual one.
@@ -31,28 +18,19 @@ pub enum Output {
 /// With a `profile`, a classified volume is judged by its image under the conventions of that profile,
 /// rendered now, in place of the golden; in a case of class limit with the step of its scene.
 pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Profile>) -> Judged {
-    validate_among(MOST_CASES, case, store, output, profile)
+    validate_at(None, case, store, output, profile)
 }
 
-/// [`validate`] at look `look`, from 1, of several at one case: together they raise no more false alarms
-/// than one.
+/// [`validate`] at look `look`, from 1, where there may be several at one case: together they raise no more false
+/// alarms than one.
 pub fn validate_at(
-    look: u32,
+    look: Option<u32>,
     case: &Case,
     store: &Store,
     output: Output,
     profile: Option<&Profile>,
 ) -> Judged {
-    validate_among(cases_at(look), case, store, output, profile)
-}
-
-fn validate_among(
-    cases: usize,
-    case: &Case,
-    store: &Store,
-    output: Output,
-    profile: Option<&Profile>,
-) -> Judged {
+    let cases = look.map_or(MOST_CASES, cases_at);
     let start = Instant::now();
     // What images converge to does not depend on conventions.
     let profile = profile.filter(|_| !matches!(output, Output::Refined(_)));

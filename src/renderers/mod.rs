@@ -1,5 +1,18 @@
-//! Other renderers as programs: started, watched, ended.
+//! Other renderers as programs: called for a case, watched, ended, and the images that they write.
 
+pub(crate) mod call;
+pub(crate) mod command_template;
+pub(crate) mod image_source;
+pub(crate) mod jobs;
+pub(crate) mod keeper;
 pub(crate) mod other_renderer;
+mod printed;
+pub(crate) mod process;
 
-pub use other_renderer::{CommandTemplate, Keeper, Kept, Ran, TemplateError, keep, run, stop_all};
+pub use call::CallSettings;
+pub use command_template::{CommandTemplate, TemplateError, hashes_of_files};
+pub use image_source::ImageSource;
+pub use jobs::in_order;
+pub use keeper::{Keeper, Kept, keep};
+pub use other_renderer::{OtherRenderer, Rendered, RendererOptions};
+pub use process::stop_all;

@@ -1,182 +1,253 @@
-//! Another renderer, run once for each case, without a shell.
-//!
-//! The command is split into words as a shell would, then placeholders are filled in, so that no
-//! path needs quoting.
+//! Another renderer: called for a case, once, or once for each of three steps.
 
-mod keeper;
-mod printed;
-mod process;
+use super::call::{Call, not_run};
+use super::process::run;
+use super::{CallSettings, CommandTemplate, Keeper};
+use crate::compare::Picture;
+use crate::files::atomic_file::{directory_of, write_in_place_of};
+use crate::files::{own_file, regular_file};
+use crate::film::Film;
+use crate::suite::{Case, Output, Outputs, image_path, step_name};
+use std::error::Error;
+use std::io;
+use std::path::{Path, PathBuf, absolute};
+use std::time::Duration;
+use tempfile::TempDir;
 
-pub use keeper::{Keeper, Kept, keep};
-pub use process::{Ran, run, stop_all};
-
-use std::collections::BTreeMap;
-use thiserror::Error;
-
-/// A command with placeholders such as `{output}`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CommandTemplate {
-    words: Vec<Vec<Part>>,
+/// Options of another renderer.
+#[derive(Debug)]
+pub struct RendererOptions {
+    /// Its command.
+    pub template: CommandTemplate,
+    /// Samples and seed of the first call for a case.
+    pub first: CallSettings,
+    /// Extension of the image: one of [`OtherRenderer::FORMATS`].
+    pub format: String,
+    /// Time limit of a call.
+    pub timeout: Duration,
+    /// Folder in which images are kept.
+    pub keep: Option<PathBuf>,
+    /// Keeper of its processes.
+    pub keeper: Option<Keeper>,
 }
 
-/// A part of a word.
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Part {
-    /// As it stands.
-    Text(String),
-    /// The name of a value.
-    Placeholder(String),
+/// Another renderer.
+#[derive(Debug)]
+pub struct OtherRenderer {
+    /// Its options.
+    pub options: RendererOptions,
+    /// Images are written here.
+    folder: PathBuf,
+    /// Holds exports, and the images unless they are to be kept; removed at the end.
+    temporary: TempDir,
 }
 
-/// Error in a command.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum TemplateError {
-    /// Unclosed quotes.
-    #[error("unclosed quote in: {0}")]
-    Quotes(String),
-    /// An empty command.
-    #[error("there is no command to run")]
-    Empty,
-    /// The placeholder for the image is missing.
-    #[error("the command must contain {{output}}, the image file to write")]
-    NoOutput,
-    /// An unknown placeholder.
-    #[error("unknown placeholder {{{name}}}; the placeholders are: {known}")]
-    Unknown {
-        /// The name in braces.
-        name: String,
-        /// Every placeholder.
-        known: String,
-    },
+/// Output for a case, and its origin.
+#[derive(Debug)]
+pub struct Rendered {
+    /// The image, or the reason why there is none.
+    pub output: Output,
+    /// Output of the renderer, if one was run.
+    pub printed: Option<String>,
+    /// Notes beside the verdict.
+    pub notes: Vec<String>,
+    /// Command lines of the renderer, if one was run.
+    pub call: Option<String>,
 }
 
-impl CommandTemplate {
-    /// Every placeholder, without its braces.
-    pub const PLACEHOLDERS: [&str; 12] = [
-        "scene",
-        "output",
-        "width",
-        "height",
-        "spp",
-        "seed",
-        "case",
-        "step",
-        "rate",
-        "export:mitsuba",
-        "export:pbrt",
-        "export:bundle",
-    ];
-
-    /// Splits `text` into words as a POSIX shell would, quotes and backslashes included, and
-    /// nothing else a shell does.
-    pub fn parse(text: &str) -> Result<CommandTemplate, TemplateError> {
-        let words = shell_words::split(text).map_err(|_| TemplateError::Quotes(text.to_owned()))?;
-        if words.is_empty() {
-            return Err(TemplateError::Empty);
+impl Rendered {
+    /// An output without a renderer.
+    pub fn of(output: Output) -> Rendered {
+        Rendered {
+            output,
+            printed: None,
+            notes: Vec::new(),
+            call: None,
         }
-        let words = words.iter().map(|word| parts(word)).collect();
-        let template = CommandTemplate { words };
-        if let Some(name) = template
-            .placeholders()
-            .find(|name| !Self::PLACEHOLDERS.contains(name))
-        {
-            let known = Self::PLACEHOLDERS.map(|name| format!("{{{name}}}"));
-            return Err(TemplateError::Unknown {
-                name: name.to_owned(),
-                known: known.join(" "),
-            });
-        }
-        if !template.uses("output") {
-            return Err(TemplateError::NoOutput);
-        }
-        Ok(template)
     }
+}
 
-    /// The names in braces, in order.
-    fn placeholders(&self) -> impl Iterator<Item = &str> {
-        self.words.iter().flatten().filter_map(|part| match part {
-            Part::Placeholder(name) => Some(name.as_str()),
-            Part::Text(_) => None,
+impl OtherRenderer {
+    /// Formats of images.
+    pub const FORMATS: [&str; 4] = ["exr", "pfm", "npy", "png"];
+
+    /// A renderer with its folders, which are created; the error is a sentence.
+    pub fn new(options: RendererOptions) -> Result<OtherRenderer, String> {
+        let temporary = tempfile::Builder::new().prefix("volref-").tempdir();
+        let temporary =
+            temporary.map_err(|error| format!("cannot create a temporary folder: {error}"))?;
+        let images = temporary.path().join("images");
+        let folder = options.keep.as_ref().unwrap_or(&images);
+        let folder = std::fs::create_dir_all(folder)
+            .and_then(|()| absolute(folder))
+            .map_err(|error| format!("cannot create the folder for images: {error}"))?;
+        Ok(OtherRenderer {
+            options,
+            folder,
+            temporary,
         })
     }
 
-    /// Whether the placeholder `name` is in the command.
-    pub fn uses(&self, name: &str) -> bool {
-        self.placeholders().any(|used| used == name)
+    /// Folder of temporary files.
+    pub fn temporary(&self) -> &Path {
+        self.temporary.path()
     }
 
-    /// The words of the command with the placeholders filled in.
-    pub fn fill(&self, values: &BTreeMap<&str, String>) -> Vec<String> {
-        let filled = |part: &Part| match part {
-            Part::Text(text) => text.clone(),
-            Part::Placeholder(name) => values.get(name.as_str()).cloned().unwrap_or_default(),
-        };
-        let fill = |word: &Vec<Part>| word.iter().map(filled).collect();
-        self.words.iter().map(fill).collect()
+    /// The output for `case`: of a case without a step, images with three steps, if the command takes
+    /// its step from here.
+    pub fn output(&self, case: &Case, settings: CallSettings) -> Rendered {
+        self.called(case, settings).unwrap_or_else(Rendered::of)
     }
-}
 
-/// The parts of a word. Braces around anything but a name stand for themselves.
-fn parts(word: &str) -> Vec<Part> {
-    let is_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, ':' | '-' | '_');
-    let mut parts = Vec::new();
-    let mut text = String::new();
-    let mut rest = word;
-    while let Some((before, after)) = rest.split_once('{') {
-        text.push_str(before);
-        match after.split_once('}') {
-            Some((name, behind)) if !name.is_empty() && name.chars().all(is_name) => {
-                parts.push(Part::Text(std::mem::take(&mut text)));
-                parts.push(Part::Placeholder(name.to_owned()));
-                rest = behind;
+    /// Outcome of the calls for `case`; the error is the output where it was not called.
+    fn called(&self, case: &Case, settings: CallSettings) -> Result<Rendered, Output> {
+        let options = &self.options;
+        let exports = self.temporary().join("exports");
+        let mut call = Call::new(&options.template, case, settings, &exports)?;
+        let has_steps = case.is_limit() && options.template.takes_step();
+        let (mut printed, mut notes, mut calls) = (String::new(), Vec::new(), Vec::new());
+        let mut failure = None;
+        for halvings in 0..=if has_steps { 2 } else { 0 } {
+            let output = self.place_for(&step_name(&case.name, halvings))?;
+            let words = call.words(&output, halvings);
+            let ran = run(&words, options.timeout, options.keeper.as_ref());
+            printed.push_str(&ran.printed);
+            notes.extend(ran.notes);
+            calls.push(shell_words::join(&words));
+            if let Some(reason) = ran.failure {
+                failure = Some(reason + &last_words(&ran.printed));
+                break;
             }
-            _ => {
-                text.push('{');
-                rest = after;
+        }
+        let written = || self.written(case, has_steps, settings);
+        let output = failure.map_or_else(written, Output::Unusable);
+        notes.extend(self.fewer_samples(&output, settings));
+        Ok(Rendered {
+            output,
+            printed: Some(printed),
+            notes,
+            call: Some(calls.join("\n")),
+        })
+    }
+
+    /// The path at which the image `name` is to be written: its folder is there, and no image is.
+    fn place_for(&self, name: &str) -> Result<PathBuf, Output> {
+        // In a folder that a link leads to, an image of an earlier run might be a file of the user's.
+        own_file::make_folder(&self.folder, directory_of(Path::new(name))).map_err(not_run)?;
+        let output = image_path(&self.folder, name, &self.options.format);
+        // An image of an earlier run would be taken for one of this.
+        match std::fs::remove_file(&output) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(not_run(error)),
+            _ => Ok(output),
+        }
+    }
+
+    /// A note on an image that states half the samples it was asked for or fewer: the gate takes them
+    /// as they are, and allows for the more noise. More are no surprise: renderings add up.
+    fn fewer_samples(&self, output: &Output, settings: CallSettings) -> Option<String> {
+        let Output::Picture(picture) = output else {
+            return None;
+        };
+        let film = picture.radiance().filter(|_| self.asks_for_samples())?;
+        let (stated, asked) = (film.samples()?, u64::from(settings.spp));
+        (2 * stated <= asked).then(|| {
+            format!("the image states {stated} samples per pixel, where {{spp}} asked for {asked}")
+        })
+    }
+
+    /// The image that the renderer wrote, or those with several steps.
+    fn written(&self, case: &Case, has_steps: bool, settings: CallSettings) -> Output {
+        let outputs = match Outputs::list(&self.folder, &[&case.name]) {
+            Ok(outputs) => outputs,
+            Err(error) => return Output::Unusable(error.to_string()),
+        };
+        if self.options.keep.is_some() {
+            self.keep_files(case, &outputs);
+        }
+        let format = self.options.format.as_str();
+        let unwritten = |name: &str, rest: &str| {
+            Output::Missing(format!(
+                "the renderer succeeded, but did not write {name}.{format}, the file that {{output}} stood for {rest}"
+            ))
+        };
+        match outputs.output(&case.name) {
+            Output::Missing(_) => {
+                let others = Self::FORMATS.into_iter().filter(|other| *other != format);
+                let others = others.collect::<Vec<_>>().join(", ");
+                unwritten(
+                    &case.name,
+                    &format!("(for another format: --format {others})"),
+                )
+            }
+            Output::Picture(picture) if has_steps && picture.radiance().is_some() => {
+                unwritten(&step_name(&case.name, 1), "with a smaller step")
+            }
+            // As far as is known, it did what it was asked for.
+            Output::Picture(picture) if self.asks_for_samples() => {
+                Output::Picture(Box::new(picture.with_samples(settings.spp)))
+            }
+            output => output,
+        }
+    }
+
+    /// The command passes the number of samples.
+    fn asks_for_samples(&self) -> bool {
+        self.options.template.uses("spp")
+    }
+
+    /// Puts files in the place of links that the renderer left in the folder of the case: what they lead to need
+    /// not stay. Of one that leads nowhere the verdict says so.
+    fn keep_files(&self, case: &Case, outputs: &Outputs) {
+        let image = image_path(&self.folder, &case.name, &self.options.format);
+        let is_in_it = |file: &&Path| file.parent() == image.parent() && file.is_symlink();
+        for file in outputs.files().filter(is_in_it) {
+            if let Ok(bytes) = regular_file::read(file, Picture::MOST_BYTES) {
+                let _ = write_in_place_of(file, &bytes);
             }
         }
     }
-    parts.push(Part::Text(text + rest));
-    parts
+
+    /// Replaces the image of the last call by these, if images are kept: one image, or several renderings.
+    pub fn keep(&self, case: &Case, films: &[Film]) -> Result<(), Box<dyn Error>> {
+        if self.options.keep.is_none() {
+            return Ok(());
+        }
+        let last = image_path(&self.folder, &case.name, &self.options.format);
+        let mut is_replaced = false;
+        for (number, film) in films.iter().enumerate() {
+            let extension = match films.len() {
+                1 => "exr".to_owned(),
+                _ => format!("{number}.exr"),
+            };
+            let path = image_path(&self.folder, &case.name, &extension);
+            own_file::write(&path, &film.to_exr()?)?;
+            is_replaced |= path == last;
+        }
+        if !is_replaced {
+            std::fs::remove_file(&last)?;
+        }
+        Ok(())
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn template(text: &str) -> Vec<String> {
-        let values = [("scene", "a b.toml"), ("output", "o.exr"), ("spp", "4")];
-        let values = values.map(|(name, value)| (name, value.to_owned()));
-        CommandTemplate::parse(text)
-            .unwrap()
-            .fill(&BTreeMap::from(values))
+/// The last lines of a renderer's output, with its errors, as the end of a message.
+fn last_words(printed: &str) -> String {
+    const LINES: usize = 3;
+    const LETTERS: usize = 400;
+    let lines: Vec<&str> = printed
+        .lines()
+        .filter(|line| !line.trim().is_empty())
+        .collect();
+    let last = &lines[lines.len().saturating_sub(LINES)..];
+    if last.is_empty() {
+        return String::new();
     }
-
-    #[test]
-    fn words_are_split_before_values_are_put_in() {
-        assert_eq!(
-            template("render --to={output} {scene} 'x y' \"{spp}{spp}\""),
-            ["render", "--to=o.exr", "a b.toml", "x y", "44"]
-        );
+    let mut text = String::from("; its last output:");
+    for line in last {
+        // It may hold anything, escape sequences too.
+        let plain = line.chars().filter(|letter| !letter.is_control());
+        text.push('\n');
+        text.extend(plain.take(LETTERS));
     }
-
-    #[test]
-    fn other_braces_stand_for_themselves() {
-        assert_eq!(
-            template("r {output} '{' '}{' '{\"a b\": {spp}}'"),
-            ["r", "o.exr", "{", "}{", "{\"a b\": 4}"]
-        );
-    }
-
-    #[test]
-    fn what_is_no_command() {
-        let error = |text: &str| CommandTemplate::parse(text).unwrap_err().to_string();
-        assert_eq!(error("  "), "there is no command to run");
-        assert!(error("render 'x").starts_with("unclosed quote"));
-        assert!(error("render {scene}").contains("{output}"));
-        assert!(
-            error("render {otput}")
-                .starts_with("unknown placeholder {otput}; the placeholders are: {scene}")
-        );
-    }
+    text
 }

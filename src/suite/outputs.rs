@@ -24,8 +24,22 @@ use thiserror::Error;
 /// The files of a folder, sorted by case.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
+    folder: PathBuf,
     by_case: BTreeMap<String, BTreeSet<(Role, PathBuf)>>,
     unknown_files: Vec<UnknownFile>,
+}
+
+/// The output of another renderer for a case.
+#[derive(Clone, Debug)]
+pub enum Output {
+    /// An image.
+    Picture(Box<Picture>),
+    /// Images with the step of the scene, half of it, a quarter and so on: at least three.
+    Refined(Vec<Film>),
+    /// None; with the reason, in words.
+    Missing(String),
+    /// An unusable image, or a renderer that failed; with the reason, in words.
+    Unusable(String),
 }
 
 /// The image of a case.
@@ -134,6 +148,11 @@ pub fn step_name(case: &str, halvings: u32) -> String {
     }
 }
 
+/// Path of the image `name` in a folder of images.
+pub fn image_path(folder: &Path, name: &str, extension: &str) -> PathBuf {
+    folder.join(format!("{name}.{extension}"))
+}
+
 /// Halvings that a name may ask for: a step that is a thousandth of the scene's shows nothing new.
 const MOST_HALVINGS: u32 = 10;
 
@@ -146,7 +165,10 @@ impl Outputs {
     /// Lists the images in `folder` and in the folders within it, for the cases with these names
     /// (`family/name`). No file is opened.
     pub fn list(folder: &Path, cases: &[&str]) -> Result<Outputs, OutputError> {
-        let mut outputs = Outputs::default();
+        let mut outputs = Outputs {
+            folder: folder.to_owned(),
+            ..Outputs::default()
+        };
         for (file, is_folder) in entries(folder)? {
             if !is_folder {
                 outputs.sort_in(file, "", cases);
@@ -247,6 +269,27 @@ impl Outputs {
             variance,
             is_refined,
         }))
+    }
+
+    /// The image of `case`, read.
+    pub fn output(&self, case: &str) -> Output {
+        let read = |found: Found| {
+            if found.is_refined {
+                return found.read_refined().map(Output::Refined);
+            }
+            let picture = found.read()?;
+            Ok(Output::Picture(Box::new(picture)))
+        };
+        match self.find(case) {
+            Ok(None) => Output::Missing(format!(
+                "no image of this case in {}: name it {case}.exr (or .pfm, .npy, .png)",
+                self.folder.display(),
+            )),
+            Ok(Some(found)) => {
+                read(found).unwrap_or_else(|error| Output::Unusable(error.to_string()))
+            }
+            Err(error) => Output::Unusable(error.to_string()),
+        }
     }
 
     /// Every file that is read for some case.

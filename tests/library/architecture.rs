@@ -290,7 +290,7 @@ const ASKED: [(&str, &str); 5] = [
     ),
     ("files/partial_file.rs", "let file = File::open(&path);"),
     (
-        "renderers/other_renderer/keeper.rs",
+        "renderers/keeper.rs",
         "&& let Ok(bytes) = std::fs::read(entry.path().join(\"stat\"))",
     ),
     ("suite/store.rs", "let opened = File::options()"),

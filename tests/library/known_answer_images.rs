@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use volref::compare::Picture;
 use volref::film::Film;
-use volref::judging::{Output, Verdict, validate};
+use volref::judging::{Verdict, validate};
 use volref::known_answers::{CATALOGUE, Footprint, Formula};
 use volref::math::Moments;
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::Scene;
-use volref::suite::{Answer, Case, Golden, Suite};
+use volref::suite::{Answer, Case, Golden, Output, Suite};
 
 fn suite() -> Suite {
     Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()

@@ -14,13 +14,13 @@ use std::time::Duration;
 use volref::compare::Picture;
 use volref::film::Film;
 use volref::geometry::Camera;
-use volref::judging::{Judged, Output, Verdict, validate};
+use volref::judging::{Judged, Verdict, validate};
 use volref::math;
 use volref::naming::{Predictions, Search, Stage, likeness};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Model, Scene};
 use volref::sensitivity::numbers;
-use volref::suite::{Case, Suite};
+use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
 
 /// What is said of an image with a fault.

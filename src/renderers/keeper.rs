@@ -53,7 +53,7 @@ pub use unix::keep;
 
 #[cfg(unix)]
 mod unix {
-    use crate::renderers::other_renderer::Kept;
+    use crate::renderers::Kept;
     use nix::errno::Errno;
     use nix::sys::signal::{Signal, kill, killpg};
     use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};

@@ -1,0 +1,194 @@
+//! Command of another renderer, with placeholders; called without a shell.
+//!
+//! It is split into words as a shell would, then placeholders are filled in, so that no path needs quoting.
+
+use crate::files::regular_file;
+use std::collections::BTreeMap;
+use std::path::Path;
+use thiserror::Error;
+
+/// A command with placeholders such as `{output}`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CommandTemplate {
+    words: Vec<Vec<Part>>,
+}
+
+/// A part of a word.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Part {
+    /// As it stands.
+    Text(String),
+    /// The name of a value.
+    Placeholder(String),
+}
+
+/// Error in a command.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum TemplateError {
+    /// Unclosed quotes.
+    #[error("unclosed quote in: {0}")]
+    Quotes(String),
+    /// An empty command.
+    #[error("there is no command to run")]
+    Empty,
+    /// The placeholder for the image is missing.
+    #[error("the command must contain {{output}}, the image file to write")]
+    NoOutput,
+    /// An unknown placeholder.
+    #[error("unknown placeholder {{{name}}}; the placeholders are: {known}")]
+    Unknown {
+        /// The name in braces.
+        name: String,
+        /// Every placeholder.
+        known: String,
+    },
+}
+
+impl CommandTemplate {
+    /// Every placeholder, without its braces.
+    pub const PLACEHOLDERS: [&str; 12] = [
+        "scene",
+        "output",
+        "width",
+        "height",
+        "spp",
+        "seed",
+        "case",
+        "step",
+        "rate",
+        "export:mitsuba",
+        "export:pbrt",
+        "export:bundle",
+    ];
+
+    /// Splits `text` into words as a POSIX shell would, quotes and backslashes included, and
+    /// nothing else a shell does.
+    pub fn parse(text: &str) -> Result<CommandTemplate, TemplateError> {
+        let words = shell_words::split(text).map_err(|_| TemplateError::Quotes(text.to_owned()))?;
+        if words.is_empty() {
+            return Err(TemplateError::Empty);
+        }
+        let words = words.iter().map(|word| parts(word)).collect();
+        let template = CommandTemplate { words };
+        if let Some(name) = template
+            .placeholders()
+            .find(|name| !Self::PLACEHOLDERS.contains(name))
+        {
+            let known = Self::PLACEHOLDERS.map(|name| format!("{{{name}}}"));
+            return Err(TemplateError::Unknown {
+                name: name.to_owned(),
+                known: known.join(" "),
+            });
+        }
+        if !template.uses("output") {
+            return Err(TemplateError::NoOutput);
+        }
+        Ok(template)
+    }
+
+    /// The names in braces, in order.
+    fn placeholders(&self) -> impl Iterator<Item = &str> {
+        self.words.iter().flatten().filter_map(|part| match part {
+            Part::Placeholder(name) => Some(name.as_str()),
+            Part::Text(_) => None,
+        })
+    }
+
+    /// Whether the placeholder `name` is in the command.
+    pub fn uses(&self, name: &str) -> bool {
+        self.placeholders().any(|used| used == name)
+    }
+
+    /// Use of `{step}` or `{rate}`, the distance between samples.
+    pub fn takes_step(&self) -> bool {
+        self.uses("step") || self.uses("rate")
+    }
+
+    /// The words of the command with the placeholders filled in.
+    pub fn fill(&self, values: &BTreeMap<&str, String>) -> Vec<String> {
+        let filled = |part: &Part| match part {
+            Part::Text(text) => text.clone(),
+            Part::Placeholder(name) => values.get(name.as_str()).cloned().unwrap_or_default(),
+        };
+        let fill = |word: &Vec<Part>| word.iter().map(filled).collect();
+        self.words.iter().map(fill).collect()
+    }
+}
+
+/// Longest file of a renderer that is hashed: 1 GiB.
+const MOST_HASHED_BYTES: u64 = 1 << 30;
+
+/// Hashes of the files that the words of `command` name: another build of a renderer is another renderer.
+pub fn hashes_of_files(command: &str) -> String {
+    let words = shell_words::split(command).unwrap_or_default();
+    let files = words
+        .iter()
+        .filter_map(|word| regular_file::read(Path::new(word), MOST_HASHED_BYTES).ok());
+    let hashes = files.map(|bytes| blake3::hash(&bytes).to_hex().to_string());
+    hashes.collect::<Vec<_>>().join(" ")
+}
+
+/// The parts of a word. Braces around anything but a name stand for themselves.
+fn parts(word: &str) -> Vec<Part> {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, ':' | '-' | '_');
+    let mut parts = Vec::new();
+    let mut text = String::new();
+    let mut rest = word;
+    while let Some((before, after)) = rest.split_once('{') {
+        text.push_str(before);
+        match after.split_once('}') {
+            Some((name, behind)) if !name.is_empty() && name.chars().all(is_name) => {
+                parts.push(Part::Text(std::mem::take(&mut text)));
+                parts.push(Part::Placeholder(name.to_owned()));
+                rest = behind;
+            }
+            _ => {
+                text.push('{');
+                rest = after;
+            }
+        }
+    }
+    parts.push(Part::Text(text + rest));
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn template(text: &str) -> Vec<String> {
+        let values = [("scene", "a b.toml"), ("output", "o.exr"), ("spp", "4")];
+        let values = values.map(|(name, value)| (name, value.to_owned()));
+        CommandTemplate::parse(text)
+            .unwrap()
+            .fill(&BTreeMap::from(values))
+    }
+
+    #[test]
+    fn words_are_split_before_values_are_put_in() {
+        assert_eq!(
+            template("render --to={output} {scene} 'x y' \"{spp}{spp}\""),
+            ["render", "--to=o.exr", "a b.toml", "x y", "44"]
+        );
+    }
+
+    #[test]
+    fn other_braces_stand_for_themselves() {
+        assert_eq!(
+            template("r {output} '{' '}{' '{\"a b\": {spp}}'"),
+            ["r", "o.exr", "{", "}{", "{\"a b\": 4}"]
+        );
+    }
+
+    #[test]
+    fn what_is_no_command() {
+        let error = |text: &str| CommandTemplate::parse(text).unwrap_err().to_string();
+        assert_eq!(error("  "), "there is no command to run");
+        assert!(error("render 'x").starts_with("unclosed quote"));
+        assert!(error("render {scene}").contains("{output}"));
+        assert!(
+            error("render {otput}")
+                .starts_with("unknown placeholder {otput}; the placeholders are: {scene}")
+        );
+    }
+}
