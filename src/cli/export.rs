@@ -5,6 +5,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::scene_file;
 use crate::exchange::{self, Export, Format, Refusal};
+use crate::film::CHANNELS;
 use crate::scene::Scene;
 use serde_json::json;
 use std::path::{Path, PathBuf};
