@@ -32,7 +32,7 @@ const SIDE: usize = 32;
 /// Pixels of the larger side where densities have no integral, and the reference is slow.
 const SIDE_WITHOUT_INTEGRAL: usize = 16;
 
-/// Steps, in units of the field: voxels, or blocks of what is no grid.
+/// Steps, in units of the field: voxels, or blocks of what is not a grid.
 const STEPS: [f64; 10] = [
     4.0,
     2.0,
@@ -114,7 +114,7 @@ pub struct Crossings<'s> {
     pub size: [usize; 2],
     /// The rays.
     pub rays: Vec<RayThroughMedia<'s>>,
-    /// Length of a voxel, or of a block of a field that is no grid, world units.
+    /// Length of a voxel, or of a block of a field that is not a grid, world units.
     pub unit: f64,
     /// Name of the unit.
     pub unit_name: &'static str,
