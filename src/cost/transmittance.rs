@@ -32,7 +32,7 @@ const SIDE: usize = 32;
 /// Pixels of the larger side where densities have no integral, and the reference is slow.
 const SIDE_WITHOUT_INTEGRAL: usize = 16;
 
-/// Steps, in units of the field: voxels, or blocks of what is not a grid.
+/// Steps, in units of the field: voxels, or blocks of what is no grid.
 const STEPS: [f64; 10] = [
     4.0,
     2.0,
