@@ -76,7 +76,7 @@ impl Misfit {
             && self.distance().is_explained(&whole.distance(), share)
     }
 
-    /// The share of `whole`, the misfit of the golden, that is left; `None` if that is no number.
+    /// The share of `whole`, the misfit of the golden, that is left; `None` if that is NaN.
     pub fn share_of(&self, whole: &Misfit) -> Option<f64> {
         Some(self.distance().value / whole.distance().value).filter(|share| share.is_finite())
     }

@@ -34,12 +34,12 @@ pub(crate) struct SquaredDistance {
 }
 
 impl SquaredDistance {
-    /// Upper bound, exceeded by chance once in forty.
+    /// Upper bound, wrong by chance once in forty.
     pub fn at_most(&self) -> f64 {
         self.value.max(0.0) + BOUND * self.error
     }
 
-    /// Lower bound, missed by chance once in forty.
+    /// Lower bound, wrong by chance once in forty.
     pub fn at_least(&self) -> f64 {
         (self.value - BOUND * self.error).max(0.0)
     }

@@ -103,7 +103,7 @@ pub struct Crossings<'s> {
     pub size: [usize; 2],
     /// The rays.
     pub rays: Vec<RayThroughMedia<'s>>,
-    /// Length of a voxel, or of a block of a field that is no grid, world units.
+    /// Length of a voxel, or of a block of a field that is not a grid, world units.
     pub unit: f64,
     /// Name of the unit.
     pub unit_name: &'static str,

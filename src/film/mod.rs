@@ -262,7 +262,7 @@ impl Film {
         values.fold(0.0, |most, &value| most.max(value.into()))
     }
 
-    /// Mean magnitude of all values; `None` if a value is no number.
+    /// Mean magnitude of all values; `None` if a value is NaN.
     pub fn mean_magnitude(&self) -> Option<f64> {
         let values = self.radiance.as_flattened();
         let sum: f64 = values.iter().map(|x| f64::from(x.abs())).sum();

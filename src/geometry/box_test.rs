@@ -66,13 +66,13 @@ impl BoxTest {
     }
 }
 
-/// The larger of both, `b` where `a` is no number: 0·∞, on a face of a box that the ray is parallel
+/// The larger of both, `b` where `a` is NaN: 0·∞, on a face of a box that the ray is parallel
 /// to, counts as inside.
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The smaller of both, `b` where `a` is no number.
+/// The smaller of both, `b` where `a` is NaN.
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }

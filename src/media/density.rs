@@ -67,7 +67,7 @@ pub struct Density {
     blocks: OnceLock<Blocks>,
 }
 
-/// Blocks along the longest side of a field that is no grid.
+/// Blocks along the longest side of a field that is not a grid.
 const BLOCKS: f64 = 32.0;
 
 impl Density {

@@ -59,7 +59,7 @@ impl Line {
         }
     }
 
-    /// Part of the line that lies before `value`; 0 where it is constant, even of what is no number.
+    /// Part of the line that lies before `value`; 0 where it is constant, even where `value` is NaN.
     #[inline]
     fn part(&self, value: f64) -> f64 {
         let part = (value - self.start) / self.width;

@@ -343,7 +343,7 @@ impl<'h> NiftiHeader<'h> {
         } else {
             let [b, c, d] = [b, c, d].map(|part| part as f32);
             return refused(format!(
-                "`quatern_b`, `quatern_c` and `quatern_d` are {b}, {c} and {d}, which is no \
+                "`quatern_b`, `quatern_c` and `quatern_d` are {b}, {c} and {d}, which is not a \
                  rotation: their squares add up to at most 1; correct the qform, or set \
                  `qform_code` to 0"
             ));
@@ -368,7 +368,7 @@ impl<'h> NiftiHeader<'h> {
     }
 }
 
-/// The error of a type that is no scalar, or none that is known.
+/// The error of a type that is not a scalar, or is unknown.
 fn unread_type(code: i16) -> VolumeFault {
     let name = match code {
         1 => " (bits)",

@@ -303,7 +303,7 @@ fn folders_without_anything_are_said_to_be_so() {
     let path = format!("{of_run}/run");
     let bytes = suite.read(&path);
     suite.write(&path, &bytes[..bytes.len() - 1]);
-    let words = &["run: ", "remove its folder"];
+    let words = &["run: ", "remove the folder"];
     merged(&suite, &["kept".to_owned()], &[]).expect(5, words);
     assert_eq!(suite.volref(&["verify", "--results", "kept"]).code, 0);
     merged(&suite, &["kept".to_owned()], &[]).expect(5, words);
