@@ -121,7 +121,8 @@ fn is_ordinary(value: f32) -> bool {
     value == 0.0 || (1.0 / MOST_ORDINARY..=MOST_ORDINARY).contains(&value.abs())
 }
 
-/// Infinity and NaN with their bytes reversed are subnormal, and so not ordinary.
+/// Largest ordinary magnitude. Infinity and the usual NaN with their bytes reversed are subnormal, so that
+/// an image that has them in the right order is not suspected.
 const MOST_ORDINARY: f32 = 1e12;
 
 pub(super) fn encode(film: &Film) -> Vec<u8> {
