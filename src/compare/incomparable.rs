@@ -49,9 +49,15 @@ fn size_differs(
     if (width, height) == (test_width, test_height) {
         return None;
     }
+    // A list of pixels is read as a grey image.
+    let shape = if matches!(test_width, 3 | 4) && test_width != width {
+        " (a NumPy array of pixels needs the shape (height, width, 3))"
+    } else {
+        ""
+    };
     let reason = format!(
         "size differs: the reference has {width} × {height} pixels, \
-         the test image {test_width} × {test_height}; render it at {width} × {height}"
+         the test image {test_width} × {test_height}; render it at {width} × {height}{shape}"
     );
     Some(Judgement::new(gate, false, reason, &[]))
 }
@@ -85,6 +91,9 @@ fn not_finite(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgem
 
 /// Likely origins of NaN and of infinity, of those that `broken` pixels of `film` have.
 fn origins(film: &Film, broken: &[usize]) -> String {
+    if film.is_swapped() {
+        return "its byte order is likely wrong".to_owned();
+    }
     let any = |is: fn(f32) -> bool| {
         broken
             .iter()

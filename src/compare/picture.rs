@@ -83,7 +83,8 @@ impl Picture {
             path: path.display().to_string(),
             error,
         };
-        let format = FilmFormat::of(path).ok_or_else(|| in_film(FilmError::Format))?;
+        let format = FilmFormat::of(path)
+            .ok_or_else(|| in_film(FilmError::Format(FilmFormat::conversion(path))))?;
         let bytes = Picture::bytes(path)?;
         Picture::decode(format, &bytes).map_err(in_film)
     }

@@ -53,7 +53,10 @@ pub enum FilmError {
         most: u64,
     },
     /// No colour channels.
-    #[error("no layer of the image has the channels R, G and B; there are: {found}")]
+    #[error(
+        "no layer of the image has the channels R, G and B; there are: {found}; name those of linear \
+        RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y"
+    )]
     Channels {
         /// Names of the channels there are, `layer.channel` in a named layer.
         found: String,
@@ -90,12 +93,12 @@ pub enum FilmError {
     /// Replicates that are not independent renderings of one image.
     #[error("not independent renderings of one image: {0}")]
     Replicates(String),
-    /// An unknown file extension.
+    /// An unknown file extension, and the remedy.
     #[error(
         "unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png \
-         (8-bit sRGB)"
+         (8-bit sRGB); {0}"
     )]
-    Format,
+    Format(&'static str),
 }
 
 impl FilmError {

@@ -35,7 +35,8 @@ const ACES: &str = "acesImageContainerFlag";
 const CHROMATICITIES: &str = "chromaticities";
 const UNASSOCIATED: &str = "oiio:UnassociatedAlpha";
 
-const LOSSLESS: &str = "compress it without loss, with ZIP or PIZ, or not at all";
+const LOSSLESS: &str = "render it again and write it with ZIP or PIZ: recompressing the file does \
+not bring the digits back";
 
 const REC709_PLEASE: &str = "write linear RGB with the primaries of Rec.709 (colorInteropID \
 lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have";

@@ -32,6 +32,27 @@ impl FilmFormat {
         FilmFormat::ALL.into_iter().find(is_of)
     }
 
+    /// The way from an image that is not read to one that is, by the extension of `path`.
+    pub fn conversion(path: &Path) -> &'static str {
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match extension.to_str().unwrap_or_default() {
+            "npz" => {
+                "an .npz holds several arrays: write the one of the image as .npy, with numpy.save"
+            }
+            "jpg" | "jpeg" | "webp" => {
+                "this format loses digits, which no conversion brings back: write the image again as \
+                 .exr or .png"
+            }
+            "ppm" | "pgm" | "pnm" | "bmp" | "tga" | "gif" => {
+                "convert 8-bit sRGB codes without loss: oiiotool image.ppm -o image.png"
+            }
+            _ => {
+                "write linear radiance as .exr, or convert it: oiiotool image.tif -d float -o image.exr \
+                 (or imageio in Python)"
+            }
+        }
+    }
+
     /// The extension, without the dot.
     pub fn extension(self) -> &'static str {
         match self {

@@ -314,6 +314,12 @@ impl Film {
         self.reading.overflow
     }
 
+    /// Whether the byte order that the file states is likely wrong; [`Film::changes_on_reading`] says
+    /// so, too.
+    pub fn is_swapped(&self) -> bool {
+        self.reading.is_swapped
+    }
+
     /// Noise of the radiance, if it is a mean of random samples.
     pub fn noise(&self) -> Option<&Noise> {
         self.noise.as_ref()

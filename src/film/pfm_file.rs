@@ -26,6 +26,12 @@ fn word(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
     let end = end.ok_or_else(|| unreadable("its header is truncated or missing"))?;
     let word = std::str::from_utf8(&bytes[..end]);
     let word = word.map_err(|_| unreadable("its header is not text"))?;
+    if word.starts_with('#') {
+        return Err(FilmError::unsuited(
+            "the header of this PFM has a comment, which the format does not know",
+            "write only PF, columns and rows, and the scale",
+        ));
+    }
     Ok((word, &bytes[end..]))
 }
 
@@ -41,6 +47,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
     let (channels, rest) = match word(bytes)? {
         ("PF", rest) => (3, rest),
         ("Pf", rest) => (1, rest),
+        (kind @ ("PF4" | "PH" | "Ph" | "PH4"), _) => {
+            return Err(FilmError::unsuited(
+                format!("{kind} is a variant of PFM with opacity or half floats"),
+                "write PF, three 32-bit floats a pixel, or opacity and half floats as .exr",
+            ));
+        }
         _ => return Err(unreadable("it does not begin with PF or Pf")),
     };
     let (width, rest) = length(rest, "columns")?;
@@ -67,13 +79,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
     }
     let is_little = scale < 0.0;
     let factor = scale.abs();
-    let stored = |bytes: &[u8; 4]| {
+    let number = |bytes: &[u8; 4], is_little: bool| {
         if is_little {
             f32::from_le_bytes(*bytes)
         } else {
             f32::from_be_bytes(*bytes)
         }
     };
+    let stored = |bytes: &[u8; 4]| number(bytes, is_little);
     let (numbers, _) = data.as_chunks::<4>();
     let rows = numbers.chunks_exact(width * channels).rev();
     let pixels = rows.flat_map(|row| row.chunks_exact(channels));
@@ -87,8 +100,30 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
             film.reading.overflow = Some(Overflow::Scale);
         }
     }
+    let mut swapped = numbers.iter().map(|bytes| number(bytes, !is_little));
+    if numbers.iter().map(stored).any(is_strange) && swapped.all(is_ordinary) {
+        film.reading.is_swapped = true;
+        film.reading.changes.push(format!(
+            "has values of ordinary size only in the other byte order than its scale {text} states: a \
+             negative scale is little-endian, a positive one big-endian"
+        ));
+    }
     Ok(film)
 }
+
+/// A magnitude that radiance seldom has, and ordinary numbers have with their bytes reversed.
+fn is_strange(value: f32) -> bool {
+    !value.is_finite() || value.is_subnormal() || value.abs() > MOST_ORDINARY
+}
+
+/// Zero, or a magnitude that all values of an image hardly have by chance.
+fn is_ordinary(value: f32) -> bool {
+    value == 0.0 || (1.0 / MOST_ORDINARY..=MOST_ORDINARY).contains(&value.abs())
+}
+
+/// Largest ordinary magnitude. Infinity and the usual NaN with their bytes reversed are subnormal, so that
+/// an image that has them in the right order is not suspected.
+const MOST_ORDINARY: f32 = 1e12;
 
 pub(super) fn encode(film: &Film) -> Vec<u8> {
     let mut bytes = format!("PF\n{} {}\n-1.0\n", film.width(), film.height()).into_bytes();

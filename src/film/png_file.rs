@@ -79,8 +79,9 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
                 index % width,
                 index / width
             ),
-            "composite the image over the background of the scene first, or write linear \
-                     radiance as .exr",
+            "composite the image over the background of the scene in linear light, before it is \
+             encoded as sRGB (codes that are mixed or premultiplied are other colours), or write \
+             linear, premultiplied radiance as .exr",
         ));
     }
     Ok((width, height, eight_bits(&image)))

@@ -10,6 +10,8 @@ pub(super) struct Reading {
     /// Whether colours were converted from other primaries.
     pub is_converted: bool,
     pub overflow: Option<Overflow>,
+    /// Whether the values make sense only in the other byte order.
+    pub is_swapped: bool,
 }
 
 /// Type of number whose range is smaller than the values written into it.

@@ -331,7 +331,8 @@ fn role_of<'c>(
         }
         return Err(format!(
             "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit \
-             sRGB)"
+             sRGB); {}",
+            FilmFormat::conversion(file)
         ));
     };
     let (case, role) = belonging(&format!("{family}{stem}"), cases)?;

@@ -272,7 +272,20 @@ fn images_that_cannot_be_read() {
     folder.write("image.jpg", "no image");
     folder.write("folder.exr/inside", "");
     let mut said = String::new();
-    for name in ["cut.exr", "cut.png", "text.exr", "text.png", "image.jpg"] {
+    for name in ["image.npz", "image.TIF", "image.hdr", "image.ppm"] {
+        folder.write(name, "no image");
+    }
+    for name in [
+        "cut.exr",
+        "cut.png",
+        "text.exr",
+        "text.png",
+        "image.jpg",
+        "image.npz",
+        "image.TIF",
+        "image.hdr",
+        "image.ppm",
+    ] {
         let run = folder.volref(&["compare", "right.exr", name]);
         run.expect(4, &[name]);
         said.push_str(&(run.message() + "\n"));
@@ -298,6 +311,10 @@ fn images_that_cannot_be_read() {
     cut.png: not a readable PNG image: the file ends too early
     text.exr: not a readable EXR image: it does not begin with the signature of the format
     text.png: not a readable PNG image: it does not begin with the signature of the format
-    image.jpg: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB)
+    image.jpg: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); this format loses digits, which no conversion brings back: write the image again as .exr or .png
+    image.npz: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); an .npz holds several arrays: write the one of the image as .npy, with numpy.save
+    image.TIF: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); write linear radiance as .exr, or convert it: oiiotool image.tif -d float -o image.exr (or imageio in Python)
+    image.hdr: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); write linear radiance as .exr, or convert it: oiiotool image.tif -d float -o image.exr (or imageio in Python)
+    image.ppm: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); convert 8-bit sRGB codes without loss: oiiotool image.ppm -o image.png
     ");
 }

@@ -210,6 +210,11 @@ fn statements_that_cannot_be_heeded_are_refused() {
         ),
         exr(&[("X", 1.0), ("Y", 1.0), ("Z", 1.0)], |_| ()),
         exr(&[("N.X", 1.0), ("N.Y", 1.0), ("N.Z", 1.0)], |_| ()),
+        exr(
+            &[("rgba.red", 1.0), ("rgba.green", 1.0), ("rgba.blue", 1.0)],
+            |_| (),
+        ),
+        exr(&[("R", 1.0)], |_| ()),
         exr(&COLOURS, |image| half(image, Compression::B44)),
         exr(&COLOURS, |image| half(image, Compression::B44A)),
     ]
@@ -230,10 +235,12 @@ fn statements_that_cannot_be_heeded_are_refused() {
     this EXR holds several views: left, right; write the one that the scene's camera sees
     the pixels of this EXR are 2 times as wide as high (pixelAspectRatio); render square pixels, and write 1
     the colours of this EXR are not multiplied by its opacity (oiio:UnassociatedAlpha); write them premultiplied, without that attribute
-    no layer of the image has the channels R, G and B; there are: X, Y, Z
-    no layer of the image has the channels R, G and B; there are: N.X, N.Y, N.Z
-    this EXR is compressed with B44, which loses digits of half floats; compress it without loss, with ZIP or PIZ, or not at all
-    this EXR is compressed with B44, which loses digits of half floats; compress it without loss, with ZIP or PIZ, or not at all
+    no layer of the image has the channels R, G and B; there are: X, Y, Z; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
+    no layer of the image has the channels R, G and B; there are: N.X, N.Y, N.Z; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
+    no layer of the image has the channels R, G and B; there are: rgba.blue, rgba.green, rgba.red; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
+    no layer of the image has the channels R, G and B; there are: R; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
+    this EXR is compressed with B44, which loses digits of half floats; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
+    this EXR is compressed with B44, which loses digits of half floats; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
     "#);
 }
 

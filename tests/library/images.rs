@@ -4,7 +4,7 @@ use crate::common;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
-use volref::compare::{Picture, PictureError};
+use volref::compare::{Conditions, Deterministic, Picture, PictureError, judge};
 use volref::film::{Film, FilmError, FilmFormat};
 use volref::suite::{Found, OutputError, Outputs};
 
@@ -186,8 +186,8 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-chroma.exr: the channel BY of this EXR is subsampled: it has fewer values than pixels; write R, G and B in full
     bad-full-chroma.exr: this EXR holds luminance and chroma (Y, RY, BY); write R, G and B
     bad-deep.exr: this EXR has deep data, many samples along each ray; write a flat image, one radiance a pixel
-    bad-dwaa.exr: this EXR is compressed with DWA, which loses digits; compress it without loss, with ZIP or PIZ, or not at all
-    bad-dwab.exr: this EXR is compressed with DWA, which loses digits; compress it without loss, with ZIP or PIZ, or not at all
+    bad-dwaa.exr: this EXR is compressed with DWA, which loses digits; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
+    bad-dwab.exr: this EXR is compressed with DWA, which loses digits; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
     bad-uint8.npy: an array of whole numbers (dtype "|u1"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
     bad-int64.npy: an array of whole numbers (dtype "<i8"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
     bad-complex.npy: an array of numbers of an unsupported type (dtype "<c8"); save image.astype(np.float32)
@@ -200,9 +200,9 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-profile.png: the codes of this PNG are not sRGB: their profile is "Display P3"; encode them as sRGB and state nothing else, or write linear radiance as .exr
     bad-linear-profile.png: the codes of this PNG are not sRGB: their profile is "Linear sRGB"; encode them as sRGB and state nothing else, or write linear radiance as .exr
     bad-wide.png: the codes of this PNG are not sRGB: its cICP says 9 and 16; encode them as sRGB and state nothing else, or write linear radiance as .exr
-    bad-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
-    bad-grey-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
-    bad-palette-alpha.png: the pixel (1, 0) is transparent; composite the image over the background of the scene first, or write linear radiance as .exr
+    bad-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene in linear light, before it is encoded as sRGB (codes that are mixed or premultiplied are other colours), or write linear, premultiplied radiance as .exr
+    bad-grey-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene in linear light, before it is encoded as sRGB (codes that are mixed or premultiplied are other colours), or write linear, premultiplied radiance as .exr
+    bad-palette-alpha.png: the pixel (1, 0) is transparent; composite the image over the background of the scene in linear light, before it is encoded as sRGB (codes that are mixed or premultiplied are other colours), or write linear, premultiplied radiance as .exr
     bad-animated.png: this PNG is animated; write a single image
     bad-crc.png: not a readable PNG image: a checksum is wrong: the file was damaged on its way; copy it or write it again
     bad-palette-length.png: not a readable PNG image: its palette has 44 bytes, and colours have three each
@@ -397,7 +397,6 @@ fn headers_of_pfm() {
     for header in [
         "",
         "Pf",
-        "PF4\n1 1\n-1\n",
         "Pg\n1 1\n-1\n",
         "PF\n1 1\n-1\n",
         "Pf\n1 2\n-1\n",
@@ -411,6 +410,81 @@ fn headers_of_pfm() {
         "Pf\n1 1\n-1\n\n",
     ] {
         assert!(grey(header).is_err(), "{header:?}");
+    }
+    let said: String = [
+        "PF4\n1 1\n-1\n",
+        "PH\n1 1\n-1\n",
+        "Pf\n# me\n1 1\n-1\n",
+        "Pf\n1 1\n#\n-1\n",
+    ]
+    .map(|header| grey(header).unwrap_err().to_string() + "\n")
+    .concat();
+    insta::assert_snapshot!(said, @r"
+    PF4 is a variant of PFM with opacity or half floats; write PF, three 32-bit floats a pixel, or opacity and half floats as .exr
+    PH is a variant of PFM with opacity or half floats; write PF, three 32-bit floats a pixel, or opacity and half floats as .exr
+    the header of this PFM has a comment, which the format does not know; write only PF, columns and rows, and the scale
+    the header of this PFM has a comment, which the format does not know; write only PF, columns and rows, and the scale
+    ");
+}
+
+/// Where only the other byte order makes sense, the verdict says so, and speaks of no division.
+#[test]
+fn byte_orders_of_pfm() {
+    let colours = [0.0, 0.5, 0.123_456_79, 3.7e-5, 812.25, 1.0];
+    let subnormal = f32::from_bits(7);
+    for (values, is_named) in [
+        (&colours[..], true),
+        // Without NaN in either order.
+        (&[0.5, 1.0], true),
+        (&[0.1, f32::NAN], false),
+        (&[0.1, f32::INFINITY], false),
+        (&[0.1, 1e20], false),
+        (&[0.1, subnormal], false),
+        (&[0.0, 0.0], false),
+    ] {
+        let golden = Film::new(values.len(), 1, vec![[1.0; 3]; values.len()]);
+        for (scale, bytes) in [
+            ("1", f32::to_le_bytes as fn(f32) -> [u8; 4]),
+            ("-1", f32::to_be_bytes),
+        ] {
+            let header = format!("Pf\n{} 1\n", values.len()).into_bytes();
+            let data: Vec<u8> = values.iter().copied().flat_map(bytes).collect();
+            let read = |scale: &str| {
+                let bytes = [&header[..], format!("{scale}\n").as_bytes(), &data].concat();
+                Film::from_pfm(&bytes).unwrap()
+            };
+            let swapped = read(scale);
+            assert_eq!(swapped.is_swapped(), is_named, "{values:?} {scale}");
+            let right = read(if scale == "1" { "-1" } else { "1" });
+            assert!(!right.is_swapped(), "{values:?}");
+            let pictures = [&golden, &swapped].map(|film| Picture::Radiance(film.clone()));
+            let [golden, test] = pictures;
+            let reason = judge(&Deterministic, &golden, &test, &Conditions::default());
+            let reason = reason.unwrap().reason;
+            let end = format!(
+                "; the test image has values of ordinary size only in the other byte order than its \
+                 scale {scale} states: a negative scale is little-endian, a positive one big-endian"
+            );
+            assert_eq!(reason.ends_with(&end), is_named, "{reason}");
+            assert!(!is_named || !reason.contains("division"), "{reason}");
+        }
+    }
+}
+
+/// A list of pixels is read as a grey image, of another size than the golden.
+#[test]
+fn lists_of_pixels() {
+    let hint = "(a NumPy array of pixels needs the shape (height, width, 3))";
+    for (shape, length, is_said) in [
+        ("(6, 3)", 18, true),
+        ("(6, 4)", 24, true),
+        ("(6, 2)", 12, false),
+    ] {
+        let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}}}");
+        let film = Film::from_npy(&npy(&header, &vec![0; 4 * length])).unwrap();
+        let [golden, test] = [Film::new(8, 6, vec![[0.0; 3]; 48]), film].map(Picture::Radiance);
+        let reason = judge(&Deterministic, &golden, &test, &Conditions::default());
+        assert_eq!(reason.unwrap().reason.ends_with(hint), is_said, "{shape}");
     }
 }
 
@@ -714,7 +788,7 @@ fn files_of_no_case_are_named() {
     insta::assert_snapshot!(lines.collect::<String>(), @r#"
     figure-1.1.2.exr does not match any case
     fog/<script>alert('1')<script>.png does not match any case
-    fog/forward.jpg is not read: .jpg is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit sRGB)
+    fog/forward.jpg is not read: .jpg is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit sRGB); this format loses digits, which no conversion brings back: write the image again as .exr or .png
     fog/forward.variance.npy is not read: variances are an .exr, with R, G, B and samples.Y
     fog/forwrad.exr does not match any case: did you mean fog/forward?
     frowad.npy does not match any case: did you mean fog/forward?
