@@ -268,7 +268,9 @@ fn data_elsewhere_are_read_only_when_asked_for() {
                 Err(error) => {
                     let end = format!(
                         ": its data are in {name:?}, outside its folder, which is not allowed: \
-                        move the file beside the header, or allow detached_anywhere"
+                        move the file beside the header, or set `detached_anywhere = true` \
+                        beside `file` in the scene, not in the header (`--detached-anywhere` for \
+                        `volref info`)"
                     );
                     assert!(!inside && error.to_string().ends_with(&end), "{error}");
                 }
