@@ -622,20 +622,23 @@ fn kept_axes(sizes: &[u64], roles: &[Role]) -> Result<[usize; 3], VolumeFault> {
         kept.remove(index);
     }
     let of_space = kept.len();
-    kept.try_into().map_err(|_| {
+    kept.try_into().map_err(|kept: Vec<usize>| {
         let samples: Vec<String> = sizes.iter().map(u64::to_string).collect();
         let (count, samples) = (sizes.len(), samples.join(" × "));
         if of_space < 3 {
             return format!(
                 "the file has {count} axes, of {samples} samples, and {of_space} of them are axes of \
-                 space: a volume has three; write a plane with a third of a single sample"
+                 space: a volume has three; write a plane with a third of a single sample, \
+                 as `dimension: 3` and `sizes: 64 64 1`"
             )
             .into();
         }
+        // Colours and times are mostly few, colours the fastest and times the slowest.
+        let fewest = kept.into_iter().rev().min_by_key(|&axis| sizes[axis]);
         format!(
             "the file has {count} axes, of {samples} samples: a volume has three axes and one value \
              per sample; {}",
-            write_slice("one index of the other axis", count - 1)
+            write_slice("one index of the other axis", fewest.unwrap_or_default())
         )
         .into()
     })
@@ -895,7 +898,7 @@ mod tests {
                 "kinds: RGB-color domain domain",
                 "5: axis 1, of 2 samples, is of the kind \"RGB-color\", and not an axis of space: a \
                  volume has three, and one value per sample; write one of the 2 to a file of its \
-                 own, as by `unu slice -a 0 -p 0`",
+                 own, as by `unu slice -a 0 -p 0 -i all.nrrd -o one.nrrd`",
             ),
             (
                 "1 2 2",

@@ -3,7 +3,7 @@
 use super::source::ends_in;
 use std::path::Path;
 
-/// Remedy for pairs of files, and for MetaImage.
+/// Remedy for formats of scanners and of medical software.
 const CONVERT: &str = "write the volume as one .nii or .nrrd, as by `nibabel.save` or \
                        `SimpleITK.WriteImage`";
 
@@ -18,7 +18,7 @@ const UNPACK: &str = "unpack the file, as by `gunzip`";
 const POINTS: &str = "write the points to an .obj, each as a line `v x y z`";
 
 /// Endings of files that are not read, and the remedy.
-const ENDINGS: [(&str, &str); 12] = [
+const ENDINGS: [(&str, &str); 14] = [
     (
         ".nrrd.gz",
         "unpack the file, as by `gunzip`; the format compresses by `encoding: gzip`",
@@ -33,6 +33,12 @@ const ENDINGS: [(&str, &str); 12] = [
         ".raw",
         "describe the samples by a .toml that names this file (`volref guide volume-files`)",
     ),
+    (
+        ".raw.gz",
+        "describe the samples by a .toml that names this file, with `encoding = \"gzip\"` \
+         (`volref guide volume-files`)",
+    ),
+    (".dcm", CONVERT),
     (".npy", NPY),
     (".xyz", POINTS),
     (".ply", POINTS),

@@ -87,12 +87,18 @@ fn three<T>(value: &Value, one: fn(&Value) -> Option<T>) -> Option<[T; 3]> {
     Some([one(x)?, one(y)?, one(z)?])
 }
 
+/// Keys that belong to the scene.
+const OF_SCENE: [&str; 3] = ["detached_anywhere", "orientation", "replace_non_finite"];
+
 /// The message of the parser, with the key that may be meant in place of one that is unknown.
 fn of_parser(message: &str) -> String {
     let message = message.trim();
     // "unknown field `x`, expected one of `file`, `type`": every other part is a name.
     let mut names = message.split('`').skip(1).step_by(2);
     match (message.starts_with("unknown field"), names.next()) {
+        (true, Some(unknown)) if OF_SCENE.contains(&unknown) => {
+            format!("unknown field `{unknown}`: it belongs beside `file` in the scene")
+        }
         (true, Some(unknown)) => match nearest(unknown, names) {
             Some(name) => format!("unknown field `{unknown}`: did you mean `{name}`?"),
             None => message.to_owned(),

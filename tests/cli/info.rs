@@ -326,6 +326,15 @@ fn refusals_name_the_remedy() {
     folder.write("spacing.toml", raw("spacing = \"1 1 2\""));
     folder.write("negative.toml", raw("header_bytes = -1"));
     folder.write("unknown.toml", raw("spacings = 2"));
+    folder.write("elsewhere.toml", raw("detached_anywhere = true"));
+    folder.write(
+        "plane.nrrd",
+        nrrd("").replace("3\nsizes: 3 2 1", "2\nsizes: 3 2"),
+    );
+    folder.write(
+        "fast.nrrd",
+        nrrd("").replace("3\nsizes: 3 2 1", "4\nsizes: 2 3 4 5"),
+    );
     folder.write("gzip.toml", raw("").replace("six.raw", "packed.raw"));
     folder.write("plain.toml", raw("encoding = \"gzip\""));
     folder.write("header.toml", raw("").replace("six.raw", "long.raw"));
@@ -433,6 +442,16 @@ fn refusals_name_the_remedy() {
         (
             "header.toml",
             ["but 12 bytes follow it", "`header_bytes = 6`"],
+        ),
+        (
+            "elsewhere.toml",
+            ["elsewhere.toml:4:1: ", "beside `file` in the scene"],
+        ),
+        ("plane.nrrd", ["has 2 axes", "`sizes: 64 64 1`"]),
+        ("fast.nrrd", ["has 4 axes", "axis=0"]),
+        (
+            "scan.raw.gz",
+            ["unsupported file extension", "`encoding = \"gzip\"`"],
         ),
         ("scan.img", [".img: unsupported file extension", convert]),
         ("scan.mha", [".mha: unsupported file extension", convert]),

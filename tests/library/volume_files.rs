@@ -472,7 +472,8 @@ fn keys_of_volume_files() {
         ("file = \"nan.vol\"", ":4:8: "),
         (
             "file = \"nan.vol\"",
-            "voxel (1, 0, 0), counted as stored, holds NaN",
+            "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
+             3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene",
         ),
         (
             "file = \"negative.vol\"",
@@ -489,6 +490,10 @@ fn keys_of_volume_files() {
         (
             "file = \"two.obj\"\ncentring = \"cells\"",
             ":5:12: `centring` applies to grids; \"two.obj\" is a point cloud",
+        ),
+        (
+            "file = \"scan.raw\"\ncentring = \"cells\"",
+            "scan.raw: unsupported file extension; supported are",
         ),
         (
             "file = \"nan.vol\"\ndetached_anywhere = 1",
