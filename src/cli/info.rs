@@ -62,6 +62,8 @@ struct Info {
     max: [f64; 3],
     centring: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
+    space: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     cloud: Option<CloudJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stored: Option<StoredJson>,
@@ -158,16 +160,16 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     let lattice = loaded.grid.lattice();
     let bounds = lattice.bounds();
     let values = ValueStatistics::of(&loaded.grid);
-    let (cloud, stored) = match &loaded.stored {
+    let (cloud, stored, space) = match &loaded.stored {
         Stored::Cloud { points, extent } => {
             let cloud = CloudJson {
                 points: *points,
                 min: extent.min.to_array(),
                 max: extent.max.to_array(),
             };
-            (Some(cloud), None)
+            (Some(cloud), None, None)
         }
-        Stored::Samples(layout) => (None, Some(stored(layout, &values))),
+        Stored::Samples(layout) => (None, Some(stored(layout, &values)), layout.space),
     };
     let files = loaded.files.iter().map(|file| FileJson {
         path: file.path.display().to_string(),
@@ -187,6 +189,7 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
             Centring::Nodes => NODES,
             Centring::Cells => CELLS,
         },
+        space,
         cloud,
         stored,
         values,
@@ -306,6 +309,9 @@ fn describe(info: &Info) -> String {
     row("first node", vector(info.first));
     let bounds = between(info.min, info.max);
     row("box", format!("{bounds}, centred on {}", info.centring));
+    if let Some(space) = info.space {
+        row("space", space.to_owned());
+    }
     if let Some(stored) = &info.stored {
         let mut as_stored = stored.r#type.to_owned();
         if let Some(endian) = stored.endian {

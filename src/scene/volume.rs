@@ -51,15 +51,18 @@ impl VolumeRequest {
             )?;
             options.splatting.padding = 0;
         } else {
-            without(
-                &[
-                    "centring",
-                    "replace_non_finite",
-                    "orientation",
-                    "detached_anywhere",
-                ],
-                &format!("grids; {file:?} is a point cloud"),
-            )?;
+            // A file in no known format is reported when it is loaded.
+            if format.is_some() {
+                without(
+                    &[
+                        "centring",
+                        "replace_non_finite",
+                        "orientation",
+                        "detached_anywhere",
+                    ],
+                    &format!("grids; {file:?} is a point cloud"),
+                )?;
+            }
             let resolution = reader.optional_count("resolution")?;
             options.splatting = Splatting {
                 resolution: resolution.map(|nodes| nodes as usize),

@@ -59,6 +59,7 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
         endian: Endian::Little,
         encoding: Encoding::Raw,
         scaling: None,
+        space: None,
     };
     let grid = read_grid(source, &layout, options)?;
     Ok((grid, Stored::Samples(layout)))
@@ -286,7 +287,8 @@ mod tests {
                 message(&file([2, 3, 2], [1.0; 3], &values)),
                 format!(
                     "voxel (1, 1, 1), counted as stored, holds {shown}: values must be finite, \
-                     and not beyond 3.4e38; correct it, or give a value to replace it"
+                     and not beyond 3.4e38; correct it, or set `replace_non_finite` \
+                     beside `file` in the scene, to a value that replaces it"
                 )
             );
         }

@@ -8,10 +8,15 @@ use super::load_options::LoadOptions;
 use super::mitsuba_vol::MITSUBA_VOL;
 use super::nifti::NIFTI;
 use super::nrrd::NRRD;
+use super::other_formats::{misnamed, remedy};
 use super::point_cloud::POINT_CLOUD;
 use super::raw_volume::BARE_SAMPLES;
 use super::source::{FileRead, VolumeSource, ends_in};
+use std::io::BufRead;
 use std::path::Path;
+
+/// Bytes at the beginning of a file that tell its format.
+const HEAD: usize = 352;
 
 /// Every format that is read.
 const VOLUME_FORMATS: [&VolumeFormat; 6] = [
@@ -63,14 +68,22 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Grid<f32>, VolumeError
 pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeError> {
     let Some(format) = volume_format(path) else {
         let known = volume_formats();
+        let remedy = remedy(path).map_or(String::new(), |remedy| format!("; {remedy}"));
         return Err(VolumeError {
             path: path.to_owned(),
-            fault: format!("unsupported file extension; supported are {known}").into(),
+            fault: format!("unsupported file extension; supported are {known}{remedy}").into(),
         });
     };
     let mut source = VolumeSource::open(path)?;
+    let first = source
+        .fill_buf()
+        .map(|first| first[..first.len().min(HEAD)].to_vec());
+    let first = first.map_err(|error| source.error(error))?;
     let read = (format.read)(&mut source, options);
-    let (grid, stored) = read.map_err(|fault| source.error(fault))?;
+    let (grid, stored) = read.map_err(|fault| match misnamed(path, &first) {
+        Some(misnamed) => source.error(misnamed),
+        None => source.error(fault),
+    })?;
     Ok(Loaded {
         grid,
         files: source.finish()?,

@@ -121,6 +121,7 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, Volume
         endian: Endian::Little,
         encoding: Encoding::Raw,
         scaling,
+        space: None,
     })
 }
 

@@ -25,6 +25,7 @@ mod noise_range;
 mod nrrd;
 mod obj_points;
 mod orientation;
+mod other_formats;
 mod parameter;
 mod perlin;
 mod point_cloud;

@@ -94,6 +94,7 @@ fn layout(
         endian: header.endian,
         encoding,
         scaling: header.scaling()?,
+        space: header.space(),
     };
     let between = header.data_offset()? - HEADER as u64;
     io::copy(&mut source.take(between), &mut io::sink()).map_err(trouble)?;
@@ -120,7 +121,9 @@ impl<'h> NiftiHeader<'h> {
             (348, _) => little,
             (_, 348) => big,
             (540, _) | (_, 540) => {
-                return refused("this is NIfTI-2, but only NIfTI-1 is supported: convert it");
+                let message = "this is NIfTI-2, but only NIfTI-1 is supported: convert it, as by \
+                               `nibabel.Nifti1Image.from_image`";
+                return refused(message);
             }
             _ => {
                 let message = "the header does not begin with its length, 348: this is not a \
@@ -131,7 +134,8 @@ impl<'h> NiftiHeader<'h> {
         let message = match &bytes[344..] {
             b"n+1\0" => return Ok(header),
             b"ni1\0" => {
-                "the header belongs to a pair of files, .hdr and .img: convert them to one .nii"
+                "the header belongs to a pair of files, .hdr and .img: convert them to one .nii, \
+                as by `nibabel.save`"
             }
             _ => "the header does not end in the letters n+1: this is not a single-file NIfTI-1",
         };
@@ -168,7 +172,8 @@ impl<'h> NiftiHeader<'h> {
         let count = self.short(40);
         if !(3..=7).contains(&count) {
             return refused(format!(
-                "`dim[0]` is {count}: a volume has three axes, and a plane is one whose `dim[3]` is 1"
+                "`dim[0]` is {count}: a volume has three axes, and a plane is one whose `dim[3]` is 1, \
+                 as of `data[:, :, None]` in NumPy"
             ));
         }
         let size = |axis: i16| self.short(40 + 2 * axis as usize);
@@ -250,6 +255,17 @@ impl<'h> NiftiHeader<'h> {
 
     fn by_qform(&self) -> bool {
         self.short(252) > 0
+    }
+
+    /// Positions have none where neither form counts.
+    fn space(&self) -> Option<&'static str> {
+        if self.by_sform() {
+            Some("RAS+ (right, anterior, superior), by the sform")
+        } else if self.by_qform() {
+            Some("RAS+ (right, anterior, superior), by the qform")
+        } else {
+            None
+        }
     }
 
     /// The numbers from `at` on, which the fields `names` hold: they must be finite.

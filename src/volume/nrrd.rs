@@ -176,11 +176,10 @@ const MOST_AXES: usize = 16;
 /// Fields without effect on the positions or values of samples.
 const IGNORED: &str = "\
     content, number, block size, blocksize, min, max, old min, oldmin, old max, oldmax, \
-    sample units, sampleunits, thicknesses, labels, units, space units, measurement \
-    frame, space";
+    sample units, sampleunits, thicknesses, labels, measurement frame";
 
 /// Fields that are read: as written, and the name they go by.
-const READ: [(&str, &str); 22] = [
+const READ: [(&str, &str); 25] = [
     ("dimension", "dimension"),
     ("type", "type"),
     ("sizes", "sizes"),
@@ -194,6 +193,9 @@ const READ: [(&str, &str); 22] = [
     ("centers", "centers"),
     ("centerings", "centers"),
     ("kinds", "kinds"),
+    ("units", "units"),
+    ("space", "space"),
+    ("space units", "space units"),
     ("space dimension", "space dimension"),
     ("space directions", "space directions"),
     ("space origin", "space origin"),
@@ -203,6 +205,16 @@ const READ: [(&str, &str); 22] = [
     ("lineskip", "line skip"),
     ("byte skip", "byte skip"),
     ("byteskip", "byte skip"),
+];
+
+/// Coordinate systems of the format, and their short names; each may be followed by time.
+const SPACES: [(&str, &str); 6] = [
+    ("right-anterior-superior", "RAS"),
+    ("left-anterior-superior", "LAS"),
+    ("left-posterior-superior", "LPS"),
+    ("scanner-xyz", ""),
+    ("3D-right-handed", ""),
+    ("3D-left-handed", ""),
 ];
 
 /// The fields of a header as they stand there: name, value, line.
@@ -302,6 +314,7 @@ impl Fields {
                 endian,
                 encoding,
                 scaling: None,
+                space: self.space(),
             },
             data_file,
             line_skip,
@@ -343,6 +356,45 @@ impl Fields {
                 return Err(field.wrong(expected));
             }
         })
+    }
+
+    /// The coordinate system, if it is one of the format.
+    fn space(&self) -> Option<&'static str> {
+        let written = self.get("space")?.value.to_ascii_lowercase();
+        let space = match written.strip_suffix("-time") {
+            Some(space) => space,
+            // RAST, LAST and LPST.
+            None if written.len() == 4 => written.strip_suffix('t')?,
+            None => &written,
+        };
+        let found = SPACES.iter().find(|(name, short)| {
+            [name, short]
+                .into_iter()
+                .any(|name| name.eq_ignore_ascii_case(space))
+        });
+        found.map(|(name, _)| *name)
+    }
+
+    /// Refuses lengths that are not comparable.
+    fn check_units(&self, dimension: usize, kept: [usize; 3]) -> Result<(), VolumeFault> {
+        for name in ["units", "space units"] {
+            let Some(field) = self.get(name) else {
+                continue;
+            };
+            let mut units = field.units();
+            if name == "units" && units.len() == dimension {
+                units = kept.map(|axis| units[axis]).to_vec();
+            }
+            units.retain(|unit| !["", "???", "none"].contains(unit));
+            if units.windows(2).any(|pair| pair[0] != pair[1]) {
+                return Err(field.fault(&format!(
+                    "`{name}` differ between the axes of space, {}: write all positions in one \
+                     unit, and the field accordingly",
+                    shortened(field.value)
+                )));
+            }
+        }
+        Ok(())
     }
 
     fn encoding(&self) -> Result<Encoding, VolumeFault> {
@@ -416,6 +468,7 @@ impl Fields {
             }
         }
         let kept = kept_axes(sizes, &roles)?;
+        self.check_units(dimension, kept)?;
         let mut axes = Axes {
             sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
             steps: AxisSteps::Upright(DVec3::ONE),
@@ -531,7 +584,15 @@ impl Fields {
         if numbers.into_iter().flatten().all(accepts) {
             return Ok(numbers);
         }
-        Err(wrong())
+        match wrong() {
+            VolumeFault::Line(message) if name == "spacings" && all.iter().any(|&s| s < 0.0) => {
+                Err(VolumeFault::Line(format!(
+                    "{message}; `space directions` and `space origin` describe an axis that runs \
+                     backwards"
+                )))
+            }
+            fault => Err(fault),
+        }
     }
 }
 
@@ -561,27 +622,47 @@ fn kept_axes(sizes: &[u64], roles: &[Role]) -> Result<[usize; 3], VolumeFault> {
         kept.remove(index);
     }
     let of_space = kept.len();
-    kept.try_into().map_err(|_| {
+    kept.try_into().map_err(|kept: Vec<usize>| {
         let samples: Vec<String> = sizes.iter().map(u64::to_string).collect();
         let (count, samples) = (sizes.len(), samples.join(" × "));
         if of_space < 3 {
             return format!(
                 "the file has {count} axes, of {samples} samples, and {of_space} of them are axes of \
-                 space: a volume has three; write a plane with a third of a single sample"
+                 space: a volume has three; write a plane with a third of a single sample, \
+                 as `dimension: 3` and `sizes: 64 64 1`"
             )
             .into();
         }
+        // Colours and times are mostly few, colours the fastest and times the slowest.
+        let fewest = kept.into_iter().rev().min_by_key(|&axis| sizes[axis]);
         format!(
             "the file has {count} axes, of {samples} samples: a volume has three axes and one value \
-             per sample; split the file"
+             per sample; {}",
+            write_slice("one index of the other axis", fewest.unwrap_or_default())
         )
         .into()
     })
 }
 
+/// The remedy for an axis that is too many.
+fn write_slice(what: &str, axis: usize) -> String {
+    format!(
+        "write {what} to a file of its own, as by `unu slice -a {axis} -p 0 -i all.nrrd -o \
+         one.nrrd`, or in Python from `numpy.take(data, 0, axis={axis})` of the array that pynrrd \
+         reads"
+    )
+}
+
 /// The error of a field that must be there.
 fn missing(name: &str) -> VolumeFault {
-    format!("the header has no field `{name}`").into()
+    let example = match name {
+        "dimension" => "`dimension: 3`, the number of axes",
+        "type" => "`type: float`, or the type of the samples",
+        "sizes" => "`sizes: `, and the number of samples along each axis, the fastest first",
+        "encoding" => "`encoding: raw`, or gzip or text",
+        _ => "`endian: little`, or big if the most significant byte comes first",
+    };
+    format!("the header has no field `{name}`: add {example}").into()
 }
 
 /// The error of positions that are given twice.
@@ -613,8 +694,8 @@ impl HeaderField<'_> {
         let ordinal = axis + 1;
         self.fault(&format!(
             "axis {ordinal}, of {samples} samples, is {what}, and not an axis of space: a volume has \
-             three, and one value per sample; write one of the {samples} to a file of its own, as \
-             by `unu slice -a {axis} -p 0`"
+             three, and one value per sample; {}",
+            write_slice(&format!("one of the {samples}"), axis)
         ))
     }
 
@@ -659,8 +740,18 @@ impl HeaderField<'_> {
         }
         let name = self.name;
         Err(self.fault(&format!(
-            "`{name}` has {found} values, and the file {dimension} axes"
+            "`{name}` has {found} values, and the file {dimension} axes: give one for each axis"
         )))
+    }
+
+    /// Words that stand in quotes, or between blanks if none does.
+    fn units(&self) -> Vec<&str> {
+        if self.value.contains('"') {
+            let quoted = self.value.split('"').skip(1).step_by(2);
+            quoted.map(str::trim).collect()
+        } else {
+            self.value.split_ascii_whitespace().collect()
+        }
     }
 
     /// One word for each axis.
@@ -807,7 +898,7 @@ mod tests {
                 "kinds: RGB-color domain domain",
                 "5: axis 1, of 2 samples, is of the kind \"RGB-color\", and not an axis of space: a \
                  volume has three, and one value per sample; write one of the 2 to a file of its \
-                 own, as by `unu slice -a 0 -p 0`",
+                 own, as by `unu slice -a 0 -p 0 -i all.nrrd -o one.nrrd`",
             ),
             (
                 "1 2 2",
@@ -939,7 +1030,9 @@ mod tests {
                 "dimension: 4\nsizes: 2 2 2 2"
             )),
             "the file has 4 axes, of 2 × 2 × 2 × 2 samples: a volume has three axes and one value \
-            per sample; split the file"
+            per sample; write one index of the other axis to a file of its own, as by `unu slice \
+            -a 3 -p 0 -i all.nrrd -o one.nrrd`, or in Python from `numpy.take(data, 0, axis=3)` of \
+            the array that pynrrd reads"
         );
         assert!(message(&with("3\nsizes: 2 2 1", "2\nsizes: 2 2")).contains("has 2 axes"));
     }

@@ -94,7 +94,8 @@ impl Axes {
                 return refused(format!(
                     "axis {axis} of the file is rotated by {degrees:.4} degrees from the nearest \
                     axis of the world: resample the volume along x, y and z, or use its axes as \
-                    stored"
+                    stored: `orientation = \"as-stored\"` beside `file` in the scene (`--as-stored` \
+                    for `volref info`)"
                 ));
             }
             if let Some((other, _)) = from[along] {
@@ -233,7 +234,9 @@ mod tests {
         assert_eq!(
             error([turned, DVec3::new(-0.8, 0.6, 0.0), DVec3::Z]),
             "axis 1 of the file is rotated by 36.8699 degrees from the nearest axis of the world: \
-            resample the volume along x, y and z, or use its axes as stored"
+            resample the volume along x, y and z, or use its axes as stored: \
+            `orientation = \"as-stored\"` beside `file` in the scene (`--as-stored` for `volref \
+            info`)"
         );
         assert_eq!(
             error([DVec3::X, -DVec3::X, DVec3::Z]),

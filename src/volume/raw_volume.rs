@@ -20,11 +20,12 @@ use super::orientation::{Axes, AxisSteps, Orientation};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions};
+use crate::files::misspelling::nearest;
 use glam::DVec3;
 use serde::Deserialize;
-use std::io::Read;
+use std::io::{BufRead, Read};
 use std::ops::Range;
-use toml::Spanned;
+use toml::{Spanned, Value};
 
 /// Longest description, in bytes: 1 MiB.
 const MOST_BYTES: u64 = 1 << 20;
@@ -60,19 +61,50 @@ struct Description {
     file: Spanned<String>,
     r#type: Spanned<String>,
     endian: Option<Spanned<String>>,
-    nodes: Spanned<[u64; 3]>,
-    spacing: Option<Spanned<Spacing>>,
-    origin: Option<Spanned<[f64; 3]>>,
+    nodes: Spanned<Value>,
+    spacing: Option<Spanned<Value>>,
+    origin: Option<Spanned<Value>>,
     centring: Option<Spanned<String>>,
     encoding: Option<Spanned<String>>,
-    header_bytes: Option<u64>,
+    header_bytes: Option<Spanned<Value>>,
 }
 
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Spacing {
-    One(f64),
-    Three([f64; 3]),
+/// A whole number that is not negative.
+fn whole(value: &Value) -> Option<u64> {
+    value.as_integer()?.try_into().ok()
+}
+
+fn number(value: &Value) -> Option<f64> {
+    let whole = value.as_integer().map(|whole| whole as f64);
+    whole.or_else(|| value.as_float())
+}
+
+/// Three values, each of which `one` reads.
+fn three<T>(value: &Value, one: fn(&Value) -> Option<T>) -> Option<[T; 3]> {
+    let [x, y, z] = value.as_array()?.as_slice() else {
+        return None;
+    };
+    Some([one(x)?, one(y)?, one(z)?])
+}
+
+/// Keys that belong to the scene.
+const OF_SCENE: [&str; 3] = ["detached_anywhere", "orientation", "replace_non_finite"];
+
+/// The message of the parser, with the key that may be meant in place of one that is unknown.
+fn of_parser(message: &str) -> String {
+    let message = message.trim();
+    // "unknown field `x`, expected one of `file`, `type`": every other part is a name.
+    let mut names = message.split('`').skip(1).step_by(2);
+    match (message.starts_with("unknown field"), names.next()) {
+        (true, Some(unknown)) if OF_SCENE.contains(&unknown) => {
+            format!("unknown field `{unknown}`: it belongs beside `file` in the scene")
+        }
+        (true, Some(unknown)) => match nearest(unknown, names) {
+            Some(name) => format!("unknown field `{unknown}`: did you mean `{name}`?"),
+            None => message.to_owned(),
+        },
+        _ => message.to_owned(),
+    }
 }
 
 /// A description of a file of raw samples.
@@ -88,8 +120,9 @@ impl RawVolume {
     pub fn parse(text: &str) -> Result<RawVolume, VolumeFault> {
         let at = |span: Option<Range<usize>>, message: &str| in_line(text, span, message);
         let description: Description =
-            toml::from_str(text).map_err(|error| at(error.span(), error.message().trim()))?;
+            toml::from_str(text).map_err(|error| at(error.span(), &of_parser(error.message())))?;
         let choices = Choices { text };
+        let values = Values { text };
         let element = choices.value("type", &description.r#type, &Element::ALL)?;
         let endians = [("little", Endian::Little), ("big", Endian::Big)];
         let endian = choices.optional("endian", &description.endian, &endians)?;
@@ -105,14 +138,30 @@ impl RawVolume {
             return Err(at(Some(description.r#type.span()), &message));
         }
         let of_nodes = |error: LatticeError| at(Some(description.nodes.span()), &error.to_string());
-        let sizes = check_sizes(*description.nodes.get_ref()).map_err(of_nodes)?;
-        let spacing = match description.spacing.as_ref().map(Spanned::get_ref) {
-            None => DVec3::ONE,
-            Some(Spacing::One(spacing)) => DVec3::splat(*spacing),
-            Some(Spacing::Three(spacing)) => DVec3::from_array(*spacing),
-        };
+        let nodes = values.value(
+            "`nodes` must be three whole numbers, such as [256, 256, 113]",
+            &description.nodes,
+            |value| three(value, whole),
+        )?;
+        let sizes = check_sizes(nodes).map_err(of_nodes)?;
+        let spacing = values.optional(
+            "`spacing` must be one number or three, such as [1, 1, 2.5]",
+            &description.spacing,
+            |value| three(value, number).or_else(|| Some([number(value)?; 3])),
+        )?;
+        let spacing = DVec3::from_array(spacing.unwrap_or([1.0; 3]));
         let origin = description.origin.as_ref();
-        let first = DVec3::from_array(origin.map_or([0.0; 3], |origin| *origin.get_ref()));
+        let first = values.optional(
+            "`origin` must be three numbers, such as [0, 0, 0]",
+            &description.origin,
+            |value| three(value, number),
+        )?;
+        let first = DVec3::from_array(first.unwrap_or_default());
+        let header_bytes = values.optional(
+            "`header_bytes` must be a whole number, not negative",
+            &description.header_bytes,
+            whole,
+        )?;
         if !first.is_finite() {
             let message = LatticeError::First(first).to_string();
             return Err(at(origin.map(Spanned::span), &message));
@@ -141,9 +190,10 @@ impl RawVolume {
                 endian: endian.unwrap_or(Endian::Little),
                 encoding: encoding.unwrap_or(Encoding::Raw),
                 scaling: None,
+                space: None,
             },
             file: description.file.into_inner(),
-            header_bytes: description.header_bytes.unwrap_or(0),
+            header_bytes: header_bytes.unwrap_or(0),
         })
     }
 
@@ -169,7 +219,27 @@ impl RawVolume {
             ));
         }
         source.skip(header_bytes)?;
-        read_grid(source, &self.layout, options)
+        let layout = &self.layout;
+        let packed = source.fill_buf()?.starts_with(&[0x1f, 0x8b]);
+        let samples: usize = layout.axes.sizes.iter().product();
+        let expected = samples as u64 * layout.element.bytes() as u64;
+        let more = source.remaining().saturating_sub(expected);
+        read_grid(source, layout, options).map_err(|fault| {
+            let remedy = match layout.encoding {
+                Encoding::Raw if packed => "the samples begin like gzip: `encoding = \"gzip\"` \
+                                            unpacks them"
+                    .to_owned(),
+                Encoding::Raw if more > 0 => {
+                    let header = header_bytes + more;
+                    format!("`header_bytes = {header}` skips a header before the samples")
+                }
+                Encoding::Gzip if !packed => {
+                    "the samples do not begin like gzip: leave out `encoding`".to_owned()
+                }
+                _ => return fault,
+            };
+            format!("{fault}; {remedy}").into()
+        })
     }
 }
 
@@ -204,6 +274,37 @@ impl Choices<'_> {
     ) -> Result<Option<T>, VolumeFault> {
         let word = word.as_ref();
         word.map(|word| self.value(key, word, words)).transpose()
+    }
+}
+
+/// Numbers of a description.
+struct Values<'t> {
+    text: &'t str,
+}
+
+impl Values<'_> {
+    /// The value that `read` makes of what is `written`; `expected` is the message if it is none.
+    fn value<T>(
+        &self,
+        expected: &str,
+        written: &Spanned<Value>,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Result<T, VolumeFault> {
+        let value = read(written.get_ref());
+        value.ok_or_else(|| in_line(self.text, Some(written.span()), expected))
+    }
+
+    /// The same of a value that may be left out.
+    fn optional<T>(
+        &self,
+        expected: &str,
+        written: &Option<Spanned<Value>>,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Result<Option<T>, VolumeFault> {
+        let written = written.as_ref();
+        written
+            .map(|written| self.value(expected, written, read))
+            .transpose()
     }
 }
 
@@ -245,7 +346,16 @@ mod tests {
     #[test]
     fn mistakes_have_a_place() {
         for (old, new, expected) in [
-            ("file = ", "fiel = ", "1:1: unknown field `fiel`"),
+            (
+                "file = ",
+                "fiel = ",
+                "1:1: unknown field `fiel`: did you mean `file`?",
+            ),
+            (
+                "file = ",
+                "nonsense = 1\nfile = ",
+                "1:1: unknown field `nonsense`, expected one of",
+            ),
             ("\"a.raw\"", "\"\"", "1:8: `file` is empty"),
             ("\"a.raw\"", "a.raw", "1:8: "),
             (
@@ -268,13 +378,41 @@ mod tests {
                 "[2, 0, 1]",
                 "4:9: a grid of 2 × 0 × 1 nodes has no node",
             ),
-            ("[2, 1, 1]", "[2, -1, 1]", "4:"),
+            (
+                "[2, 1, 1]",
+                "[2, -1, 1]",
+                "4:9: `nodes` must be three whole numbers",
+            ),
+            (
+                "nodes",
+                "header_bytes = -1\nnodes",
+                "4:16: `header_bytes` must be a whole number",
+            ),
+            (
+                "nodes",
+                "spacing = [1, 2]\nnodes",
+                "4:11: `spacing` must be one number or three",
+            ),
+            (
+                "nodes",
+                "spacing = \"1\"\nnodes",
+                "4:11: `spacing` must be one number or three",
+            ),
+            (
+                "nodes",
+                "origin = 0\nnodes",
+                "4:10: `origin` must be three numbers",
+            ),
             (
                 "[2, 1, 1]",
                 "[1048576, 1048576, 1048576]",
                 "4:9: a grid of 1048576 × 1048576",
             ),
-            ("[2, 1, 1]", "[2, 1]", "4:"),
+            (
+                "[2, 1, 1]",
+                "[2, 1]",
+                "4:9: `nodes` must be three whole numbers",
+            ),
             (
                 "nodes",
                 "spacing = [1, nan, 1]\nnodes",
@@ -320,6 +458,16 @@ mod tests {
             "`header_bytes` is 3, and the file of the samples has 2 bytes"
         );
         assert!(message(&[0; 6]).starts_with("the header declares 2 × 1 × 1 samples of int16, 4"));
-        assert!(message(&[0; 8]).contains("contains something else as well"));
+        let more = message(&[0; 8]);
+        assert!(more.contains("contains something else as well"), "{more}");
+        assert!(
+            more.ends_with("; `header_bytes = 4` skips a header before the samples"),
+            "{more}"
+        );
+        let packed = message(&[0, 0, 0, 0x1f, 0x8b]);
+        assert!(
+            packed.contains("`encoding = \"gzip\"` unpacks them"),
+            "{packed}"
+        );
     }
 }

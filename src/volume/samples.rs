@@ -124,6 +124,8 @@ pub struct Layout {
     pub encoding: Encoding,
     /// Slope a and intercept b: a stored sample s stands for the value `a·s + b`.
     pub scaling: Option<(f64, f64)>,
+    /// Coordinate system of the positions, where the file states one.
+    pub space: Option<&'static str>,
 }
 
 /// Reads the samples that follow a header, and all that follows them: nothing may.
@@ -359,7 +361,8 @@ impl<'l> Samples<'l> {
                 let value = scaling.map_or(stored, |(slope, intercept)| slope * stored + intercept);
                 refused(format!(
                     "voxel ({i}, {j}, {k}), counted as stored, holds {value}: values must be \
-                     finite, and not beyond 3.4e38; correct it, or give a value to replace it"
+                     finite, and not beyond 3.4e38; correct it, or set \
+                     `replace_non_finite` beside `file` in the scene, to a value that replaces it"
                 ))
             }
         }
@@ -531,6 +534,7 @@ mod tests {
             endian,
             encoding,
             scaling: None,
+            space: None,
         }
     }
 
@@ -661,7 +665,8 @@ mod tests {
         assert_eq!(
             with(NonFinite::Refused).unwrap_err().to_string(),
             "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
-             3.4e38; correct it, or give a value to replace it"
+             3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene, to a value \
+             that replaces it"
         );
         assert_eq!(
             with(NonFinite::Replaced(-7.0)).unwrap(),

@@ -88,7 +88,8 @@ impl<'b> VolumeSource<'b> {
         let outside = |name: &str| {
             format!(
                 "its data are in {name:?}, outside its folder, which is not allowed: move the \
-                file beside the header, or allow detached_anywhere"
+                file beside the header, or set `detached_anywhere = true` beside `file` in the \
+                scene, not in the header (`--detached-anywhere` for `volref info`)"
             )
         };
         let inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);

@@ -28,6 +28,7 @@ fn a_grid() {
     spacing     (0.5, 1, 2)
     first node  (-1, 2, 3)
     box         (-1, 2, 3) to (0.5, 4, 5), centred on nodes
+    space       RAS+ (right, anterior, superior), by the sform
     stored      int16, big endian, raw
                 20 to 266, mean 143
                 value = 0.5 · stored - 10
@@ -275,4 +276,225 @@ fn volumes_whose_header_or_text_says_something_else() {
         "{}",
         run.stdout
     );
+}
+
+#[test]
+fn refusals_name_the_remedy() {
+    let folder = Folder::new();
+    let nrrd = |more: &str| {
+        format!(
+            "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 3 2 1\nencoding: raw\n{more}\n\n123456"
+        )
+    };
+    let raw =
+        |more: &str| format!("file = \"six.raw\"\ntype = \"uint8\"\nnodes = [3, 2, 1]\n{more}\n");
+    folder.write("six.raw", "123456");
+    folder.write("long.raw", "header123456");
+    folder.write("packed.raw", b"\x1f\x8b\x08");
+    folder.write("units.nrrd", nrrd("units: \"mm\" \"um\" \"mm\""));
+    let space_units = "space dimension: 3\nspace units: \"mm\" \"mm\" \"\\xb5m\"";
+    folder.write("space.nrrd", nrrd(space_units));
+    folder.write("backwards.nrrd", nrrd("spacings: 1 -1 1"));
+    folder.write("endian.nrrd", nrrd("").replace("uchar", "short"));
+    folder.write("dimension.nrrd", nrrd("").replace("dimension: 3\n", ""));
+    folder.write(
+        "four.nrrd",
+        nrrd("").replace("3\nsizes: 3 2 1", "4\nsizes: 3 2 2 2"),
+    );
+    folder.write("colour.nrrd", nrrd("kinds: RGB-color domain domain"));
+    folder.write("kinds.nrrd", nrrd("kinds: domain domain"));
+    folder.write(
+        "oblique.nrrd",
+        nrrd("space directions: (1,1,0) (-1,1,0) (0,0,1)"),
+    );
+    folder.write("away.nrrd", nrrd("data file: ../six.raw"));
+    let mut nifti2 = fixture("grid.nii");
+    nifti2[..4].copy_from_slice(&540_i32.to_be_bytes());
+    folder.write("two.nii", nifti2);
+    let mut pair = fixture("grid.nii");
+    pair[344..348].copy_from_slice(b"ni1\0");
+    folder.write("pair.nii", pair);
+    let mut plane = fixture("grid.nii");
+    plane[40..42].copy_from_slice(&2_i16.to_be_bytes());
+    folder.write("plane.nii", plane);
+    folder.write("plain.nii.gz", fixture("grid.nii"));
+    folder.write("packed.nii", fixture("grid.nii.gz"));
+    folder.write("text.nii", nrrd(""));
+    folder.write("nifti.nrrd", fixture("grid.nii"));
+    folder.write("meta.nrrd", "ObjectType = Image\n");
+    folder.write("nodes.toml", raw("").replace("[3, 2, 1]", "[3.0, 2, 1]"));
+    folder.write("spacing.toml", raw("spacing = \"1 1 2\""));
+    folder.write("negative.toml", raw("header_bytes = -1"));
+    folder.write("unknown.toml", raw("spacings = 2"));
+    folder.write("elsewhere.toml", raw("detached_anywhere = true"));
+    folder.write(
+        "plane.nrrd",
+        nrrd("").replace("3\nsizes: 3 2 1", "2\nsizes: 3 2"),
+    );
+    folder.write(
+        "fast.nrrd",
+        nrrd("").replace("3\nsizes: 3 2 1", "4\nsizes: 2 3 4 5"),
+    );
+    folder.write("gzip.toml", raw("").replace("six.raw", "packed.raw"));
+    folder.write("plain.toml", raw("encoding = \"gzip\""));
+    folder.write("header.toml", raw("").replace("six.raw", "long.raw"));
+    let convert = "write the volume as one .nii or .nrrd, as by `nibabel.save`";
+    for (file, parts) in [
+        (
+            "units.nrrd",
+            [
+                "units.nrrd:6: `units` differ",
+                "write all positions in one unit",
+            ],
+        ),
+        (
+            "space.nrrd",
+            ["space.nrrd:7: `space units` differ", "in one unit"],
+        ),
+        (
+            "backwards.nrrd",
+            ["6: `spacings` must be", "`space directions` and"],
+        ),
+        (
+            "endian.nrrd",
+            ["has no field `endian`", "add `endian: little`"],
+        ),
+        (
+            "dimension.nrrd",
+            ["has no field `dimension`", "add `dimension: 3`"],
+        ),
+        (
+            "four.nrrd",
+            [
+                "has 4 axes",
+                "`unu slice -a 3 -p 0 -i all.nrrd -o one.nrrd`",
+            ],
+        ),
+        (
+            "colour.nrrd",
+            [
+                "`unu slice -a 0 -p 0 -i all.nrrd",
+                "`numpy.take(data, 0, axis=0)`",
+            ],
+        ),
+        (
+            "kinds.nrrd",
+            [
+                "`kinds` has 2 values, and the file 3 axes",
+                "give one for each axis",
+            ],
+        ),
+        (
+            "oblique.nrrd",
+            ["`orientation = \"as-stored\"`", "`--as-stored`"],
+        ),
+        (
+            "away.nrrd",
+            ["`detached_anywhere = true`", "`--detached-anywhere`"],
+        ),
+        (
+            "two.nii",
+            ["this is NIfTI-2", "`nibabel.Nifti1Image.from_image`"],
+        ),
+        ("pair.nii", [".hdr and .img", "`nibabel.save`"]),
+        ("plane.nii", ["`dim[0]` is 2", "`data[:, :, None]`"]),
+        (
+            "plain.nii.gz",
+            ["begins like a NIfTI-1 file", "so that it ends in .nii"],
+        ),
+        (
+            "packed.nii",
+            ["begins like a gzip file", "so that it ends in .nii.gz"],
+        ),
+        (
+            "text.nii",
+            ["begins like a NRRD file", "so that it ends in .nrrd"],
+        ),
+        (
+            "nifti.nrrd",
+            ["begins like a NIfTI-1 file", "so that it ends in .nii"],
+        ),
+        ("meta.nrrd", ["begins like a MetaImage file", convert]),
+        (
+            "nodes.toml",
+            ["nodes.toml:3:9: ", "`nodes` must be three whole numbers"],
+        ),
+        (
+            "spacing.toml",
+            [
+                "spacing.toml:4:11: ",
+                "`spacing` must be one number or three",
+            ],
+        ),
+        (
+            "negative.toml",
+            ["negative.toml:4:16: ", "a whole number, not negative"],
+        ),
+        (
+            "unknown.toml",
+            ["unknown.toml:4:1: unknown field", "did you mean `spacing`?"],
+        ),
+        ("gzip.toml", ["begin like gzip", "`encoding = \"gzip\"`"]),
+        (
+            "plain.toml",
+            ["do not begin like gzip", "leave out `encoding`"],
+        ),
+        (
+            "header.toml",
+            ["but 12 bytes follow it", "`header_bytes = 6`"],
+        ),
+        (
+            "elsewhere.toml",
+            ["elsewhere.toml:4:1: ", "beside `file` in the scene"],
+        ),
+        ("plane.nrrd", ["has 2 axes", "`sizes: 64 64 1`"]),
+        ("fast.nrrd", ["has 4 axes", "axis=0"]),
+        (
+            "scan.raw.gz",
+            ["unsupported file extension", "`encoding = \"gzip\"`"],
+        ),
+        ("scan.img", [".img: unsupported file extension", convert]),
+        ("scan.mha", [".mha: unsupported file extension", convert]),
+        (
+            "scan.raw",
+            [
+                "unsupported file extension",
+                "describe the samples by a .toml",
+            ],
+        ),
+        (
+            "scan.npy",
+            ["unsupported file extension", "`header_bytes = 128`"],
+        ),
+        ("scan.nrrd.gz", ["unsupported file extension", "`gunzip`"]),
+        (
+            "scan.ply",
+            ["unsupported file extension", "a line `v x y z`"],
+        ),
+    ] {
+        folder.volref(&["info", file]).expect(2, &parts);
+    }
+}
+
+#[test]
+fn space_and_units_of_nrrd() {
+    let folder = Folder::new();
+    for (more, shown) in [
+        (
+            "space: left-posterior-superior",
+            Some("left-posterior-superior"),
+        ),
+        ("space: RAST", Some("right-anterior-superior")),
+        ("space: 3D-left-handed-time", Some("3D-left-handed")),
+        ("units: \"mm\" \"mm\" \"\"", None),
+        (
+            "space: LPS\nspace units: \"mm\" \"mm\" \"mm\"",
+            Some("left-posterior-superior"),
+        ),
+    ] {
+        let header = "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 3 2 1\nencoding: raw";
+        folder.write("a.nrrd", format!("{header}\n{more}\n\n123456"));
+        let json = folder.volref(&["info", "a.nrrd", "--json"]).json();
+        assert_eq!(json["space"].as_str(), shown, "{more}");
+    }
 }

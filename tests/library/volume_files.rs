@@ -268,7 +268,9 @@ fn data_elsewhere_are_read_only_when_asked_for() {
                 Err(error) => {
                     let end = format!(
                         ": its data are in {name:?}, outside its folder, which is not allowed: \
-                        move the file beside the header, or allow detached_anywhere"
+                        move the file beside the header, or set `detached_anywhere = true` \
+                        beside `file` in the scene, not in the header (`--detached-anywhere` for \
+                        `volref info`)"
                     );
                     assert!(!inside && error.to_string().ends_with(&end), "{error}");
                 }
@@ -470,7 +472,8 @@ fn keys_of_volume_files() {
         ("file = \"nan.vol\"", ":4:8: "),
         (
             "file = \"nan.vol\"",
-            "voxel (1, 0, 0), counted as stored, holds NaN",
+            "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
+             3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene",
         ),
         (
             "file = \"negative.vol\"",
@@ -487,6 +490,10 @@ fn keys_of_volume_files() {
         (
             "file = \"two.obj\"\ncentring = \"cells\"",
             ":5:12: `centring` applies to grids; \"two.obj\" is a point cloud",
+        ),
+        (
+            "file = \"scan.raw\"\ncentring = \"cells\"",
+            "scan.raw: unsupported file extension; supported are",
         ),
         (
             "file = \"nan.vol\"\ndetached_anywhere = 1",
