@@ -143,7 +143,10 @@ impl Polygons {
                     corner + 1
                 ),
             })?,
-            _ if polygons.ends.is_empty() => Err(MeshError::Empty),
+            _ if polygons.ends.is_empty() && skipped.is_empty() => Err(MeshError::Empty),
+            _ if polygons.ends.is_empty() => Err(ObjFault::in_file(&format!(
+                "the mesh has no faces; beside points this file has {skipped}: export it as polygons"
+            )))?,
             _ => Ok(polygons),
         }
     }

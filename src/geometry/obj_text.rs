@@ -23,7 +23,7 @@ pub struct ObjFault {
 
 impl ObjFault {
     /// A mistake in the file as a whole.
-    fn in_file(message: &str) -> ObjFault {
+    pub(super) fn in_file(message: &str) -> ObjFault {
         ObjFault {
             position: None,
             message: message.to_owned(),
@@ -215,6 +215,11 @@ impl Skipped {
     /// Counts a statement.
     pub fn count(&mut self, keyword: &'static str) {
         *self.0.entry(keyword).or_insert(0) += 1;
+    }
+
+    /// Whether there was none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 }
 

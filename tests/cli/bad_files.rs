@@ -322,7 +322,7 @@ fn meshes_of_surfaces() {
         folder.edit(
             "scene.toml",
             "[radiative]",
-            "[sampling]\nsamples = 1\n[radiative]\nmax_bounces = 2",
+            "[sampling]\nsamples = 1\n[radiative]",
         );
         for args in [
             &["plan", "scene.toml"][..],
@@ -330,7 +330,7 @@ fn meshes_of_surfaces() {
         ] {
             let run = folder.volref(args);
             match refused {
-                Some(words) => run.expect(2, &["scene.toml:13:17: ", words]),
+                Some(words) => run.expect(2, &["scene.toml:12:17: ", words]),
                 None => run.expect(0, &[]),
             };
             assert_eq!(
@@ -340,7 +340,8 @@ fn meshes_of_surfaces() {
                 run.stdout
             );
             assert_eq!(
-                run.stdout.contains("radiative.surface[0].emitter"),
+                run.stdout
+                    .contains("(radiative.surface[0].emitter, line 13)"),
                 noted,
                 "{}",
                 run.stdout

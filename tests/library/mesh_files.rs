@@ -189,6 +189,11 @@ fn what_is_refused_says_where() {
         (start.to_owned(), "the mesh has no faces"),
         (String::new(), "the mesh has no faces"),
         (
+            format!("{start}deg 3\ncurv 0 1 1 2 3\nend"),
+            "the mesh has no faces; beside points this file has 1 × `curv`, 1 × `deg`, 1 × `end`: \
+             export it as polygons",
+        ),
+        (
             format!("{start}v 2 0 0\n\nf 1 2 3\nf 1 2 4"),
             "the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]",
         ),
