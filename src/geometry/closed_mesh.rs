@@ -2,12 +2,13 @@
 
 use super::{Aabb, Crossing, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface, Transform};
 use crate::math::Sum;
+use std::sync::Arc;
 
 /// A mesh without border, its normals outward: the boundary of a body or a medium. It may be
 /// concave, have holes like a ring, and be in several pieces; a piece turned inside out within
 /// another is a cavity.
 #[derive(Clone, Debug)]
-pub struct ClosedMesh(Mesh);
+pub struct ClosedMesh(Arc<Mesh>);
 
 /// A side of a face: the lower vertex number first.
 struct MeshEdge {
@@ -23,12 +24,9 @@ impl ClosedMesh {
     ///
     /// Vertices at the same position count as different unless they have the same number;
     /// [`Mesh::load`] gives them the same number.
-    pub fn new(mesh: Mesh) -> Result<ClosedMesh, MeshError> {
-        let mut edges = edges(&mesh);
-        edges.sort_by_key(|edge| (edge.ends, edge.face));
-        for edge in edges.chunk_by(|a, b| a.ends == b.ends) {
-            check(&mesh, edge)?;
-        }
+    pub fn new(mesh: impl Into<Arc<Mesh>>) -> Result<ClosedMesh, MeshError> {
+        let mesh = mesh.into();
+        check_edges(&mesh)?;
         let volume = volume(&mesh);
         if volume > 0.0 {
             Ok(ClosedMesh(mesh))
@@ -40,6 +38,11 @@ impl ClosedMesh {
     /// The surface itself.
     pub fn mesh(&self) -> &Mesh {
         &self.0
+    }
+
+    /// Whether `mesh` is closed and its normals point inward.
+    pub fn is_inside_out(mesh: &Mesh) -> bool {
+        volume(mesh) < 0.0 && check_edges(mesh).is_ok()
     }
 
     /// The solid with every vertex moved by `transform`.
@@ -111,6 +114,45 @@ fn edges(mesh: &Mesh) -> Vec<MeshEdge> {
             })
         })
         .collect()
+}
+
+/// Checks that every edge has two faces that agree about their front.
+fn check_edges(mesh: &Mesh) -> Result<(), MeshError> {
+    let mut edges = edges(mesh);
+    edges.sort_by_key(|edge| (edge.ends, edge.face));
+    for sharing in edges.chunk_by(|a, b| a.ends == b.ends) {
+        check(mesh, sharing).map_err(|error| match error {
+            MeshError::Open { from, to, face } => match twin(mesh, &edges, &sharing[0]) {
+                Some(apart) => MeshError::Seam {
+                    from,
+                    to,
+                    face,
+                    apart,
+                },
+                None => error,
+            },
+            other => other,
+        })?;
+    }
+    Ok(())
+}
+
+/// Distance to another edge of one face that almost coincides with `open`: vertices that rounding
+/// separated. `edges` are sorted.
+fn twin(mesh: &Mesh, edges: &[MeshEdge], open: &MeshEdge) -> Option<f64> {
+    const CLOSE: f64 = 1e-4;
+    let place = |edge: &MeshEdge| edge.ends.map(|vertex| mesh.vertices()[vertex]);
+    let [from, to] = place(open);
+    let others = edges.chunk_by(|a, b| a.ends == b.ends);
+    others
+        .filter(|sharing| sharing.len() == 1 && sharing[0].ends != open.ends)
+        .map(|sharing| {
+            let [a, b] = place(&sharing[0]);
+            let apart = |a, b| from.distance(a).max(to.distance(b));
+            apart(a, b).min(apart(b, a))
+        })
+        .filter(|apart| *apart <= CLOSE * from.distance(to))
+        .min_by(f64::total_cmp)
 }
 
 /// Checks the faces that share an edge.

@@ -72,7 +72,7 @@ pub enum MeshError {
     Range(f64),
     /// The surface has a border and encloses nothing.
     #[error(
-        "the mesh is open: the edge from {from} to {to} belongs to {face} only; a medium needs a closed boundary, so fill the hole"
+        "the mesh is open: the edge from {from} to {to} belongs to {face} only; a medium or glass needs a closed boundary, so fill the hole"
     )]
     Open {
         /// One end of the edge.
@@ -81,6 +81,20 @@ pub enum MeshError {
         to: DVec3,
         /// The only face there.
         face: FaceName,
+    },
+    /// An edge has a twin with vertices of its own, almost at the same place.
+    #[error(
+        "the mesh is open: the edge from {from} to {to} belongs to {face} only; another edge lies {apart:.1e} beside it, so their vertices almost coincide: merge vertices by distance, for instance in Blender or MeshLab"
+    )]
+    Seam {
+        /// One end of the edge.
+        from: DVec3,
+        /// The other end.
+        to: DVec3,
+        /// The only face there.
+        face: FaceName,
+        /// Largest distance between the ends of the two edges.
+        apart: f64,
     },
     /// More than two faces meet at an edge.
     #[error(

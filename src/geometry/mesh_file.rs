@@ -29,7 +29,10 @@ impl Mesh {
         };
         let bytes =
             regular_file::read(path, MOST_BYTES).map_err(|error| unreadable(error.into()))?;
-        let mesh = Mesh::from_obj(&bytes)?;
+        let mesh = Mesh::from_obj(&bytes).map_err(|error| match format_by_name(path) {
+            Some(name) => ObjFault::of_format(name).into(),
+            None => error,
+        })?;
         Ok((mesh, blake3::hash(&bytes).to_hex().to_string()))
     }
 
@@ -62,6 +65,18 @@ impl Mesh {
         }
         Mesh::of_lines(welded.vertices, faces, lines)
     }
+}
+
+/// The format of a mesh that is not OBJ, by its extension.
+fn format_by_name(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_ascii_lowercase();
+    Some(match extension.to_str()? {
+        "ply" => "PLY",
+        "stl" => "STL",
+        "off" => "OFF",
+        "gltf" | "glb" => "glTF",
+        _ => return None,
+    })
 }
 
 /// The polygons of a file, as they stand there.
@@ -128,7 +143,10 @@ impl Polygons {
                     corner + 1
                 ),
             })?,
-            _ if polygons.ends.is_empty() => Err(MeshError::Empty),
+            _ if polygons.ends.is_empty() && skipped.is_empty() => Err(MeshError::Empty),
+            _ if polygons.ends.is_empty() => Err(ObjFault::in_file(&format!(
+                "the mesh has no faces; beside points this file has {skipped}: export it as polygons"
+            )))?,
             _ => Ok(polygons),
         }
     }

@@ -23,11 +23,42 @@ pub struct ObjFault {
 
 impl ObjFault {
     /// A mistake in the file as a whole.
-    fn in_file(message: &str) -> ObjFault {
+    pub(super) fn in_file(message: &str) -> ObjFault {
         ObjFault {
             position: None,
             message: message.to_owned(),
         }
+    }
+
+    /// A file of another format.
+    pub(super) fn of_format(name: &str) -> ObjFault {
+        ObjFault::in_file(&format!(
+            "this is a file of the format {name}, and only OBJ is read: convert it with a mesh \
+             editor (Blender, MeshLab), or in Python: \
+             trimesh.load(\"FILE\").export(\"mesh.obj\")"
+        ))
+    }
+}
+
+/// The format of a mesh that is not OBJ, by its first bytes.
+fn other_format(bytes: &[u8]) -> Option<&'static str> {
+    let begins = |start: &[u8]| {
+        let rest = bytes.strip_prefix(start);
+        rest.is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_whitespace))
+    };
+    // A header of 80 bytes without meaning, the number of triangles, 50 bytes for each.
+    let count = bytes.get(80..84).and_then(|count| count.try_into().ok());
+    let count = count.map(|count| u64::from(u32::from_le_bytes(count)));
+    if begins(b"ply") {
+        Some("PLY")
+    } else if begins(b"solid") || count.is_some_and(|it| 84 + 50 * it == bytes.len() as u64) {
+        Some("STL")
+    } else if begins(b"OFF") {
+        Some("OFF")
+    } else if bytes.starts_with(b"glTF") {
+        Some("glTF")
+    } else {
+        None
     }
 }
 
@@ -105,6 +136,9 @@ pub(crate) struct Statements<'a> {
 impl<'a> Statements<'a> {
     /// Those of a file, which must be text.
     pub fn of(bytes: &'a [u8]) -> Result<Statements<'a>, ObjFault> {
+        if let Some(name) = other_format(bytes) {
+            return Err(ObjFault::of_format(name));
+        }
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
             return Err(ObjFault::in_file(
                 "this is not plain text (a zero byte or UTF-16): save it as UTF-8 or ASCII",
@@ -181,6 +215,11 @@ impl Skipped {
     /// Counts a statement.
     pub fn count(&mut self, keyword: &'static str) {
         *self.0.entry(keyword).or_insert(0) += 1;
+    }
+
+    /// Whether there was none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 }
 

@@ -140,8 +140,7 @@ impl<'p> Files<'p> {
         if let Some(closed) = self.closed.get(&name) {
             return Ok(closed.clone());
         }
-        let closed =
-            ClosedMesh::new((*mesh).clone()).map_err(|error| bad_mesh(reader, &name, &error))?;
+        let closed = ClosedMesh::new(mesh).map_err(|error| bad_mesh(reader, &name, &error))?;
         let closed = Arc::new(closed);
         self.closed.insert(name, closed.clone());
         Ok(closed)

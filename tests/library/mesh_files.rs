@@ -4,7 +4,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 use std::io::Cursor;
-use volref::geometry::{ClosedMesh, Emitter, Mesh, MeshError, Surface};
+use volref::geometry::{ClosedMesh, Emitter, Mesh, MeshError, Ray, Solid, Surface};
 
 /// A cube as six squares.
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n\
@@ -172,7 +172,7 @@ fn what_is_refused_says_where() {
         ),
         (
             "ply\nformat ascii 1.0".to_owned(),
-            "1:1: \"ply\" is not a keyword",
+            "this is a file of the format PLY, and only OBJ is read: convert it",
         ),
         (
             format!("{start}f 1 2 3\nsurf 0 1 0 1 1 2 3"),
@@ -188,6 +188,11 @@ fn what_is_refused_says_where() {
         ),
         (start.to_owned(), "the mesh has no faces"),
         (String::new(), "the mesh has no faces"),
+        (
+            format!("{start}deg 3\ncurv 0 1 1 2 3\nend"),
+            "the mesh has no faces; beside points this file has 1 × `curv`, 1 × `deg`, 1 × `end`: \
+             export it as polygons",
+        ),
         (
             format!("{start}v 2 0 0\n\nf 1 2 3\nf 1 2 4"),
             "the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]",
@@ -233,6 +238,112 @@ fn what_is_refused_says_where() {
         error.contains("belongs to the face in line 9 only"),
         "{error}"
     );
+}
+
+/// The cube with every vertex moved along x, and the numbers of its faces behind those of others.
+fn moved_cube(x: f64) -> String {
+    let lines = CUBE.lines().map(|line| match line.strip_prefix("v ") {
+        Some(place) => {
+            let place: Vec<f64> = place.split(' ').map(|word| word.parse().unwrap()).collect();
+            format!("v {} {} {}\n", place[0] + x, place[1], place[2])
+        }
+        None => {
+            let corners = line.split(' ').skip(1);
+            let corners = corners.map(|word| format!(" {}", word.parse::<i64>().unwrap() - 9));
+            format!("f{}\n", corners.collect::<String>())
+        }
+    });
+    lines.collect()
+}
+
+#[test]
+fn overlapping_shells_are_their_union() {
+    let mesh = read(moved_cube(0.0) + &moved_cube(0.5) + &moved_cube(4.0)).unwrap();
+    let closed = ClosedMesh::new(mesh).unwrap();
+    for (start, expected) in [
+        (-1.0, vec![[1.0, 2.5], [5.0, 6.0]]),
+        (0.75, vec![[0.0, 0.75], [3.25, 4.25]]),
+    ] {
+        let ray = Ray::new(DVec3::new(start, 0.3, 0.6), DVec3::X).unwrap();
+        let spans = closed.spans(&ray);
+        let spans: Vec<_> = spans.iter().map(|span| [span.near, span.far]).collect();
+        assert_eq!(spans, expected, "from {start}");
+    }
+}
+
+/// Triangles with vertices of their own, rounded apart: not a hole to fill.
+#[test]
+fn vertices_that_almost_coincide() {
+    let soup = |apart: f64| {
+        let mut text = String::new();
+        let mut count = 0.0;
+        for corners in triangles(&read(CUBE).unwrap()) {
+            for at in corners {
+                count += 1.0;
+                text += &format!("v {} {} {}\n", at.x + apart * count, at.y, at.z);
+            }
+            text += "f -3 -2 -1\n";
+        }
+        ClosedMesh::new(read(text).unwrap())
+    };
+    soup(0.0).unwrap();
+    for (apart, merged) in [(1e-9, true), (1e-6, true), (1e-3, false)] {
+        let error = soup(apart).unwrap_err().to_string();
+        assert!(
+            error.starts_with("the mesh is open: the edge from "),
+            "{error}"
+        );
+        assert_eq!(
+            error.contains("merge vertices by distance"),
+            merged,
+            "{error}"
+        );
+        assert_eq!(error.contains("fill the hole"), !merged, "{error}");
+    }
+}
+
+#[test]
+fn meshes_of_other_formats() {
+    // 80 bytes of anything, no triangle.
+    let empty_stl = [&[b' '; 80][..], &[0; 4]].concat();
+    let full_stl = [&[0; 80][..], &[1, 0, 0, 0], &[0; 50]].concat();
+    for (bytes, format) in [
+        (&b"ply\nformat ascii 1.0\n"[..], "PLY"),
+        (b"ply\r\nformat binary_little_endian 1.0\r\n\0", "PLY"),
+        (b"solid \nfacet normal 0 0 1\n", "STL"),
+        (&empty_stl, "STL"),
+        (&full_stl, "STL"),
+        (b"OFF\n8 6 0\n", "OFF"),
+        (b"glTF\x02\0\0\0", "glTF"),
+    ] {
+        let error = read(bytes).unwrap_err().to_string();
+        let expected =
+            format!("this is a file of the format {format}, and only OBJ is read: convert");
+        assert!(error.starts_with(&expected), "{error}");
+    }
+    // By their names: without the first line, cut off, or a mesh that is OBJ all the same.
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text, expected) in [
+        ("a.PLY", "format ascii 1.0\n", Some("format PLY")),
+        ("b.stl", "facet normal 0 0 1\n", Some("format STL")),
+        ("c.glb", "", Some("format glTF")),
+        ("d.ply", CUBE, None),
+        (
+            "e.obj",
+            "format ascii 1.0\n",
+            Some("\"format\" is not a keyword"),
+        ),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        match (Mesh::load(&path), expected) {
+            (Ok(_), None) => {}
+            (Err(error), Some(words)) => assert!(error.to_string().contains(words), "{error}"),
+            (result, _) => panic!("{name}: {result:?}"),
+        }
+    }
+    let error = Mesh::load(&folder.path().join("none.ply")).unwrap_err();
+    assert!(matches!(error, MeshError::Unreadable { .. }), "{error}");
 }
 
 /// A polygon by its corners in a plane, and its area.

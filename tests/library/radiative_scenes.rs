@@ -775,7 +775,7 @@ fn shapes() {
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     8:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
         `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
-    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium needs a closed boundary, so fill the hole
+    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium or glass needs a closed boundary, so fill the hole
         `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
         `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.

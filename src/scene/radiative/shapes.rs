@@ -74,8 +74,9 @@ impl BaseShape {
         }
     }
 
-    /// Whatever of the four the table holds; that it holds one is declared.
-    fn read(reader: &Reader, files: &mut Files) -> SceneResult<BaseShape> {
+    /// Whatever of the four the table holds; that it holds one is declared. A mesh that is `solid`
+    /// must be closed.
+    fn read(reader: &Reader, files: &mut Files, solid: bool) -> SceneResult<BaseShape> {
         if let Some(sphere) = reader.table("sphere")? {
             return read_sphere(&sphere).map(BaseShape::Sphere);
         }
@@ -86,6 +87,9 @@ impl BaseShape {
             return read_rectangle(&rectangle).map(BaseShape::Rectangle);
         }
         let mesh = reader.table("mesh")?.expect("one of the shapes");
+        if solid {
+            files.closed_mesh(&mesh)?;
+        }
         files.mesh(&mesh).map(BaseShape::Mesh)
     }
 }
@@ -113,9 +117,9 @@ fn read_rectangle(reader: &Reader) -> SceneResult<Rectangle> {
 }
 
 /// The shape of a surface that reflects or refracts. A `solid` one must have an inside, if it is
-/// a box.
+/// a box or a mesh.
 pub(super) fn shape(reader: &Reader, files: &mut Files, solid: bool) -> SceneResult<Shape> {
-    let form = BaseShape::read(reader, files)?;
+    let form = BaseShape::read(reader, files, solid)?;
     let transform = ShapeTransform::read(reader)?;
     if let BaseShape::Box(cuboid) = &form {
         let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
@@ -153,7 +157,7 @@ pub(super) fn shape(reader: &Reader, files: &mut Files, solid: bool) -> SceneRes
 
 /// The shape of a surface that emits.
 pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Luminous> {
-    let form = BaseShape::read(reader, files)?;
+    let form = BaseShape::read(reader, files, false)?;
     let transform = ShapeTransform::read(reader)?;
     let key = form.key();
     let shape = match (form, &transform.to_world) {

@@ -3,8 +3,10 @@
 use super::super::{Decisions, Effect, EffectFinding, Reason, State};
 use super::contents::*;
 use super::walks;
+use crate::geometry::{ClosedMesh, Luminous};
 use crate::math::rng::Stream;
 use crate::media::{Density, Phase};
+use crate::optics::Sides;
 use crate::scene::{Body, Panel, Scattering};
 use glam::DVec3;
 
@@ -361,6 +363,22 @@ impl Contents<'_> {
                     walks::MANY_SCATTERINGS
                 ),
             );
+        }
+        let count = self.scene.objects.len() + self.scene.area_lights.len();
+        let emitters = (0..count).map(|index| format!("{SURFACE}[{index}].emitter"));
+        let emitters = emitters.filter(|key| self.key_lines.has(key));
+        for (light, key) in self.scene.area_lights.iter().zip(emitters) {
+            if let (Luminous::Mesh(mesh), Sides::Front) = (&light.shape, light.sides)
+                && ClosedMesh::is_inside_out(mesh)
+            {
+                warn(
+                    key,
+                    "the mesh of this emitter is inside out: it emits into its inside only, and is \
+                     black from outside; to emit outwards, reverse the order of the corners of \
+                     every face"
+                        .to_owned(),
+                );
+            }
         }
         for (index, light) in self.scene.lights.iter().enumerate() {
             let at = format!("radiative.light[{index}]");
