@@ -8,8 +8,8 @@ const CONVERT: &str = "write the volume as one .nii or .nrrd, as by `nibabel.sav
                        `SimpleITK.WriteImage`";
 
 /// Remedy for arrays of NumPy.
-const NPY: &str = "describe the file by a .toml that names it, with `header_bytes = 128` for most \
-                   .npy files (`volref guide volume-files`)";
+const NPY: &str = "describe the samples by a .toml with the keys `file`, `type`, `endian`, `nodes`, and \
+                   `header_bytes = 128` for most .npy files";
 
 /// Remedy for compressed files.
 const UNPACK: &str = "unpack the file, as by `gunzip`";
@@ -31,12 +31,12 @@ const ENDINGS: [(&str, &str); 14] = [
     (".mhd", CONVERT),
     (
         ".raw",
-        "describe the samples by a .toml that names this file (`volref guide volume-files`)",
+        "describe the samples by a .toml with the keys `file`, `type`, `endian` and `nodes`",
     ),
     (
         ".raw.gz",
-        "describe the samples by a .toml that names this file, with `encoding = \"gzip\"` \
-         (`volref guide volume-files`)",
+        "describe the samples by a .toml with the keys `file`, `type`, `endian`, `nodes`, and \
+         `encoding = \"gzip\"`",
     ),
     (".dcm", CONVERT),
     (".npy", NPY),
