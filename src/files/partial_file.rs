@@ -1,6 +1,6 @@
 //! Files written aside, and the removal of those that a killed process left.
 //!
-//! Whoever writes one holds a lock on it, which the system releases when the process ends, however it
+//! The writer holds a lock on it, which the system releases when the process ends, however it
 //! ends: a file that can be locked is nobody's any more. Numbers of processes would not do, since they
 //! mean nothing in another container or on another machine, and no age tells a slow writer from a dead one.
 //! Where files cannot be locked, none is removed.

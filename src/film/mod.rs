@@ -314,7 +314,7 @@ impl Film {
         self.reading.overflow
     }
 
-    /// Whether the byte order that the file states is likely wrong; [`Film::changes_on_reading`] says
+    /// True if the byte order that the file states is likely wrong; [`Film::changes_on_reading`] says
     /// so, too.
     pub fn is_swapped(&self) -> bool {
         self.reading.is_swapped

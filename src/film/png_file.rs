@@ -216,7 +216,7 @@ fn other_codes(info: &png::Info) -> Option<String> {
     (!is_srgb).then(|| format!("its gAMA says {gamma}"))
 }
 
-/// Whether the primaries and curves of an ICC profile are those of sRGB, where it has any. A name is no
+/// True if the primaries and curves of an ICC profile are those of sRGB, where it has any. A name is no
 /// proof: there are linear profiles called sRGB.
 fn has_srgb_numbers(profile: &[u8]) -> bool {
     /// Of the coordinates of primaries, of which profiles keep four digits, and of a curve, where 2.2

@@ -40,7 +40,7 @@ impl ClosedMesh {
         &self.0
     }
 
-    /// Whether `mesh` is closed and its normals point inward.
+    /// True if `mesh` is closed and its normals point inward.
     pub fn is_inside_out(mesh: &Mesh) -> bool {
         volume(mesh) < 0.0 && check_edges(mesh).is_ok()
     }

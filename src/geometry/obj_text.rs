@@ -134,7 +134,7 @@ pub(crate) struct Statements<'a> {
 }
 
 impl<'a> Statements<'a> {
-    /// Those of a file, which must be text.
+    /// Statements of a file, which must be text.
     pub fn of(bytes: &'a [u8]) -> Result<Statements<'a>, ObjFault> {
         if let Some(name) = other_format(bytes) {
             return Err(ObjFault::of_format(name));
@@ -217,7 +217,7 @@ impl Skipped {
         *self.0.entry(keyword).or_insert(0) += 1;
     }
 
-    /// Whether there was none.
+    /// True if there was none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

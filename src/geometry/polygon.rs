@@ -62,7 +62,7 @@ fn seen_along_normal(corners: &[DVec3]) -> Result<Vec<DVec2>, String> {
 
 const NO_AREA: &str = "this polygon has no area, or crosses itself: remove it, or split it";
 
-/// Whether the fan from the first corner goes around it in one sense, and less than once.
+/// True if the fan from the first corner goes around it in one sense, and less than once.
 fn covers(flat: &[DVec2]) -> bool {
     let arms: Vec<DVec2> = flat[1..].iter().map(|&it| it - flat[0]).collect();
     let mut past_half = false;
@@ -100,7 +100,7 @@ fn delaunay(corners: &[DVec3], flat: &[DVec2]) -> Result<Vec<[usize; 3]>, String
     let loaded = ConstrainedDelaunayTriangulation::<Point2<f64>>::bulk_load_cdt(points, Vec::new());
     let mut plane = loaded.map_err(|error| error.to_string())?;
     let handles: Vec<FixedVertexHandle> = plane.fixed_vertices().collect();
-    // How often the outline goes along an edge, less how often back.
+    // Times that the outline goes along an edge, less those that it goes back.
     let mut along = HashMap::new();
     for (at, &from) in outline.iter().enumerate() {
         let to = outline[(at + 1) % outline.len()];
@@ -119,7 +119,7 @@ fn delaunay(corners: &[DVec3], flat: &[DVec2]) -> Result<Vec<[usize; 3]>, String
             *along.entry([to, from]).or_insert(0) -= 1;
         }
     }
-    // How often the outline goes around each face: 1 within, 0 outside.
+    // Times that the outline goes around each face: 1 within, 0 outside.
     let mut around = vec![None; plane.num_all_faces()];
     around[plane.outer_face().index()] = Some(0);
     let outside = plane.directed_edges().filter(|edge| edge.face().is_outer());

@@ -104,7 +104,7 @@ fn scene(cost: &Cost) -> String {
     text
 }
 
-/// Whether all settings of a sweep are shown on a terminal: for the methods of the fast renderer,
+/// True if all settings of a sweep are shown on a terminal: for the methods of the fast renderer,
 /// and for those that do not converge as expected.
 fn is_shown(sweep: &Sweep) -> bool {
     let is_fine = matches!(

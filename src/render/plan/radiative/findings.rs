@@ -250,7 +250,7 @@ impl Contents<'_> {
         }
     }
 
-    /// Whether paths may scatter more often than anyone waits for.
+    /// True if paths may scatter more often than anyone waits for.
     fn has_long_paths(&self) -> bool {
         let is_unbounded = match self.scene.scattering {
             Scattering::Multiple(limit) => {

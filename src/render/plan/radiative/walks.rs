@@ -66,7 +66,7 @@ pub(super) fn depth_of_the_middle(scene: &Radiative, body: &Body) -> f64 {
 /// Paths from the eye that are followed between surfaces.
 const PATHS: u32 = 8;
 
-/// Whether light may be reflected between surfaces without end: in some channel nothing absorbs it, or so
+/// True if light may be reflected between surfaces without end: in some channel nothing absorbs it, or so
 /// little that it is reflected more than [`MANY_SCATTERINGS`] times, and a path from the eye of the `panel`
 /// meets neither a light nor a way out for as long.
 pub(super) fn are_endless_between_surfaces(panel: &Panel, scene: &Radiative) -> bool {
