@@ -40,7 +40,7 @@ static STOPPED: AtomicBool = AtomicBool::new(false);
 /// How long [`stop_all`] waits for programs that do not go.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Ends every program that [`run`] has running, with all its processes, and starts no more. For a
+/// Ends every program that `run` has running, with all its processes, and starts no more. For a
 /// process that is about to end, since its children have their own process groups and would
 /// continue. Returns when they are gone.
 pub fn stop_all() {
