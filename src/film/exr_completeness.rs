@@ -82,7 +82,7 @@ pub(super) fn check_headers(bytes: &[u8]) -> Result<(), FilmError> {
             }
             rest = after;
         }
-        // What is none of these is left to the crate.
+        // Anything but the header of a further part is left to the crate.
         match rest {
             [0, next, ..] if has(SEVERAL_PARTS) && *next != 0 => rest = &rest[1..],
             _ => return Ok(()),

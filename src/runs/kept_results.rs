@@ -466,7 +466,7 @@ fn unpacked<T: DeserializeOwned>(path: &Path, run: &str, case: &str) -> Result<T
 mod tests {
     use super::*;
 
-    /// What is packed to less than a 64th, as large images of one colour are, is written as it is.
+    /// Contents that pack to less than a 64th, such as large images of one colour, are written unpacked.
     #[test]
     fn flat_contents_come_back() {
         let folder = tempfile::tempdir().unwrap();

@@ -148,7 +148,7 @@ pub(super) fn read_grid(
             let mut unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
             read_unpacked(&mut unpacked, remaining, layout, options)
         }
-        // A digit and a blank are the shortest sample; a last one without the blank is told later.
+        // A digit and a blank are the shortest sample; a last one without the blank is refused when it is read.
         Encoding::Text => read_as(layout, options, &mut |samples| {
             let most = 0.5 * samples.bytes_each as f64;
             samples.check_density(remaining.saturating_add(1), most)?;

@@ -74,7 +74,7 @@ impl BaseShape {
         }
     }
 
-    /// Whatever of the four the table holds; that it holds one is declared. A mesh that is `solid`
+    /// The one shape of the four that the table holds, as its format declares. A mesh that is `solid`
     /// must be closed.
     fn read(reader: &Reader, files: &mut Files, solid: bool) -> SceneResult<BaseShape> {
         if let Some(sphere) = reader.table("sphere")? {
