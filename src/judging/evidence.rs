@@ -1,5 +1,6 @@
 //! Contents of a report on a case beside its result.
 
+use super::measured::decoded;
 use crate::compare::Picture;
 use crate::film::Film;
 use crate::suite::Case;
@@ -14,6 +15,9 @@ pub struct Evidence {
     /// The image that was judged; `None` if it is missing or unreadable.
     #[serde(skip)]
     pub test: Option<Picture>,
+    /// Images with the step of the scene, half of it, a quarter and so on, if there are several.
+    #[serde(skip)]
+    pub refined: Vec<Film>,
     /// True if the case has no image, as rows of the catalogue of hard cases.
     pub without_image: bool,
     /// Initial exposure of the images, in stops.
@@ -47,6 +51,17 @@ impl Evidence {
             shows: case.shows.clone(),
             computes: case.computes.clone(),
             ..Evidence::default()
+        }
+    }
+
+    /// Radiance of the image with the step of the scene, and of those with half of it, a quarter and so
+    /// on; none if there is no image.
+    pub fn images(&self) -> Vec<Film> {
+        match &self.test {
+            _ if !self.refined.is_empty() => self.refined.clone(),
+            Some(Picture::Radiance(film)) => vec![film.clone()],
+            Some(Picture::Codes(codes)) => vec![decoded(codes, self.exposure)],
+            None => Vec::new(),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The finding on a case, and the golden it is compared with.
 
 use super::{CaseResult, Cause, Evidence, Verdict};
-use crate::compare::{Detectable, FitMap, Gate, Judgement, NumberChange, Picture, Sensitivity};
+use crate::compare::{
+    Conditions, Detectable, FitMap, Gate, Judgement, NumberChange, Picture, Sensitivity,
+};
 use crate::conventions::Profile;
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
@@ -204,6 +206,17 @@ impl CheckedGolden {
         let mut volumes = self.scene.panels.iter().filter_map(Panel::classified);
         let rounded = |volume: &Classified| volume.conventions.precision != Precision::F64;
         volumes.any(|volume| volume.interpolation == Interpolation::Nearest && rounded(volume))
+    }
+
+    /// Conditions under which an image of `case` is judged.
+    pub fn conditions(&self, case: &Case) -> Conditions<'_> {
+        Conditions {
+            exposure: case.exposure,
+            cases: self.cases,
+            promise: Some(case.promise),
+            nearest_in_single_precision: self.takes_nearest_in_single_precision(),
+            sensitivities: &self.sensitivities,
+        }
     }
 
     /// The plans of the scene.

@@ -1,55 +1,107 @@
 //! Images of another renderer at smaller and smaller steps, judged by the image without steps.
 
 use super::finding::CheckedGolden;
-use crate::compare::{Judgement, Limit, Picture, judge_one_step, judge_refinement};
+use crate::compare::{
+    self as gate, Conditions, Deterministic, Judgement, Limit, Picture, judge_one_step,
+    judge_refinement,
+};
 use crate::film::Film;
 use crate::render::{plans, render};
-use crate::scene::{Classified, Sampling, Scene};
+use crate::scene::{Classified, LastStep, Sampling, Scene};
 use crate::volume::Grid;
 use std::sync::Arc;
 
 /// The name of an image in a reason.
 const IMAGE: &str = "test image";
 
-/// Judges images with the step of the scene, half of it, a quarter and so on, and gives their limit.
-pub fn judge(checked: &CheckedGolden, images: &[Film]) -> (Judgement, Picture) {
-    let looked_up = looked_up(&checked.scene);
-    let truth = Limit {
-        golden: &checked.golden.film,
-        looked_up: &looked_up,
-    };
+/// Judges images with the step of the scene, half of it, a quarter and so on.
+pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
     let (first, rest) = images.split_first().expect("three images or more");
     // A renderer that does not take its step from the call makes one image several times.
-    if rest
+    let judgement = if rest
         .iter()
         .all(|image| image.radiance() == first.radiance())
     {
-        let mut judgement = judge_one_step(truth, &first_order(&checked.scene), first);
+        let mut judgement = judge_one(checked, first);
         judgement.reason = format!(
             "all images are the same, whatever the step: does the renderer take it from {{step}} or \
              {{rate}}? {}",
             judgement.reason
         );
-        return (
-            judgement.with_changes_of(IMAGE, first),
-            Picture::Radiance(first.clone()),
-        );
+        return judgement;
+    } else {
+        let finest = with_halved_step(&checked.scene, rest.len());
+        judge_refinement(
+            truth(checked, &looked_up(&checked.scene)),
+            &first_order(&finest),
+            images,
+        )
+    };
+    judgement.with_changes_of(IMAGE, first)
+}
+
+/// Judges images with the step of the scene, half of it and so on, each by the right image with its step
+/// under the profile of `checked`; `conditions` are those of the gate.
+pub fn judge_under_profile(
+    checked: &CheckedGolden,
+    images: &[Film],
+    conditions: &Conditions<'_>,
+) -> Judgement {
+    let mut worst: Option<Judgement> = None;
+    for (halvings, image) in images.iter().enumerate() {
+        let right = match halvings {
+            0 => checked.golden.film.clone(),
+            _ => rendered(&with_halved_step(&checked.scene, halvings), |_| {}),
+        };
+        let [right, test] = [right, image.clone()].map(Picture::Radiance);
+        let judged = gate::judge(&Deterministic, &right, &test, conditions);
+        let mut judgement = judged.expect("both are radiance without noise");
+        if !judgement.passed {
+            let step = match halvings {
+                0 => "the step of the scene".to_owned(),
+                _ => format!("1/{} of the step of the scene", 1 << halvings),
+            };
+            judgement.reason = format!("with {step}: {}", judgement.reason);
+            return judgement;
+        }
+        let off = |judgement: &Judgement| judgement.metrics["worst_in_tolerances"];
+        if worst
+            .as_ref()
+            .is_none_or(|worst| off(worst) < off(&judgement))
+        {
+            worst = Some(judgement);
+        }
     }
-    let (judgement, limit) = judge_refinement(truth, images);
-    (
-        judgement.with_changes_of(IMAGE, first),
-        Picture::Radiance(limit),
-    )
+    let mut judgement = worst.expect("one image or more");
+    if images.len() > 1 {
+        let each = format!(
+            "{} images, each by the right one with its step",
+            images.len()
+        );
+        judgement.reason = format!("{each}; the worst of them: {}", judgement.reason);
+    }
+    judgement
+}
+
+/// `scene` with its step halved `halvings` times.
+fn with_halved_step(scene: &Scene, halvings: usize) -> Scene {
+    let share = (0..halvings).fold(1.0, |share, _| 0.5 * share);
+    scene.with_volumes(|volume| volume.step *= share)
+}
+
+/// The integral that images are judged by.
+fn truth<'f>(checked: &'f CheckedGolden, looked_up: &'f [Film]) -> Limit<'f> {
+    Limit {
+        golden: &checked.golden.film,
+        looked_up,
+    }
 }
 
 /// Judges an image with the step of the scene.
-pub fn judge_one(checked: &CheckedGolden, picture: &Picture) -> Judgement {
-    let image = picture.radiance().expect("the gate is one of radiance");
-    let truth = Limit {
-        golden: &checked.golden.film,
-        looked_up: &looked_up(&checked.scene),
-    };
-    judge_one_step(truth, &first_order(&checked.scene), image).with_changes_of(IMAGE, image)
+pub fn judge_one(checked: &CheckedGolden, image: &Film) -> Judgement {
+    let looked_up = looked_up(&checked.scene);
+    let by_rules = first_order(&checked.scene);
+    judge_one_step(truth(checked, &looked_up), &by_rules, image).with_changes_of(IMAGE, image)
 }
 
 /// Entries of the smallest table in which renderers look up colours and opacities. With the nodes of
@@ -73,14 +125,20 @@ fn looked_up(scene: &Scene) -> [Film; 2] {
     })
 }
 
-/// Images of `scene` with samples at the beginning and at the end of each step.
-fn first_order(scene: &Scene) -> [Film; 2] {
-    [0.0, 1.0].map(|first_sample| {
+/// Images of `scene` by rules of first order: with samples at the beginning and at the end of each
+/// step, and the last step as it is, counted as a whole one, or dropped.
+fn first_order(scene: &Scene) -> Vec<Film> {
+    let last_steps = [LastStep::Exact, LastStep::Whole, LastStep::Dropped];
+    let rules = [0.0, 1.0].into_iter();
+    let rules = rules.flat_map(|first| last_steps.map(|last| (first, last)));
+    let image = |(first_sample, last_step)| {
         rendered(scene, |volume| {
             volume.sample();
             volume.conventions.first_sample = first_sample;
+            volume.conventions.last_step = last_step;
         })
-    })
+    };
+    rules.map(image).collect()
 }
 
 /// The image of `scene` with its volumes changed by `edit`.

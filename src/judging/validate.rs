@@ -5,7 +5,7 @@ use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
 use super::{Cause, Evidence, Judged, Verdict, refinement};
 use crate::compare::{
-    Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
+    Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
 };
 use crate::conventions::Profile;
 use crate::film::Film;
@@ -32,8 +32,6 @@ pub fn validate_at(
 ) -> Judged {
     let cases = look.map_or(MOST_CASES, cases_at);
     let start = Instant::now();
-    // What images converge to does not depend on conventions.
-    let profile = profile.filter(|_| !matches!(output, Output::Refined(_)));
     let checked = CheckedGolden::load(case, store);
     let checked = checked.and_then(|checked| checked.with_sensitivities(case));
     let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
@@ -48,15 +46,9 @@ pub fn validate_at(
             return judged;
         }
         (Output::Refined(images), Ok(checked)) if case.is_limit() => {
-            let (judgement, limit) = refinement::judge(&checked, &images);
-            let finding = with_words(case, &checked, judgement, &limit);
-            return Judged {
-                result: finding.result(&case.name, case.class(), &Refinement, start),
-                evidence: Evidence {
-                    test: Some(limit),
-                    ..evidence(case, &checked)
-                },
-            };
+            let mut judged = validate_refined(case, &checked, images);
+            judged.result.seconds = start.elapsed().as_secs_f64();
+            return judged;
         }
         (Output::Refined(_), Ok(checked)) => {
             let reason = "there are images with several steps, and the scene of this case states its \
@@ -104,7 +96,8 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let has_step =
         case.is_limit() && checked.profile.is_none() && gate.name() == Deterministic.name();
     let (finding, gate): (_, &'static dyn Gate) = if has_step {
-        let judgement = refinement::judge_one(checked, &picture);
+        let image = picture.radiance().expect("the gate is one of radiance");
+        let judgement = refinement::judge_one(checked, image);
         (with_words(case, checked, judgement, &picture), &Refinement)
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
@@ -113,6 +106,35 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
         result: finding.result(&case.name, case.class(), gate, start),
         evidence: Evidence {
             test: Some(picture),
+            ..evidence(case, checked)
+        },
+    }
+}
+
+/// Judges images with the step of the scene of `case`, half of it, a quarter and so on: by the integral, or
+/// under a profile each by the right image with its step.
+fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Film>) -> Judged {
+    let start = Instant::now();
+    // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
+    let (judgement, gate, seen): (_, &'static dyn Gate, _) = match checked.profile {
+        Some(_) => {
+            let judgement =
+                refinement::judge_under_profile(checked, &images, &checked.conditions(case));
+            (judgement, &Deterministic, images.first())
+        }
+        None => (
+            refinement::judge(checked, &images),
+            &Refinement,
+            images.last(),
+        ),
+    };
+    let seen = Picture::Radiance(seen.expect("three images or more").clone());
+    let finding = with_words(case, checked, judgement, &seen);
+    Judged {
+        result: finding.result(&case.name, case.class(), gate, start),
+        evidence: Evidence {
+            test: Some(seen),
+            refined: images,
             ..evidence(case, checked)
         },
     }
@@ -149,14 +171,7 @@ fn judged(
     golden: &Picture,
     picture: &Picture,
 ) -> CaseFinding {
-    let conditions = Conditions {
-        exposure: case.exposure,
-        cases: checked.cases,
-        promise: Some(case.promise),
-        nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
-        sensitivities: &checked.sensitivities,
-    };
-    let judgement = match judge(gate, golden, picture, &conditions) {
+    let judgement = match judge(gate, golden, picture, &checked.conditions(case)) {
         Ok(judgement) => judgement,
         Err(error) => {
             return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());

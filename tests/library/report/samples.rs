@@ -301,6 +301,7 @@ pub fn hostile() -> Sample {
         test: Some(Picture::Radiance(edited(&film, |_, _, pixel| {
             pixel.map(|v| 2.0 * v)
         }))),
+        refined: Vec::new(),
         without_image: false,
         exposure: 0.0,
         source: text(),

@@ -1,0 +1,414 @@
+//! The search for the conventions behind one image: best first.
+//!
+//! A set of conventions is expanded: each single change of it is rendered on few pixels, and the
+//! [effects](Effects) of the changes, added up, propose sets that are further away. Of all sets that
+//! were rendered, the one with the least misfit is expanded next, until the whole image agrees.
+
+use super::effects::Effects;
+use super::{Agreement, MOST_TOGETHER};
+use crate::compare::deterministic::{in_tolerances, tolerance};
+use crate::compare::{Conditions, Picture, default_gate, judge};
+use crate::conventions::{
+    CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, Profile, STEP, under,
+};
+use crate::film::Film;
+use crate::math::{Sum, powu};
+use crate::naming::likeness::{lattice_of, pixels_of};
+use crate::render::{Detail, Sampling, plans, render_coarse};
+use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
+use rayon::prelude::*;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Instant;
+
+/// Share of the remaining difference that a further convention must remove. A convention of the
+/// renderer that removes less leaves an image that passes without it, or another one comes first.
+const LEAST_GAIN: f64 = 0.1;
+
+/// Largest number of sets that are expanded. Six conventions that add up take two or three; the others are
+/// for those that do not.
+const MOST_EXPANDED: usize = 12;
+
+/// Largest number of sets of an expansion for which the whole image is rendered.
+const MOST_WHOLE: usize = 3;
+
+/// A difference counts by at most this many tolerances: a few pixels at an edge, far off, do not
+/// decide for the whole image.
+const CAP: f64 = 20.0;
+
+/// Largest share of the pixels of the lattice outside of the tolerance at which the whole image is
+/// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
+/// them.
+const MOST_OUTSIDE: f64 = 0.005;
+
+/// Share of the pixels that may be outside of the tolerance under the conventions of a renderer, and
+/// still be called rounding: five times what the gate allows. Renderers for graphics cards
+/// compute in single precision, and highlights of an exponent of 32 magnify a normal that is off by a
+/// thousandth to more than the tolerance of 1 %: VTK, as it comes, has 18 to 38 such pixels of 65,536.
+const MOST_ROUNDED: f64 = 1e-3;
+
+/// Approximate number of pixels of the lattice on which sets are compared.
+const LATTICE: usize = 1024;
+
+/// The search in the images of one case.
+pub struct Attempt<'a> {
+    exposure: f64,
+    /// The scene, with samples.
+    scene: &'a Scene,
+    /// The image with the step of the scene, and those with half of it, a quarter and so on.
+    tests: &'a [Film],
+    /// The pixels that sets are compared on, in the first of the images.
+    lattice: Detail,
+    /// The first of the images there.
+    on_lattice: Film,
+    end: Option<Instant>,
+}
+
+/// A set of conventions, rendered on the lattice.
+struct Candidate {
+    misfit: Misfit,
+    is_expanded: bool,
+    /// The whole image was compared, too.
+    is_compared: bool,
+}
+
+/// Everything rendered so far, by set.
+type Candidates = BTreeMap<ConventionSet, Candidate>;
+
+/// A change of a set of conventions.
+#[derive(Clone, Copy)]
+struct Change {
+    choice: &'static str,
+    /// The convention that answers the choice; volref's own if none does.
+    to: Option<usize>,
+}
+
+impl Change {
+    /// `set` with this change.
+    fn of(self, set: &[usize]) -> ConventionSet {
+        let others = set.iter().copied();
+        let others = others.filter(|&index| CATALOGUE[index].choice != self.choice);
+        let mut changed: ConventionSet = others.chain(self.to).collect();
+        changed.sort_unstable();
+        changed
+    }
+}
+
+impl<'a> Attempt<'a> {
+    /// The search in `tests`, at least one, images of `scene` at `exposure` stops.
+    pub fn new(
+        scene: &'a Scene,
+        exposure: f64,
+        tests: &'a [Film],
+        end: Option<Instant>,
+    ) -> Attempt<'a> {
+        let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
+        let lattice = lattice_of(scene.width() * scene.height(), LATTICE);
+        Attempt {
+            exposure,
+            scene,
+            tests,
+            lattice,
+            on_lattice: pixels_of(&tests[0], &widths, lattice),
+            end,
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.end.is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// The image under the conventions of `set`, with the step of the scene halved `halvings` times.
+    fn image(&self, set: &[usize], halvings: usize, detail: Detail) -> Option<Film> {
+        let halved = (0..halvings).fold(1.0, |step, _| 0.5 * step);
+        let scene = under(self.scene, set).with_volumes(|volume| volume.step *= halved);
+        let sampling = Sampling::default();
+        render_coarse(&plans(&scene), sampling, detail, &|| self.is_over()).ok()
+    }
+
+    /// Agreement of all test images with those under the conventions of `set`, if there is any.
+    pub fn agreement(&self, set: &[usize]) -> Option<Agreement> {
+        let mut least = Agreement::Full;
+        for (halvings, test) in self.tests.iter().enumerate() {
+            let agreement = self.agreement_at(set, halvings, test)?;
+            if agreement.rest() > least.rest() {
+                least = agreement;
+            }
+        }
+        Some(least)
+    }
+
+    fn agreement_at(&self, set: &[usize], halvings: usize, test: &Film) -> Option<Agreement> {
+        let right = self.image(set, halvings, Detail::Whole)?;
+        let misfit = Misfit::of(&right, test);
+        let is_rounding = misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP;
+        let conditions = Conditions {
+            exposure: self.exposure,
+            ..Conditions::default()
+        };
+        let [right, test] = [right, test.clone()].map(Picture::Radiance);
+        let (gate, _) = default_gate(&right, &test);
+        let judgement = judge(gate, &right, &test, &conditions).ok()?;
+        match judgement.passed {
+            true => Some(Agreement::Full),
+            false => is_rounding.then_some(Agreement::ButFor(misfit.outside)),
+        }
+    }
+
+    /// The conventions under which the images agree, none of them without need.
+    pub fn search(&self) -> Option<(ConventionSet, Agreement)> {
+        let found = self.best_first()?;
+        self.backward_elimination(found)
+    }
+
+    /// The first set, of those with the least misfit, under which the whole images agree.
+    fn best_first(&self) -> Option<(ConventionSet, Agreement)> {
+        let mut candidates = Candidates::new();
+        self.render(self.starts(), &mut candidates)?;
+        // First none, though others leave less: mistakes and conventions that add up are seen from there.
+        self.expand(&[], &mut candidates)?;
+        let mut rounded = None;
+        for _ in 1..MOST_EXPANDED {
+            // One expansion more may find the set that leaves nothing.
+            let is_last = rounded.is_some();
+            match self.agreeing(&mut candidates) {
+                Some(found) if found.1 == Agreement::Full => return Some(found),
+                other => rounded = other.or(rounded),
+            }
+            if is_last {
+                break;
+            }
+            let open = candidates.iter_mut().filter(|(_, it)| !it.is_expanded);
+            let (set, _) = open.min_by(by_misfit)?;
+            let set = set.clone();
+            self.expand(&set, &mut candidates)?;
+        }
+        rounded
+    }
+
+    /// Sets to begin with: none, those of the bundled profiles, and pairs of a first sample and a step. The
+    /// place of a sample is counted in steps: neither of these may leave less alone.
+    fn starts(&self) -> Vec<ConventionSet> {
+        let profiles = Profile::shipped().filter_map(|name| {
+            let profile = Profile::named(name).ok()?;
+            profile_set(&profile, self.scene)
+        });
+        let of = |choice| (0..CATALOGUE.len()).filter(move |&it| CATALOGUE[it].choice == choice);
+        let pairs = of(FIRST_SAMPLE).flat_map(|first| of(STEP).map(move |step| vec![first, step]));
+        let none = std::iter::once(ConventionSet::new());
+        none.chain(profiles).chain(pairs).collect()
+    }
+
+    /// Renders those of `sets` on the lattice that were not. `None` if the time is over.
+    fn render(&self, sets: Vec<ConventionSet>, candidates: &mut Candidates) -> Option<()> {
+        let new: BTreeSet<ConventionSet> = sets
+            .into_iter()
+            .filter(|set| !candidates.contains_key(set))
+            .collect();
+        let rendered: Option<Vec<_>> = new
+            .into_par_iter()
+            .map(|set| {
+                let image = self.image(&set, 0, self.lattice)?;
+                let candidate = Candidate {
+                    misfit: Misfit::of(&image, &self.on_lattice),
+                    is_expanded: false,
+                    is_compared: false,
+                };
+                Some((set, candidate))
+            })
+            .collect();
+        candidates.extend(rendered?);
+        Some(())
+    }
+
+    /// Renders all single changes of `set`, and the sets that their effects propose.
+    fn expand(&self, set: &[usize], candidates: &mut Candidates) -> Option<()> {
+        candidates.get_mut(set)?.is_expanded = true;
+        let others = CATALOGUE.iter().enumerate();
+        let others = others.filter(|(index, _)| !set.contains(index));
+        let to_others = others.map(|(index, convention)| Change {
+            choice: convention.choice,
+            to: Some(index),
+        });
+        let to_own = set.iter().map(|&index| Change {
+            choice: CATALOGUE[index].choice,
+            to: None,
+        });
+        // What a change is about may be absent.
+        let before = stated(&under(self.scene, set));
+        let changes: Vec<Change> = to_others
+            .chain(to_own)
+            .filter(|change| stated(&under(self.scene, &change.of(set))) != before)
+            .collect();
+        let singles = changes.iter().map(|change| change.of(set)).collect();
+        self.render(singles, candidates)?;
+        let effects = Effects::new(
+            &candidates[set].misfit.deviations,
+            changes.iter().map(|change| {
+                let after = &candidates[&change.of(set)].misfit.deviations;
+                (change.choice, &after[..])
+            }),
+        );
+        let proposed = effects.proposals(MOST_TOGETHER, LEAST_GAIN).into_iter();
+        let proposed = proposed.map(|together| {
+            let set = set.to_vec();
+            together
+                .into_iter()
+                .fold(set, |set, change| changes[change].of(&set))
+        });
+        let proposed = proposed.filter(|set| set.len() <= MOST_TOGETHER).collect();
+        self.render(proposed, candidates)
+    }
+
+    /// The first of the sets that leave least under which the whole images agree.
+    fn agreeing(&self, candidates: &mut Candidates) -> Option<(ConventionSet, Agreement)> {
+        let mut near: Vec<_> = candidates
+            .iter_mut()
+            .filter(|(_, it)| !it.is_compared && it.misfit.outside <= MOST_OUTSIDE)
+            .collect();
+        near.sort_by(by_misfit);
+        let mut best: Option<(ConventionSet, Agreement)> = None;
+        for (set, candidate) in near.into_iter().take(MOST_WHOLE) {
+            candidate.is_compared = true;
+            match self.agreement(set) {
+                Some(Agreement::Full) => return Some((set.clone(), Agreement::Full)),
+                Some(agreement)
+                    if best
+                        .as_ref()
+                        .is_none_or(|it| agreement.rest() < it.1.rest()) =>
+                {
+                    best = Some((set.clone(), agreement));
+                }
+                _ => {}
+            }
+        }
+        best
+    }
+
+    /// Agreement of the whole images, where that on the lattice does not exclude it.
+    pub fn agreement_if_near(&self, set: &[usize]) -> Option<Agreement> {
+        let image = self.image(set, 0, self.lattice)?;
+        let is_near = Misfit::of(&image, &self.on_lattice).outside <= MOST_OUTSIDE;
+        is_near.then(|| self.agreement(set))?
+    }
+
+    /// Backward elimination: the set without conventions that the image does not need; `None` if a
+    /// single one is left that cannot explain the image alone.
+    fn backward_elimination(
+        &self,
+        (mut set, mut agreement): (ConventionSet, Agreement),
+    ) -> Option<(ConventionSet, Agreement)> {
+        let mut index = 0;
+        while index < set.len() {
+            let mut shorter = set.clone();
+            shorter.remove(index);
+            match self.agreement_if_near(&shorter) {
+                Some(other) if other.rest() <= agreement.rest() => {
+                    (set, agreement) = (shorter, other);
+                }
+                _ => index += 1,
+            }
+        }
+        let stands = |index: &usize| CATALOGUE[*index].stands_alone;
+        let is_claimed = set.len() > 1 || set.iter().all(stands);
+        (is_claimed && !set.is_empty()).then_some((set, agreement))
+    }
+
+    /// Conventions that can replace one of `set` with the same agreement or more. Where nothing is
+    /// at the border, for example, the image does not depend on a first sample there.
+    pub fn alternatives(&self, set: &[usize], agreement: Agreement) -> Vec<usize> {
+        let others = CATALOGUE
+            .iter()
+            .enumerate()
+            .filter_map(|(other, convention)| {
+                let is_same = |&&index: &&usize| CATALOGUE[index].choice == convention.choice;
+                let place = set.iter().position(|index| is_same(&index))?;
+                let mut changed = set.to_vec();
+                changed[place] = other;
+                let agrees = set[place] != other
+                    && convention.stands_alone
+                    && self
+                        .agreement_if_near(&changed)
+                        .is_some_and(|found| found.rest() <= agreement.rest());
+                agrees.then_some(other)
+            });
+        others.collect()
+    }
+}
+
+/// All that conventions are about in a scene.
+fn stated(scene: &Scene) -> Vec<(Conventions, Compositing, f64)> {
+    let volumes = scene.panels.iter().filter_map(Panel::classified);
+    volumes
+        .map(|volume| (volume.conventions, volume.compositing, volume.step))
+        .collect()
+}
+
+/// The order in which candidates are tried: by what they leave, a convention more for a share of
+/// [`LEAST_GAIN`].
+fn by_misfit(
+    a: &(&ConventionSet, &mut Candidate),
+    b: &(&ConventionSet, &mut Candidate),
+) -> Ordering {
+    let cost = |(set, candidate): &(&ConventionSet, &mut Candidate)| {
+        candidate.misfit.mean_square * powu(1.0 / (1.0 - LEAST_GAIN), set.len() as u32)
+    };
+    cost(a).total_cmp(&cost(b))
+}
+
+/// The conventions of the catalogue that `profile` holds beside those of `scene`.
+fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
+    let applied = profile.applied_to(scene).ok()??;
+    let volume = |scene: &Scene| scene.panels.iter().find_map(Panel::classified).cloned();
+    let (before, after) = (volume(scene)?, volume(&applied)?);
+    let changes = |volume: &Classified, convention: &Convention| {
+        let mut changed = volume.clone();
+        convention.apply(&mut changed);
+        let stated = |volume: &Classified| (volume.conventions, volume.compositing, volume.step);
+        stated(&changed) != stated(volume)
+    };
+    let held = CATALOGUE
+        .iter()
+        .enumerate()
+        .filter(|(_, convention)| changes(&before, convention) && !changes(&after, convention));
+    Some(held.map(|(index, _)| index).collect())
+}
+
+/// Difference of two images in tolerances of the deterministic gate, by the worst channel of each
+/// pixel.
+struct Misfit {
+    /// Differences of the values, in tolerances of the test image, so that those of several images can be
+    /// subtracted from each other; at most [`CAP`].
+    deviations: Vec<f64>,
+    /// Mean over the pixels of its square.
+    mean_square: f64,
+    /// Share of the pixels that are off by more than one tolerance.
+    outside: f64,
+    /// Difference of the worst pixel.
+    worst: f64,
+}
+
+impl Misfit {
+    fn of(right: &Film, test: &Film) -> Misfit {
+        let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
+        for (right, test) in right.radiance().iter().zip(test.radiance()) {
+            let worst = in_tolerances(*right, *test);
+            sum.add(worst.min(CAP) * worst.min(CAP));
+            outside += usize::from(worst > 1.0);
+            largest = largest.max(worst);
+        }
+        let pixels = right.radiance().len() as f64;
+        let values = right.radiance().as_flattened().iter();
+        let values = values.zip(test.radiance().as_flattened());
+        let deviation = |(&right, &test): (&f32, &f32)| {
+            let (right, test) = (f64::from(right), f64::from(test));
+            ((right - test) / tolerance(test)).clamp(-CAP, CAP)
+        };
+        Misfit {
+            deviations: values.map(deviation).collect(),
+            mean_square: sum.value() / pixels,
+            outside: outside as f64 / pixels,
+            worst: largest,
+        }
+    }
+}
