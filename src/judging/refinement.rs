@@ -30,12 +30,14 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> (Judgement, Picture) {
              {{rate}}? {}",
             judgement.reason
         );
+        let judgement = judgement.with_precision_of(truth.golden, first);
         return (
             judgement.with_changes_of(IMAGE, first),
             Picture::Radiance(first.clone()),
         );
     }
     let (judgement, limit) = judge_refinement(truth, images);
+    let judgement = judgement.with_precision_of(truth.golden, &limit);
     (
         judgement.with_changes_of(IMAGE, first),
         Picture::Radiance(limit),
@@ -49,7 +51,9 @@ pub fn judge_one(checked: &CheckedGolden, picture: &Picture) -> Judgement {
         golden: &checked.golden.film,
         looked_up: &looked_up(&checked.scene),
     };
-    judge_one_step(truth, &first_order(&checked.scene), image).with_changes_of(IMAGE, image)
+    judge_one_step(truth, &first_order(&checked.scene), image)
+        .with_precision_of(truth.golden, image)
+        .with_changes_of(IMAGE, image)
 }
 
 /// Entries of the smallest table in which renderers look up colours and opacities. With the nodes of

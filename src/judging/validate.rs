@@ -3,6 +3,7 @@
 use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
+use super::precision::{known, known_radiance};
 use super::{Cause, Evidence, Judged, Verdict, refinement};
 use crate::compare::{
     Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
@@ -48,7 +49,10 @@ pub fn validate_at(
             return judged;
         }
         (Output::Refined(images), Ok(checked)) if case.is_limit() => {
-            let (judgement, limit) = refinement::judge(&checked, &images);
+            let golden = &checked.golden.film;
+            let images = images.into_iter();
+            let images = images.map(|image| known_radiance(case, golden, image));
+            let (judgement, limit) = refinement::judge(&checked, &images.collect::<Vec<Film>>());
             let finding = with_words(case, &checked, judgement, &limit);
             return Judged {
                 result: finding.result(&case.name, case.class(), &Refinement, start),
@@ -98,6 +102,7 @@ fn weighed(
 /// Judges `picture` as an image of `case`, whose golden is loaded.
 pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
     let start = Instant::now();
+    let picture = known(case, &checked.golden.film, picture);
     let golden = Picture::Radiance(reference(case, checked, &picture));
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
@@ -182,7 +187,11 @@ fn with_words(
     judgement: Judgement,
     picture: &Picture,
 ) -> CaseFinding {
+    let note = picture
+        .radiance()
+        .and_then(|film| judgement.precision_in_words(film));
     let mut finding = CaseFinding::from(judgement);
+    finding.notes.extend(note);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);

@@ -459,6 +459,7 @@ struct Misfit {
 
 impl Misfit {
     fn of(right: &Film, test: &Film) -> Misfit {
+        let test = &*test.nearest_to(right);
         let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
         for (right, test) in right.radiance().iter().zip(test.radiance()) {
             let worst = in_tolerances(*right, *test);
