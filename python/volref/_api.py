@@ -362,6 +362,7 @@ def check(
     *,
     samples: int | None = None,
     profile: str | os.PathLike[str] | None = None,
+    bits: int | str | None = None,
     accept_conventions: bool = False,
     explain: float = 10.0,
     report: str | os.PathLike[str] | None = None,
@@ -376,6 +377,9 @@ def check(
 
     ``variance``: variance of the mean of each value, radiance squared, of the image's shape; with the number of
     ``samples`` per pixel, from 2 to 2**32 - 2. Without it the noise of a Monte Carlo image is estimated.
+
+    ``bits``: bits of a channel to which the image was rounded, ``8``, ``"8-linear"`` or ``"8-srgb"``: differences up
+    to half a code agree, and a ``uint8`` array is judged as the radiance of its codes.
 
     ``profile``: conventions by which to judge, ``vtk``, ``anari`` or a file. ``accept_conventions`` passes images
     that are right under other conventions. ``explain``: seconds for finding the mistake behind an image that
@@ -406,6 +410,8 @@ def check(
         arguments = ["validate", case.name, f"--outputs={temporary}", f"--explain={explain!r}"]
         if profile is not None:
             arguments.append(f"--as={os.fspath(profile)}")
+        if bits is not None:
+            arguments.append(f"--bits={bits}")
         if accept_conventions:
             arguments.append("--accept-conventions")
         if report is not None:

@@ -5,10 +5,11 @@ use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
-    Conditions, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
+    Conditions, Exact, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
+    recognised,
 };
-use crate::film::Film;
-use crate::judging::{CaseFinding, CaseResult};
+use crate::film::{Bits, Film};
+use crate::judging::{CaseFinding, CaseResult, radiance};
 use crate::report;
 use crate::suite::MEAN_RESOLUTION;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,12 @@ pub struct Arguments {
         value_parser = percent
     )]
     resolution: f64,
-    /// Exposure applied to linear images, in stops, for the perceptual gate and the heat map
+    /// Bits of a channel in TEST: 8, 8-linear or 8-srgb. Differences up to half a code agree then; a PNG holds codes
+    /// of radiance at --exposure
+    #[arg(long, value_name = "BITS")]
+    bits: Option<Bits>,
+    /// Exposure applied to linear images, in stops, for the perceptual gate, the heat map and
+    /// codes of 8 bits
     #[arg(
         long,
         value_name = "STOPS",
@@ -81,6 +87,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let reference = Picture::read(&arguments.reference).map_err(bad_input)?;
     let test = Picture::read(&arguments.test)
         .map_err(|error| Failure::new(Exit::OtherRenderer, error.to_string(), None))?;
+    let test = arguments.with_bits(&reference, test)?;
     let (gate, why) = match arguments.gate {
         Some(gate) => (gate, ""),
         None => default_gate(&reference, &test),
@@ -91,6 +98,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         ..Conditions::default()
     };
     let judgement = judge(gate, &reference, &test, &conditions).map_err(bad_input)?;
+    let hidden = test
+        .radiance()
+        .and_then(|film| judgement.precision_in_words(film));
     let mut note = "";
     let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
     if gate.depends_on_exposure() && codes(&reference) != codes(&test) {
@@ -104,9 +114,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             note = "\nno heat map: the images differ in size\n";
         }
     }
+    let mut finding = CaseFinding::from(judgement);
+    finding.notes.extend(hidden);
     let result = CaseResult {
         family: String::new(),
-        ..CaseFinding::from(judgement).result(&arguments.test.to_string_lossy(), "", gate, start)
+        ..finding.result(&arguments.test.to_string_lossy(), "", gate, start)
     };
     let verdict = result.verdict.name();
     let mut text = format!(
@@ -114,6 +126,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         gate.name(),
         result.reason
     );
+    for note in &result.notes {
+        text.push_str(&format!("note: {note}\n"));
+    }
     if !result.metrics.is_empty() {
         text.push('\n');
     }
@@ -130,6 +145,29 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let json = report::results_json("compare", &[result]);
     let text = arguments.json.instead_of(text, &json)?;
     Ok(Outcome { text, exit })
+}
+
+impl Arguments {
+    /// `test` with its bits, declared or recognised.
+    fn with_bits(&self, reference: &Picture, test: Picture) -> Result<Picture, Failure> {
+        let Picture::Radiance(golden) = reference else {
+            if self.bits.is_some() {
+                let message = "--bits needs a reference of linear radiance, and this one is a .png";
+                let help = "leave --bits out: two images of 8 bits are compared by how they look";
+                return Err(Failure::new(Exit::BadInput, message, Some(help)));
+            }
+            return Ok(test);
+        };
+        // Volref's own images, which are compared by every bit, are not rounded unless somebody says so.
+        let is_exact = self.gate.is_some_and(|gate| gate.name() == Exact.name());
+        Ok(match (self.bits, test) {
+            (Some(bits), test) => Picture::Radiance(radiance(test, bits, self.exposure)),
+            (None, Picture::Radiance(film)) if !is_exact => {
+                Picture::Radiance(recognised(golden, film, self.exposure))
+            }
+            (None, test) => test,
+        })
+    }
 }
 
 fn check_heatmap(path: &Path) -> Result<(), Failure> {

@@ -47,7 +47,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let inputs: Vec<&Path> = named.iter().map(|scene| scene.file.as_path()).collect();
     output::check(&[arguments.json.file()], &inputs)?;
     let mut scenes = Vec::new();
-    for NamedScene { file, name } in &named {
+    for NamedScene { file, name, .. } in &named {
         scenes.push((name, Scene::load(file)?));
     }
     if let Some(folder) = &arguments.report {

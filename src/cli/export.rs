@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::suite::scene_file;
+use super::suite::named_scene;
 use crate::exchange::{self, Export, Format, Refusal};
 use crate::film::CHANNELS;
 use crate::scene::Scene;
@@ -28,13 +28,15 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.scene = scene_file(&arguments.scene)?;
+    let named = named_scene(&arguments.scene)?;
+    arguments.scene = named.file;
     output::check(&[arguments.json.file()], &[&arguments.scene])?;
     let scene = Scene::load(&arguments.scene)?;
     output::check(&[arguments.json.file()], &[])?;
     let stem = arguments.scene.file_stem().unwrap_or_default();
     let format = arguments.to;
-    let export = exchange::export(&scene, format, &stem.to_string_lossy())?;
+    let name = stem.to_string_lossy();
+    let export = exchange::export_at(&scene, format, &name, named.exposure)?;
     let folder = &arguments.output;
     // Where it is yet to be made, none of its files is another.
     if folder.is_dir() {

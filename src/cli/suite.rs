@@ -95,6 +95,8 @@ pub struct NamedScene {
     pub file: PathBuf,
     /// The case, or the file as it was given.
     pub name: String,
+    /// Exposure of its 8-bit images, in stops, of a case.
+    pub exposure: Option<f64>,
 }
 
 /// The file of the [`named_scene`].
@@ -107,6 +109,7 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
     let as_given = Ok(NamedScene {
         file: given.to_owned(),
         name: given.display().to_string(),
+        exposure: None,
     });
     let is_file_name = given
         .extension()
@@ -121,6 +124,7 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
         [case] => Ok(NamedScene {
             file: case.scene.clone(),
             name: case.name.clone(),
+            exposure: Some(case.exposure),
         }),
         // No file either: the error names the nearest case.
         [] if given.extension().is_none() && !is_in_a_place(given) => {

@@ -11,7 +11,8 @@ use super::{Outcome, compare, ctest, interrupt, output, progress};
 use crate::compare::Promise;
 use crate::conventions::Profile;
 use crate::files::regular_file::note_input;
-use crate::judging::{CaseResult, Evidence, Judged, MoreSamples, is_open, validate_at};
+use crate::film::Bits;
+use crate::judging::{CaseResult, Evidence, Judged, MoreSamples, declared, is_open, validate_at};
 use crate::naming::{ConventionSearch, Search};
 use crate::renderers::{ImageSource, Rendered, in_order, stop_all};
 use crate::report;
@@ -30,7 +31,7 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     name@0.5.exr, with half of it, and name@0.25.exr; a single image is judged less strictly.\n\n\
     In CMD, {scene} stands for the scene file, {output} for the image to write, {width}, {height}, \
     {spp}, {seed} for the image size, samples per pixel and seed, {case} for the name of the case, {step} for the distance between samples in world units, {rate} \
-    for samples per voxel, and {export:mitsuba}, \
+    for samples per voxel, {exposure} for the exposure of 8-bit images in stops (radiance times 2^exposure), and {export:mitsuba}, \
     {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export). With {step} or {rate}, CMD is run three times for a case of the family limit.\n\n\
     Each verdict is printed as soon as it is known; then failing images are tested against a \
     catalogue of known mistakes. Ctrl-C ends that search and keeps the verdicts. Images rendered during the search are \
@@ -69,6 +70,12 @@ pub struct Arguments {
     /// of the profiles that volref brings, or a file (volref schema profile)
     #[arg(long = "as", value_name = "PROFILE")]
     profile: Option<String>,
+    /// Bits of a channel in the images: 8, 8-linear or 8-srgb. Differences up to half a code agree then, in
+    /// every case, and values are cut off at the largest code. A PNG holds codes of radiance at the exposure of its
+    /// case, sRGB unless it is 8-linear; of other files it is found which of the two all values are
+    /// [default: as in the profile]
+    #[arg(long, value_name = "BITS")]
+    bits: Option<Bits>,
     /// Accept images that are right under other conventions than the golden's, and say which
     #[arg(long)]
     accept_conventions: bool,
@@ -236,6 +243,7 @@ impl Arguments {
         };
         settings.push(("accept conventions", self.accept_conventions.to_string()));
         settings.extend(profile.map(|profile| ("profile", profile.text.clone())));
+        settings.extend(self.bits.map(|bits| ("bits", bits.to_string())));
         let resolution = self.resolution.iter();
         settings.extend(resolution.map(|percent| ("resolution", percent.to_string())));
         let named = |(name, value): (&str, String)| (name.to_owned(), value);
@@ -248,6 +256,9 @@ impl Arguments {
             Some(folder) => vec!["--outputs".to_owned(), folder.display().to_string()],
             None => self.renderer.words(self.command()),
         };
+        if let Some(bits) = self.bits {
+            words.extend(["--bits".to_owned(), bits.to_string()]);
+        }
         if let Some(percent) = self.resolution {
             words.extend(["--resolution".to_owned(), percent.to_string()]);
         }
@@ -400,13 +411,18 @@ impl Judge<'_> {
     /// Judges an image of one case: at the look of this number, from 1, where there may be several.
     fn judged(&self, case: &Case, rendered: Rendered, look: Option<u32>) -> Judged {
         let (store, profile) = (&self.store, self.profile.as_ref());
-        let mut judged = validate_at(look, case, store, rendered.output, profile);
+        let bits = self
+            .arguments
+            .bits
+            .or(profile.and_then(|profile| profile.bits));
+        let output = declared(rendered.output, bits, case);
+        let mut judged = validate_at(look, case, store, output, profile);
         if profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
             self.conventions
                 .explain_mismatch(case, &mut judged, seconds, accepted);
         }
-        judged.result.notes = rendered.notes;
+        judged.result.notes.extend(rendered.notes);
         let telling_case = self.telling_case(&judged.result);
         judged.result.notes.extend(telling_case);
         judged.evidence.output = rendered.printed;

@@ -14,6 +14,8 @@ pub enum Undecided {
     Reference(f64),
     /// Images with smaller steps; this share of the mean is now allowed for the step.
     Step(f64),
+    /// An image that is not cut off; in this one, this share of the pixels is.
+    CutOff(f64),
 }
 
 /// Samples of a test image that would decide.
@@ -60,6 +62,12 @@ impl fmt::Display for Undecided {
                 "that decides nothing: the step is so long that errors of {:.1} % have to be allowed for it; \
                  begin with a smaller one",
                 100.0 * width
+            ),
+            Undecided::CutOff(share) => write!(
+                f,
+                "that decides nothing: {:.0} % of the pixels are cut off by the 8 bits of the image; write \
+                 16 or 32 bits a channel, or a PNG at the exposure of the case",
+                100.0 * share
             ),
         }
     }

@@ -17,6 +17,7 @@ mod judgement;
 mod measured_difference;
 pub mod perceptual;
 mod picture;
+mod precision;
 mod promise;
 mod refinement;
 mod sensitivity;
@@ -34,6 +35,7 @@ pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
 pub use measured_difference::measured_difference;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
+pub use precision::{is_of_precision, recognised};
 pub use promise::Promise;
 pub use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
 pub use sensitivity::{Sensitivity, change_in_words};
@@ -41,6 +43,7 @@ pub use stochastic::Stochastic;
 
 use crate::film::Film;
 use incomparable::{NON_FINITE, REFERENCE, TEST};
+use precision::CUT_OFF;
 
 /// Every gate for a pair of images. If several are the default for a pair, the first is used.
 pub const GATES: [&dyn ImageGate; 4] = [&Exact, &Deterministic, &Perceptual, &Stochastic];
@@ -76,7 +79,9 @@ pub fn metric_meaning(name: &str) -> Option<&'static str> {
     let images = GATES.into_iter().flat_map(Gate::metrics);
     let mut metrics = images.chain(Refinement.metrics());
     let found = metrics.find(|(known, _)| *known == name);
-    let common = (name == NON_FINITE.0).then_some(&NON_FINITE);
+    let common = [&NON_FINITE, &CUT_OFF]
+        .into_iter()
+        .find(|(known, _)| *known == name);
     found.or(common).map(|&(_, meaning)| meaning)
 }
 
@@ -95,6 +100,12 @@ pub fn judge(
     let judgement = match incomparable::pictures(gate, reference, test) {
         Some(difference) => difference,
         None => gate.judge(reference, test, conditions)?,
+    };
+    let judgement = match (reference, test) {
+        (Picture::Radiance(golden), Picture::Radiance(test)) => {
+            judgement.with_precision_of(golden, test)
+        }
+        _ => judgement,
     };
     let named = [(REFERENCE, reference), (TEST, test)];
     Ok(named

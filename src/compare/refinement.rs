@@ -161,12 +161,15 @@ pub fn judge_refinement(truth: Limit<'_>, first_order: &[Film], images: &[Film])
     let changes = [[coarse, middle], [middle, fine]].map(|[a, b]| in_rms_tolerances(golden, a, b));
     let observed = log2(changes[0] / changes[1]);
     let [least, most] = ORDERS;
-    let is_still = changes[1] <= STILL || observed < least && agrees(golden, fine);
+    let is_still = changes[1] <= STILL
+        || changes_by_rounding(golden, middle, fine)
+        || observed < least && agrees(golden, fine);
     // Images that no longer change, or agree though they do, are left as they are.
     let order = if is_still { 1.0 } else { observed };
     let order = order.clamp(least, most);
     let factor = 1.0 / (exp2(order) - 1.0);
-    let limit = if is_still {
+    // Extrapolation would enlarge roundings.
+    let limit = if is_still || fine.quantisation().is_some() {
         fine.clone()
     } else {
         extrapolated(middle, fine, factor)
@@ -176,10 +179,13 @@ pub fn judge_refinement(truth: Limit<'_>, first_order: &[Film], images: &[Film])
     if !is_still {
         outcome.metric("observed_order", observed);
     }
-    let at_step = relative_error(golden, &images[0]);
+    let at_step = relative_error(golden, &images[0].nearest_to(golden));
     outcome.metric("error_at_step", at_step);
-    outcome.metric("error_at_finest_step", relative_error(golden, fine));
-    let left = relative_error(golden, &limit);
+    outcome.metric(
+        "error_at_finest_step",
+        relative_error(golden, &fine.nearest_to(golden)),
+    );
+    let left = relative_error(golden, &limit.nearest_to(golden));
     outcome.metric("error_of_limit", left);
 
     // The error of a pixel may be small by chance at one step, and seldom is at two.
@@ -200,7 +206,10 @@ pub fn judge_refinement(truth: Limit<'_>, first_order: &[Film], images: &[Film])
         "{:.2} % off at the step asked for; {}; extrapolated, {:.3} % off",
         100.0 * at_step,
         if is_still {
-            "smaller steps change nothing".to_owned()
+            match fine.quantisation() {
+                Some(_) => "smaller steps change nothing that 8 bits would show".to_owned(),
+                None => "smaller steps change nothing".to_owned(),
+            }
         } else {
             order_in_words(observed)
         },
@@ -216,10 +225,16 @@ pub fn judge_refinement(truth: Limit<'_>, first_order: &[Film], images: &[Film])
         );
         return outcome.judgement(false, reason);
     }
+    // Roundings average out but for half a code, which the mean is allowed.
+    let mean_of = if is_still {
+        fine.clone()
+    } else {
+        extrapolated(middle, fine, factor)
+    };
     let judged = Judged {
         golden,
         image: fine,
-        mean_of: &limit,
+        mean_of: &mean_of,
         step_errors,
         mean_errors,
         table: LargestErrors::of(golden, truth.looked_up),
@@ -263,6 +278,7 @@ fn trend(golden: &Film, images: &[Film]) -> String {
 
 /// True if enough pixels are within tolerance.
 fn agrees(golden: &Film, image: &Film) -> bool {
+    let image = image.nearest_to(golden);
     let pixels = golden.radiance().iter().zip(image.radiance());
     let outside = pixels.filter(|(golden, test)| in_tolerances(**golden, **test) > 1.0);
     outside.count() as f64 <= OUTLIERS * golden.radiance().len() as f64
@@ -319,7 +335,7 @@ pub fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> J
     }
     let by_rules = LargestErrors::of(golden, first_order);
     let mut outcome = Outcome::default();
-    let error = relative_error(golden, image);
+    let error = relative_error(golden, &image.nearest_to(golden));
     outcome.metric("error_at_step", error);
     let steps = format!(
         "one image: {:.2} % off at its step, judged by what a rule of first order may be off by there; \
@@ -356,7 +372,9 @@ impl Judged<'_> {
         let golden = self.golden;
         let behind = behind_last_level(golden);
         let (mut outside, mut worst) = (0_usize, (0, 0.0_f64));
-        let pixels = golden.radiance().iter().zip(self.image.radiance());
+        // Of a quantised image, the nearest of those that round to it.
+        let nearest = self.image.nearest_to(golden);
+        let pixels = golden.radiance().iter().zip(nearest.radiance());
         for (index, (right, test)) in pixels.enumerate() {
             let excess = (0..3).fold(0.0_f64, |most, c| {
                 let (right, test) = (f64::from(right[c]), f64::from(test[c]));
@@ -373,12 +391,14 @@ impl Judged<'_> {
         let count = golden.radiance().len();
         let share = outside as f64 / count as f64;
         let [column, row] = [worst.0 % golden.width(), worst.0 / golden.width()];
-        let [right, test] = [golden, self.mean_of].map(means);
+        let [right, test] = [&self.cut_off(), self.mean_of].map(means);
+        let quantisation = self.image.quantisation();
+        let half_code = |mean: f64| quantisation.map_or(0.0, |it| it.half_code(mean));
         let behind = behind.iter().sum::<f64>() / count as f64;
         let off: [f64; 3] = std::array::from_fn(|c| test[c] - right[c]);
         let bias: [f64; 3] = std::array::from_fn(|c| {
             let allowed = BIAS * tolerance(right[c]) + self.mean_errors[c] + self.table.means[c];
-            off[c].abs() / (allowed + behind)
+            off[c].abs() / (allowed + behind + half_code(right[c]))
         });
         let widest = self.relative_width();
         for (name, value) in [
@@ -417,6 +437,15 @@ impl Judged<'_> {
             return outcome.judgement(false, reason);
         }
         outcome.judgement(true, steps.to_owned())
+    }
+
+    /// The golden, cut off where the image is.
+    fn cut_off(&self) -> Film {
+        let largest = self.image.quantisation().map(|it| it.largest() as f32);
+        let pixels = self.golden.radiance().iter();
+        let pixels =
+            pixels.map(|pixel| pixel.map(|value| largest.map_or(value, |it| value.min(it))));
+        Film::new(self.golden.width(), self.golden.height(), pixels.collect())
     }
 
     /// Mean of the allowed errors over that of the golden.
@@ -462,18 +491,52 @@ impl Outcome {
     }
 }
 
-/// Root mean square of the difference of two images, in tolerances of the golden.
+/// Root mean square of the difference of two images, in tolerances of the golden, without that of roundings.
 fn in_rms_tolerances(golden: &Film, a: &Film, b: &Film) -> f64 {
     let mut squares = Sum::default();
+    let quantisations = [a, b].map(Film::quantisation);
+    let is_rounded = quantisations.iter().any(Option::is_some);
+    let codes = |right: f64| -> f64 {
+        let of = quantisations
+            .iter()
+            .flatten()
+            .map(|it| 2.0 * it.half_code(right));
+        of.map(|code| code * code).sum::<f64>().sqrt()
+    };
     let pixels = golden.radiance().iter().zip(a.radiance()).zip(b.radiance());
     for ((golden, a), b) in pixels {
         for c in 0..3 {
             let difference = f64::from(a[c]) - f64::from(b[c]);
-            let ratio = difference / tolerance(f64::from(golden[c]));
+            let right = f64::from(golden[c]);
+            let ratio = difference / tolerance(right);
             squares.add(ratio * ratio);
+            if is_rounded {
+                // Two independent roundings, uniform over a code: a twelfth of its square each.
+                let code = codes(right) / tolerance(right);
+                squares.add(-code * code / 12.0);
+            }
         }
     }
-    (squares.value() / (3 * golden.radiance().len()) as f64).sqrt()
+    let mean = squares.value() / (3 * golden.radiance().len()) as f64;
+    mean.max(0.0).sqrt()
+}
+
+/// True if two quantised images differ by no more than a code and [`STILL`]: of two images with the same
+/// rounding, that may be all that the step changed.
+fn changes_by_rounding(golden: &Film, a: &Film, b: &Film) -> bool {
+    let [Some(of_a), Some(of_b)] = [a, b].map(Film::quantisation) else {
+        return false;
+    };
+    let mut squares = Sum::default();
+    let values = a.radiance().as_flattened().iter();
+    let values = values.zip(b.radiance().as_flattened());
+    for ((&a, &b), &right) in values.zip(golden.radiance().as_flattened()) {
+        let [a, b, right] = [a, b, right].map(f64::from);
+        let code = of_a.half_code(a) + of_b.half_code(b);
+        let beyond = ((a - b).abs() - 1.01 * code).max(0.0) / tolerance(right);
+        squares.add(beyond * beyond);
+    }
+    (squares.value() / (3 * golden.radiance().len()) as f64).sqrt() <= STILL
 }
 
 /// Root of the sum of the squared differences, over that of the squares of the golden; in units of

@@ -1,6 +1,7 @@
 //! Profiles: the conventions of another renderer, under which its images are judged.
 
 use crate::files::regular_file;
+use crate::film::{Bits, Encoding};
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::scene::{CONVENTIONS, Classified, Conventions, Model, Scene, SceneResult};
@@ -15,6 +16,10 @@ pub const PROFILE: Table = Table::new("Conventions of another renderer of classi
     Key::optional("early_termination", Kind::Number(Range::open(0.0, 1.0))).doc(
         "Ends a ray where its transmittance falls below this value. If left out, as in the scene.",
     ),
+    Key::optional("bits", Kind::Count(8, 8))
+        .doc("Bits of a channel in its images, as --bits declares them: differences up to half a code agree."),
+    Key::optional("encoding", Kind::Choice(&["linear", "srgb"]))
+        .doc("Curve of those codes. If left out, it is found: that of a PNG is sRGB."),
     Key::optional("conventions", Kind::Table(&CONVENTIONS)).doc("Conventions, as in a scene."),
 ]);
 
@@ -34,6 +39,8 @@ pub struct Profile {
     pub name: String,
     /// Its file.
     pub text: String,
+    /// Bits of its images, where they are few.
+    pub bits: Option<Bits>,
     early_termination: Option<f64>,
     conventions: Conventions,
 }
@@ -81,6 +88,16 @@ impl Profile {
         let reader = Reader::new(&document, &PROFILE, &root, &log)?;
         let name = reader.text("name")?;
         let early_termination = reader.optional_number("early_termination")?;
+        let bits = reader.optional_count("bits")?;
+        let encoding = reader.optional_text("encoding")?;
+        if bits.is_none() && encoding.is_some() {
+            let message = "an encoding is that of few bits: add `bits = 8`";
+            return Err(reader.error("encoding", message));
+        }
+        let encoding = encoding.map(|name| match name.as_str() {
+            "srgb" => Encoding::Srgb,
+            _ => Encoding::Linear,
+        });
         let conventions = reader.table("conventions")?;
         let conventions = conventions
             .map(|reader| Conventions::read(&reader))
@@ -88,6 +105,7 @@ impl Profile {
         Ok(Profile {
             name,
             text: text.to_owned(),
+            bits: bits.map(|_| Bits { encoding }),
             early_termination,
             conventions: conventions.unwrap_or_default(),
         })

@@ -22,6 +22,15 @@ use std::sync::Arc;
 /// Classified volumes and plots of a transfer function only: participating media need more than a
 /// short list of formulas, and have their own formats.
 pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
+    bundle_at(scene, name, None)
+}
+
+/// [`bundle`], with the exposure of 8-bit images, in stops, where it is known.
+pub(super) fn bundle_at(
+    scene: &Scene,
+    name: &str,
+    exposure: Option<f64>,
+) -> Result<Export, Refusal> {
     let mut raw = RawFiles::new(name);
     let mut panels = Vec::new();
     let mut first_column = 0;
@@ -39,7 +48,7 @@ pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
     let description = Json::Object(vec![
         ("schema", "volref/bundle/1".into()),
         ("name", name.into()),
-        ("image", image(scene)),
+        ("image", image(scene, exposure)),
         ("judged", judged()),
         ("panels", Json::List(panels)),
     ]);
@@ -72,7 +81,7 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
     }
 }
 
-fn image(scene: &Scene) -> Json {
+fn image(scene: &Scene, exposure: Option<f64>) -> Json {
     let panels = "side by side from left to right: panel k fills the columns from its \
                   first_column on, all rows";
     let pixels = "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, \
@@ -80,13 +89,19 @@ fn image(scene: &Scene) -> Json {
                   opacity";
     let files = "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY \
                  of shape (height, width, 3), type float32, C order";
-    Json::Object(vec![
+    let mut image: Entries = vec![
         ("width", scene.width().into()),
         ("height", scene.height().into()),
         ("panels", panels.into()),
         ("pixels", pixels.into()),
         ("files", files.into()),
-    ])
+    ];
+    if let Some(stops) = exposure {
+        let codes = "a PNG of 8 bits holds the codes of radiance * 2^exposure, cut off at 1: sRGB, or \
+                     linear if that is declared";
+        image.extend([("exposure", stops.into()), ("codes", codes.into())]);
+    }
+    Json::Object(image)
 }
 
 /// The deterministic gate. It is the business of [`crate`]'s comparisons, which lie above this

@@ -85,9 +85,23 @@ impl FromStr for Format {
 ///
 /// [`Refusal`] names everything that the format cannot express.
 pub fn export(scene: &Scene, format: Format, name: &str) -> Result<Export, Refusal> {
+    export_at(scene, format, name, None)
+}
+
+/// [`export`], where the exposure of 8-bit images of the scene is known, in stops: a bundle states it.
+///
+/// # Errors
+///
+/// As of [`export`].
+pub fn export_at(
+    scene: &Scene,
+    format: Format,
+    name: &str,
+    exposure: Option<f64>,
+) -> Result<Export, Refusal> {
     let name = &plain(name);
     if format == Format::Bundle {
-        return bundle::bundle(scene, name);
+        return bundle::bundle_at(scene, name, exposure);
     }
     let [panel] = &scene.panels[..] else {
         let what = "several pictures side by side; write a scene of each panel";

@@ -167,6 +167,7 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
         }),
         samples: samples.map(u64::from),
         reading,
+        quantisation: None,
     })
 }
 

@@ -13,6 +13,7 @@ mod npy_file;
 mod pfm_file;
 mod png_file;
 mod primaries;
+mod quantisation;
 mod reading;
 mod replicates;
 mod stored;
@@ -25,6 +26,7 @@ pub use format::FilmFormat;
 pub use layered_file::LayeredFilm;
 pub use noise::Noise;
 use noise::is_sound;
+pub use quantisation::{Bits, Encoding, Origin, Quantisation};
 pub use reading::Overflow;
 use reading::Reading;
 
@@ -45,6 +47,9 @@ pub struct Film {
     /// Not kept in files of volref: those are read as they are.
     #[serde(skip)]
     reading: Reading,
+    /// The rounding of its values, where it is read or declared.
+    #[serde(skip)]
+    quantisation: Option<Quantisation>,
 }
 
 impl Film {
@@ -65,6 +70,7 @@ impl Film {
             noise: None,
             samples: None,
             reading: Reading::default(),
+            quantisation: None,
         }
     }
 
@@ -188,6 +194,18 @@ impl Film {
             samples: self.samples.or(Some(asked)),
             ..self
         }
+    }
+
+    /// This image without the pixels that are `left_out`, which are black and without noise.
+    pub(crate) fn without(&self, left_out: &[bool]) -> Film {
+        let mut film = self.clone();
+        for (index, _) in left_out.iter().enumerate().filter(|(_, is)| **is) {
+            film.radiance[index] = [0.0; 3];
+            if let Some(noise) = &mut film.noise {
+                noise.variance[index] = [0.0; 3];
+            }
+        }
+        film
     }
 
     /// The films side by side, from left to right. All must have the same height, and all or none

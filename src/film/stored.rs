@@ -37,6 +37,7 @@ impl TryFrom<StoredFilm> for Film {
             noise: stored.noise,
             samples: stored.samples,
             reading: Default::default(),
+            quantisation: None,
         })
     }
 }

@@ -55,6 +55,8 @@ pub struct CaseFinding {
     pub detectable: Vec<Detectable>,
     /// The changes that fit best, as a picture.
     pub fit: Option<Box<FitMap>>,
+    /// Notes beside the verdict.
+    pub notes: Vec<String>,
 }
 
 impl CaseFinding {
@@ -68,6 +70,7 @@ impl CaseFinding {
             changes: Vec::new(),
             detectable: Vec::new(),
             fit: None,
+            notes: Vec::new(),
         }
     }
 
@@ -87,7 +90,7 @@ impl CaseFinding {
             metrics: self.metrics,
             gate,
             reason: self.reason,
-            notes: Vec::new(),
+            notes: self.notes,
             conventions: Vec::new(),
             profile: None,
             looks_like: Vec::new(),

@@ -1,5 +1,4 @@
-//! Measurements of a failed image, without rendering anything: a simple map from the golden to it,
-//! and the levels of a file of 8 bits.
+//! Measurements of a failed image, without rendering anything: a simple map from the golden to it.
 //!
 //! These are statements about the image, not guesses at what went wrong: none is made unless it
 //! holds for all of the image.
@@ -8,11 +7,10 @@ use crate::compare::cells::Cells;
 use crate::compare::flip::SrgbImage;
 use crate::compare::unexplained::UNEXPLAINED_IN_NOISE;
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
-use crate::film::Film;
+use crate::film::{Bits, Film, Origin};
 use crate::math;
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
-use std::collections::BTreeSet;
 
 /// Measurements of `picture`, a failed image of `case`: sentences without a full stop.
 pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
@@ -23,12 +21,14 @@ pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<Str
     let Some(test) = comparable(golden, picture) else {
         return Vec::new();
     };
-    let map = simple_map(case, golden, test).map(|map| map.in_words());
-    let levels = eight_bits(test, case.exposure)
-        // Of a golden with few colours nothing can be said.
-        .filter(|(curve, _)| eight_bits(golden, case.exposure).is_none_or(|of| of.0 != *curve))
-        .map(eight_bits_in_words);
-    map.into_iter().chain(levels).collect()
+    let words = |map: Map| match map {
+        Map::Scaled(factor) if is_of_png(test) => another_exposure(factor),
+        map => map.in_words(),
+    };
+    simple_map(case, golden, test)
+        .map(words)
+        .into_iter()
+        .collect()
 }
 
 /// A simple map of an image's values.
@@ -54,16 +54,23 @@ pub(crate) fn simple(case: &Case, golden: &Film, picture: &Picture) -> Option<Si
 pub(crate) fn is_another_exposure(case: &Case, golden: &Film, picture: &Picture) -> bool {
     match picture {
         Picture::Codes(codes) => exposure_factor(case, golden, codes).is_some(),
-        Picture::Radiance(_) => false,
+        Picture::Radiance(test) => {
+            is_of_png(test) && simple(case, golden, picture) == Some(SimpleMap::Gain)
+        }
     }
+}
+
+/// True of radiance from the codes of a PNG image.
+fn is_of_png(film: &Film) -> bool {
+    film.quantisation()
+        .is_some_and(|it| it.origin == Origin::Png)
 }
 
 /// The radiance that 8-bit codes stand for, at `exposure` stops.
 pub(crate) fn decoded(codes: &SrgbImage, exposure: f64) -> Film {
-    let scale = math::exp2(-exposure);
-    let decode = |code: u8| (scale * math::srgb_to_linear(f64::from(code) / 255.0)) as f32;
-    let pixels = codes.pixels().iter().map(|pixel| pixel.map(decode));
-    Film::new(codes.width(), codes.height(), pixels.collect())
+    let bits = Bits { encoding: None };
+    let quantisation = bits.of_png(exposure);
+    quantisation.decoded(codes.width(), codes.height(), codes.pixels())
 }
 
 /// The factor on the golden after which the perceptual gate cannot tell it from `codes`.
@@ -218,7 +225,10 @@ struct Fits([[f64; 5]; 3]);
 
 impl Fits {
     fn new(golden: &Film, test: &Film) -> Option<Fits> {
-        Fits::of_values(golden, test, |_, _| true)
+        // What is cut off says nothing of a factor.
+        let most = test.quantisation().map_or(f64::INFINITY, |it| it.largest());
+        let is_below = |value: f32| f64::from(value) < most * (1.0 - 1e-3);
+        Fits::of_values(golden, test, |i, c| is_below(test.radiance()[i][c]))
     }
 
     /// Sums of the `wanted` values, by pixel and channel.
@@ -299,72 +309,10 @@ fn line([weights, x, y, xx, xy]: [f64; 5]) -> [f64; 2] {
     [slope, (y - slope * x) / weights]
 }
 
-/// Transfer curve of codes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum CodeCurve {
-    Srgb,
-    Linear,
-}
-
-/// Fewest different values of an image whose levels are reported: each of them is within
-/// [`OF_A_LEVEL`] of a level by chance once in five, all of them less than once in 10¹¹.
-const FEWEST_VALUES: usize = 16;
-
-/// Largest distance of an 8-bit value from its level, in levels: half precision rounds to 2⁻¹²,
-/// which is 0.06 levels of 255.
-const OF_A_LEVEL: f64 = 0.1;
-
-/// The curve by which all values of `film` are 8-bit levels, seen at `exposure` stops or at none, and
-/// the number of different levels.
-fn eight_bits(film: &Film, exposure: f64) -> Option<(CodeCurve, usize)> {
-    let of = |curve: CodeCurve, stops: f64| {
-        let scale = math::exp2(stops);
-        let (mut values, mut levels) = (BTreeSet::new(), BTreeSet::new());
-        for value in film.radiance().as_flattened() {
-            if !values.insert(value.to_bits()) {
-                continue;
-            }
-            let linear = scale * f64::from(*value);
-            let code = 255.0
-                * match curve {
-                    CodeCurve::Srgb => math::linear_to_srgb(linear),
-                    CodeCurve::Linear => linear,
-                };
-            let level = code.round();
-            if !((code - level).abs() <= OF_A_LEVEL && (0.0..=255.0).contains(&level)) {
-                return None;
-            }
-            levels.insert(level as u8);
-        }
-        let count = levels.len();
-        (values.len() >= FEWEST_VALUES && count >= FEWEST_VALUES).then_some((curve, count))
-    };
-    [
-        (CodeCurve::Srgb, 0.0),
-        (CodeCurve::Linear, 0.0),
-        (CodeCurve::Srgb, exposure),
-        (CodeCurve::Linear, exposure),
-    ]
-    .into_iter()
-    .find_map(|(curve, stops)| of(curve, stops))
-}
-
-fn eight_bits_in_words((curve, count): (CodeCurve, usize)) -> String {
-    let codes = match curve {
-        CodeCurve::Srgb => "8-bit sRGB codes",
-        CodeCurve::Linear => "n/255",
-    };
-    format!(
-        "the image holds only {count} values, all of them {codes}: it was rounded to 8 bits on its way; \
-         write radiance in 16 or 32 bits a channel, or submit a PNG"
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::suite::Suite;
-    use half::f16;
     use std::path::Path;
 
     fn case(name: &str) -> Case {
@@ -418,12 +366,16 @@ mod tests {
             let edited = |pixel: &[f32; 3]| pixel.map(|x| map(f64::from(x)) as f32);
             let pixels = golden.radiance().iter().map(edited).collect();
             let codes = Film::new(32, 24, pixels).srgb_codes(case.exposure);
-            let codes = Picture::Codes(SrgbImage::new(32, 24, codes).unwrap());
-            let said = measured(&case, &golden, &codes).join("; ");
-            assert_eq!(
-                !said.is_empty(),
-                is_another_exposure(&case, &golden, &codes)
-            );
+            let codes = SrgbImage::new(32, 24, codes).unwrap();
+            // Judged by how it looks, and as radiance.
+            let radiance = Picture::Radiance(decoded(&codes, case.exposure));
+            let [said, of_radiance] = [Picture::Codes(codes), radiance].map(|picture| {
+                let said = measured(&case, &golden, &picture).join("; ");
+                let is_said = is_another_exposure(&case, &golden, &picture);
+                assert_eq!(!said.is_empty(), is_said);
+                said
+            });
+            assert_eq!(said.is_empty(), of_radiance.is_empty(), "{of_radiance}");
             said
         };
         // Codes are rounded: 0.1 % of a mean over 2304 values.
@@ -432,30 +384,6 @@ mod tests {
         assert!(said(&|x| 4.0 * x).ends_with(", another exposure (+2.00 stops)"));
         assert_eq!(said(&|x| if x > 0.4 { 0.5 * x } else { x }), "");
         assert_eq!(said(&|_| 0.0), "");
-    }
-
-    #[test]
-    fn levels_of_eight_bits_are_recognised_as_such() {
-        let eight_bits = |code: f64| (255.0 * code).round() / 255.0;
-        let srgb = |x: f64, _| math::srgb_to_linear(eight_bits(math::linear_to_srgb(x)));
-        assert!(said(srgb).contains("8-bit sRGB codes"), "{}", said(srgb));
-        // Kept in half precision.
-        let half = |x: f64, c| f64::from(f16::from_f64(srgb(x, c)).to_f32());
-        assert!(said(half).contains("8-bit sRGB codes"), "{}", said(half));
-        let linear = |x: f64, _| eight_bits(x);
-        assert!(
-            said(linear).contains("all of them n/255"),
-            "{}",
-            said(linear)
-        );
-        // Not linear radiance, but what a display is given, in 8 bits.
-        let encoded = |x: f64, _| eight_bits(math::linear_to_srgb(x));
-        assert!(
-            said(encoded).contains("all of them n/255"),
-            "{}",
-            said(encoded)
-        );
-        assert!(!said(|x, _| x * 1.01 + 0.001).contains("bit"));
     }
 
     /// A factor in noise, stated or not, and noise alone.

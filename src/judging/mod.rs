@@ -5,6 +5,7 @@ pub(crate) mod evidence;
 pub(crate) mod finding;
 pub(crate) mod measured;
 pub(crate) mod more_samples;
+pub(crate) mod precision;
 pub(crate) mod refinement;
 pub(crate) mod results;
 pub(crate) mod rows;
@@ -17,6 +18,7 @@ pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use more_samples::{MoreSamples, is_open};
+pub use precision::{declared, radiance};
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use rows::verify_row;
 pub use self_test::{

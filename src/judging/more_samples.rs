@@ -1,7 +1,7 @@
 //! More samples for cases that noise leaves open: a renderer is called again until each is decided.
 
 use super::{Cause, Judged, Looks, Verdict};
-use crate::compare::{Picture, are_comparable};
+use crate::compare::{Picture, are_comparable, is_of_precision};
 use crate::film::Film;
 use crate::renderers::{CallSettings, OtherRenderer, Rendered, stop_all};
 use crate::suite::{Case, Output};
@@ -292,6 +292,8 @@ impl OpenCase<'_> {
     fn judged_at(&mut self, look: u32, rendered: Rendered) -> Judged {
         let mut now = (self.more.judge)(self.case, rendered, look);
         let notes = std::mem::take(&mut self.judged.result.notes);
+        // What 8 bits hide is said of each image anew.
+        let notes = notes.into_iter().filter(|note| !is_of_precision(note));
         now.result.notes.splice(0..0, notes);
         now
     }

@@ -18,7 +18,7 @@ const IMAGE: &str = "test image";
 pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
     let (first, rest) = images.split_first().expect("three images or more");
     // A renderer that does not take its step from the call makes one image several times.
-    let judgement = if rest
+    if rest
         .iter()
         .all(|image| image.radiance() == first.radiance())
     {
@@ -29,15 +29,13 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
             judgement.reason
         );
         return judgement;
-    } else {
-        let finest = with_halved_step(&checked.scene, rest.len());
-        judge_refinement(
-            truth(checked, &looked_up(&checked.scene)),
-            &first_order(&finest),
-            images,
-        )
-    };
-    judgement.with_changes_of(IMAGE, first)
+    }
+    let looked_up = looked_up(&checked.scene);
+    let by_rules = first_order(&with_halved_step(&checked.scene, rest.len()));
+    let finest = &images[rest.len()];
+    judge_refinement(truth(checked, &looked_up), &by_rules, images)
+        .with_precision_of(&checked.golden.film, finest)
+        .with_changes_of(IMAGE, first)
 }
 
 /// Judges images with the step of the scene, half of it and so on, each by the right image with its step
@@ -101,7 +99,9 @@ fn truth<'f>(checked: &'f CheckedGolden, looked_up: &'f [Film]) -> Limit<'f> {
 pub fn judge_one(checked: &CheckedGolden, image: &Film) -> Judgement {
     let looked_up = looked_up(&checked.scene);
     let by_rules = first_order(&checked.scene);
-    judge_one_step(truth(checked, &looked_up), &by_rules, image).with_changes_of(IMAGE, image)
+    judge_one_step(truth(checked, &looked_up), &by_rules, image)
+        .with_precision_of(&checked.golden.film, image)
+        .with_changes_of(IMAGE, image)
 }
 
 /// Entries of the smallest table in which renderers look up colours and opacities. With the nodes of

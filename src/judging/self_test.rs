@@ -9,7 +9,7 @@ use super::validate::validate_with;
 use super::{Judged, Verdict};
 use crate::compare::Picture;
 use crate::compare::flip::SrgbImage;
-use crate::film::Film;
+use crate::film::{Encoding, Film, Origin, Quantisation};
 use crate::math::rng::{Purpose, Stream};
 use crate::render::{Sampling, Seed, plans, render};
 use crate::scene::Scene;
@@ -487,4 +487,21 @@ const BENIGN: &[(&str, Benign)] = &[
         let image = SrgbImage::new(film.width(), film.height(), codes);
         image.ok().map(Picture::Codes)
     }),
+    ("8-bits-linear", |subject| {
+        Some(in_8_bits(subject, Encoding::Linear))
+    }),
+    ("8-bits-srgb", |subject| {
+        Some(in_8_bits(subject, Encoding::Srgb))
+    }),
 ];
+
+/// The picture as a renderer has it that reads it from a display, and says so: rounded and cut off at the exposure
+/// of the case.
+fn in_8_bits(subject: &Subject<'_>, encoding: Encoding) -> Picture {
+    let quantisation = Quantisation {
+        encoding,
+        exposure: subject.case.exposure,
+        origin: Origin::Declared,
+    };
+    Picture::Radiance(quantisation.rounded(subject.honest()))
+}

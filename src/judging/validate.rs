@@ -3,6 +3,7 @@
 use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
+use super::precision::{known, known_radiance};
 use super::{Cause, Evidence, Judged, Verdict, refinement};
 use crate::compare::{
     Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
@@ -90,6 +91,7 @@ fn weighed(
 /// Judges `picture` as an image of `case`, whose golden is loaded.
 pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
     let start = Instant::now();
+    let picture = known(case, &checked.golden.film, picture);
     let golden = Picture::Radiance(reference(case, checked, &picture));
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
@@ -113,8 +115,11 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
 
 /// Judges images with the step of the scene of `case`, half of it, a quarter and so on: by the integral, or
 /// under a profile each by the right image with its step.
-fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Film>) -> Judged {
+fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) -> Judged {
     let start = Instant::now();
+    let images = images.into_iter();
+    let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
+    let images: Vec<Film> = images.collect();
     // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
     let (judgement, gate, seen): (_, &'static dyn Gate, _) = match checked.profile {
         Some(_) => {
@@ -197,7 +202,11 @@ fn with_words(
     judgement: Judgement,
     picture: &Picture,
 ) -> CaseFinding {
+    let note = picture
+        .radiance()
+        .and_then(|film| judgement.precision_in_words(film));
     let mut finding = CaseFinding::from(judgement);
+    finding.notes.extend(note);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);

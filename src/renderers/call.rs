@@ -47,6 +47,7 @@ impl<'t> Call<'t> {
             ("spp", settings.spp.to_string()),
             ("seed", settings.seed.to_string()),
             ("case", case.name.clone()),
+            ("exposure", case.exposure.to_string()),
         ]);
         let volume = scene.panels.iter().find_map(Panel::classified);
         let step = volume.map(|volume| [volume.step, volume.grid.lattice().voxel()]);
@@ -87,7 +88,7 @@ fn exported(scene: &Scene, case: &Case, format: &str, exports: &Path) -> Result<
     let format: Format = format.parse().expect("placeholders name formats");
     let folder = exports.join(format.to_string()).join(&case.name);
     let name = case.name.rsplit('/').next().unwrap_or(&case.name);
-    let export = exchange::export(scene, format, name)
+    let export = exchange::export_at(scene, format, name, Some(case.exposure))
         .map_err(|refusal| Output::Missing(format!("not rendered: {refusal}")))?;
     export
         .write_into(&folder)

@@ -46,7 +46,7 @@ pub enum TemplateError {
 
 impl CommandTemplate {
     /// Every placeholder, without its braces.
-    pub const PLACEHOLDERS: [&str; 12] = [
+    pub const PLACEHOLDERS: [&str; 13] = [
         "scene",
         "output",
         "width",
@@ -56,6 +56,7 @@ impl CommandTemplate {
         "case",
         "step",
         "rate",
+        "exposure",
         "export:mitsuba",
         "export:pbrt",
         "export:bundle",

@@ -1,6 +1,7 @@
 //! Another renderer: called for a case, once, or once for each of three steps.
 
 use super::call::{Call, not_run};
+use super::printed::quoted_words;
 use super::process::run;
 use super::{CallSettings, CommandTemplate, Keeper};
 use crate::compare::Picture;
@@ -115,7 +116,7 @@ impl OtherRenderer {
             notes.extend(ran.notes);
             calls.push(shell_words::join(&words));
             if let Some(reason) = ran.failure {
-                failure = Some(reason + &last_words(&ran.printed));
+                failure = Some(reason + &quoted_words(&ran.printed));
                 break;
             }
         }
@@ -179,7 +180,7 @@ impl OtherRenderer {
                     &format!("(for another format: --format {others})"),
                 )
             }
-            Output::Picture(picture) if has_steps && picture.radiance().is_some() => {
+            Output::Picture(_) if has_steps => {
                 unwritten(&step_name(&case.name, 1), "with a smaller step")
             }
             // As far as is known, it did what it was asked for.
@@ -228,26 +229,4 @@ impl OtherRenderer {
         }
         Ok(())
     }
-}
-
-/// The last lines of a renderer's output, with its errors, as the end of a message.
-fn last_words(printed: &str) -> String {
-    const LINES: usize = 3;
-    const LETTERS: usize = 400;
-    let lines: Vec<&str> = printed
-        .lines()
-        .filter(|line| !line.trim().is_empty())
-        .collect();
-    let last = &lines[lines.len().saturating_sub(LINES)..];
-    if last.is_empty() {
-        return String::new();
-    }
-    let mut text = String::from("; its last output:");
-    for line in last {
-        // It may hold anything, escape sequences too.
-        let plain = line.chars().filter(|letter| !letter.is_control());
-        text.push('\n');
-        text.extend(plain.take(LETTERS));
-    }
-    text
 }

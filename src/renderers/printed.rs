@@ -1,4 +1,4 @@
-//! The end of a renderer's output.
+//! Output of a renderer: its end, and the lines that are quoted of it.
 
 use std::collections::VecDeque;
 use std::io::{PipeReader, Read};
@@ -80,5 +80,109 @@ impl Printed {
             0 => text,
             left_out => format!("[the first {left_out} bytes are left out]\n{text}"),
         }
+    }
+}
+
+/// Lines quoted from the end.
+const LAST_LINES: usize = 3;
+/// Letters quoted of a line.
+const LETTERS: usize = 400;
+
+/// Words by which a line of output is one with an error in it, in lower case.
+const ERRORS: [&str; 12] = [
+    "error",
+    "exception",
+    "fatal",
+    "panicked",
+    "cannot",
+    "can't",
+    "could not",
+    "failed",
+    "failure",
+    "segmentation fault",
+    "abort",
+    "traceback",
+];
+
+/// The lines of a renderer's output that say why it failed, as the end of a message: the first with an error in it,
+/// for what follows is often a consequence, and the last.
+pub(super) fn quoted_words(printed: &str) -> String {
+    let lines: Vec<&str> = printed
+        .lines()
+        .filter(|line| !line.trim().is_empty())
+        .collect();
+    let (before, last) = lines.split_at(lines.len().saturating_sub(LAST_LINES));
+    let first = before.iter().position(|line| has_error(line));
+    let mut text = String::new();
+    if let Some(line) = first.and_then(|at| cause_at(before, last, at)) {
+        text.push_str("; its first error:");
+        quote(&mut text, line);
+    }
+    if !last.is_empty() {
+        text.push_str("; its last output:");
+    }
+    last.iter().for_each(|line| quote(&mut text, line));
+    text
+}
+
+/// The line of the error that begins at line `at` of those `before` the last ones; `None` if it is among the last. A
+/// traceback of Python states its error in its last line, the next that is not indented.
+fn cause_at<'l>(before: &[&'l str], last: &[&'l str], at: usize) -> Option<&'l str> {
+    if !before[at].starts_with("Traceback") {
+        return Some(before[at]);
+    }
+    let is_indented = |line: &str| line.starts_with(char::is_whitespace);
+    let after = || before[at + 1..].iter().copied();
+    match after().find(|line| !is_indented(line)) {
+        Some(line) => Some(line),
+        None if last.iter().any(|line| !is_indented(line)) => None,
+        None => Some(before[at]),
+    }
+}
+
+/// True of a line with a word for an error in it; not of a count of none.
+fn has_error(line: &str) -> bool {
+    let line = line.to_lowercase();
+    let is_none = ["0 error", "no error", "without error"]
+        .iter()
+        .any(|none| line.contains(none));
+    !is_none && ERRORS.iter().any(|word| line.contains(word))
+}
+
+/// Adds `line` to `text`. It may hold anything, escape sequences too.
+fn quote(text: &mut String, line: &str) {
+    text.push('\n');
+    let plain = line.chars().filter(|letter| !letter.is_control());
+    text.extend(plain.take(LETTERS));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_error_is_quoted_besides_the_last_lines() {
+        let log = "loading\n0 errors so far\nERROR: no such volume\nretrying\nretrying\n\nretrying\ngiving up\n";
+        assert_eq!(
+            quoted_words(log),
+            "; its first error:\nERROR: no such volume; its last output:\nretrying\nretrying\ngiving up"
+        );
+        // Once, where it is among the last.
+        assert_eq!(
+            quoted_words("loading\nerror: no volume\nbye"),
+            "; its last output:\nloading\nerror: no volume\nbye"
+        );
+        assert_eq!(quoted_words("a\nb\nc\nd"), "; its last output:\nb\nc\nd");
+        assert_eq!(quoted_words(" \n"), "");
+    }
+
+    #[test]
+    fn a_traceback_is_quoted_by_its_last_line() {
+        let trace = "Traceback (most recent call last):\n  File \"r.py\", line 3\n    f()\nKeyError: 'grid'\n";
+        assert_eq!(
+            quoted_words(&format!("{trace}closing\nclosed\nbye\n")),
+            "; its first error:\nKeyError: 'grid'; its last output:\nclosing\nclosed\nbye"
+        );
+        assert!(quoted_words(trace).starts_with("; its last output:"));
     }
 }

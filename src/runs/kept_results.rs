@@ -10,7 +10,7 @@ use crate::files::kept_file;
 use crate::files::kept_file::KeepError;
 use crate::files::own_file;
 use crate::files::program_hash::hash;
-use crate::film::Film;
+use crate::film::{Film, Quantisation};
 use crate::judging::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use flate2::Compression;
 use flate2::read::DeflateDecoder;
@@ -158,6 +158,8 @@ struct Images {
 #[derive(Serialize, Deserialize)]
 enum StoredPicture {
     Radiance(Film),
+    /// Radiance that was rounded.
+    Quantised(Film, Quantisation),
     /// 8-bit codes, as PNG.
     Codes(Vec<u8>),
 }
@@ -372,7 +374,10 @@ impl ResultFolder {
 impl StoredPicture {
     fn of(picture: &Picture) -> StoredPicture {
         match picture {
-            Picture::Radiance(film) => StoredPicture::Radiance(film.clone()),
+            Picture::Radiance(film) => match film.quantisation() {
+                Some(quantisation) => StoredPicture::Quantised(film.clone(), quantisation),
+                None => StoredPicture::Radiance(film.clone()),
+            },
             Picture::Codes(codes) => {
                 let png = Film::codes_to_png(codes.pixels(), codes.width(), codes.height());
                 StoredPicture::Codes(png)
@@ -383,6 +388,9 @@ impl StoredPicture {
     fn picture(self) -> Result<Picture, String> {
         match self {
             StoredPicture::Radiance(film) => Ok(Picture::Radiance(film)),
+            StoredPicture::Quantised(film, quantisation) => {
+                Ok(Picture::Radiance(film.quantised(quantisation)))
+            }
             StoredPicture::Codes(png) => {
                 let (width, height, codes) =
                     Film::codes_from_png(&png).map_err(|error| error.to_string())?;

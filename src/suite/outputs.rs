@@ -35,7 +35,7 @@ pub enum Output {
     /// An image.
     Picture(Box<Picture>),
     /// Images with the step of the scene, half of it, a quarter and so on: at least three.
-    Refined(Vec<Film>),
+    Refined(Vec<Picture>),
     /// None; with the reason, in words.
     Missing(String),
     /// An unusable image, or a renderer that failed; with the reason, in words.
@@ -455,17 +455,8 @@ impl Found {
     }
 
     /// Reads the images with smaller and smaller steps.
-    pub fn read_refined(&self) -> Result<Vec<Film>, PictureError> {
-        let files = self.files.iter();
-        files
-            .map(|file| match Picture::read(file)? {
-                Picture::Radiance(film) => Ok(film),
-                Picture::Codes(_) => Err(in_film(file)(FilmError::Unsuited {
-                    what: "8-bit codes are too coarse for differences between steps".to_owned(),
-                    remedy: "write linear radiance, as .exr, .pfm or .npy; or one .png alone",
-                })),
-            })
-            .collect()
+    pub fn read_refined(&self) -> Result<Vec<Picture>, PictureError> {
+        self.files.iter().map(|file| Picture::read(file)).collect()
     }
 }
 

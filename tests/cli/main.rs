@@ -30,6 +30,7 @@ mod outputs;
 mod partition;
 mod peers;
 mod plan;
+mod precision;
 mod progress;
 mod render;
 #[cfg(target_os = "linux")]

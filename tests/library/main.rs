@@ -35,6 +35,7 @@ mod mesh_files;
 mod meshes;
 mod outside_faults;
 mod pinned_crates;
+mod precision;
 mod preintegration;
 mod radiative_scenes;
 mod ray_caster;

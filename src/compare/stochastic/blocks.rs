@@ -1,6 +1,6 @@
 //! Sums over the blocks of two images.
 
-use crate::film::Film;
+use crate::film::{Film, Quantisation};
 use crate::math::Moments;
 use std::ops::Range;
 
@@ -35,18 +35,24 @@ const SMALLEST_HALF: f64 = 1.0 / 16384.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Difference {
     pub value: f64,
-    /// Part of it that rounding of the test image's means to 16 bits can explain.
+    /// Part of it that rounding of the test image's means to 16 bits can explain, and to 8 where they are.
     pub rounding: f64,
+    /// Part of that which is rounding to 8 bits: half a code of each pixel. Roundings of a smooth image share
+    /// their sign over whole regions, so that in sums they add up.
+    pub half_codes: f64,
 }
 
 impl Difference {
-    /// Difference of one pixel with the value `a` in the reference and `b` in the test image.
-    pub fn of(a: f64, b: f64) -> Difference {
+    /// Difference of one pixel with the value `a` in the reference and `b` in the test image, which has this
+    /// quantisation.
+    pub fn of(a: f64, b: f64, quantisation: Option<Quantisation>) -> Difference {
+        let half_codes = quantisation.map_or(0.0, |it| it.half_code(b));
         Difference {
             value: b - a,
+            half_codes,
             // Most renderers write half precision unless asked for more: by 2⁻¹¹ of a value, or 2⁻²⁵
             // of a very small one. References are of 32 bits, whose rounding is nothing beside.
-            rounding: HALF_ROUNDING * a.abs().max(b.abs()).max(SMALLEST_HALF),
+            rounding: half_codes + HALF_ROUNDING * a.abs().max(b.abs()).max(SMALLEST_HALF),
         }
     }
 
@@ -59,6 +65,7 @@ impl Difference {
     pub fn add(&mut self, other: Difference) {
         self.value += other.value;
         self.rounding += other.rounding;
+        self.half_codes += other.half_codes;
     }
 }
 
@@ -118,11 +125,12 @@ impl Block {
             channels: Default::default(),
         };
         let [reference, test] = films;
+        let quantisation = test.quantisation();
         let mut spreads = [Moments::default(); 3];
         for index in block.indices(reference.width()) {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);
             for (c, channel) in block.channels.iter_mut().enumerate() {
-                let difference = Difference::of(f64::from(a[c]), f64::from(b[c]));
+                let difference = Difference::of(f64::from(a[c]), f64::from(b[c]), quantisation);
                 let beyond = difference.beyond_rounding();
                 channel.radiance += f64::from(a[c]);
                 channel.squares += beyond * beyond;

@@ -2,6 +2,7 @@
 
 use super::blocks::{DARK, parts};
 use super::comparison::Comparison;
+use super::cut_off::WithinCodes;
 use super::{block_deviation, finite};
 use crate::compare::BlockMap;
 use crate::film::Film;
@@ -37,7 +38,12 @@ pub fn block_map(reference: &Film, test: &Film) -> Option<BlockMap> {
     if reference.noise().is_none() && test.noise().is_none() {
         return None;
     }
-    let blocks = Comparison::new(reference, test, super::FALSE_ALARM).blocks;
+    let seen = WithinCodes::of(reference, test, super::FALSE_ALARM);
+    let [left, right] = match &seen {
+        Some(seen) => [&seen.reference, &seen.test],
+        None => [reference, test],
+    };
+    let blocks = Comparison::new(left, right, super::FALSE_ALARM).blocks;
     Some(BlockMap {
         columns: parts(reference.width()).count(),
         rows: parts(reference.height()).count(),

@@ -69,6 +69,17 @@
 //! one that is too small widens it, so that the detectable bias grows, and with it the pass becomes
 //! inconclusive. `validate --run` notes a number that is not the one it asked for.
 //!
+//! # Images of 8 bits
+//!
+//! A [quantised](Film::quantised) test image is off by half a code at most where it is not cut off. That is
+//! allowed in each sum, of a block, of the image or of a score, as rounding to 16 bits is: of the sum of the
+//! differences counts what is beyond the sum of half the codes. (What is beyond half a code in each *pixel* is
+//! no mean of zero: of skewed noise, which is mostly a little too dark and rarely much too bright, rounding
+//! would take the former alone.) Pixels that the largest code may have cut off are left out: see the file
+//! `cut_off.rs`. Neighbours are compared only where noise dithers the rounding, and no pixel is too black.
+//! Independent noise cannot fall below that of the reference, rounded or not, so that too little of it is
+//! looked for as ever.
+//!
 //! # What would decide
 //!
 //! A pass that could not have detected the required bias states how many samples could. It
@@ -98,6 +109,7 @@
 mod amount;
 mod blocks;
 mod comparison;
+mod cut_off;
 mod map;
 mod neighbours;
 mod numbers;
@@ -118,6 +130,7 @@ use super::image_gate::{Conditions, ImageGate};
 use super::incomparable;
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
+use super::precision::CUT_OFF;
 use super::promise::Promise;
 use super::sensitivity::{Sensitivity, with_error};
 use super::significance::{deviation, holm, two_sided, two_sided_estimated};
@@ -126,6 +139,7 @@ use crate::math;
 use amount::judge_amount;
 use blocks::{Block, Channel};
 use comparison::Comparison;
+use cut_off::WithinCodes;
 use neighbours::judge_neighbours;
 use numbers::judge_numbers;
 use pixels::{PixelDifferences, judge_one_variance};
@@ -339,8 +353,16 @@ fn judge_with(
         return Ok(different);
     }
     let share = level / SHARES;
-    let comparison = Comparison::new(reference, test, share);
-    Ok(judgement(&comparison, share, promise, sensitivities))
+    let Some(seen) = WithinCodes::of(reference, test, share) else {
+        let comparison = Comparison::new(reference, test, share);
+        return Ok(judgement(&comparison, share, promise, sensitivities));
+    };
+    let comparison = Comparison::new(&seen.reference, &seen.test, share);
+    let mut judgement = judgement(&comparison, share, promise, sensitivities);
+    judgement
+        .metrics
+        .insert(CUT_OFF.0.to_owned(), seen.share_left_out);
+    Ok(judgement)
 }
 
 type Metrics = Vec<(&'static str, f64)>;

@@ -32,11 +32,12 @@ impl PixelDifferences {
     pub fn new(comparison: &Comparison<'_>) -> PixelDifferences {
         let [reference, test] = comparison.films;
         let mut pixels = PixelDifferences::default();
+        let quantisation = test.quantisation();
         for index in 0..reference.radiance().len() {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);
             let mut is_noisy = false;
             for c in 0..3 {
-                let difference = Difference::of(f64::from(a[c]), f64::from(b[c]));
+                let difference = Difference::of(f64::from(a[c]), f64::from(b[c]), quantisation);
                 let stated = comparison.films.map(|film| {
                     let noise = film.noise();
                     noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]))
@@ -172,6 +173,10 @@ impl BlackPixels {
             _ => return None,
         };
         let [golden, test] = comparison.films;
+        // Rounding to 8 bits makes black of means that are not.
+        if test.quantisation().is_some() {
+            return None;
+        }
         let (width, height) = (golden.width(), golden.height());
         let [golden_noise, test_noise] = [golden.noise()?, test.noise()?];
         let mut black = BlackPixels::default();

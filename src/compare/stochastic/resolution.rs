@@ -1,6 +1,6 @@
 //! The smallest detectable bias, and the samples needed for a smaller one.
 
-use super::blocks::Block;
+use super::blocks::{Block, Difference};
 use super::comparison::Comparison;
 use super::finite;
 use super::variance::Stated;
@@ -20,6 +20,24 @@ const SAFETY: f64 = 3.0 * SQRT_2;
 
 /// Largest safety factor on the advice, for very rough estimates of the noise.
 const MOST_SAFETY: f64 = 2.0;
+
+/// Use of the rounding to 8 bits.
+#[derive(Clone, Copy)]
+enum Codes {
+    /// It hides differences.
+    Hide,
+    /// That of noise alone is asked for.
+    Ignored,
+}
+
+impl Codes {
+    fn rounding(self, difference: &Difference) -> f64 {
+        match self {
+            Codes::Hide => difference.rounding,
+            Codes::Ignored => difference.rounding - difference.half_codes,
+        }
+    }
+}
 
 /// Deviations at which blocks are rejected, by how their variance is known, and at which the whole
 /// image is.
@@ -67,14 +85,14 @@ impl<'c> Limits<'c> {
     /// The bias that nine tenths of the blocks would show with probability one half at least,
     /// relative to the mean of the block plus [`DARK`](super::DARK).
     pub fn resolution(&self) -> f64 {
-        self.resolution_of(self.comparison)
+        self.resolution_of(self.comparison, Codes::Hide)
     }
 
-    /// Resolution in a comparison with other variances.
-    fn resolution_of(&self, comparison: &Comparison<'_>) -> f64 {
+    /// Resolution in a comparison with other variances; with what rounding to 8 bits hides, or without.
+    fn resolution_of(&self, comparison: &Comparison<'_>, codes: Codes) -> f64 {
         let visible = |block: &Block, channel: usize| {
             let [own, guard] = self.terms(block, channel);
-            let rounding = block.channels[channel].difference.rounding;
+            let rounding = codes.rounding(&block.channels[channel].difference);
             (own.max(guard).sqrt() + rounding) / block.floor(channel)
         };
         finite(of_nine_tenths(comparison, visible))
@@ -100,16 +118,17 @@ impl<'c> Limits<'c> {
     /// The bias of the mean of the image that each channel would show with probability one half at
     /// least, relative to that mean plus [`DARK`](super::DARK).
     pub fn mean_resolution(&self) -> f64 {
-        self.mean_resolution_of(self.comparison)
+        self.mean_resolution_of(self.comparison, Codes::Hide)
     }
 
-    /// Resolution in a comparison with other variances.
-    fn mean_resolution_of(&self, comparison: &Comparison<'_>) -> f64 {
+    /// Resolution in a comparison with other variances; with what rounding to 8 bits hides, or without.
+    fn mean_resolution_of(&self, comparison: &Comparison<'_>, codes: Codes) -> f64 {
         let totals = comparison.totals();
         let visible = [0, 1, 2].map(|c| {
             let variance = comparison.variance_of_whole(&totals[c]);
             let floor: f64 = comparison.blocks.iter().map(|block| block.floor(c)).sum();
-            (self.whole * variance.sqrt() + totals[c].difference.rounding) / floor
+            let rounding = codes.rounding(&totals[c].difference);
+            (self.whole * variance.sqrt() + rounding) / floor
         });
         finite(visible.into_iter().fold(0.0, f64::max))
     }
@@ -117,10 +136,11 @@ impl<'c> Limits<'c> {
     /// The samples that it takes to keep `promise`, if the images do not, asked as this gate judges; and the biases of
     /// the mean and of blocks that the promise asks for.
     pub fn undecided(&self, promise: &Promise) -> Option<(Undecided, [f64; 2])> {
+        // The precision of an image is declared: no samples make up for it, and none are asked for.
         let seen = |comparison: &Comparison<'_>| {
             [
-                self.mean_resolution_of(comparison),
-                self.resolution_of(comparison),
+                self.mean_resolution_of(comparison, Codes::Ignored),
+                self.resolution_of(comparison, Codes::Ignored),
             ]
         };
         let hidden = seen(&self.comparison.with_samples(MOST_TIMES));

@@ -72,6 +72,8 @@ pub(super) struct Scores<'s> {
 struct Cell {
     /// Sum of the differences over the block.
     difference: f64,
+    /// Part of it that rounding to 8 bits can explain.
+    half_codes: f64,
     weight: f64,
     /// Variance of the difference, by both estimates.
     variances: [f64; 2],
@@ -95,6 +97,8 @@ impl Cell {
 #[derive(Clone, Copy, Debug)]
 struct Tested {
     score: f64,
+    /// What rounding to 8 bits may hide of it.
+    hidden: f64,
     /// Σ D²/v, the noise of D taken out.
     information: f64,
     /// V above.
@@ -112,6 +116,12 @@ impl Tested {
         let of_block =
             |block: &[Cell]| -> f64 { block.iter().map(|cell| pull(cell) * cell.difference).sum() };
         let score: f64 = blocks().map(of_block).sum();
+        // Roundings to 8 bits may all have the sign of the derivative.
+        let hidden: f64 = cells
+            .iter()
+            .map(|cell| pull(cell).abs() * cell.half_codes)
+            .sum();
+        let score = (score.abs() - hidden).max(0.0).copysign(score);
         let expected = [0, 1].map(|answer| -> f64 {
             let most = |block: &[Cell]| -> f64 {
                 let errors = block
@@ -140,6 +150,7 @@ impl Tested {
         let squares: f64 = left.map(|left| left * left).sum();
         Tested {
             score,
+            hidden,
             information,
             variance: squares / 3.0 + 2.0 * expected_variance / 3.0,
             expected_variance,
@@ -241,7 +252,8 @@ impl<'s> Scores<'s> {
     pub fn detectable(&self, level: f64, [of_block, of_whole]: [f64; 2]) -> Vec<Detectable> {
         let critical = critical(level);
         let of_number = |(k, tested): (usize, &Tested)| {
-            let change = critical * tested.expected_variance.sqrt() / tested.information;
+            let visible = critical * tested.expected_variance.sqrt() + tested.hidden;
+            let change = visible / tested.information;
             let (mut sums, mut without_score) = ([[0.0; 2]; 3], f64::INFINITY);
             for (at, cell) in self.cells.iter().enumerate() {
                 let variance = cell.variance();
@@ -596,6 +608,7 @@ fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cel
             let [own, guard] = [channel.variance.own(), channel.variance.guard()];
             cells.push(Cell {
                 difference: channel.difference.value,
+                half_codes: channel.difference.half_codes,
                 // Not by what the test image states of itself where it happens to be dark.
                 weight: 1.0 / (guard + floor * floor),
                 variances: [own + rounding, guard + rounding],

@@ -12,7 +12,7 @@ use crate::compare::unexplained::{SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_N
 use crate::compare::{
     Conditions, Deterministic, NumberChange, Perceptual, Picture, judge, measured_difference,
 };
-use crate::film::Film;
+use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
 use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
 use crate::math;
@@ -58,8 +58,8 @@ pub(super) struct ComparedCase {
     /// Widths of its panels.
     widths: Vec<usize>,
     exposure: f64,
-    /// Largest radiance that the file of the image can hold.
-    ceiling: Option<f64>,
+    /// Values that the file of the image can hold.
+    kept: Kept,
     /// The image as it was given, for the gates without noise.
     picture: Picture,
     golden_cells: Cells,
@@ -98,17 +98,17 @@ impl ComparedCase {
         let golden = judged.evidence.golden.clone()?;
         let picture = judged.evidence.test.clone()?;
         let size = (golden.width(), golden.height());
-        let (test, ceiling) = match &picture {
-            Picture::Radiance(film) => (film.clone(), None),
+        let is_sampled = case.sampling.is_some();
+        let (test, kept) = match &picture {
+            Picture::Radiance(film) => (film.clone(), Kept::by(film, is_sampled)),
             Picture::Codes(codes) => {
                 let ceiling = math::exp2(-case.exposure);
-                (decoded(codes, case.exposure), Some(ceiling))
+                (decoded(codes, case.exposure), Kept::UpTo(ceiling))
             }
         };
         if !golden.is_comparable(&test) {
             return None;
         }
-        let is_sampled = case.sampling.is_some();
         let in_cells = |film: &Film| {
             if is_sampled {
                 Cells::of_blocks(film)
@@ -116,7 +116,7 @@ impl ComparedCase {
                 Cells::of_pixels(film)
             }
         };
-        let bounded = clamped(&golden, ceiling);
+        let bounded = kept.film(&golden);
         let golden_cells = in_cells(&bounded);
         let mut test_cells = in_cells(&test);
         if is_sampled && test.noise().is_none() {
@@ -147,7 +147,7 @@ impl ComparedCase {
             scene,
             widths,
             exposure: case.exposure,
-            ceiling,
+            kept,
             picture,
             golden_cells,
             test_cells,
@@ -168,7 +168,7 @@ impl ComparedCase {
 
     /// Misfit of `film` to the image: a prediction of the whole image or in blocks.
     pub fn misfit(&self, film: &Film) -> Option<Misfit> {
-        let film = clamped(film, self.ceiling);
+        let film = self.kept.film(film);
         let (cells, golden) = (&self.test_cells, &self.golden_cells);
         if self.is_sampled {
             return Some(in_cells(&film, golden)?.misfit(cells, golden));
@@ -251,7 +251,8 @@ impl ComparedCase {
         match &self.picture {
             Picture::Radiance(test) if self.simple.is_none() => {
                 let distances = distances(&self.scene);
-                measured_difference(&self.golden, test, distances.as_deref())
+                let golden = self.kept.film(&self.golden);
+                measured_difference(&golden, test, distances.as_deref())
             }
             _ => Vec::new(),
         }
@@ -291,7 +292,7 @@ impl ComparedCase {
             self.first
         };
         let film = predicted(&self.scene, edited, (label, seed), look, clock)?;
-        let film = clamped(&film, self.ceiling);
+        let film = self.kept.film(&film);
         if self.is_sampled {
             return in_cells(&film, &self.golden_cells);
         }
@@ -367,7 +368,7 @@ impl ComparedCase {
 
     /// Misfit of `look` to the image; [`Misfit::in_noise`] means nothing where there is none.
     pub fn distance(&self, look: &Film) -> Option<Misfit> {
-        let look = clamped(look, self.ceiling);
+        let look = self.kept.film(look);
         match &self.glimpse {
             Some(glimpse) => {
                 let cells = Cells::of_pixels(&look).without_noise();
@@ -468,7 +469,7 @@ impl ComparedCase {
         if self.is_sampled || matches!(self.picture, Picture::Codes(_)) {
             return Some(!self.misfit(&film)?.is_noise());
         }
-        let film = Picture::Radiance(clamped(&film, self.ceiling));
+        let film = Picture::Radiance(self.kept.film(&film));
         let judgement = judge(&Deterministic, &film, &self.picture, &Conditions::default());
         Some(judgement.is_ok_and(|judgement| !judgement.passed))
     }
@@ -545,10 +546,33 @@ fn in_cells(film: &Film, like: &Cells) -> Option<Cells> {
         .find(|cells| cells.has_size_of(like))
 }
 
-/// `film` as a file keeps it that holds nothing above `ceiling`.
-fn clamped(film: &Film, ceiling: Option<f64>) -> Film {
-    match ceiling {
-        Some(ceiling) => mapped(film, |value, _| (value.min(ceiling), 1.0)),
-        None => film.clone(),
+/// Values that a file can hold.
+#[derive(Clone, Copy)]
+enum Kept {
+    /// All.
+    All,
+    /// None above this.
+    UpTo(f64),
+    /// Codes. A right prediction has the same, but for a few that lie between two.
+    Codes(Quantisation),
+}
+
+impl Kept {
+    /// Values that the file of `test` can hold. Means of few samples are not predicted to a code.
+    fn by(test: &Film, is_sampled: bool) -> Kept {
+        match test.quantisation() {
+            None => Kept::All,
+            Some(quantisation) if is_sampled => Kept::UpTo(quantisation.largest()),
+            Some(quantisation) => Kept::Codes(quantisation),
+        }
+    }
+
+    /// `film` as such a file keeps it.
+    fn film(self, film: &Film) -> Film {
+        match self {
+            Kept::All => film.clone(),
+            Kept::UpTo(ceiling) => mapped(film, |value, _| (value.min(ceiling), 1.0)),
+            Kept::Codes(quantisation) => quantisation.rounded(film),
+        }
     }
 }

@@ -102,7 +102,7 @@ pub(crate) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
             .iter()
             .map(move |column| column + row * film.width())
     });
-    match film.opacity() {
+    let pixels = match film.opacity() {
         Some(_) => {
             let pixels = indices.map(|index| film.pixel(index)).collect();
             Film::with_opacity(columns.len(), rows.len(), pixels)
@@ -111,6 +111,10 @@ pub(crate) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
             let pixels = indices.map(|index| film.radiance()[index]).collect();
             Film::new(columns.len(), rows.len(), pixels)
         }
+    };
+    match film.quantisation() {
+        Some(quantisation) => pixels.quantised(quantisation),
+        None => pixels,
     }
 }
 

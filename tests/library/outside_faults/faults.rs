@@ -225,12 +225,6 @@ pub const FAULTS: &[Fault] = &[
         Image(|f| by_value(f, |x, _| x.min(3.0))),
     ),
     near(
-        "8-bit values",
-        ROOM,
-        Image(|f| by_value(f, eight_bits)),
-        &["clamped"],
-    ),
-    near(
         "8-bit values, saturated at the exposure",
         ROOM,
         Image(|f| by_value(f, |x, c| eight_bits(x * 0.7, c) / 0.7)),

@@ -1,0 +1,53 @@
+//! Pixels that the largest code of an image of 8 bits may have cut off, left out of a comparison.
+//!
+//! A cut-off makes means too dark, the more so the more noise there is. Whether it may have met a pixel must not
+//! be judged by that pixel: without those that were met, the others are too dark. So it is judged by the
+//! reference and the noise that the test image has on the whole: a pixel is left out if its reference and
+//! [`DEVIATIONS`] standard errors are above the largest code. By Chebyshev's inequality one of sixteen of the
+//! others, at most, is met, and of normal noise one in 30,000.
+
+use super::comparison::Comparison;
+use crate::film::Film;
+
+/// Standard errors of the noise of a pixel.
+const DEVIATIONS: f64 = 4.0;
+
+/// Two images, of which pixels are left out: black in both, without noise.
+pub(super) struct WithinCodes {
+    pub reference: Film,
+    pub test: Film,
+    pub share_left_out: f64,
+}
+
+impl WithinCodes {
+    /// The images without the pixels that `test` may cut off; `None` where it is not quantised.
+    pub fn of(reference: &Film, test: &Film, level: f64) -> Option<WithinCodes> {
+        let quantisation = test.quantisation()?;
+        let count = reference.radiance().len();
+        // The noise of the test image, from what is cut off for certain in no way.
+        let mut left_out: Vec<bool> = (0..count)
+            .map(|index| quantisation.cuts_off(reference.radiance()[index]))
+            .collect();
+        let [certain, certain_test] = [reference, test].map(|film| film.without(&left_out));
+        let comparison = Comparison::new(&certain, &certain_test, level);
+        let largest = quantisation.largest();
+        for (index, is_left_out) in left_out.iter_mut().enumerate() {
+            for c in 0..3 {
+                let radiance = f64::from(reference.radiance()[index][c]);
+                let stated = [reference, test].map(|film| {
+                    let noise = film.noise();
+                    noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]))
+                });
+                let [_, guard] = comparison.shape.guard(stated, radiance);
+                let error = guard.max(stated[1]).sqrt();
+                *is_left_out |= error > 0.0 && radiance + DEVIATIONS * error > largest;
+            }
+        }
+        let count_left_out = left_out.iter().filter(|is| **is).count();
+        Some(WithinCodes {
+            reference: reference.without(&left_out),
+            test: test.without(&left_out),
+            share_left_out: count_left_out as f64 / count as f64,
+        })
+    }
+}

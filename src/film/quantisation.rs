@@ -1,0 +1,383 @@
+//! Quantisation of an image: values rounded to codes of 8 bits, linear or sRGB.
+//!
+//! A rounded value says that the value before lies within half a code of it, and of the largest code only
+//! that the value lies there or above. So of all images that round to the given one, the gates take the one
+//! [nearest](Film::nearest_to) to the golden.
+
+use super::Film;
+use crate::math;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+use std::fmt;
+use std::str::FromStr;
+
+/// Curve from linear light to codes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Encoding {
+    /// In proportion.
+    Linear,
+    /// IEC 61966-2-1.
+    Srgb,
+}
+
+impl Encoding {
+    /// Name, as in profiles.
+    pub fn name(self) -> &'static str {
+        match self {
+            Encoding::Linear => "linear",
+            Encoding::Srgb => "srgb",
+        }
+    }
+}
+
+/// Bits of a channel, as declared for images: `8`, `8-linear` or `8-srgb`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bits {
+    /// Curve of the codes; `None` where it is to be found from the image.
+    pub encoding: Option<Encoding>,
+}
+
+impl FromStr for Bits {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Bits, String> {
+        let encoding = match text {
+            "8" => None,
+            "8-linear" => Some(Encoding::Linear),
+            "8-srgb" => Some(Encoding::Srgb),
+            _ => {
+                return Err(
+                    "the bits of a channel are 8, 8-linear or 8-srgb; images of 16 or 32 bits need \
+                     no --bits"
+                        .to_owned(),
+                );
+            }
+        };
+        Ok(Bits { encoding })
+    }
+}
+
+impl fmt::Display for Bits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.encoding {
+            None => f.write_str("8"),
+            Some(encoding) => write!(f, "8-{}", encoding.name()),
+        }
+    }
+}
+
+impl Bits {
+    /// Quantisation of `film`, radiance from a linear file: by codes at no exposure or at `exposure` stops,
+    /// whichever all its values are. Where they are neither, linear ones unless declared otherwise.
+    pub fn of_radiance(self, film: &Film, exposure: f64) -> Quantisation {
+        let found = candidates(exposure)
+            .filter(|found| self.encoding.is_none_or(|of| of == found.encoding))
+            .find(|found| found.levels(film).is_some());
+        let origin = Origin::Declared;
+        if let Some(found) = found {
+            return Quantisation { origin, ..found };
+        }
+        // A mean of several roundings, for example, is no code.
+        let is_beyond = film.brightest() > 1.0;
+        Quantisation {
+            encoding: self.encoding.unwrap_or(Encoding::Linear),
+            exposure: if is_beyond { exposure } else { 0.0 },
+            origin: Origin::Assumed,
+        }
+    }
+
+    /// Quantisation of a PNG image at `exposure` stops.
+    pub fn of_png(self, exposure: f64) -> Quantisation {
+        Quantisation {
+            encoding: self.encoding.unwrap_or(Encoding::Srgb),
+            exposure,
+            origin: Origin::Png,
+        }
+    }
+}
+
+/// Source of what is known about a quantisation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Origin {
+    /// Declared, and every value is a code.
+    Declared,
+    /// Declared, though not every value is a code.
+    Assumed,
+    /// Not declared: every value is a code.
+    Recognised,
+    /// Codes of a PNG image.
+    Png,
+}
+
+/// Rounding to 256 codes from black to a largest radiance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quantisation {
+    /// Curve of the codes.
+    pub encoding: Encoding,
+    /// Exposure at which radiance was encoded, in stops.
+    pub exposure: f64,
+    /// Source of this.
+    pub origin: Origin,
+}
+
+/// The largest code.
+const LARGEST: f64 = 255.0;
+
+/// Half a code, and what arithmetic in single precision adds to it.
+const HALF: f64 = 0.501;
+
+/// Fewest different values of an image that is recognised: each of them is within
+/// [`OF_A_CODE`] of a code by chance once in five, all of them less than once in 10¹¹.
+const FEWEST_VALUES: usize = 16;
+
+/// Largest distance of an 8-bit value from its code, in codes: half precision rounds to 2⁻¹²,
+/// which is 0.06 codes of 255.
+const OF_A_CODE: f64 = 0.1;
+
+impl Quantisation {
+    /// The quantisation by which all values of `film` are codes, seen at `exposure` stops or at none; of films
+    /// with so many values that this is no chance.
+    pub fn recognised(film: &Film, exposure: f64) -> Option<Quantisation> {
+        let are_many = |it: &Quantisation| it.levels(film).is_some_and(|n| n >= FEWEST_VALUES);
+        candidates(exposure).find(are_many)
+    }
+
+    /// Number of different codes in `film`; `None` if a value is no code.
+    fn levels(&self, film: &Film) -> Option<usize> {
+        let (mut values, mut levels) = (BTreeSet::new(), BTreeSet::new());
+        for value in film.radiance().as_flattened() {
+            if !values.insert(value.to_bits()) {
+                continue;
+            }
+            let code = self.code((*value).into());
+            let level = code.round();
+            if !((code - level).abs() <= OF_A_CODE && (0.0..=LARGEST).contains(&level)) {
+                return None;
+            }
+            levels.insert(level as u8);
+        }
+        Some(levels.len())
+    }
+
+    /// Place of a radiance among the codes; above the largest where it is cut off.
+    fn code(&self, radiance: f64) -> f64 {
+        let light = radiance * math::exp2(self.exposure);
+        LARGEST
+            * match self.encoding {
+                Encoding::Linear => light,
+                Encoding::Srgb => math::linear_to_srgb(light),
+            }
+    }
+
+    fn radiance(&self, code: f64) -> f64 {
+        let light = match self.encoding {
+            Encoding::Linear => code / LARGEST,
+            Encoding::Srgb => math::srgb_to_linear(code / LARGEST),
+        };
+        light * math::exp2(-self.exposure)
+    }
+
+    /// Radiance of the largest code.
+    pub fn largest(&self) -> f64 {
+        self.radiance(LARGEST)
+    }
+
+    /// Radiances that round to that of `value`; all from half a code below the largest on round to that.
+    fn interval(&self, value: f64) -> [f64; 2] {
+        let code = self.code(value);
+        // What lies above the largest code was not rounded to it.
+        if code > LARGEST + 0.5 {
+            return [value; 2];
+        }
+        let level = code.round();
+        let code = if (code - level).abs() <= OF_A_CODE {
+            level
+        } else {
+            code
+        };
+        let most = if code + HALF > LARGEST {
+            f64::INFINITY
+        } else {
+            self.radiance(code + HALF)
+        };
+        [self.radiance(code - HALF), most]
+    }
+
+    /// Half the width of the code of a radiance.
+    pub fn half_code(&self, radiance: f64) -> f64 {
+        let code = self.code(radiance).clamp(0.0, LARGEST);
+        0.5 * (self.radiance(code + 0.5) - self.radiance(code - 0.5))
+    }
+
+    /// The image of codes, row by row from the top, as radiance.
+    ///
+    /// # Panics
+    /// If there is not one code triple per pixel.
+    pub fn decoded(self, width: usize, height: usize, codes: &[[u8; 3]]) -> Film {
+        let decode = |code: u8| self.radiance(code.into()) as f32;
+        let pixels = codes.iter().map(|pixel| pixel.map(decode)).collect();
+        Film::new(width, height, pixels).quantised(self)
+    }
+
+    /// `film` rounded to these codes, without its noise.
+    pub fn rounded(self, film: &Film) -> Film {
+        let code = |value: f32| self.code(value.into()).round().clamp(0.0, LARGEST) as u8;
+        let codes = film.radiance().iter().map(|pixel| pixel.map(code));
+        self.decoded(film.width(), film.height(), &codes.collect::<Vec<_>>())
+    }
+
+    /// True of a pixel of which a channel is above the largest code.
+    pub fn cuts_off(&self, pixel: [f32; 3]) -> bool {
+        pixel
+            .into_iter()
+            .any(|value| f64::from(value) > self.largest() * (1.0 + 1e-6))
+    }
+
+    /// Half a code of the darkest and of the brightest radiance, in words.
+    pub fn width_in_words(&self) -> String {
+        let [dark, bright] = [0.0, self.largest()].map(|at| number(self.half_code(at)));
+        match self.encoding {
+            Encoding::Linear => dark,
+            Encoding::Srgb => format!("{dark} in the dark to {bright} in the brightest parts"),
+        }
+    }
+}
+
+impl fmt::Display for Quantisation {
+    /// `8 bits, linear`, and how that is known.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let encoding = match self.encoding {
+            Encoding::Linear => "linear",
+            Encoding::Srgb => "sRGB",
+        };
+        write!(f, "8 bits, {encoding}")?;
+        if self.exposure != 0.0 {
+            write!(f, " at exposure {}", self.exposure)?;
+        }
+        match self.origin {
+            Origin::Declared | Origin::Png => Ok(()),
+            Origin::Recognised => f.write_str(" (recognised: every value is such a code)"),
+            Origin::Assumed => f.write_str(" (declared, though not every value is such a code)"),
+        }
+    }
+}
+
+/// A size in two digits.
+fn number(value: f64) -> String {
+    let digits = (1.0 - math::log10(value).floor()).clamp(0.0, 12.0);
+    format!("{value:.*}", digits as usize)
+}
+
+/// Quantisations that images have.
+fn candidates(exposure: f64) -> impl Iterator<Item = Quantisation> {
+    let of = |encoding, exposure| Quantisation {
+        encoding,
+        exposure,
+        origin: Origin::Recognised,
+    };
+    [0.0, exposure]
+        .into_iter()
+        .flat_map(move |stops| [Encoding::Srgb, Encoding::Linear].map(|it| of(it, stops)))
+}
+
+impl Film {
+    /// This image as one whose values were rounded: the gates allow for that.
+    pub fn quantised(self, quantisation: Quantisation) -> Film {
+        Film {
+            quantisation: Some(quantisation),
+            ..self
+        }
+    }
+
+    /// The rounding of its values, if it is known to have one.
+    pub fn quantisation(&self) -> Option<Quantisation> {
+        self.quantisation
+    }
+
+    /// Of all images that round to this one, that nearest to `golden`, of the same size; this image where
+    /// it is not quantised.
+    pub fn nearest_to(&self, golden: &Film) -> Cow<'_, Film> {
+        let Some(quantisation) = self.quantisation else {
+            return Cow::Borrowed(self);
+        };
+        let nearest = |golden: f32, value: f32| {
+            let [least, most] = quantisation.interval(value.into());
+            match f64::from(golden) {
+                golden if golden < least => least as f32,
+                golden if golden > most => most as f32,
+                _ => golden,
+            }
+        };
+        let pixels = golden.radiance.iter().zip(&self.radiance);
+        let pixels = pixels.map(|(a, b)| [0, 1, 2].map(|c| nearest(a[c], b[c])));
+        Cow::Owned(Film {
+            radiance: pixels.collect(),
+            ..self.clone()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use half::f16;
+
+    /// Slopes of three colours, from next to black to 0.96.
+    fn golden() -> Film {
+        let value = |i: usize, c: usize| ((i % 32 * (c + 1) + i / 32) as f32 + 0.3) / 132.0;
+        let pixels = (0..32 * 24).map(|i| std::array::from_fn(|c| value(i, c)));
+        Film::new(32, 24, pixels.collect())
+    }
+
+    fn mapped(film: &Film, map: impl Fn(f32) -> f32) -> Film {
+        let pixels = film.radiance().iter().map(|pixel| pixel.map(&map));
+        Film::new(film.width(), film.height(), pixels.collect())
+    }
+
+    #[test]
+    fn codes_are_recognised_and_what_is_none_is_not() {
+        for exposure in [0.0, 1.5] {
+            for made in candidates(exposure) {
+                let film = made.rounded(&golden());
+                assert_eq!(Quantisation::recognised(&film, exposure), Some(made));
+                let half = mapped(&film, |x| f16::from_f32(x).to_f32());
+                let found = Quantisation::recognised(&half, exposure);
+                assert_eq!(found.map(|it| it.encoding), Some(made.encoding));
+            }
+        }
+        assert_eq!(Quantisation::recognised(&golden(), 0.0), None);
+        // Of few values nothing can be said.
+        let few = mapped(&golden(), |x| if x > 0.5 { 1.0 } else { 0.0 });
+        assert_eq!(Quantisation::recognised(&few, 0.0), None);
+        let declared = "8-linear".parse::<Bits>().unwrap();
+        assert_eq!(declared.of_radiance(&few, 0.0).origin, Origin::Declared);
+        assert_eq!(declared.of_radiance(&golden(), 0.0).origin, Origin::Assumed);
+        assert!("16".parse::<Bits>().is_err());
+        for text in ["8", "8-linear", "8-srgb"] {
+            assert_eq!(text.parse::<Bits>().unwrap().to_string(), text);
+        }
+    }
+
+    /// What rounding does is hidden, in range and out of it, and no more than that.
+    #[test]
+    fn a_rounded_image_is_as_near_as_its_codes_allow() {
+        let golden = golden();
+        for made in candidates(1.0) {
+            let test = made.rounded(&golden);
+            assert_eq!(test.nearest_to(&golden).radiance(), golden.radiance());
+            let brighter = made.rounded(&mapped(&golden, |x| 1.1 * x));
+            let nearest = brighter.nearest_to(&golden);
+            for (right, found) in golden.radiance().iter().zip(nearest.radiance()) {
+                for (&right, &found) in right.iter().zip(found) {
+                    let [golden, found] = [right, found].map(f64::from);
+                    let is_cut_off = 1.1 * golden > made.largest();
+                    // A whole code: half of it is hidden, half made by the rounding.
+                    let least = 0.1 * golden - 2.1 * made.half_code(1.1 * golden);
+                    assert!(is_cut_off || found - golden >= least, "{golden} {found}");
+                    assert!(found - golden <= 0.1 * golden + 1e-6, "{golden} {found}");
+                }
+            }
+        }
+    }
+}

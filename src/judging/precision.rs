@@ -1,0 +1,50 @@
+//! Images of 8 bits: declared, of PNG files, or recognised.
+
+use crate::compare::{Picture, recognised};
+use crate::film::{Bits, Film};
+use crate::suite::{Case, Output};
+
+/// `output` for `case`, with its images declared to have these bits.
+pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
+    let Some(bits) = bits else {
+        return output;
+    };
+    let of = |picture| Picture::Radiance(radiance(picture, bits, case.exposure));
+    match output {
+        Output::Picture(picture) => Output::Picture(Box::new(of(*picture))),
+        Output::Refined(pictures) => Output::Refined(pictures.into_iter().map(of).collect()),
+        other => other,
+    }
+}
+
+/// The radiance of `picture`, whose bits are declared; codes are at `exposure` stops.
+pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Film {
+    match picture {
+        Picture::Radiance(film) if film.quantisation().is_some() => film,
+        Picture::Radiance(film) => {
+            let quantisation = bits.of_radiance(&film, exposure);
+            film.quantised(quantisation)
+        }
+        Picture::Codes(codes) => {
+            let quantisation = bits.of_png(exposure);
+            quantisation.decoded(codes.width(), codes.height(), codes.pixels())
+        }
+    }
+}
+
+/// The radiance of an image of `case`, with what is known of its precision; of a PNG that of its sRGB codes.
+pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Film {
+    match picture {
+        Picture::Radiance(film) => recognised(golden, film, case.exposure),
+        codes => radiance(codes, Bits { encoding: None }, case.exposure),
+    }
+}
+
+/// An image of `case` with what is known of its precision. A PNG is judged by how it looks, but for a case without
+/// a step: looks do not tell what an image converges to.
+pub(super) fn known(case: &Case, golden: &Film, picture: Picture) -> Picture {
+    match picture {
+        Picture::Codes(codes) if !case.is_limit() => Picture::Codes(codes),
+        picture => Picture::Radiance(known_radiance(case, golden, picture)),
+    }
+}

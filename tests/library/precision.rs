@@ -1,0 +1,300 @@
+//! Images of 8 bits: of right ones none is rejected, whatever the case, and faults beyond the rounding are.
+
+use std::path::Path;
+use volref::compare::Picture;
+use volref::compare::flip::SrgbImage;
+use volref::film::{Bits, Encoding, Film, Origin, Quantisation};
+use volref::judging::{CaseResult, Verdict, declared, validate};
+use volref::math;
+use volref::render::{Sampling, Seed, plans, render};
+use volref::scene::{Length, Panel, Scene};
+use volref::suite::{Case, Golden, Output, Suite};
+
+fn suite() -> Suite {
+    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// The roundings of 8 bits that renderers have, at the exposure of a case.
+fn roundings(exposure: f64) -> [Quantisation; 2] {
+    [Encoding::Linear, Encoding::Srgb].map(|encoding| Quantisation {
+        encoding,
+        exposure,
+        origin: Origin::Declared,
+    })
+}
+
+/// `film` as a file holds it that says nothing of its rounding.
+fn silent(film: &Film) -> Film {
+    Film::new(film.width(), film.height(), film.radiance().to_vec())
+}
+
+fn scaled(film: &Film, factor: f64) -> Film {
+    let scale = |value: &f32| (factor * f64::from(*value)) as f32;
+    let pixels = film
+        .radiance()
+        .iter()
+        .map(|pixel| [0, 1, 2].map(|c| scale(&pixel[c])));
+    Film::new(film.width(), film.height(), pixels.collect())
+}
+
+fn judged(suite: &Suite, case: &Case, films: Vec<Film>, bits: Option<&str>) -> CaseResult {
+    let mut pictures: Vec<Picture> = films.into_iter().map(Picture::Radiance).collect();
+    let output = match pictures.len() {
+        1 => Output::Picture(Box::new(pictures.remove(0))),
+        _ => Output::Refined(pictures),
+    };
+    let bits = bits.map(|bits| bits.parse::<Bits>().unwrap());
+    let output = declared(output, bits, case);
+    validate(case, &suite.store(), output, None).result
+}
+
+fn golden(suite: &Suite, case: &Case) -> Film {
+    Golden::read(&suite.store(), case).unwrap().film
+}
+
+/// The picture of a case with `samples` per pixel, and seeds of its own.
+fn rendered(scene: &Scene, samples: u32) -> Film {
+    let sampling = Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(scene.seed().unwrap_or(0) ^ 0x38_6269_7473),
+    };
+    render(&plans(scene), sampling, &|| ()).unwrap().film
+}
+
+/// The scene of a case without a step, with its step times `factor` and samples at `first` in each.
+fn sampled_scene(scene: &Scene, factor: f64, first: f64) -> Scene {
+    scene.with_volumes(|volume| {
+        volume.sample();
+        volume.conventions.first_sample = first;
+        volume
+            .set_step(Length::World(factor * volume.step))
+            .unwrap();
+    })
+}
+
+fn is_accepted(result: &CaseResult) -> bool {
+    matches!(result.verdict, Verdict::Pass | Verdict::Inconclusive)
+}
+
+/// Without noise: the golden itself, declared and recognised.
+#[test]
+fn no_rounded_image_is_rejected() {
+    let suite = suite();
+    let (mut rejected, mut passed, mut said) = (Vec::new(), 0, 0);
+    for case in suite.cases().iter().filter(|case| case.sampling.is_none()) {
+        let golden = golden(&suite, case);
+        for rounding in roundings(case.exposure) {
+            let film = silent(&rounding.rounded(&golden));
+            let bits = format!("8-{}", rounding.encoding.name());
+            for bits in [Some(&*bits), None] {
+                // Rendering for the limit takes its time.
+                if case.is_limit() && bits.is_some() {
+                    continue;
+                }
+                let result = judged(&suite, case, vec![film.clone()], bits);
+                // What is not recognised, for want of colours, is not allowed for.
+                let is_known = !result.notes.is_empty();
+                said += usize::from(is_known && bits.is_none());
+                if is_known && !is_accepted(&result) {
+                    rejected.push(format!("{} {bits:?}: {}", case.name, result.reason));
+                }
+                passed += usize::from(is_known && result.verdict == Verdict::Pass);
+            }
+        }
+    }
+    assert!(rejected.is_empty(), "{rejected:#?}");
+    assert!(
+        passed > 100 && said > 30,
+        "{passed} passed, {said} recognised"
+    );
+}
+
+/// Of few samples, which do not state their noise.
+#[test]
+fn no_rounded_image_with_noise_is_rejected() {
+    let suite = suite();
+    let (mut rejected, mut passed) = (Vec::new(), 0);
+    for case in suite.cases().iter().filter(|case| case.sampling.is_some()) {
+        let film = rendered(&case.load_scene().unwrap(), 4);
+        for rounding in roundings(case.exposure) {
+            let test = silent(&rounding.rounded(&film));
+            let bits = format!("8-{}", rounding.encoding.name());
+            let result = judged(&suite, case, vec![test], Some(&bits));
+            let [note] = &result.notes[..] else {
+                panic!("{}: {:?}", case.name, result.notes);
+            };
+            assert!(note.starts_with("8 bits, "), "{note}");
+            if !is_accepted(&result) {
+                rejected.push(format!("{} {bits}: {}; {note}", case.name, result.reason));
+            }
+            passed += usize::from(result.verdict == Verdict::Pass);
+        }
+    }
+    assert!(rejected.is_empty(), "{rejected:#?}");
+    assert!(passed > 10, "{passed}");
+}
+
+/// Ladders of steps, by rules of first and of second order.
+#[test]
+fn no_rounded_ladder_is_rejected() {
+    let suite = suite();
+    let mut rejected = Vec::new();
+    let mut still = 0;
+    for case in suite.cases().iter().filter(|case| case.is_limit()) {
+        let scene = case.load_scene().unwrap();
+        for first in [0.5, 1.0] {
+            let films =
+                [1.0, 0.5, 0.25].map(|factor| rendered(&sampled_scene(&scene, factor, first), 1));
+            let exact = judged(&suite, case, films.to_vec(), None);
+            // A table of one step is not what every case converges from.
+            if !is_accepted(&exact) {
+                continue;
+            }
+            for rounding in roundings(case.exposure) {
+                let films = films.each_ref().map(|film| silent(&rounding.rounded(film)));
+                let result = judged(&suite, case, films.to_vec(), None);
+                let has_order = result.metrics.contains_key("observed_order");
+                still += usize::from(!has_order);
+                if !is_accepted(&result) {
+                    rejected.push(format!(
+                        "{} {first} {rounding}: {}",
+                        case.name, result.reason
+                    ));
+                }
+            }
+        }
+    }
+    assert!(rejected.is_empty(), "{rejected:#?}");
+    assert!(still > 10, "{still}");
+}
+
+/// PNG images of cases without a step are radiance at the exposure of the case, alone and as a ladder; at another
+/// exposure they are told so.
+#[test]
+fn png_images_have_a_limit() {
+    let suite = suite();
+    let cases = suite.select(&["limit/plume".to_owned()]).unwrap();
+    let case = cases[0];
+    let scene = case.load_scene().unwrap();
+    let films = [1.0, 0.5, 0.25].map(|factor| rendered(&sampled_scene(&scene, factor, 0.5), 1));
+    let png = |film: &Film, exposure: f64| {
+        let codes = film.srgb_codes(exposure);
+        Picture::Codes(SrgbImage::new(film.width(), film.height(), codes).unwrap())
+    };
+    let judged = |pictures: Vec<Picture>| {
+        let output = match &pictures[..] {
+            [one] => Output::Picture(Box::new(one.clone())),
+            _ => Output::Refined(pictures),
+        };
+        validate(case, &suite.store(), output, None).result
+    };
+    let ladder = |exposure: f64| {
+        films
+            .iter()
+            .map(|film| png(film, exposure))
+            .collect::<Vec<_>>()
+    };
+    for pictures in [ladder(case.exposure), vec![png(&films[2], case.exposure)]] {
+        let result = judged(pictures);
+        assert_eq!(result.verdict, Verdict::Pass, "{}", result.reason);
+        assert_eq!(result.gate.name(), "refinement");
+        assert!(
+            result.notes[0].starts_with("8 bits, sRGB"),
+            "{:?}",
+            result.notes
+        );
+    }
+    for pictures in [
+        ladder(case.exposure - 1.0),
+        vec![png(&films[2], case.exposure - 1.0)],
+    ] {
+        let result = judged(pictures);
+        assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
+        assert!(
+            result.reason.contains("another exposure (−1.0"),
+            "{}",
+            result.reason
+        );
+    }
+}
+
+/// Beyond the rounding, faults are seen: another gain, a displaced image, shading left out.
+#[test]
+fn faults_beyond_the_rounding_are_rejected() {
+    let suite = suite();
+    let mut missed = Vec::new();
+    let names = [
+        "figures/figure-1",
+        "figures/figure-3",
+        "figures/figure-4",
+        "fog/forward",
+        "limit/plume",
+    ];
+    for name in names {
+        let cases = suite.select(&[name.to_owned()]).unwrap();
+        let case = cases[0];
+        let scene = case.load_scene().unwrap();
+        let golden = golden(&suite, case);
+        let right = if case.sampling.is_some() {
+            rendered(&scene, 32)
+        } else {
+            golden.clone()
+        };
+        let unshaded = scene.with_volumes(|volume| volume.phong = None);
+        let mut volumes = scene.panels.iter().filter_map(Panel::classified);
+        let is_shaded = volumes.any(|volume| volume.phong.is_some());
+        let mut faults = vec![("gain", scaled(&right, 0.93)), ("shift", shifted(&right))];
+        if is_shaded {
+            faults.push(("unshaded", rendered(&unshaded, 1)));
+        }
+        for (fault, film) in faults {
+            for rounding in roundings(case.exposure) {
+                let test = silent(&rounding.rounded(&film));
+                let bits = format!("8-{}", rounding.encoding.name());
+                let result = judged(&suite, case, vec![test], Some(&bits));
+                if result.verdict != Verdict::Fail {
+                    missed.push(format!("{name} {fault} {rounding}: {}", result.reason));
+                }
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+/// Moved by a pixel.
+fn shifted(film: &Film) -> Film {
+    let width = film.width();
+    let from = |index: usize| index - usize::from(index % width > 0);
+    let pixels = (0..film.radiance().len()).map(|index| film.radiance()[from(index)]);
+    Film::new(width, film.height(), pixels.collect())
+}
+
+/// A gain of 3 % is seen where codes are finer than that, and half a code is not.
+#[test]
+fn half_a_code_and_the_tolerance_agree() {
+    let suite = suite();
+    let cases = suite.select(&["figures/figure-3".to_owned()]).unwrap();
+    let case = cases[0];
+    let golden = golden(&suite, case);
+    for rounding in roundings(case.exposure) {
+        let bits = format!("8-{}", rounding.encoding.name());
+        let verdict = |factor: f64| {
+            let test = silent(&rounding.rounded(&scaled(&golden, factor)));
+            judged(&suite, case, vec![test], Some(&bits)).verdict
+        };
+        assert_eq!(verdict(1.0), Verdict::Pass);
+        assert_eq!(verdict(1.03), Verdict::Fail, "{rounding}");
+        // Judged by the bits alone, that is not agreement of a radiance of 32 bits.
+        let half = math::exp2(-9.0);
+        let off = Film::new(
+            golden.width(),
+            golden.height(),
+            golden
+                .radiance()
+                .iter()
+                .map(|p| p.map(|x| x + half as f32))
+                .collect(),
+        );
+        assert_eq!(judged(&suite, case, vec![off], None).verdict, Verdict::Fail);
+    }
+}
