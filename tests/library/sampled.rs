@@ -4,6 +4,7 @@ use glam::{DVec3, dvec3};
 use std::path::{Path, PathBuf};
 use volref::exchange::bundle;
 use volref::film::Film;
+use volref::math::{pow, tan};
 use volref::suite::{Case, Suite};
 
 fn root() -> &'static Path {
@@ -125,7 +126,7 @@ fn rays(scene: &toml::Table) -> Vec<(DVec3, DVec3)> {
         ) {
             (Some(size), _) => (eye + aside * (0.5 * number(size)), ahead),
             (None, angle) => {
-                let half = (0.5 * number(angle.unwrap())).to_radians().tan();
+                let half = tan((0.5 * number(angle.unwrap())).to_radians());
                 (eye, (ahead + aside * half).normalize())
             }
         }
@@ -161,7 +162,7 @@ fn composited(scene: &toml::Table, samples: &[(f64, f64)]) -> DVec3 {
     let (mut radiance, mut passed) = (DVec3::ZERO, 1.0);
     for &(value, length) in samples {
         let (colour, opacity) = classified(&points, value);
-        let opacity = 1.0 - (1.0 - opacity).powf(length / reference);
+        let opacity = 1.0 - pow(1.0 - opacity, length / reference);
         radiance += passed * opacity * colour;
         passed *= 1.0 - opacity;
     }
