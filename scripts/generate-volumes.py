@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the small volumes of fixtures/volumes/formats, one grid in every format that is read,
-of fixtures/volumes/hard, the grids of the hard cases, and of fixtures/volumes/limit, the fields of the
-limits.
+of fixtures/volumes/hard, the grids of the hard cases, of fixtures/volumes/limit, the fields of the
+limits, and of fixtures/volumes/sampled, small grids of 8 bits.
 
 The grid of the formats has 4 × 3 × 2 nodes, spacing (0.5, 1, 2), its first node at (-1, 2, 3), and the value
 i + 10·j + 100·k at node (i, j, k): values that every type of 8 bits or more can hold. Formats that
@@ -298,6 +298,76 @@ def limits():
     limit("ramp.nrrd", (2, 2, 2), *one, lambda x, y, z: (x + y + z + 3) / 6, "a ramp along the diagonal")
 
 
+def sampled(name, spacing, values, comment):
+    """A NRRD of 8 bits, gzipped, of whole numbers `values[k][j][i]`, its box around the origin."""
+    nodes = (len(values[0][0]), len(values[0]), len(values))
+    first = [-0.5 * s * (n - 1) for n, s in zip(nodes, spacing)]
+    header = placed("uchar", nodes, spacing, first, comment) + ["encoding: gzip", "", ""]
+    bytes_of = bytes(value for layer in values for row in layer for value in row)
+    (VOLUMES / "sampled").mkdir(parents=True, exist_ok=True)
+    (VOLUMES / "sampled" / name).write_bytes("\n".join(header).encode() + zipped(bytes_of))
+
+
+def at_indices(nodes, value):
+    """`value(i, j, k)` at every node."""
+    return [[[value(i, j, k) for i in range(nodes[0])] for j in range(nodes[1])] for k in range(nodes[2])]
+
+
+def at_nodes(nodes, spacing, value):
+    """`value(x, y, z)` in [0, 1], around the origin, as whole numbers up to 255."""
+    def number(*index):
+        point = [s * (i - 0.5 * (n - 1)) for i, n, s in zip(index, nodes, spacing)]
+        return round(255 * min(1, max(0, value(*point))))
+
+    return at_indices(nodes, number)
+
+
+def rings(x, y, z):
+    """Two rings, one through the other; the second is weaker."""
+    first = math.hypot(math.hypot(x + 0.4, y - 0.1) - 0.62, z + 0.08)
+    second = math.hypot(math.hypot(x - 0.42, z - 0.1) - 0.52, y)
+    return max(1 - first / 0.34, 0.72 - 0.72 * second / 0.34)
+
+
+def phantom(x, y, z):
+    """A head: a skull with a nose towards -y, tissue, a hollow on either side, a clot on one."""
+    r = math.sqrt((x / 0.85) ** 2 + (y / 0.8) ** 2 + (z / 0.9) ** 2)
+    skull = 1.05 - abs(r - 0.9) / 0.22
+    tissue = 0.42 * min(1, max(0, (0.9 - r) / 0.15))
+    nose = 1.3 - math.sqrt(x * x + (y + 0.95) ** 2 + ((z + 0.1) / 1.5) ** 2) / 0.2
+    clot = 0.95 - math.sqrt((x - 0.3) ** 2 + (y - 0.2) ** 2 + (z - 0.25) ** 2) / 0.35
+    hollow = min(math.hypot(x - s * 0.28, y + 0.2) + 0.6 * abs(z) for s in (-1, 1))
+    return max(skull, nose, clot, tissue - max(0, 0.4 - hollow))
+
+
+# Fifths of 255, in a column of them.
+STRIPES = (1, 1, 5, 5, 0, 0, 3, 3, 4, 1, 5, 0, 2, 4, 0, 5, 5, 2, 2, 3, 1, 0, 4, 5)
+
+
+def block(i, j, k):
+    """A fifth of 255 or more at every other node, without a pattern."""
+    number = (i * 53 + j * 97 + k * 151 + i * j * 29 + j * k * 61 + k * i * 43) % 11
+    return 51 * max(0, number - 5)
+
+
+def small_grids():
+    for name, nodes, spacing, value, comment in (
+        ("rings.nrrd", (24, 18, 16), (0.125,) * 3, rings, "two rings, one through the other"),
+        ("phantom.nrrd", (20, 26, 10), (0.125, 0.1, 0.25), phantom, "a head in thick slices"),
+        ("waves.nrrd", (14, 12, 10), (0.2,) * 3, marble, "folded sheets up to the border"),
+    ):
+        sampled(name, spacing, at_nodes(nodes, spacing, value), comment)
+    for name, nodes, spacing, value, comment in (
+        ("blocks.nrrd", (5, 6, 7), (0.25,) * 3, block, "5 x 6 x 7 numbers"),
+        ("column.nrrd", (2, 2, 24), (0.5, 0.5, 0.125), lambda i, j, k: 51 * STRIPES[k], "stripes along z"),
+        ("constant.nrrd", (3, 4, 5), (0.5, 0.5, 0.25), lambda *_: 153, "153 everywhere"),
+        ("impulse.nrrd", (7, 7, 7), (0.25,) * 3, lambda *n: 255 * (n == (2, 3, 4)), "255 at node (2, 3, 4)"),
+        ("slope.nrrd", (6, 5, 9), (0.25,) * 3, lambda i, j, k: 15 + 12 * i + 15 * j + 15 * k, "a slope along all axes"),
+    ):
+        sampled(name, spacing, at_indices(nodes, value), comment)
+
+
 main()
 hard_cases()
 limits()
+small_grids()

@@ -41,6 +41,7 @@ mod radiative_scenes;
 mod ray_caster;
 mod reference;
 mod report;
+mod sampled;
 mod scores;
 mod self_test;
 mod sensitivity;
