@@ -1,5 +1,6 @@
 //! Classification: opacity and colour of a value of the field.
 
+use super::opacity::Correction;
 use crate::media::{Appearance, TransferFunction};
 use crate::scene::Classified;
 use crate::volume::{Cell, Grid, Lerp as _, Reconstruction as _};
@@ -8,7 +9,7 @@ use glam::DVec3;
 /// Opacity and colour of a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// Opacity over the reference length.
+    /// Opacity over the reference length; that of an entry over a step, if entries are corrected.
     pub opacity: f64,
     /// Colour before shading.
     pub colour: DVec3,
@@ -30,11 +31,14 @@ impl<'s> Classifier<'s> {
     /// The classifier of `scene`.
     pub fn of(scene: &'s Classified) -> Classifier<'s> {
         let conventions = &scene.conventions;
-        match conventions.table_size {
-            _ if conventions.preclassified => {
-                Classifier::Nodes(Box::new(ClassifiedNodes::of(scene)))
+        let table = conventions
+            .table_size
+            .map(|size| LookTable::of(scene, size));
+        match table {
+            table if conventions.preclassified => {
+                Classifier::Nodes(Box::new(ClassifiedNodes::of(scene, table)))
             }
-            Some(size) => Classifier::Table(LookTable::of(scene, size)),
+            Some(table) => Classifier::Table(table),
             None => Classifier::TransferFunction(&scene.transfer_function),
         }
     }
@@ -58,12 +62,43 @@ fn exact(function: &TransferFunction, density: f64) -> Look {
     }
 }
 
+/// The look of `density` as the first entry that holds it.
+fn entry(scene: &Classified, density: f64) -> Look {
+    let look = exact(&scene.transfer_function, density);
+    let opacity = Correction::of(scene).of_entry(look.opacity);
+    Look { opacity, ..look }.rounded(scene)
+}
+
+impl Look {
+    /// The look in as many bits as entries have.
+    fn rounded(self, scene: &Classified) -> Look {
+        let round = |value: f64, bits: u32| {
+            let most = f64::from((1_u32 << bits) - 1);
+            (value.clamp(0.0, 1.0) * most).round() / most
+        };
+        let mut look = self;
+        if let Some(bits) = scene.conventions.opacity_bits {
+            look.opacity = round(look.opacity, bits);
+        }
+        if let Some(bits) = scene.conventions.colour_bits {
+            // An entry holds the product.
+            let colour = (look.colour * look.emission).to_array();
+            look.colour = DVec3::from_array(colour.map(|value| round(value, bits)));
+            look.emission = 1.0;
+        }
+        look
+    }
+}
+
 /// Looks at equal distances of value.
 pub struct LookTable {
     least: f64,
     most: f64,
     entries: Vec<Look>,
     nearest: bool,
+    /// Values are coordinates of a texture.
+    is_texture: bool,
+    fraction_bits: Option<u32>,
 }
 
 impl LookTable {
@@ -82,10 +117,10 @@ impl LookTable {
         LookTable {
             least,
             most,
-            entries: (0..size)
-                .map(|index| exact(function, value(index)))
-                .collect(),
+            entries: (0..size).map(|index| entry(scene, value(index))).collect(),
             nearest: scene.conventions.nearest_entry,
+            is_texture: scene.conventions.texture_place,
+            fraction_bits: scene.conventions.table_fraction_bits,
         }
     }
 
@@ -94,7 +129,7 @@ impl LookTable {
         let share = (value - self.least) / (self.most - self.least);
         // A table of one value has no share: its only entry then.
         let place = if share.is_finite() {
-            share.clamp(0.0, 1.0) * last as f64
+            self.place(share.clamp(0.0, 1.0))
         } else {
             0.0
         };
@@ -113,28 +148,49 @@ impl LookTable {
             emission: f64::lerp_between(a.emission, b.emission, t),
         }
     }
+
+    /// Place of the value above a share of the range, in entries.
+    fn place(&self, share: f64) -> f64 {
+        let last = (self.entries.len() - 1) as f64;
+        let place = if self.is_texture {
+            (share * (last + 1.0) - 0.5).clamp(0.0, last)
+        } else {
+            share * last
+        };
+        match self.fraction_bits {
+            Some(bits) => {
+                let parts = f64::from(1_u32 << bits);
+                (place * parts).round() / parts
+            }
+            None => place,
+        }
+    }
 }
 
-/// Nodes with opacity and associated colour.
+/// Nodes with opacity and colour.
 ///
 /// Colours are interpolated associated, multiplied by opacity: otherwise the colour of transparent
-/// nodes bleeds into their neighbours (Wittenbrink, Malzbender & Goss 1998).
+/// nodes bleeds into their neighbours (Wittenbrink, Malzbender & Goss 1998). Some renderers interpolate them separately nevertheless.
 pub struct ClassifiedNodes {
     opacities: Grid<f32>,
     colours: Grid<[f32; 3]>,
 }
 
 impl ClassifiedNodes {
-    fn of(scene: &Classified) -> ClassifiedNodes {
+    fn of(scene: &Classified, table: Option<LookTable>) -> ClassifiedNodes {
         let grid = &*scene.grid;
-        let looks = grid
-            .values()
-            .iter()
-            .map(|&value| exact(&scene.transfer_function, value.into()));
+        let looks = grid.values().iter().map(|&value| match &table {
+            Some(table) => table.look(value.into()).rounded(scene),
+            None => entry(scene, value.into()),
+        });
         let (opacities, colours) = looks
             .map(|look| {
-                let associated = look.colour * (look.emission * look.opacity);
-                (look.opacity as f32, associated.as_vec3().to_array())
+                let colour = if scene.conventions.separate_colours {
+                    look.colour * look.emission
+                } else {
+                    look.colour * (look.emission * look.opacity)
+                };
+                (look.opacity as f32, colour.as_vec3().to_array())
             })
             .unzip();
         ClassifiedNodes {
@@ -145,11 +201,13 @@ impl ClassifiedNodes {
 
     fn look(&self, scene: &Classified, cell: &Cell) -> Look {
         let opacity = scene.interpolation.read(&self.opacities, cell);
-        let associated = scene.interpolation.read(&self.colours, cell);
+        let colour = scene.interpolation.read(&self.colours, cell);
         Look {
             opacity,
-            colour: if opacity > 0.0 {
-                associated / opacity
+            colour: if scene.conventions.separate_colours {
+                colour
+            } else if opacity > 0.0 {
+                colour / opacity
             } else {
                 DVec3::ZERO
             },

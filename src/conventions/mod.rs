@@ -8,7 +8,9 @@
 
 mod catalogue;
 mod classifier;
+mod first_samples;
 mod normals;
+mod opacity;
 mod profile;
 pub mod ray_caster;
 mod shading;
@@ -16,5 +18,6 @@ mod steps;
 mod work;
 
 pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
+pub use first_samples::{FirstSamples, images_of_first_samples};
 pub use profile::{PROFILE, Profile};
 pub use work::RayWork;

@@ -2,8 +2,8 @@
 //!
 //! The loop of [`reference::ray_caster`](crate::reference::ray_caster), to be read first, with a
 //! question at each place where ray casters differ: where a step is sampled (`steps`), how a value
-//! is classified (`classifier`), which gradient is taken (`normals`), how a sample is shaded
-//! (`shading`), and the rest here. With the default [conventions](crate::scene::Conventions) both
+//! is classified (`classifier`), how its opacity is corrected for a step (`opacity`), which gradient is
+//! taken (`normals`), how a sample is shaded (`shading`), and the rest here. With the default [conventions](crate::scene::Conventions) both
 //! give the same bits.
 //!
 //! Work is counted as the kernels of [`render`](crate::render) count it; nothing is left out but
@@ -11,15 +11,16 @@
 
 use super::classifier::Classifier;
 use super::normals::Gradients;
+use super::opacity::Correction;
 use super::shading::ShadedSample;
-use super::steps::Steps;
+use super::steps::{StepRule, Steps, step_in_world};
 use super::work::RayWork;
 use crate::film::Film;
-use crate::geometry::{Direction, Ray, Span, length_of};
+use crate::geometry::{Aabb, Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::media::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, LastStep, Precision};
+use crate::scene::{Classified, Compositing, Precision};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
@@ -39,6 +40,9 @@ pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
 pub struct RayCaster<'s> {
     scene: &'s Classified,
     classifier: Classifier<'s>,
+    correction: Correction,
+    /// The box that the volume fills.
+    bounds: Aabb,
     shading: Option<(Phong, Gradients)>,
 }
 
@@ -77,6 +81,8 @@ impl Layer {
             Precision::F64 => value,
             Precision::F32 => f64::from(value as f32),
             Precision::F16 => f64::from(f16::from_f64(value)),
+            // Not above what a product of whole numbers of units is but for the rounding of `f64`.
+            Precision::U15 => ((value.clamp(0.0, 1.0) * 32767.0 - 1e-6).ceil()) / 32767.0,
             Precision::U8 => (value.clamp(0.0, 1.0) * 255.0).round() / 255.0,
         };
         Layer {
@@ -93,6 +99,8 @@ impl<'s> RayCaster<'s> {
         RayCaster {
             scene,
             classifier: Classifier::of(scene),
+            correction: Correction::of(scene),
+            bounds: bounds(scene),
             shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
         }
     }
@@ -119,27 +127,35 @@ impl<'s> RayCaster<'s> {
         } else {
             scene.camera.ray([column, row], size)
         };
-        let first_sample = if scene.conventions.jitter {
+        let mut rule = StepRule::of(&scene.conventions);
+        if scene.conventions.is_random() {
             let pixel = (row * width + column) as u32;
             work.random_draws += 1;
-            f64::from(philox4x32_10([pixel, 0, 0, 0], [0; 2])[0]) / (1_u64 << 32) as f64
-        } else {
-            scene.conventions.first_sample
-        };
-        let volume = self.cast(&ray, first_sample, &mut work);
+            let random = philox4x32_10([pixel, 0, 0, 0], [0; 2])[0];
+            let random = f64::from(random) / (1_u64 << 32) as f64;
+            if scene.conventions.jitter {
+                rule.position = random;
+            } else {
+                rule.first = random;
+            }
+        }
+        let volume = self.cast(&ray, rule, &mut work);
         let DVec3 { x, y, z } = volume.colour + scene.background * volume.transparency;
         ([x, y, z, volume.opacity].map(|value| value as f32), work)
     }
 
     /// The samples along `ray`, composited.
-    fn cast(&self, ray: &Ray, first_sample: f64, work: &mut RayWork) -> Layer {
+    fn cast(&self, ray: &Ray, rule: StepRule, work: &mut RayWork) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
-        let Some(span) = lattice.bounds().span(ray) else {
+        let Some(span) = self.bounds.span(ray) else {
             return seen;
         };
         let line = NodeLine::new(ray, lattice);
-        let steps = Steps::new(span, scene.step, first_sample, scene.conventions.last_step);
+        let measure = scene.conventions.step_length;
+        let sizes = [lattice.spacing(), self.bounds.size()];
+        let step = step_in_world(scene.step, measure, *ray.direction, sizes);
+        let steps = Steps::new(span, step, rule);
         let reversed = scene.compositing == Compositing::BackToFront;
         for done in 0..steps.count {
             let index = if reversed {
@@ -154,7 +170,12 @@ impl<'s> RayCaster<'s> {
             let density = self.density(&cell, work);
             let look = self.classifier.look(scene, &cell, density);
             work.attenuations += u64::from(look.opacity != 0.0);
-            let opacity = self.over_length(look.opacity, length);
+            let length = if scene.conventions.nominal_opacity {
+                length / steps.step * scene.step
+            } else {
+                length
+            };
+            let opacity = self.correction.over(look.opacity, length);
             if opacity == 0.0 {
                 continue; // nothing to add, whatever its colour
             }
@@ -203,6 +224,9 @@ impl<'s> RayCaster<'s> {
             if let Compositing::EarlyTermination(threshold) = scene.compositing
                 && seen.transparency < threshold
             {
+                if scene.conventions.ended_rays_opaque {
+                    (seen.opacity, seen.transparency) = (1.0, 0.0);
+                }
                 break;
             }
         }
@@ -241,16 +265,6 @@ impl<'s> RayCaster<'s> {
         NodePoint((point.0 * cells - 0.5).clamp(DVec3::ZERO, last.into()))
     }
 
-    /// Opacity over a step of this length, where it is `opacity` over the reference length.
-    fn over_length(&self, opacity: f64, length: f64) -> f64 {
-        let lengths = length / self.scene.transfer_function.reference_length;
-        if self.scene.conventions.linear_opacity {
-            (opacity * lengths).min(1.0)
-        } else {
-            over_length(opacity, lengths)
-        }
-    }
-
     /// Density gradient for shading, in any unit.
     fn gradient(
         &self,
@@ -277,9 +291,8 @@ impl<'s> RayCaster<'s> {
         node_point: NodePoint,
         ray: &Ray,
     ) -> (Option<Direction>, Direction) {
-        let light = self.shading_light();
         if !self.scene.conventions.texture_shading_point {
-            return (Direction::of(light - point), -ray.direction);
+            return (Direction::of(self.to_light(point)), -ray.direction);
         }
         let lattice = self.scene.grid.lattice();
         let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
@@ -287,36 +300,51 @@ impl<'s> RayCaster<'s> {
         let point = bounds.min + (node_point.0 + 0.5) / nodes * bounds.size();
         let to_eye = Direction::of(ray.origin - point);
         (
-            Direction::of(light - point),
+            Direction::of(self.to_light(point)),
             to_eye.unwrap_or(-ray.direction),
         )
     }
 
-    /// Position of the light for shading.
-    fn shading_light(&self) -> DVec3 {
-        if self.scene.conventions.head_light {
+    /// From `point`, or in parallel light from the centre of the volume, to the light for shading.
+    fn to_light(&self, point: DVec3) -> DVec3 {
+        let light = if self.scene.conventions.head_light {
             self.scene.camera.eye()
         } else {
             self.scene.light
+        };
+        if self.scene.conventions.parallel_light {
+            light - self.bounds.centre()
+        } else {
+            light - point
         }
     }
 
     /// Visibility of the light from `point`; 1 where the scene has no shadow.
     fn visibility(&self, point: DVec3, node_point: NodePoint, work: &mut RayWork) -> f64 {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
-        let to_light = scene.light - point;
+        let is_parallel = scene.conventions.parallel_light;
+        let to_light = if is_parallel {
+            scene.light - self.bounds.centre()
+        } else {
+            scene.light - point
+        };
         let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
             return 1.0;
         };
-        let Some(inside) = lattice.bounds().span(&ray) else {
+        let Some(inside) = self.bounds.span(&ray) else {
             return 1.0;
         };
         work.shadow_rays += 1;
-        let span = Span::new(0.0, inside.far.min(length_of(to_light)));
+        let light = if is_parallel {
+            f64::INFINITY
+        } else {
+            length_of(to_light)
+        };
+        let span = Span::new(0.0, inside.far.min(light));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, *ray.direction, lattice);
-        let position = scene.conventions.shadow_sample;
-        let steps = Steps::new(span, shadow.step, position, LastStep::Exact);
+        let rule = StepRule::at(scene.conventions.shadow_sample);
+        let steps = Steps::new(span, shadow.step, rule);
         let samples = (0..steps.count).map(|index| {
             let (t, length) = steps.sample(index);
             let cell = Cell::around(lattice, self.looked_up(line.at(t)));
@@ -334,4 +362,15 @@ impl<'s> RayCaster<'s> {
                 .product(),
         }
     }
+}
+
+/// The box that the volume of `scene` fills, by its conventions.
+fn bounds(scene: &Classified) -> Aabb {
+    let lattice = *scene.grid.lattice();
+    if !scene.conventions.voxel_box {
+        return lattice.bounds();
+    }
+    // Refused where the box would leave the range of numbers: it stays as it is there.
+    let lattice = lattice.with_centring(Centring::Cells).unwrap_or(lattice);
+    lattice.bounds()
 }

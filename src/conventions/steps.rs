@@ -1,16 +1,73 @@
 //! Samples along a ray.
 
 use crate::geometry::Span;
-use crate::scene::LastStep;
+use crate::scene::{Conventions, FittedSteps, LastStep, StepLength};
+use glam::DVec3;
+
+/// Places of samples and lengths of steps.
+#[derive(Clone, Copy, Debug)]
+pub struct StepRule {
+    /// Position of a sample within its step, in steps: 0.5 is the middle.
+    pub position: f64,
+    /// Length of the first step, in steps.
+    pub first: f64,
+    /// Treatment of the step that is cut off.
+    pub last: LastStep,
+    /// Whole number of steps instead.
+    pub fitted: FittedSteps,
+    /// The last sample lies at the end of the span.
+    pub ends_on_face: bool,
+}
+
+impl StepRule {
+    /// Steps of one length with a sample at `position`, the last one cut off.
+    pub fn at(position: f64) -> StepRule {
+        StepRule {
+            position,
+            first: 1.0,
+            last: LastStep::Exact,
+            fitted: FittedSteps::None,
+            ends_on_face: false,
+        }
+    }
+
+    /// The rule of `conventions`.
+    pub fn of(conventions: &Conventions) -> StepRule {
+        StepRule {
+            position: conventions.first_sample,
+            first: conventions.first_step,
+            last: conventions.last_step,
+            fitted: conventions.fitted_steps,
+            ends_on_face: conventions.last_sample_on_face,
+        }
+    }
+}
+
+/// Length in the world of steps of length `step` by `measure`, along `direction`, through a volume with
+/// this distance between nodes and of this size.
+pub fn step_in_world(
+    step: f64,
+    measure: StepLength,
+    direction: DVec3,
+    [spacing, size]: [DVec3; 2],
+) -> f64 {
+    let nodes = direction / spacing;
+    let voxels = step / spacing.min_element();
+    match measure {
+        StepLength::World => step,
+        StepLength::Voxels => voxels / nodes.length(),
+        StepLength::MainAxis => voxels / nodes.abs().max_element(),
+        StepLength::Texture => step / size.max_element() / (direction / size).length(),
+    }
+}
 
 /// The samples along a span of a ray, one in each step.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
     span: Span,
-    /// Length of a step, > 0.
-    step: f64,
-    /// Position of a sample within its step, in steps: 0.5 is the middle.
-    position: f64,
+    rule: StepRule,
+    /// Length of a whole step, > 0.
+    pub step: f64,
     /// Number of steps.
     pub count: usize,
     /// The last step ends with the span.
@@ -18,36 +75,68 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Samples at `position` within steps of length `step`. At least one step where the span has a
-    /// length and the last step is exact, even if the quotient of both underflows.
-    pub fn new(span: Span, step: f64, position: f64, last_step: LastStep) -> Steps {
+    /// Steps of length `step`. At least one where the span has a length and the last step is exact,
+    /// even if the quotient of both underflows.
+    pub fn new(span: Span, step: f64, rule: StepRule) -> Steps {
         let steps = span.length() / step;
-        let count = match last_step {
+        let fitted = match rule.fitted {
+            FittedSteps::None => return Steps::unfitted(span, step, rule),
+            FittedSteps::Rounded => steps.round(),
+            FittedSteps::Up => steps.ceil(),
+            FittedSteps::Down => steps.floor(),
+        };
+        Steps {
+            span,
+            rule,
+            // Without a step its length is of no interest.
+            step: span.length() / fitted.max(1.0),
+            count: fitted as usize,
+            is_last_cut: false,
+        }
+    }
+
+    fn unfitted(span: Span, step: f64, rule: StepRule) -> Steps {
+        // As if the first step were a whole one.
+        let steps = span.length() / step + (1.0 - rule.first);
+        let count = match rule.last {
             LastStep::Exact if span.length() > 0.0 => steps.ceil().max(1.0),
             LastStep::Exact => steps.ceil(),
             // As many as have their sample inside.
-            LastStep::Whole => (steps - position).floor() + 1.0,
+            LastStep::Whole => (steps - rule.position).floor() + 1.0,
             LastStep::Dropped => steps.floor(),
         };
         Steps {
             span,
+            rule,
             step,
-            position,
             count: count as usize,
-            is_last_cut: last_step == LastStep::Exact,
+            is_last_cut: rule.last == LastStep::Exact,
         }
     }
 
     /// Distance of sample `index` along the ray, and the length of its step. Computed from the index,
     /// because adding up lengths would accumulate rounding errors.
     pub fn sample(&self, index: usize) -> (f64, f64) {
-        if index + 1 < self.count || !self.is_last_cut {
-            let t = self.span.near + (index as f64 + self.position) * self.step;
-            return (t, self.step);
+        let Steps { span, rule, .. } = *self;
+        let is_last = index + 1 == self.count;
+        let (begin, length) = if index == 0 {
+            (0.0, rule.first)
+        } else {
+            (index as f64 + (rule.first - 1.0), 1.0)
+        };
+        let (t, length) = if is_last && self.is_last_cut {
+            let begin = begin * self.step;
+            let rest = (span.length() - begin).max(0.0);
+            (span.near + (begin + rule.position * rest), rest)
+        } else {
+            let place = begin + rule.position * length;
+            (span.near + place * self.step, length * self.step)
+        };
+        if is_last && rule.ends_on_face {
+            (span.far, length)
+        } else {
+            (t, length)
         }
-        let begin = index as f64 * self.step;
-        let rest = (self.span.length() - begin).max(0.0);
-        (self.span.near + (begin + self.position * rest), rest)
     }
 }
 
@@ -57,7 +146,16 @@ mod tests {
 
     /// Positions and lengths of the samples over a span of length 1.
     fn samples(step: f64, position: f64, last_step: LastStep) -> Vec<(f64, f64)> {
-        let steps = Steps::new(Span::new(2.0, 3.0), step, position, last_step);
+        let last = last_step;
+        let rule = StepRule {
+            last,
+            ..StepRule::at(position)
+        };
+        all(step, rule)
+    }
+
+    fn all(step: f64, rule: StepRule) -> Vec<(f64, f64)> {
+        let steps = Steps::new(Span::new(2.0, 3.0), step, rule);
         (0..steps.count).map(|index| steps.sample(index)).collect()
     }
 
@@ -95,5 +193,51 @@ mod tests {
         assert_eq!(samples(4.0, 0.5, Whole), []);
         assert_eq!(samples(4.0, 0.5, Dropped), []);
         assert_eq!(samples(1.0, 1.0, Whole), [(3.0, 1.0)]);
+    }
+
+    #[test]
+    fn a_short_first_step_and_a_sample_on_the_back_face() {
+        let rule = StepRule {
+            first: 0.25,
+            ends_on_face: true,
+            ..StepRule::at(0.0)
+        };
+        let step = 0.375;
+        let first = 0.25 * step;
+        let expected = [
+            (2.0, first),
+            (2.0 + first, step),
+            (2.0 + first + step, step),
+            (3.0, 1.0 - first - 2.0 * step),
+        ];
+        assert_eq!(all(step, rule), expected);
+        // Longer than the span: one step, over all of it.
+        assert_eq!(all(8.0, rule), [(3.0, 1.0)]);
+    }
+
+    #[test]
+    fn a_whole_number_of_steps_fills_the_span() {
+        let fitted = |fitted| StepRule {
+            fitted,
+            ..StepRule::at(0.5)
+        };
+        let two = vec![(2.25, 0.5), (2.75, 0.5)];
+        assert_eq!(all(0.45, fitted(FittedSteps::Rounded)), two);
+        assert_eq!(all(0.6, fitted(FittedSteps::Up)), two);
+        assert_eq!(all(0.375, fitted(FittedSteps::Down)), two);
+        assert_eq!(all(3.0, fitted(FittedSteps::Rounded)), []);
+    }
+
+    #[test]
+    fn steps_in_voxels() {
+        let direction = DVec3::new(0.6, 0.8, 0.0);
+        let (spacing, size) = (DVec3::new(0.25, 0.5, 8.0), DVec3::new(2.0, 4.0, 8.0));
+        let step = |measure| step_in_world(0.5, measure, direction, [spacing, size]);
+        assert_eq!(step(StepLength::World), 0.5);
+        // (2.4, 1.6, 0) nodes and (0.3, 0.2, 0) of the sides of the volume per unit.
+        let root = 13_f64.sqrt();
+        assert!((step(StepLength::Voxels) - 2.0 / (0.8 * root)).abs() < 1e-15);
+        assert!((step(StepLength::MainAxis) - 2.0 / 2.4).abs() < 1e-15);
+        assert!((step(StepLength::Texture) - 0.0625 / (0.1 * root)).abs() < 1e-15);
     }
 }

@@ -106,7 +106,11 @@ impl Plan<'_> {
                 (Event::CellWalked, exactly(0)),
                 (
                     Event::RandomDraw,
-                    exactly(if scene.conventions.jitter { rays } else { 0 }),
+                    exactly(if scene.conventions.is_random() {
+                        rays
+                    } else {
+                        0
+                    }),
                 ),
             ],
             Kernel::Integral(scene) => of_integrals(self.panel, scene),

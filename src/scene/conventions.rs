@@ -129,6 +129,70 @@ conventions! {
     "Places the samples of each ray at a random `first_sample`, the same for all samples of the ray.",
     [];
 
+    "first_step" = first_step: f64 = number(1.0),
+    "Length of the first step of a ray, in steps; whole steps follow.",
+    [];
+
+    "first_step_jitter" = first_step_jitter: bool = flag(false),
+    "Gives the first step of each ray a random length, a `first_step` of its own.",
+    [];
+
+    "step_length" = step_length: StepLength = words("world" of
+        "world" = StepLength::World,
+        "voxels" = StepLength::Voxels,
+        "main-axis" = StepLength::MainAxis,
+        "texture" = StepLength::Texture
+    ),
+    "Length of a step: that of the scene in the world; as many spacings of the grid as it has voxels, along the ray in node coordinates (voxels), or along the axis on which the ray passes nodes fastest (main-axis); or the part of the cube of texture coordinates that it is of the longest side of the volume (texture).",
+    [
+        other(
+            "takes steps of a length in voxels, not in the world",
+            |it| it.step_length = StepLength::Voxels,
+        ),
+        other(
+            "takes steps of a length in voxels along the main axis of the ray",
+            |it| it.step_length = StepLength::MainAxis,
+        ),
+        other(
+            "takes steps of a length in texture coordinates",
+            |it| it.step_length = StepLength::Texture,
+        ),
+    ];
+
+    "fitted_steps" = fitted_steps: FittedSteps = words("none" of
+        "none" = FittedSteps::None,
+        "rounded" = FittedSteps::Rounded,
+        "up" = FittedSteps::Up,
+        "down" = FittedSteps::Down
+    ),
+    "Number of steps of a ray: what its length and that of a step give, the last one cut off (none); or a whole number, the quotient rounded, rounded up or rounded down, of steps that are stretched to fill the ray.",
+    [
+        other(
+            "fits a whole number of steps to each ray, the nearest",
+            |it| it.fitted_steps = FittedSteps::Rounded,
+        )
+        .instead_of("last_step"),
+        other(
+            "fits a whole number of steps to each ray, rounded up",
+            |it| it.fitted_steps = FittedSteps::Up,
+        )
+        .instead_of("last_step"),
+        other(
+            "fits a whole number of steps to each ray, rounded down",
+            |it| it.fitted_steps = FittedSteps::Down,
+        )
+        .instead_of("last_step"),
+    ];
+
+    "step_opacity" = nominal_opacity: bool = words("true" of "true" = false, "nominal" = true),
+    "Length for which the opacity of a whole step is taken: its own (true), or that stated in the scene, whatever became of it by `step_length` or `fitted_steps` (nominal).",
+    [
+        other(
+            "takes opacities for the stated step, not for the true one",
+            |it| it.nominal_opacity = !it.has_stated_steps(),
+        ),
+    ];
+
     "last_step" = last_step: LastStep = words("exact" of
         "exact" = LastStep::Exact,
         "whole" = LastStep::Whole,
@@ -141,6 +205,32 @@ conventions! {
             "drops the last step of a ray where it is not a whole one",
             |it| it.last_step = LastStep::Dropped,
         ),
+    ];
+
+    "last_sample" = last_sample_on_face: bool = words("step" of "step" = false, "face" = true),
+    "Place of the last sample of a ray: as in its other steps, or on the back face (face).",
+    [
+        other(
+            "takes the last sample of a ray on the back face",
+            |it| it.last_sample_on_face = true,
+        )
+        .instead_of("last_step"),
+    ];
+
+    "ended_rays" = ended_rays_opaque: bool = words("left" of "left" = false, "opaque" = true),
+    "Transmittance of a ray that ends early: as it was (left), or 0 (opaque).",
+    [
+        other("takes rays that end early for opaque", |it| it.ended_rays_opaque = true),
+    ];
+
+    "box" = voxel_box: bool = words("nodes" of "nodes" = false, "voxels" = true),
+    "Faces of the volume: on the outermost nodes; or half a spacing beyond them, where the values of the outermost nodes are continued (voxels). A volume of cells has them there.",
+    [
+        other(
+            "fills half a voxel beyond the outermost nodes, too",
+            |it| it.voxel_box = !it.cell_centred,
+        )
+        .instead_of("centring"),
     ];
 
     "centring" = cell_centred: bool = words("nodes" of "nodes" = false, "cells" = true),
@@ -159,11 +249,60 @@ conventions! {
         other("takes opacity in proportion to the step", |it| it.linear_opacity = true),
     ];
 
+    "uncorrected_opacity" = uncorrected_opacity: f64 = number(0.0),
+    "Opacities stated up to this are taken for those of a step, uncorrected.",
+    [
+        other(
+            "does not correct opacities up to 0.0001 for the step",
+            |it| it.uncorrected_opacity = 1e-4,
+        ),
+    ];
+
+    "most_opacity" = most_opacity: f64 = number(1.0),
+    "Opacities stated above this count as this.",
+    [
+        other("takes opacities of at most 0.998", |it| it.most_opacity = 0.998),
+    ];
+
+    "least_stated_opacity" = least_stated_opacity: f64 = number(0.0),
+    "Opacities stated below this count as 0.",
+    [
+        other(
+            "drops samples of a stated opacity below 0.01",
+            |it| it.least_stated_opacity = 0.01,
+        ),
+        other(
+            "drops samples of a stated opacity below 0.0001",
+            |it| it.least_stated_opacity = 1e-4,
+        ),
+    ];
+
+    "least_opacity" = least_opacity: f64 = number(0.0),
+    "Samples with an opacity below this over a whole step are dropped.",
+    [
+        other(
+            "drops samples of an opacity below 0.001 over a step",
+            |it| it.least_opacity = 0.001,
+        ),
+        other(
+            "drops samples of an opacity below 0.01 over a step",
+            |it| it.least_opacity = 0.01,
+        ),
+    ];
+
     "classification" = preclassified: bool = words("post" of "post" = false, "pre" = true),
-    "Values are interpolated, then classified (post); or nodes are classified, and opacity and associated colour interpolated (pre).",
+    "Values are interpolated, then classified (post); or nodes are classified, and opacity and colour interpolated (pre).",
     [
         other("classifies nodes before it interpolates", |it| it.preclassified = true),
+        other(
+            "classifies nodes, and interpolates their colours without their opacities",
+            |it| (it.preclassified, it.separate_colours) = (true, true),
+        ),
     ];
+
+    "node_colours" = separate_colours: bool = words("associated" of "associated" = false, "separate" = true),
+    "Colours of classified nodes are interpolated multiplied by their opacities (associated), or as they are (separate).",
+    [];
 
     "table_size" = table_size: Option<u32> = count(2..=65_536),
     "Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value.",
@@ -193,6 +332,46 @@ conventions! {
     "table_lookup" = nearest_entry: bool = words("linear" of "linear" = false, "nearest" = true),
     "Between the entries of the table: linear, or the nearest entry.",
     [];
+
+    "table_place" = texture_place: bool = words("ends" of "ends" = false, "texture" = true),
+    "Place of a value in a table of n entries, from the share s of the range of the table that lies below it: s (n - 1), so that the outermost entries lie at both ends (ends), or s n - 1/2 as in textures, within the outermost entries (texture).",
+    [
+        other(
+            "looks values up in its table as coordinates of a texture",
+            |it| (*it, it.texture_place) = (it.with_table(), true),
+        ),
+    ];
+
+    "table_fraction_bits" = table_fraction_bits: Option<u32> = count(2..=16),
+    "Bits of the fraction by which entries of the table are interpolated. If left out, it is not rounded.",
+    [];
+
+    "opacity_correction" = corrected_entries: bool = words("samples" of "samples" = false, "entries" = true),
+    "Opacities are corrected for the length of a step at each sample; or once, for that of the scene, in the entries of the table or at classified nodes, which are interpolated then (entries).",
+    [
+        other(
+            "corrects opacities for the step in its table, before interpolation",
+            |it| (*it, it.corrected_entries) = (it.with_entries(), true),
+        ),
+    ];
+
+    "colour_bits" = colour_bits: Option<u32> = count(2..=16),
+    "Bits of colours in the table or at classified nodes, for [0, 1]. If left out, they are not rounded.",
+    [
+        other(
+            "keeps the colours of its table in 8 bits",
+            |it| (*it, it.colour_bits) = (it.with_entries(), Some(8)),
+        ),
+    ];
+
+    "opacity_bits" = opacity_bits: Option<u32> = count(2..=16),
+    "Bits of opacities in the table or at classified nodes, after what `opacity_correction` does there. If left out, they are not rounded.",
+    [
+        other(
+            "keeps the opacities of its table in 8 bits",
+            |it| (*it, it.opacity_bits) = (it.with_entries(), Some(8)),
+        ),
+    ];
 
     "gradient" = gradient: Gradient = words("central" of
         "central" = Gradient::Central,
@@ -335,6 +514,12 @@ conventions! {
         other("has its light at the eye", |it| it.head_light = true).beside_others(),
     ];
 
+    "parallel_light" = parallel_light: bool = flag(false),
+    "Lets light shine in parallel, from the position of the light towards the centre of the volume.",
+    [
+        other("has light that shines in parallel", |it| it.parallel_light = true).shaded(),
+    ];
+
     "two_sided" = two_sided: bool = flag(false),
     "Turns normals towards the light.",
     [
@@ -351,11 +536,13 @@ conventions! {
         "f64" = Precision::F64,
         "f32" = Precision::F32,
         "f16" = Precision::F16,
+        "u15" = Precision::U15,
         "u8" = Precision::U8
     ),
-    "Numbers that hold the composited colour and opacity of a ray: floating point of 64, 32 or 16 bits, or 8 bits for [0, 1].",
+    "Numbers that hold the composited colour and opacity of a ray: floating point of 64, 32 or 16 bits, or, for [0, 1], 15 bits, rounded up, or 8.",
     [
         other("composites in half precision", |it| it.precision = Precision::F16),
+        other("composites in fixed point of 15 bits", |it| it.precision = Precision::U15),
         other("composites in 8 bits", |it| it.precision = Precision::U8),
     ];
 
@@ -427,6 +614,32 @@ pub enum LastStep {
     Dropped,
 }
 
+/// Length of the steps of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepLength {
+    /// As stated, in the world.
+    World,
+    /// In spacings along the ray, in node coordinates.
+    Voxels,
+    /// In spacings along the axis on which the ray passes nodes fastest.
+    MainAxis,
+    /// In texture coordinates, [0, 1] along each side of the volume.
+    Texture,
+}
+
+/// Steps stretched to fill a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FittedSteps {
+    /// Not stretched.
+    None,
+    /// The nearest whole number.
+    Rounded,
+    /// A whole number, rounded up.
+    Up,
+    /// A whole number, rounded down.
+    Down,
+}
+
 /// Gradient for shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gradient {
@@ -473,14 +686,53 @@ pub enum Precision {
     F32,
     /// 16 bits, IEEE half precision.
     F16,
+    /// 15 bits for [0, 1], rounded up, as of products shifted after half a unit less than one was added.
+    U15,
     /// 8 bits for [0, 1]; values outside are clamped.
     U8,
 }
 
 impl Conventions {
+    /// Each ray has a random number.
+    pub fn is_random(&self) -> bool {
+        self.jitter || self.first_step_jitter
+    }
+
+    /// The steps of a ray have the length of the scene.
+    fn has_stated_steps(&self) -> bool {
+        self.step_length == StepLength::World && self.fitted_steps == FittedSteps::None
+    }
+
+    /// Opacities and colours are stored: in a table or at nodes.
+    fn has_entries(&self) -> bool {
+        self.table_size.is_some() || self.preclassified
+    }
+
+    /// The same with a table of 256 entries, if there is none.
+    fn with_table(mut self) -> Conventions {
+        self.table_size = self.table_size.or(Some(256));
+        self
+    }
+
+    /// The same with a table, if nothing is stored.
+    fn with_entries(self) -> Conventions {
+        if self.has_entries() {
+            self
+        } else {
+            self.with_table()
+        }
+    }
+
     /// Refuses keys without effect beside others.
     fn check(&self, reader: &Reader) -> SceneResult<()> {
         let stored = self.gradient.is_stored();
+        let fitted = self.fitted_steps != FittedSteps::None;
+        const NO_TABLE: &str =
+            "there is no table to look up: give `table_size`, its number of entries";
+        const NO_ENTRIES: &str = "neither a table nor nodes hold opacities and colours: give \
+             `table_size`, or `classification = \"pre\"`";
+        const FITTED: &str =
+            "with `fitted_steps` all steps of a ray are of one length: leave one of them out";
         let contradictions = [
             (
                 "first_sample",
@@ -488,9 +740,68 @@ impl Conventions {
                 "with `jitter` the place of the first sample is random: leave one of them out",
             ),
             (
+                "first_step",
+                self.first_step_jitter,
+                "with `first_step_jitter` the length of the first step is random: leave one of them out",
+            ),
+            (
+                "first_step_jitter",
+                self.first_step_jitter && self.jitter,
+                "`jitter` makes the samples of a ray random already: leave one of them out",
+            ),
+            ("first_step", fitted && self.first_step != 1.0, FITTED),
+            (
+                "first_step_jitter",
+                fitted && self.first_step_jitter,
+                FITTED,
+            ),
+            (
+                "last_step",
+                fitted && self.last_step != LastStep::Exact,
+                FITTED,
+            ),
+            (
+                "last_sample",
+                self.last_sample_on_face && self.last_step != LastStep::Exact,
+                "the last step does not end with the ray: leave `last_step` out",
+            ),
+            (
+                "step_opacity",
+                self.nominal_opacity && self.has_stated_steps(),
+                "steps are of the length stated: give `step_length` or `fitted_steps`",
+            ),
+            (
+                "box",
+                self.voxel_box && self.cell_centred,
+                "with `centring = \"cells\"` values fill the box of the nodes: leave one of them out",
+            ),
+            (
                 "table_lookup",
                 self.nearest_entry && self.table_size.is_none(),
-                "there is no table to look up: give `table_size`, its number of entries",
+                NO_TABLE,
+            ),
+            (
+                "table_place",
+                self.texture_place && self.table_size.is_none(),
+                NO_TABLE,
+            ),
+            ("table_fraction_bits", self.table_size.is_none(), NO_TABLE),
+            (
+                "table_fraction_bits",
+                self.nearest_entry,
+                "the nearest entry is taken, nothing is interpolated: leave one of them out",
+            ),
+            (
+                "opacity_correction",
+                self.corrected_entries && !self.has_entries(),
+                NO_ENTRIES,
+            ),
+            ("colour_bits", !self.has_entries(), NO_ENTRIES),
+            ("opacity_bits", !self.has_entries(), NO_ENTRIES),
+            (
+                "node_colours",
+                self.separate_colours && !self.preclassified,
+                "nodes have no colours: give `classification = \"pre\"`",
             ),
             (
                 "normals",
@@ -501,12 +812,6 @@ impl Conventions {
                 "normal_bits",
                 !stored,
                 "this gradient is not stored at the nodes: leave `normal_bits` out",
-            ),
-            (
-                "table_size",
-                self.preclassified,
-                "with `classification = \"pre\"` nodes are classified without a table: leave \
-                 `table_size` out",
             ),
         ];
         match contradictions

@@ -20,7 +20,8 @@ mod volume;
 
 pub use classified::{Classified, Compositing, Shadow};
 pub use conventions::{
-    ALTERNATIVES, Alternative, CONVENTIONS, Conventions, Gradient, LastStep, LightColour, Precision,
+    ALTERNATIVES, Alternative, CONVENTIONS, Conventions, FittedSteps, Gradient, LastStep,
+    LightColour, Precision, StepLength,
 };
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
-use volref::conventions::{CATALOGUE, ray_caster::RayCaster, under};
+use volref::conventions::{
+    CATALOGUE, FirstSamples, Profile, images_of_first_samples, ray_caster::RayCaster, under,
+};
 use volref::film::Film;
 use volref::judging::Verdict;
 use volref::math::{pow, rng::philox4x32_10};
@@ -15,7 +17,8 @@ use volref::naming::{Agreement, ConventionSearch};
 use volref::render::{Sampling, plans, render};
 use volref::scene::format::Kind;
 use volref::scene::{
-    CONVENTIONS, Classified, Conventions, LastStep, Model, Precision, Scene, Shadow,
+    CONVENTIONS, Classified, Compositing, Conventions, FittedSteps, LastStep, Model, Precision,
+    Scene, Shadow, StepLength,
 };
 use volref::suite::{Case, Suite};
 use volref::variations::mistakes;
@@ -83,6 +86,202 @@ fn steps_and_opacities_of_a_uniform_volume() {
     }
 }
 
+/// Opacity of the ray through `scene` under what `set` makes of volref's conventions, compared with
+/// `transmittance`, counted by hand.
+fn assert_passes(
+    scene: &Classified,
+    transmittance: f64,
+    name: &str,
+    set: impl Fn(&mut Conventions),
+) {
+    let mut conventions = Conventions::default();
+    set(&mut conventions);
+    let [_, opacity] = seen(scene, conventions);
+    assert!(
+        (opacity - (1.0 - transmittance)).abs() < ROUNDING,
+        "{name}: {opacity}, by hand {}",
+        1.0 - transmittance
+    );
+}
+
+/// Steps, boxes and corrections of a uniform volume: spans of length 1, half of the light passes it.
+#[test]
+fn steps_are_fitted_and_opacities_corrected() {
+    let mut scene = scene(|_| 0.5);
+    scene.step = 0.3;
+    let passed = |length: f64| pow(0.5, length);
+    assert_passes(&scene, passed(1.5), "half a voxel beyond", |it| {
+        it.voxel_box = true
+    });
+    assert_passes(&scene, passed(1.0), "first step", |it| it.first_step = 0.25);
+    assert_passes(&scene, passed(1.0), "last sample", |it| {
+        it.last_sample_on_face = true
+    });
+    for (fitted, steps) in [
+        (FittedSteps::Rounded, 3.0),
+        (FittedSteps::Up, 4.0),
+        (FittedSteps::Down, 3.0),
+    ] {
+        assert_passes(&scene, passed(1.0), "fitted", |it| it.fitted_steps = fitted);
+        assert_passes(&scene, passed(0.3 * steps), "fitted, nominal", |it| {
+            (it.fitted_steps, it.nominal_opacity) = (fitted, true)
+        });
+    }
+    // Over a step the opacity is 0.188; the last one is a third of a step.
+    for (least, expected) in [(0.18, 0.5), (0.19, 1.0)] {
+        assert_passes(&scene, expected, "least", |it| it.least_opacity = least);
+    }
+    for (least, expected) in [(0.49, 0.5), (0.51, 1.0)] {
+        assert_passes(&scene, expected, "least stated", |it| {
+            it.least_stated_opacity = least
+        });
+    }
+    assert_passes(&scene, 0.9, "most", |it| it.most_opacity = 0.1);
+    assert_passes(&scene, passed(10.0 / 3.0), "uncorrected", |it| {
+        it.uncorrected_opacity = 0.5
+    });
+    assert_passes(&scene, passed(1.0), "corrected", |it| {
+        it.uncorrected_opacity = 0.49
+    });
+    // A table with an entry at 0.5.
+    let in_table = |it: &mut Conventions| (it.table_size, it.opacity_bits) = (Some(3), Some(8));
+    assert_passes(&scene, 127.0 / 255.0, "rounded before", in_table);
+    assert_passes(
+        &scene,
+        pow(207.0 / 255.0, 10.0 / 3.0),
+        "rounded after",
+        |it| {
+            in_table(it);
+            it.corrected_entries = true;
+        },
+    );
+    scene.compositing = Compositing::EarlyTermination(0.9);
+    assert_passes(&scene, passed(0.3), "ended", |_| ());
+    assert_passes(&scene, 0.0, "ended, opaque", |it| {
+        it.ended_rays_opaque = true
+    });
+}
+
+/// Steps in voxels of a grid whose first axis is stretched: as many as the nodes ask for.
+#[test]
+fn steps_in_voxels() {
+    let mut scene = scene(|_| 0.5);
+    let lattice = Lattice::new([3; 3], DVec3::new(0.5, 0.5, 2.0), DVec3::ZERO).unwrap();
+    scene.grid = Arc::new(Grid::new(lattice, scene.grid.values().to_vec()).unwrap());
+    scene.step = 0.25;
+    // Along the stretched axis half a voxel is a whole unit, of which the volume has four.
+    for step_length in [StepLength::Voxels, StepLength::MainAxis] {
+        let by = |nominal_opacity, transmittance| {
+            assert_passes(&scene, transmittance, "in voxels", |it| {
+                it.step_length = step_length;
+                it.nominal_opacity = nominal_opacity;
+            });
+        };
+        by(false, pow(0.5, 4.0));
+        by(true, pow(0.5, 4.0 * 0.25));
+    }
+}
+
+/// Colours of classified nodes, interpolated with and without their opacities, in few bits.
+#[test]
+fn colours_of_classified_nodes() {
+    let mut scene = scene(|[_, _, k]| [0.0, 1.0, 0.0][k]);
+    let point = |value: f64, opacity: f64, colour: f64| TransferPoint {
+        value,
+        opacity,
+        colour: DVec3::splat(colour),
+    };
+    let points = vec![point(0.0, 0.2, 1.0), point(1.0, 0.6, 0.3)];
+    scene.transfer_function.appearance = Appearance::Points(TransferPoints::new(points).unwrap());
+    // One sample a quarter of the way in.
+    scene.step = 1.0;
+    let seen = |set: fn(&mut Conventions)| {
+        let mut conventions = Conventions {
+            first_sample: 0.25,
+            preclassified: true,
+            ..Conventions::default()
+        };
+        set(&mut conventions);
+        seen(&scene, conventions)
+    };
+    for (name, [red, opacity], expected) in [
+        ("associated", seen(|_| ()), [0.5 * (0.2 + 0.18), 0.4]),
+        (
+            "separate",
+            seen(|it| it.separate_colours = true),
+            [0.4 * 0.65, 0.4],
+        ),
+        (
+            "two bits of opacity",
+            seen(|it| (it.separate_colours, it.opacity_bits) = (true, Some(2))),
+            [0.5 * 0.65, 0.5],
+        ),
+        (
+            "two bits of colour",
+            seen(|it| (it.separate_colours, it.colour_bits) = (true, Some(2))),
+            [0.4 * 2.0 / 3.0, 0.4],
+        ),
+    ] {
+        let expected_opacity = expected[1];
+        assert!((red - expected[0]).abs() < ROUNDING, "{name}: {red}");
+        assert!(
+            (opacity - expected_opacity).abs() < ROUNDING,
+            "{name}: {opacity}"
+        );
+    }
+}
+
+/// Parallel light is light from far away, in shading and in shadows.
+#[test]
+fn parallel_light() {
+    let mut scene = scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
+    scene.phong = Some(PHONG);
+    scene.shadow = Some(Shadow {
+        step: 0.1,
+        reference_step: 1.0,
+    });
+    let centre = scene.grid.lattice().bounds().centre();
+    scene.light = DVec3::new(-0.3, 1.1, -0.4);
+    let parallel = Conventions {
+        parallel_light: true,
+        ..Conventions::default()
+    };
+    let [found, _] = seen(&scene, parallel);
+    assert!((found - seen(&scene, Conventions::default())[0]).abs() > 1e-3);
+    scene.light = centre + (scene.light - centre) * 1e7;
+    let [expected, _] = seen(&scene, Conventions::default());
+    assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+}
+
+/// Bounds and mean over all first samples: a jittered image lies between them.
+#[test]
+fn images_of_all_first_samples() {
+    for random in ["jitter = true", "first_step_jitter = true"] {
+        let image = |line: &str| {
+            let last = format!("[classified.conventions]\nlast_step = 'whole'\n{line}");
+            opaque_scene(&last)
+        };
+        assert!(images_of_first_samples(&image("")).is_none());
+        let scene = image(random);
+        let FirstSamples { lower, upper, mean } = images_of_first_samples(&scene).unwrap();
+        let film = render(&plans(&scene), Sampling::default(), &|| ())
+            .unwrap()
+            .film;
+        let (mut is_wide, mut outside) = (false, 0);
+        for index in 0..64 {
+            let [least, most, mean, value] =
+                [&lower, &upper, &mean, &film].map(|film| film.pixel(index));
+            for channel in 0..4 {
+                let (least, most) = (least[channel], most[channel]);
+                assert!((least..=most).contains(&mean[channel]));
+                is_wide |= most - least > 0.01;
+                outside += usize::from(!(least - 1e-3..=most + 1e-3).contains(&value[channel]));
+            }
+        }
+        assert!(is_wide && outside <= 8, "{random}: {is_wide} {outside}");
+    }
+}
+
 /// Samples of a ramp at the beginning or the end of their steps.
 #[test]
 fn samples_at_the_beginning_and_the_end_of_steps() {
@@ -119,6 +318,16 @@ fn tables() {
     // The nearest of 0, 1/3, 2/3 and 1.
     let [_, opacity] = seen(&scene, table(4, true));
     assert!((opacity - 1.0 / 3.0).abs() < ROUNDING);
+    // Between 0 and 1 as coordinates of a texture of two, and in quarters of an entry.
+    for (value, in_texture, in_quarters) in [(0.2, 0.0, 0.25), (0.4, 0.3, 0.5), (0.9, 1.0, 1.0)] {
+        let scene = self::scene(|_| value);
+        assert_passes(&scene, 1.0 - in_texture, "texture", |it| {
+            (it.table_size, it.texture_place) = (Some(2), true)
+        });
+        assert_passes(&scene, 1.0 - in_quarters, "quarters", |it| {
+            (it.table_size, it.table_fraction_bits) = (Some(2), Some(2))
+        });
+    }
 }
 
 /// Where the transfer function is a straight line, nodes may be classified first; where it is not,
@@ -240,12 +449,26 @@ fn every_value() -> Vec<(String, Conventions, Conventions)> {
         let values: Vec<String> = match key.kind {
             Kind::Choice(words) => words.iter().map(|word| format!("{word:?}")).collect(),
             Kind::Flag => vec!["true".to_owned(), "false".to_owned()],
+            Kind::Number(_) if key.name == "most_opacity" => vec!["0.3".to_owned()],
+            Kind::Number(_) if key.name == "first_step" => {
+                vec!["0.25".to_owned(), "0.75".to_owned()]
+            }
+            Kind::Number(_) if key.name.ends_with("opacity") => {
+                vec!["0.02".to_owned(), "0.05".to_owned()]
+            }
             Kind::Number(_) => vec!["0.0".to_owned(), "1.0".to_owned()],
             Kind::Count(least, _) => vec![(least + 2).to_string(), (least + 14).to_string()],
             _ => panic!("{}: a kind without values here", key.name),
         };
         let without = match key.name {
-            "table_lookup" => "table_size = 16\n",
+            "table_lookup"
+            | "table_place"
+            | "table_fraction_bits"
+            | "colour_bits"
+            | "opacity_bits"
+            | "opacity_correction" => "table_size = 16\n",
+            "node_colours" => "classification = 'pre'\n",
+            "step_opacity" => "fitted_steps = 'rounded'\n",
             _ => "",
         };
         let standard = read(without).unwrap();
@@ -288,7 +511,9 @@ fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
     });
     let mut flat = scene(|_| 0.5);
     flat.phong = Some(PHONG);
-    let mut scenes = vec![bright, shadowed, flat];
+    let mut ended = uneven.clone();
+    ended.compositing = Compositing::EarlyTermination(0.9);
+    let mut scenes = vec![bright, shadowed, flat, ended];
     for corner in 0..8 {
         let side = |axis: usize| if corner >> axis & 1 == 1 { 4.0 } else { -3.0 };
         for mut scene in [uneven.clone(), long.clone()] {
@@ -431,10 +656,28 @@ fn conventions_in_a_scene() {
             "gradient = 'interpolant'\nnormal_bits = 8",
             "not stored at the nodes",
         ),
+        ("table_place = 'texture'", "no table to look up"),
         (
-            "classification = 'pre'\ntable_size = 256",
-            "without a table",
+            "table_size = 9\ntable_lookup = 'nearest'\ntable_fraction_bits = 8",
+            "nothing is interpolated",
         ),
+        (
+            "opacity_correction = 'entries'",
+            "neither a table nor nodes",
+        ),
+        ("colour_bits = 8", "neither a table nor nodes"),
+        ("opacity_bits = 8", "neither a table nor nodes"),
+        ("node_colours = 'separate'", "nodes have no colours"),
+        ("box = 'voxels'\ncentring = 'cells'", "values fill the box"),
+        ("step_opacity = 'nominal'", "of the length stated"),
+        ("fitted_steps = 'up'\nlast_step = 'whole'", "of one length"),
+        ("fitted_steps = 'up'\nfirst_step = 0.5", "of one length"),
+        (
+            "last_step = 'dropped'\nlast_sample = 'face'",
+            "does not end with the ray",
+        ),
+        ("jitter = true\nfirst_step_jitter = true", "random already"),
+        ("first_step = 0.5\nfirst_step_jitter = true", "is random"),
         ("last_step = 'half'", "last_step"),
         ("first_sample = 1.5", "[0, 1]"),
     ] {

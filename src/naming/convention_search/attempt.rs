@@ -29,6 +29,9 @@ const LEAST_GAIN: f64 = 0.1;
 /// for those that do not.
 const MOST_EXPANDED: usize = 12;
 
+/// Expansions after a set under which the image agrees but for rounding: a further convention may leave nothing.
+const EXPANDED_AFTER_ROUNDING: usize = 2;
+
 /// Largest number of sets of an expansion for which the whole image is rendered.
 const MOST_WHOLE: usize = 3;
 
@@ -48,7 +51,24 @@ const MOST_OUTSIDE: f64 = 0.005;
 const MOST_ROUNDED: f64 = 1e-3;
 
 /// Approximate number of pixels of the lattice on which sets are compared.
-const LATTICE: usize = 1024;
+const LATTICE: usize = 576;
+
+/// Expansions after which pairs of choices about the places of samples are tried.
+const EXPANDED_BEFORE_PAIRS: usize = 3;
+
+/// Choices about the places of samples. Samples that are at the right places by one convention of two
+/// are at no right place: neither may leave less alone.
+const PLACES: [&str; 9] = [
+    FIRST_SAMPLE,
+    STEP,
+    "step_length",
+    "fitted_steps",
+    "last_step",
+    "last_sample",
+    "box",
+    "centring",
+    "pixel",
+];
 
 /// The search in the images of one case.
 pub struct Attempt<'a> {
@@ -168,35 +188,62 @@ impl<'a> Attempt<'a> {
         // First none, though others leave less: mistakes and conventions that add up are seen from there.
         self.expand(&[], &mut candidates)?;
         let mut rounded = None;
-        for _ in 1..MOST_EXPANDED {
-            // One expansion more may find the set that leaves nothing.
-            let is_last = rounded.is_some();
+        let mut after_rounding = 0;
+        for expanded in 1..MOST_EXPANDED {
+            if expanded == EXPANDED_BEFORE_PAIRS {
+                let pairs = self.with_pairs_of_places(&candidates);
+                self.render(pairs, &mut candidates)?;
+            }
             match self.agreeing(&mut candidates) {
                 Some(found) if found.1 == Agreement::Full => return Some(found),
                 other => rounded = other.or(rounded),
             }
-            if is_last {
+            after_rounding += usize::from(rounded.is_some());
+            if after_rounding > EXPANDED_AFTER_ROUNDING {
                 break;
             }
-            let open = candidates.iter_mut().filter(|(_, it)| !it.is_expanded);
-            let (set, _) = open.min_by(by_misfit)?;
-            let set = set.clone();
+            let set = next(&candidates)?;
             self.expand(&set, &mut candidates)?;
         }
         rounded
     }
 
-    /// Sets to begin with: none, those of the bundled profiles, and pairs of a first sample and a step. The
-    /// place of a sample is counted in steps: neither of these may leave less alone.
+    /// Sets to begin with: none, and those of the bundled profiles.
     fn starts(&self) -> Vec<ConventionSet> {
         let profiles = Profile::shipped().filter_map(|name| {
             let profile = Profile::named(name).ok()?;
             profile_set(&profile, self.scene)
         });
-        let of = |choice| (0..CATALOGUE.len()).filter(move |&it| CATALOGUE[it].choice == choice);
-        let pairs = of(FIRST_SAMPLE).flat_map(|first| of(STEP).map(move |step| vec![first, step]));
-        let none = std::iter::once(ConventionSet::new());
-        none.chain(profiles).chain(pairs).collect()
+        std::iter::once(ConventionSet::new())
+            .chain(profiles)
+            .collect()
+    }
+
+    /// The best set with each pair of conventions about the [`PLACES`] of samples in place of its own.
+    fn with_pairs_of_places(&self, candidates: &Candidates) -> Vec<ConventionSet> {
+        let best = candidates
+            .iter()
+            .min_by(|a, b| a.1.misfit.mean_square.total_cmp(&b.1.misfit.mean_square));
+        let is_of_places = |&index: &usize| PLACES.contains(&CATALOGUE[index].choice);
+        let others = best.map_or(Vec::new(), |(set, _)| {
+            set.iter()
+                .copied()
+                .filter(|index| !is_of_places(index))
+                .collect()
+        });
+        let places: Vec<usize> = (0..CATALOGUE.len()).filter(is_of_places).collect();
+        let mut sets = Vec::new();
+        for (at, &first) in places.iter().enumerate() {
+            for &second in &places[at + 1..] {
+                if CATALOGUE[first].choice != CATALOGUE[second].choice {
+                    let mut set: ConventionSet = others.clone();
+                    set.extend([first, second]);
+                    set.sort_unstable();
+                    sets.push(set);
+                }
+            }
+        }
+        sets
     }
 
     /// Renders those of `sets` on the lattice that were not. `None` if the time is over.
@@ -342,6 +389,25 @@ fn stated(scene: &Scene) -> Vec<(Conventions, Compositing, f64)> {
     volumes
         .map(|volume| (volume.conventions, volume.compositing, volume.step))
         .collect()
+}
+
+/// The set to expand next: the best of those in which every convention counts, as far as is known. Sets that
+/// differ by one that does not would be as good, one after the other.
+fn next(candidates: &Candidates) -> Option<ConventionSet> {
+    let counts = |set: &ConventionSet, misfit: &Misfit| {
+        (0..set.len()).all(|index| {
+            let mut shorter = set.clone();
+            shorter.remove(index);
+            let known = candidates.get(&shorter);
+            let limit = |it: &Candidate| (1.0 - LEAST_GAIN) * it.misfit.mean_square;
+            known.is_none_or(|it| misfit.mean_square < limit(it))
+        })
+    };
+    let open = candidates
+        .iter()
+        .filter(|(set, it)| !it.is_expanded && counts(set, &it.misfit));
+    let best = open.min_by(|a, b| a.1.misfit.mean_square.total_cmp(&b.1.misfit.mean_square));
+    best.map(|(set, _)| set.clone())
 }
 
 /// The order in which candidates are tried: by what they leave, a convention more for a share of

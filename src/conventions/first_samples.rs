@@ -1,0 +1,79 @@
+//! Images of all places of the first sample of a ray, for renderers that choose it at random.
+
+use super::ray_caster::render;
+use crate::film::Film;
+use crate::scene::{Model, Scene};
+
+/// Places of the first sample, at equal distances, the first and the last a whole step apart.
+const PLACES: u32 = 17;
+
+/// Least and largest value and mean of each channel over all places of the first sample.
+///
+/// An image with jitter has every pixel between `lower` and `upper`, and on average that of `mean`. The
+/// places are seventeen of infinitely many: where a sample enters or leaves the volume between two of them,
+/// the bounds are off by the part of its step that is not seen.
+#[derive(Clone, Debug)]
+pub struct FirstSamples {
+    /// Least values.
+    pub lower: Film,
+    /// Largest values.
+    pub upper: Film,
+    /// Means, by the trapezoid rule.
+    pub mean: Film,
+}
+
+/// The images of `scene` with each place of the first sample in turn; `None` if no ray there has a random
+/// one, or a panel is no classified volume.
+pub fn images_of_first_samples(scene: &Scene) -> Option<FirstSamples> {
+    let is_random = |model: &Model| match model {
+        Model::Classified(volume) => volume.conventions.is_random(),
+        _ => false,
+    };
+    if !scene.panels.iter().any(|panel| is_random(&panel.model)) {
+        return None;
+    }
+    let images: Option<Vec<Film>> = (0..PLACES)
+        .map(|place| image(scene, f64::from(place) / f64::from(PLACES - 1)))
+        .collect();
+    let images = images?;
+    let combined = |value: fn(&mut dyn Iterator<Item = f32>) -> f64| {
+        let pixels = (0..images[0].radiance().len()).map(|index| {
+            let pixels: Vec<[f32; 4]> = images.iter().map(|image| image.pixel(index)).collect();
+            [0, 1, 2, 3].map(|channel| value(&mut pixels.iter().map(|pixel| pixel[channel])) as f32)
+        });
+        Film::with_opacity(images[0].width(), images[0].height(), pixels.collect())
+    };
+    Some(FirstSamples {
+        lower: combined(|values| {
+            values.fold(f64::INFINITY, |least, value| least.min(value.into()))
+        }),
+        upper: combined(|values| {
+            values.fold(f64::NEG_INFINITY, |most, value| most.max(value.into()))
+        }),
+        mean: combined(|values| {
+            let values: Vec<f64> = values.map(f64::from).collect();
+            let ends = 0.5 * (values[0] + values[values.len() - 1]);
+            (values.iter().sum::<f64>() - ends) / f64::from(PLACES - 1)
+        }),
+    })
+}
+
+/// The image of `scene` with every first sample, or first step, at `place`.
+fn image(scene: &Scene, place: f64) -> Option<Film> {
+    let panels = scene.panels.iter().map(|panel| {
+        let Model::Classified(volume) = &panel.model else {
+            return None;
+        };
+        let mut volume = volume.clone();
+        let conventions = &mut volume.conventions;
+        if conventions.jitter {
+            (conventions.jitter, conventions.first_sample) = (false, place);
+        }
+        if conventions.first_step_jitter {
+            (conventions.first_step_jitter, conventions.first_step) = (false, place);
+        }
+        Some(render(&volume, [panel.width, panel.height]))
+    });
+    let panels: Option<Vec<Film>> = panels.collect();
+    Some(Film::side_by_side(&panels?))
+}
