@@ -17,6 +17,7 @@ use volref::render::radiative::path_tracer::PathTracer;
 use volref::render::radiative::sampler::Sampler;
 use volref::render::radiative::scene_context::SceneContext;
 use volref::render::radiative::tracker::{Tracker, TrackerScratch};
+use volref::render::radiative::visibility::Visibility;
 use volref::render::{Counters, Event};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
@@ -455,7 +456,7 @@ fn a_spike_on_the_border_of_two_blocks() {
     for sample in 0..SAMPLES {
         let sampler = Sampler::new(Stream::new(3, 0, sample));
         let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
-        let share = around.visibility(&view, f64::INFINITY, &mut tracker);
+        let share = Visibility(&around).along(&view, f64::INFINITY, &mut tracker);
         moments.add(share.x);
     }
     agrees("spike by ratio tracking", &moments, exact, 0.0);
