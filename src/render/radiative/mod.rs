@@ -9,26 +9,21 @@
 //! |---|---|
 //! | `kernels` | what a plan compiles |
 //! | [`path_tracer`], [`line_of_sight`] | the two renderers |
-//! | [`light_vertices`], [`area_light_scattering`], [`single_scattering`], [`caustics`], [`lights_through_glass`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
+//! | [`variance_reduction`] | samplers of light that paths find rarely |
+//! | [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
 //! | [`visibility`], [`transmittance`], [`scattering_function`], [`shadow_edges`] |
 //! queries of estimators to a scene |
-//! | [`context`], [`specular_chain`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
+//! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
 //! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
-//! | [`media`], [`medium`], [`majorants`], [`surfaces`], [`specular_objects`], [`guiding`] | the media, surfaces and lights of a scene |
+//! | [`media`], [`medium`], [`majorants`], [`surfaces`] | the media, surfaces and lights of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
-pub mod area_light_scattering;
-pub mod caustics;
 pub mod context;
 pub mod direct_light;
 pub mod effects;
 pub mod emission;
 pub mod free_flight;
-pub mod guiding;
 pub(super) mod kernels;
-pub mod light_vertex_shares;
-pub mod light_vertices;
-pub mod lights_through_glass;
 pub mod line_of_sight;
 pub mod majorants;
 pub mod media;
@@ -43,11 +38,10 @@ pub mod segments;
 pub mod shadow_edges;
 pub mod single_scattering;
 pub mod specular;
-pub mod specular_chain;
-pub mod specular_objects;
 pub mod surfaces;
 pub mod tracker;
 pub mod tracking;
 pub mod transmittance;
+pub mod variance_reduction;
 pub mod vertex;
 pub mod visibility;

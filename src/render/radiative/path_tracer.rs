@@ -15,23 +15,23 @@
 //! Sources: Kajiya 1986, "The rendering equation", SIGGRAPH '86; Veach 1997, thesis, ch. 9–11;
 //! Kulla & Fajardo 2012 for lights in media.
 
-use super::area_light_scattering::AreaLightScattering;
-use super::caustics::Caustics;
 use super::context::{PathContext, PreviousBounce, PreviousCollision, Scratch};
 use super::direct_light::{DirectLight, emitted_radiance, weight_of_hit};
 use super::effects::Effects;
 use super::emission::Emission;
 use super::free_flight::{Flight, FreeFlight};
-use super::light_vertices::LightVertices;
-use super::lights_through_glass::LightsThroughGlass;
 use super::sampler::Sampler;
 use super::scattering_function::ScatteringFunction;
 use super::scene_context::{PositionedLight, SceneContext};
 use super::single_scattering::{ScatteringPointSampler, SingleScattering};
 use super::specular::{facing, specular_bounce};
-use super::specular_chain::SpecularChain;
 use super::surfaces::{Intersection, SurfaceIndex};
 use super::transmittance::Transmittance;
+use super::variance_reduction::area_light_scattering::AreaLightScattering;
+use super::variance_reduction::caustics::Caustics;
+use super::variance_reduction::light_vertices::LightVertices;
+use super::variance_reduction::lights_through_glass::LightsThroughGlass;
+use super::variance_reduction::specular_chain::SpecularChain;
 use super::vertex::Vertex;
 use crate::geometry::{Hit, Ray};
 use crate::math::rng::Purpose;

@@ -2,12 +2,12 @@
 //! surfaces.
 
 use super::effects::Effects;
-use super::guiding::{Guide, Technique};
 use super::media::{Set, members};
 use super::medium::Medium;
 use super::sampler::Sampler;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
+use super::variance_reduction::guiding::{Guide, Technique};
 use super::vertex::Vertex;
 use crate::geometry::{Direction, Ray};
 use crate::math::Frame;

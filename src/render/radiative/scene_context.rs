@@ -1,11 +1,11 @@
 //! A scene prepared for rendering.
 
 use super::effects::Effects;
-use super::guiding::Guiding;
-use super::light_vertex_shares::LightVertexShares;
 use super::media::Media;
-use super::specular_objects::SpecularObject;
 use super::surfaces::{Intersection, Surfaces};
+use super::variance_reduction::guiding::Guiding;
+use super::variance_reduction::light_vertex_shares::LightVertexShares;
+use super::variance_reduction::specular_objects::SpecularObject;
 use crate::geometry::{Emitter, EmitterExtent, Ray};
 use crate::optics::Light;
 use crate::render::counters::{Event, Work};

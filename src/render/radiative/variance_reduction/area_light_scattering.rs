@@ -11,17 +11,17 @@
 //! Sources: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in participating
 //! media", Computer Graphics Forum 31, 1519–1528; Veach 1997, thesis, ch. 9.
 
-use super::context::{PathContext, PreviousCollision};
-use super::direct_light::{DirectLight, pdf_of_hit};
-use super::effects::Effects;
-use super::scene_context::SceneContext;
-use super::segments::MediumSegments;
-use super::single_scattering::{ScatteringPointSampler, SingleScattering};
 use crate::geometry::{Direction, Hit, Ray, Span};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::optics::Sides;
 use crate::render::counters::Work;
+use crate::render::radiative::context::{PathContext, PreviousCollision};
+use crate::render::radiative::direct_light::{DirectLight, pdf_of_hit};
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::segments::MediumSegments;
+use crate::render::radiative::single_scattering::{ScatteringPointSampler, SingleScattering};
 use glam::DVec3;
 
 /// Single scattering of the area lights of a scene.

@@ -17,25 +17,27 @@
 //! tracing", EGWR '96; Georgiev et al. 2013, "Joint importance sampling of low-order volumetric
 //! scattering", ACM TOG 32(6), on the square that has no mean.
 
-use super::context::PathContext;
-use super::direct_light::DirectLight;
-use super::effects::Effects;
 use super::light_vertex_shares::LightVertexPlace;
-use super::scattering_function::ScatteringFunction;
-use super::scene_context::{PositionedLight, SceneContext};
-use super::single_scattering::{ScatteringPoint, ScatteringPointSampler, SingleScattering};
-use super::specular::facing;
-use super::surfaces::{Intersection, SurfaceIndex};
-use super::tracker::Tracker;
-use super::transmittance::Transmittance;
-use super::vertex::Vertex;
-use super::visibility::Visibility;
 use crate::geometry::{Direction, Ray, SurfacePoint, length_of};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Cone, Equiangular, power_heuristic, sphere, sphere_pdf};
 use crate::optics::{Light, Material};
 use crate::render::counters::Work;
+use crate::render::radiative::context::PathContext;
+use crate::render::radiative::direct_light::DirectLight;
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scattering_function::ScatteringFunction;
+use crate::render::radiative::scene_context::{PositionedLight, SceneContext};
+use crate::render::radiative::single_scattering::{
+    ScatteringPoint, ScatteringPointSampler, SingleScattering,
+};
+use crate::render::radiative::specular::facing;
+use crate::render::radiative::surfaces::{Intersection, SurfaceIndex};
+use crate::render::radiative::tracker::Tracker;
+use crate::render::radiative::transmittance::Transmittance;
+use crate::render::radiative::vertex::Vertex;
+use crate::render::radiative::visibility::Visibility;
 use glam::DVec3;
 use std::f64::consts::PI;
 

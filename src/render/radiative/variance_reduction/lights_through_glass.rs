@@ -5,16 +5,16 @@
 //! So lights are also looked for along both ways, from the eye on, and what is found is complete: paths
 //! count lights only behind more bounces.
 
-use super::direct_light::emitted_radiance;
-use super::effects::Effects;
-use super::scene_context::SceneContext;
-use super::specular::specular_bounces;
 use super::specular_chain::{Follower, SpecularChain};
-use super::surfaces::{Intersection, SurfaceIndex};
-use super::tracker::Tracker;
-use super::transmittance::Transmittance;
 use crate::geometry::Ray;
 use crate::render::counters::Work;
+use crate::render::radiative::direct_light::emitted_radiance;
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::specular::specular_bounces;
+use crate::render::radiative::surfaces::{Intersection, SurfaceIndex};
+use crate::render::radiative::tracker::Tracker;
+use crate::render::radiative::transmittance::Transmittance;
 use glam::DVec3;
 
 /// Area lights of a scene, seen by way of its mirrors and glass.

@@ -11,22 +11,22 @@
 //!
 //! Source: Veach 1997, thesis, ch. 9, for the weights.
 
-use super::context::PathContext;
-use super::direct_light::emitted_radiance;
-use super::effects::Effects;
-use super::scattering_function::ScatteringFunction;
-use super::scene_context::SceneContext;
-use super::specular::specular_bounce;
 use super::specular_chain::{Follower, SpecularChain};
 use super::specular_objects::SpecularObject;
-use super::surfaces::SurfaceIndex;
-use super::tracker::Tracker;
-use super::transmittance::Transmittance;
-use super::vertex::Vertex;
 use crate::geometry::{Ray, Surface};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::render::counters::{Event, Work};
+use crate::render::radiative::context::PathContext;
+use crate::render::radiative::direct_light::emitted_radiance;
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scattering_function::ScatteringFunction;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::specular::specular_bounce;
+use crate::render::radiative::surfaces::SurfaceIndex;
+use crate::render::radiative::tracker::Tracker;
+use crate::render::radiative::transmittance::Transmittance;
+use crate::render::radiative::vertex::Vertex;
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
