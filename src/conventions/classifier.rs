@@ -1,6 +1,6 @@
 //! Classification: opacity and colour of a value of the field.
 
-use crate::media::{Appearance, TransferFunction};
+use crate::optics::{Appearance, TransferFunction};
 use crate::scene::Classified;
 use crate::volume::{Cell, Grid, Lerp as _, Reconstruction as _};
 use glam::DVec3;

@@ -7,7 +7,7 @@ use super::format::{Key, Kind, Range, Table};
 use super::reader::{Length, Reader};
 use super::volume::VOLUME;
 use crate::geometry::{Camera, length_of};
-use crate::media::{Appearance, Phong, TransferFunction};
+use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::volume::{Grid, Interpolation, Lattice};
 use glam::DVec3;
 use std::sync::Arc;

@@ -8,8 +8,8 @@ use volref::compare::{Conditions, Picture, judge};
 use volref::conventions::{CATALOGUE, ray_caster::RayCaster, under};
 use volref::judging::Verdict;
 use volref::math::pow;
-use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::naming::{Agreement, ConventionSearch};
+use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::render::{Sampling, plans, render};
 use volref::scene::format::Kind;
 use volref::scene::{

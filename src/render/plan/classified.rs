@@ -4,7 +4,7 @@ use super::{
     Approximation, Decisions, Effect, EffectFinding, Estimator, FieldKind, Kernel, Method, Plan,
     RayCasterFeatures, Reason, State,
 };
-use crate::media::{Appearance, Phong};
+use crate::optics::{Appearance, Phong};
 use crate::scene::{Classified, Compositing, Conventions, KeyLines, Panel};
 use crate::volume::Interpolation;
 

@@ -12,7 +12,7 @@ use super::tracking::{MajorantSegment, Majorants, TentativeNumbers, tentative_co
 use super::transmittance::Transmittance;
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
-use crate::media::{emission, source_factor};
+use crate::optics::{emission, source_factor};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 

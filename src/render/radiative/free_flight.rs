@@ -13,7 +13,7 @@ use super::tracking::{RealCollision, Tentative, TentativeNumbers, delta_tracking
 use super::transmittance::Transmittance;
 use crate::geometry::Ray;
 use crate::math::rng::Purpose;
-use crate::media::{self, optical_depth, sampled_channel};
+use crate::optics::{self, optical_depth, sampled_channel};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -142,7 +142,7 @@ impl<E: Effects> FreeFlight<'_, E> {
             passed.absorbing += over(properties.absorbing, length);
         }
         let weight = if E::CHROMATIC {
-            media::escape_weight(*throughput, passed.depth, passed.survived)
+            optics::escape_weight(*throughput, passed.depth, passed.survived)
         } else {
             DVec3::ONE
         };
@@ -162,7 +162,7 @@ impl Passed {
     /// Weight, by channel, of a collision where the extinction is `sigma_t`, without the albedo.
     fn collision_weight<E: Effects>(&self, throughput: DVec3, sigma_t: DVec3) -> DVec3 {
         if E::CHROMATIC {
-            media::collision_weight(throughput, sigma_t, self.depth, self.survived)
+            optics::collision_weight(throughput, sigma_t, self.depth, self.survived)
         } else {
             DVec3::ONE
         }

@@ -13,7 +13,7 @@ use crate::geometry::{Direction, Ray};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::media::{Deflection, Density, Phase};
+use crate::optics::{Deflection, Density, Phase};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::cell::Cell;

@@ -20,8 +20,7 @@ use crate::geometry::{Direction, Ray, Span};
 use crate::math::sampling::{
     Equiangular, LightOnRay, truncated_free_flight_pdf, truncated_optical_distance,
 };
-use crate::media::opacity;
-use crate::optics::{Light, Spot};
+use crate::optics::{Light, Spot, opacity};
 use crate::render::counters::Work;
 use glam::DVec3;
 use std::marker::PhantomData;

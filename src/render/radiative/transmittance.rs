@@ -16,7 +16,7 @@ use super::segments::MediumSegments;
 use super::tracker::Tracker;
 use super::tracking::{Control, Small, ratio_tracking};
 use crate::geometry::{Ray, Solid, Span};
-use crate::media;
+use crate::optics;
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 
@@ -36,9 +36,9 @@ impl<E: Effects> Transmittance<'_, E> {
             // Of media that only absorb, where there are none, on every flight.
             DVec3::ONE
         } else if E::CHROMATIC {
-            DVec3::from_array(depth.to_array().map(media::transmittance))
+            DVec3::from_array(depth.to_array().map(optics::transmittance))
         } else {
-            DVec3::splat(media::transmittance(depth.x))
+            DVec3::splat(optics::transmittance(depth.x))
         }
     }
 

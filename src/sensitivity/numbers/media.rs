@@ -2,7 +2,7 @@
 
 use super::{Number, Quantity, in_radiative};
 use crate::geometry::{Boundary, Placed, Surface, Transform};
-use crate::media::{Asymmetry, Coefficients};
+use crate::optics::{Asymmetry, Coefficients};
 use crate::scene::{Body, Radiative, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;

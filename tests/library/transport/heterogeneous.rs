@@ -9,8 +9,7 @@ use volref::geometry::{Aabb, Boundary, Luminous, Placed, Ray, Shape, Sphere, Tra
 use volref::math::quadrature::integrate;
 use volref::math::rng::Stream;
 use volref::math::{Moments, exp};
-use volref::media::{Coefficients, Density, Field, Homogeneous};
-use volref::optics::{Material, Sides};
+use volref::optics::{Coefficients, Density, Field, Homogeneous, Material, Sides};
 use volref::render::radiative::context::Scratch;
 use volref::render::radiative::effects::{Everything, Only};
 use volref::render::radiative::path_tracer::PathTracer;

@@ -5,8 +5,7 @@ use super::contents::*;
 use super::walks;
 use crate::geometry::{ClosedMesh, Luminous};
 use crate::math::rng::Stream;
-use crate::media::{Density, Phase};
-use crate::optics::Sides;
+use crate::optics::{Density, Phase, Sides};
 use crate::scene::{Body, Panel, Scattering};
 use glam::DVec3;
 
