@@ -12,7 +12,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
-use volref::media::{Density, Field};
+use volref::optics::{Density, Field};
 use volref::render::{Plan, Sampling, render};
 use volref::scene::{Model, Scene};
 use volref::volume::{

@@ -11,7 +11,7 @@ use divan::counter::ItemsCount;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
 use std::time::Instant;
-use volref::media::Coefficients;
+use volref::optics::Coefficients;
 use volref::render::{Effect, Plan, Sampling, render};
 use volref::scene::{Model, Scene};
 

@@ -22,7 +22,7 @@ use volref::cost::effects::{Variant, variants};
 use volref::cost::results::MeanWork;
 use volref::cost::thumbnail;
 use volref::film::Film;
-use volref::media::{Appearance, TransferPoint, TransferPoints};
+use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::render::plan::Effect;
 use volref::render::{Counters, Event, Plan, Sampling, render, render_counted};
 use volref::scene::{Classified, Model, Panel, Radiative, Scene};

@@ -19,11 +19,11 @@
 //! C   = Σ_i a_i · L_i · Π_{j<i} (1 − a_j)       what the eye sees
 //! ```
 //!
-//! With a table of points in place of the formula ([`media::TransferPoints`]), opacity and colour
+//! With a table of points in place of the formula ([`optics::TransferPoints`]), opacity and colour
 //! are read from the table and the factor `d²` is left out: `L_i = shade(colour(d_i)) · v_i`.
 //! As `h` becomes short the sum converges to an integral, which a scene may ask for itself
 //! ([`render::classified::integral`]). The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
-//! [`media::TransferOpacity`], shading in [`media::Phong`], `v` in [`render::classified::volume_shadow`].
+//! [`optics::TransferOpacity`], shading in [`optics::Phong`], `v` in [`render::classified::volume_shadow`].
 //!
 //! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` in
 //! direction `−ω`, up to a surface at distance `s`:
@@ -91,7 +91,6 @@ pub mod hard_cases;
 pub mod judging;
 pub mod known_answers;
 pub mod math;
-pub mod media;
 pub mod naming;
 pub mod optics;
 pub mod reference;

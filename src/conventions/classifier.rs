@@ -1,7 +1,7 @@
 //! Classification: opacity and colour of a value of the field.
 
 use super::opacity::Correction;
-use crate::media::{Appearance, TransferFunction};
+use crate::optics::{Appearance, TransferFunction};
 use crate::scene::Classified;
 use crate::volume::{Cell, Grid, Lerp as _, Reconstruction as _};
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Opacity over a step, from what a transfer function states.
 
-use crate::media::over_length;
+use crate::optics::over_length;
 use crate::scene::{Classified, Conventions};
 
 /// Correction of opacities for the length of steps.

@@ -19,7 +19,7 @@ use crate::film::Film;
 use crate::geometry::{Aabb, Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
-use crate::media::{Appearance, Phong, over_length};
+use crate::optics::{Appearance, Phong, over_length};
 use crate::scene::{Classified, Compositing, Precision};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;

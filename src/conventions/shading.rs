@@ -2,7 +2,7 @@
 
 use crate::geometry::Direction;
 use crate::math::powu;
-use crate::media::Phong;
+use crate::optics::Phong;
 use crate::scene::{Conventions, LightColour};
 use glam::DVec3;
 

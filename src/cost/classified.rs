@@ -2,8 +2,8 @@
 
 use crate::geometry::{Aabb, Ray, Span};
 use crate::math::exp;
-use crate::media::Appearance;
-use crate::media::collocation::{CollocatedLight, Collocation, LocalProperties};
+use crate::optics::Appearance;
+use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
 use crate::render::Counters;
 use crate::render::classified::compositing::{FrontToBack, Layers};
 use crate::render::classified::empty_space::{EmptySpace, Skipping};

@@ -11,8 +11,8 @@ use super::timing::Clock;
 use super::transmittance::{Crossings, MediumOnRay, RayThroughMedia};
 use crate::geometry::Ray;
 use crate::math::exp;
-use crate::media::Field;
-use crate::media::collocation::Collocation;
+use crate::optics::Field;
+use crate::optics::collocation::Collocation;
 use crate::render::Event;
 use crate::render::counters::Work;
 use crate::scene::Classified;
@@ -105,26 +105,10 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
     if !crossings.rays.iter().all(RayThroughMedia::is_through_grids) {
         return None;
     }
-    let parts = || crossings.rays.iter().flat_map(|ray| &ray.parts);
     let right: Vec<f64> = crossings.rays.iter().map(|ray| exp(-ray.depth)).collect();
     let scale = root_mean_square(right.iter().copied());
-    // The grids by medium, coarser.
-    let coarse = |factor: f64, interpolation: Interpolation| {
-        let mut grids: BTreeMap<usize, GridDensity> = BTreeMap::new();
-        for part in parts() {
-            if let Field::Grid(grid) = part.density.field()
-                && !grids.contains_key(&part.medium)
-            {
-                if grid.grid().lattice().centring() == Centring::Cells {
-                    return None;
-                }
-                let grid = Arc::new(coarsened(grid.grid(), factor)?);
-                grids.insert(part.medium, GridDensity::new(grid, interpolation));
-            }
-        }
-        Some((factor, grids))
-    };
-    let all_trilinear = parts().all(|part| match part.density.field() {
+    let mut parts = crossings.rays.iter().flat_map(|ray| &ray.parts);
+    let all_trilinear = parts.all(|part| match part.density.field() {
         Field::Grid(grid) => grid.interpolation() == Interpolation::Trilinear,
         _ => false,
     });
@@ -136,7 +120,7 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
     for (interpolation, is_own, spacings) in interpolations(own) {
         let spacings = spacings.into_iter();
         let grids: Option<Vec<_>> = spacings
-            .map(|factor| coarse(factor, interpolation))
+            .map(|factor| Some((factor, coarser_grids(crossings, factor, interpolation)?)))
             .collect();
         sweeps.push((interpolation, is_own, grids?));
     }
@@ -182,6 +166,27 @@ pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
         &planned,
         &clock,
     ))
+}
+
+/// The grids of the media of `crossings` by medium, with nodes `factor` times as far apart.
+fn coarser_grids(
+    crossings: &Crossings<'_>,
+    factor: f64,
+    interpolation: Interpolation,
+) -> Option<BTreeMap<usize, GridDensity>> {
+    let mut grids = BTreeMap::new();
+    for part in crossings.rays.iter().flat_map(|ray| &ray.parts) {
+        if let Field::Grid(grid) = part.density.field()
+            && !grids.contains_key(&part.medium)
+        {
+            if grid.grid().lattice().centring() == Centring::Cells {
+                return None;
+            }
+            let grid = Arc::new(coarsened(grid.grid(), factor)?);
+            grids.insert(part.medium, GridDensity::new(grid, interpolation));
+        }
+    }
+    Some(grids)
 }
 
 /// The image of `scene`, of `size` pixels in full, from coarser and coarser data, by either

@@ -3,7 +3,7 @@
 use super::results::{EffectPrice, MeanWork};
 use super::thumbnail;
 use super::timing::{Clock, Task};
-use crate::media::{Coefficients, Density, Phase};
+use crate::optics::{Coefficients, Density, Phase};
 use crate::render::{RenderError, Sampling, plans, render, render_counted};
 use crate::scene::{Body, Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;

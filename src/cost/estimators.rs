@@ -8,8 +8,8 @@ use super::timing::{Clock, Task};
 use super::unbiased_ray_marching;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{Moments, exp};
-use crate::media::collocation::{Collocation, LocalProperties};
-use crate::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
+use crate::optics::collocation::{Collocation, LocalProperties};
+use crate::optics::estimators::{delta_tracking_variance, ratio_tracking_variance};
 use crate::render::radiative::sampler::{NumberRow, Sampler};
 use crate::render::radiative::tracking::{
     Control, Effort, Small, TentativeNumbers, delta_tracking, ratio_tracking,

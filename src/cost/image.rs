@@ -12,7 +12,7 @@ use super::timing::Clock;
 use crate::geometry::Ray;
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{exp, ln_1p};
-use crate::media::collocation::{CollocatedLight, Collocation};
+use crate::optics::collocation::{CollocatedLight, Collocation};
 use crate::render::Counters;
 use crate::render::classified::preintegration::Preintegrated;
 use crate::render::classified::steps::Steps;

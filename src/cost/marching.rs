@@ -3,8 +3,8 @@
 //! One of them is the reference renderer's; the others are what people write.
 
 use crate::math::{exp, ln};
-use crate::media::collocation::LocalProperties;
-use crate::media::optical_depth;
+use crate::optics::collocation::LocalProperties;
+use crate::optics::optical_depth;
 use crate::render::classified::steps::Steps;
 use glam::DVec3;
 

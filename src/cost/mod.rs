@@ -1,7 +1,7 @@
 //! Cost of accuracy: sweeps of settings, error against time.
 //!
 //! Each parameter of a scene's approximations is swept from coarse to fine ([`study`]), each against a reference that
-//! carries its own bound ([`collocation`](crate::media::collocation)). [`rules`], [`marching`], [`jitter`], [`estimators`],
+//! carries its own bound ([`collocation`](crate::optics::collocation)). [`rules`], [`marching`], [`jitter`], [`estimators`],
 //! [`unbiased_ray_marching`] and [`preintegration`](crate::render::classified::preintegration) are
 //! what is compared; the reference renderer is one of them. Orders of convergence are judged in [`order`]. What gates are counters and
 //! errors, which repeat to the last bit; wall time is reported ([`timing`]) and never judged.

@@ -4,7 +4,7 @@ use super::estimators::TransmittanceEstimator;
 use super::marching::Scheme;
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
-use super::profile::{BoundedSegment, Profile};
+use super::profile::{BoundedSegment, Extinction, Profile};
 use super::results::{Parameter, Study};
 use super::rules::StepRule;
 use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth, halved};
@@ -13,13 +13,13 @@ use super::timing::Clock;
 use crate::geometry::{Ray, Span};
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{exp, powu};
-use crate::media::collocation::{Collocation, LocalProperties};
-use crate::media::{Density, DensityLine, Field};
+use crate::optics::collocation::{Collocation, LocalProperties};
+use crate::optics::{Density, DensityLine, Field};
 use crate::render::Counters;
 use crate::render::classified::steps::Steps;
 use crate::render::counters::{Event, Uncounted, Work};
 use crate::render::radiative::effects::Everything;
-use crate::render::radiative::media::{Set, members};
+use crate::render::radiative::media::{Media, Set, members};
 use crate::render::radiative::ray_majorants::RayMajorants;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::segments::MediumSegments;
@@ -227,21 +227,7 @@ fn crossing<'s>(
     ray: Ray,
 ) -> Option<RayThroughMedia<'s>> {
     let media = &around.media;
-    let nearest = around.intersect(&ray, &mut Uncounted);
-    let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
-    let mut segments = MediumSegments::default();
-    segments.build::<Everything>(media, &ray, end);
-    // Segments that follow one another, from the first with a heterogeneous medium.
-    let sets = segments.all().iter();
-    let sets = sets.map(|segment| (segment.span, media.heterogeneous(segment.set)));
-    let mut pieces: Vec<(Span, Set)> = sets
-        .skip_while(|(_, set)| *set == 0)
-        .take_while(|(_, set)| *set != 0)
-        .collect();
-    let gap = |pair: &[(Span, Set)]| pair[0].0.far != pair[1].0.near;
-    if let Some(before) = pieces.windows(2).position(gap) {
-        pieces.truncate(before + 1);
-    }
+    let pieces = heterogeneous_pieces(around, &ray);
     let first = pieces.first()?.1;
     let set = pieces.iter().fold(0, |all, (_, set)| all | set);
     // The channel in which most is taken away.
@@ -254,63 +240,16 @@ fn crossing<'s>(
     if sigma[channel] == 0.0 {
         return None;
     }
-    let mut segments = Vec::new();
-    let mut kinks: Vec<f64> = Vec::new();
-    let mut heterogeneous = Vec::new();
-    for (span, set) in &pieces {
-        let majorants = RayMajorants::new(media, *set, &ray, *span, &mut heterogeneous);
-        segments.extend(majorants.map(|segment| BoundedSegment {
-            span: segment.span,
-            low: segment.minorant[channel],
-            high: segment.majorant[channel],
-        }));
-    }
-    let mut integrable = true;
-    let mut parts = Vec::new();
-    let each = pieces.iter();
-    for (piece, index) in each.flat_map(|(span, set)| members(*set).map(move |m| (*span, m))) {
-        let medium = media.medium(index);
-        let density = medium.density.expect("it varies");
-        let Some((line, span)) = density.along(&ray, piece) else {
-            continue;
-        };
-        density.append_kinks(&line, span, &mut kinks);
-        kinks.extend([span.near, span.far]);
-        integrable &= density.is_integrable();
-        if !density.is_integrable() {
-            let cut = |index: usize| span.near + span.length() * index as f64 / PIECES as f64;
-            kinks.extend((1..PIECES).map(cut));
-        }
-        parts.push(MediumOnRay {
-            medium: index,
-            sigma: medium.sigma_t()[channel],
-            density,
-            line,
-            span,
-        });
-    }
-    // As many lookups at every place, or a number that is not known.
-    let densities = if pieces.iter().all(|(_, set)| *set == first) {
-        members(first).count()
-    } else {
-        0
-    };
-    let extinction = move |t: f64, lookups: &mut u64| {
-        let inside = pieces
-            .iter()
-            .find(|(span, _)| span.near <= t && t <= span.far);
-        let set = inside.map_or(0, |(_, set)| *set);
-        members(set).fold(0.0, |sum, index| {
-            let medium = media.medium(index);
-            let density = medium.density.expect("it varies");
-            sum + medium.sigma_t()[channel] * density.at(ray.at(t), lookups)
-        })
-    };
+    let (parts, kinks) = media_on_ray(media, &pieces, &ray, channel);
     let profile = Profile {
-        segments,
-        extinction: Box::new(extinction),
+        segments: bounded_segments(media, &pieces, &ray, channel),
         kinks,
-        densities,
+        // As many lookups at every place, or a number that is not known.
+        densities: match pieces.iter().all(|(_, set)| *set == first) {
+            true => members(first).count(),
+            false => 0,
+        },
+        extinction: extinction(media, pieces, ray, channel),
     };
     let mut crossing = RayThroughMedia {
         pixel,
@@ -319,7 +258,11 @@ fn crossing<'s>(
         depth_error: 0.0,
         parts,
     };
-    if integrable {
+    if crossing
+        .parts
+        .iter()
+        .all(|part| part.density.is_integrable())
+    {
         crossing.depth = crossing.depth_by_integrals(&mut 0);
         // A sum of some hundred terms, compensated.
         crossing.depth_error = crossing.depth * 1e-15;
@@ -332,6 +275,99 @@ fn crossing<'s>(
         (crossing.depth, crossing.depth_error) = (light.depth, light.depth_error);
     }
     Some(crossing)
+}
+
+/// Segments of `ray` that follow one another, from the first with a heterogeneous medium on, and
+/// the heterogeneous media there.
+fn heterogeneous_pieces(around: &SceneContext<'_, Everything>, ray: &Ray) -> Vec<(Span, Set)> {
+    let media = &around.media;
+    let nearest = around.intersect(ray, &mut Uncounted);
+    let end = nearest.map_or(f64::INFINITY, |nearest| nearest.hit.t);
+    let mut segments = MediumSegments::default();
+    segments.build::<Everything>(media, ray, end);
+    let sets = segments.all().iter();
+    let sets = sets.map(|segment| (segment.span, media.heterogeneous(segment.set)));
+    let mut pieces: Vec<(Span, Set)> = sets
+        .skip_while(|(_, set)| *set == 0)
+        .take_while(|(_, set)| *set != 0)
+        .collect();
+    let gap = |pair: &[(Span, Set)]| pair[0].0.far != pair[1].0.near;
+    if let Some(before) = pieces.windows(2).position(gap) {
+        pieces.truncate(before + 1);
+    }
+    pieces
+}
+
+/// Segments of `ray` over `pieces`, with bounds on the extinction in `channel`.
+fn bounded_segments(
+    media: &Media<'_>,
+    pieces: &[(Span, Set)],
+    ray: &Ray,
+    channel: usize,
+) -> Vec<BoundedSegment> {
+    let mut segments = Vec::new();
+    let mut heterogeneous = Vec::new();
+    for (span, set) in pieces {
+        let majorants = RayMajorants::new(media, *set, ray, *span, &mut heterogeneous);
+        segments.extend(majorants.map(|segment| BoundedSegment {
+            span: segment.span,
+            low: segment.minorant[channel],
+            high: segment.majorant[channel],
+        }));
+    }
+    segments
+}
+
+/// The media of `pieces` on `ray`, and the points between which their densities are smooth.
+fn media_on_ray<'s>(
+    media: &'s Media<'s>,
+    pieces: &[(Span, Set)],
+    ray: &Ray,
+    channel: usize,
+) -> (Vec<MediumOnRay<'s>>, Vec<f64>) {
+    let (mut parts, mut kinks) = (Vec::new(), Vec::new());
+    let each = pieces.iter();
+    for (piece, index) in each.flat_map(|(span, set)| members(*set).map(move |m| (*span, m))) {
+        let medium = media.medium(index);
+        let density = medium.density.expect("it varies");
+        let Some((line, span)) = density.along(ray, piece) else {
+            continue;
+        };
+        density.append_kinks(&line, span, &mut kinks);
+        kinks.extend([span.near, span.far]);
+        if !density.is_integrable() {
+            let cut = |index: usize| span.near + span.length() * index as f64 / PIECES as f64;
+            kinks.extend((1..PIECES).map(cut));
+        }
+        parts.push(MediumOnRay {
+            medium: index,
+            sigma: medium.sigma_t()[channel],
+            density,
+            line,
+            span,
+        });
+    }
+    (parts, kinks)
+}
+
+/// Extinction of the media of `pieces` along `ray`, in `channel`.
+fn extinction<'s>(
+    media: &'s Media<'s>,
+    pieces: Vec<(Span, Set)>,
+    ray: Ray,
+    channel: usize,
+) -> Extinction<'s> {
+    Box::new(move |t, lookups| {
+        let inside = pieces
+            .iter()
+            .find(|(span, _)| span.near <= t && t <= span.far);
+        let set = inside.map_or(0, |(_, set)| *set);
+        members(set).fold(0.0, |sum, index| {
+            let medium = media.medium(index);
+            let density = medium.density.expect("it varies");
+            sum + medium.sigma_t()[channel] * density.at(ray.at(t), lookups)
+        })
+    })
 }
 
 /// Transmittance of the rays of `crossings`, by rule, jitter and chance; random numbers from

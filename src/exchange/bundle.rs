@@ -9,7 +9,7 @@ mod plot;
 mod volume;
 
 use super::{Export, Format, Refusal};
-use crate::media::{TransferPoint, TransferPoints};
+use crate::optics::{TransferPoint, TransferPoints};
 use crate::render::classified::curve::PlotLayout;
 use crate::scene::{Conventions, Model, Panel, Scene};
 use crate::volume::Grid;

@@ -1,6 +1,6 @@
 //! Mixtures: several media at one place.
 
-use crate::media::{Homogeneous, Phase};
+use crate::optics::{Homogeneous, Phase};
 use glam::DVec3;
 
 /// Homogeneous media that add up.

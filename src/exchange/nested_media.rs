@@ -10,7 +10,7 @@ use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::view::is_parallel;
 use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface, Transform};
-use crate::media::{Coefficients, Field, Homogeneous};
+use crate::optics::{Coefficients, Field, Homogeneous};
 use crate::scene::{Body, Radiative};
 use crate::volume::{DensityField, GridDensity};
 use glam::DVec3;

@@ -7,7 +7,7 @@ use crate::film::Film;
 use crate::geometry::{Aabb, Span};
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{self, Moments, Sum};
-use crate::media::{Asymmetry, Field, opacity, source_factor};
+use crate::optics::{Asymmetry, Field, opacity, source_factor};
 use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::counters::Uncounted;

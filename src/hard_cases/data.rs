@@ -8,8 +8,8 @@ use crate::geometry::{Camera, Direction, Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::rng::Stream;
 use crate::math::{Moments, Sum, exp, exp_m1, ln, ln_1p, log2};
-use crate::media::estimators::ratio_tracking_variance;
-use crate::media::{Phong, optical_depth, transmittance};
+use crate::optics::estimators::ratio_tracking_variance;
+use crate::optics::{Phong, optical_depth, transmittance};
 use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::empty_space::NoSkipping;
 use crate::render::classified::field::GridField;
@@ -23,6 +23,7 @@ use crate::render::radiative::effects::Everything;
 use crate::render::radiative::sampler::Sampler;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::tracker::{Tracker, TrackerScratch};
+use crate::render::radiative::visibility::Visibility;
 use crate::render::{Effect, Event, Plan, Sampling, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
@@ -204,7 +205,9 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
         let mut work = Uncounted;
         let sampler = Sampler::new(Stream::new(3, 0, sample));
         let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
-        around.visibility(&view, f64::INFINITY, &mut tracker).x
+        Visibility(&around)
+            .along(&view, f64::INFINITY, &mut tracker)
+            .x
     });
     margin.sampled("by ratio tracking", &Moments::from_iter(by_ratio), right);
     let [by_delta, ..] = sampled(&scene, Some(0), SAMPLES, view);

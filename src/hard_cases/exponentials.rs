@@ -5,7 +5,7 @@ use super::margin::Margin;
 use super::scenes::*;
 use crate::geometry::Span;
 use crate::math::Sum;
-use crate::media::{opacity, optical_depth, transmittance};
+use crate::optics::{opacity, optical_depth, transmittance};
 use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::{Event, Plan};

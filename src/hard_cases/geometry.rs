@@ -8,8 +8,7 @@ use crate::geometry::{
     Solid, Span, Surface, Transform,
 };
 use crate::math::sampling;
-use crate::media::{Field, optical_depth, transmittance};
-use crate::optics::{Light, Point};
+use crate::optics::{Field, Light, Point, optical_depth, transmittance};
 use crate::scene::Radiative;
 use crate::volume::{Blob, Walk};
 use glam::DVec3;

@@ -3,8 +3,8 @@
 use super::margin::{Margin, U};
 use super::scenes::{ray, unit_box};
 use crate::math::sampling::{free_flight, optical_distance};
-use crate::media::emission::constant_emission;
-use crate::media::{
+use crate::optics::emission::constant_emission;
+use crate::optics::{
     Asymmetry, Coefficients, HenyeyGreenstein, collision_weight, escape_weight, opacity,
     optical_depth, over_length, source_factor, transmittance,
 };

@@ -13,8 +13,7 @@ use crate::math::sampling::{
     truncated_free_flight_pdf, truncated_optical_distance,
 };
 use crate::math::{Frame, Moments, Sum, atan2, cos, pow, sin};
-use crate::media::{Asymmetry, Deflection, opacity};
-use crate::optics::{Light, Material, Point, Spot};
+use crate::optics::{Asymmetry, Deflection, Light, Material, Point, Spot, opacity};
 use crate::render::RenderError;
 use crate::scene::{Body, Object, Radiative, Scattering};
 use crate::volume::{GridDensity, Interpolation};

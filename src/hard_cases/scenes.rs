@@ -5,7 +5,7 @@ use crate::film::Film;
 use crate::geometry::{Aabb, Boundary, Camera, Ray, Sphere};
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
-use crate::media::{
+use crate::optics::{
     Appearance, Asymmetry, Coefficients, Colormap, Density, Field, Homogeneous, Phase, Phong,
     TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };

@@ -17,7 +17,7 @@ use super::requirements::{
     absorbing, dark, only_medium, require, without_lights, without_surfaces,
 };
 use crate::math::quadrature::Integral;
-use crate::media::Field;
+use crate::optics::Field;
 use crate::scene::Radiative;
 use crate::volume::{Centring, GridDensity, Interpolation};
 use glam::DVec3;

@@ -3,8 +3,7 @@
 use super::requirements::{any_order, dark, isotropic, only_homogeneous, require, without_lights};
 use crate::geometry::{Aabb, Boundary, Emitter, Luminous, Ray, Rectangle, Shape, Surface};
 use crate::math::quadrature::Integral;
-use crate::media::Coefficients;
-use crate::optics::{Material, Sides};
+use crate::optics::{Coefficients, Material, Sides};
 use crate::scene::Radiative;
 use glam::DVec3;
 

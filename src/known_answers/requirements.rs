@@ -1,6 +1,6 @@
 //! Parts that a scene has to have for a formula, or must not have.
 
-use crate::media::{Coefficients, Homogeneous, Phase};
+use crate::optics::{Coefficients, Homogeneous, Phase};
 use crate::scene::{Body, Radiative, Scattering};
 use glam::DVec3;
 

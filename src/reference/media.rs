@@ -1,7 +1,7 @@
 //! Media along a ray.
 
 use crate::geometry::{Ray, Solid, Span, Surface};
-use crate::media::Phase;
+use crate::optics::Phase;
 use crate::scene::Body;
 use glam::DVec3;
 

@@ -40,7 +40,7 @@
 use crate::film::Film;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
-use crate::media::{Appearance, over_length};
+use crate::optics::{Appearance, over_length};
 use crate::scene::{Classified, Compositing};
 use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _, relative_gradients};
 use glam::DVec3;

@@ -4,7 +4,7 @@ use super::random::Random;
 use crate::geometry::{Direction, Hit, Ray, SurfacePoint};
 use crate::math::Frame;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::media::{Deflection, Phase};
+use crate::optics::{Deflection, Phase};
 use glam::DVec3;
 
 /// A collision in a medium, or a point of a diffuse surface.

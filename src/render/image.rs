@@ -202,37 +202,33 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
         stopped: job.stopped,
         progress: job.progress,
     };
-    // Those of the film: the panel may have more.
-    let width = job.detail.columns(panel.width).len();
-    let height = job.detail.rows(panel.height).len();
-    let origin = RowOrigin {
-        width,
+    let part = PanelPart {
+        width: job.detail.columns(panel.width).len(),
+        height: job.detail.rows(panel.height).len(),
         first_row: job.detail.first_row(),
     };
-    let finished = |pixels: usize| {
-        if pixels == width * height {
-            Ok(())
-        } else {
-            Err(RenderError::Stopped)
-        }
-    };
     let mut error = None;
-    let (pixels, work) = match plan.kernel {
+    let (film, work) = match plan.kernel {
         Kernel::Curve(plot) => {
             let drawn = curve::draw(plot, [panel.width, panel.height], job.progress);
-            (pixels.those_rendered(&drawn), W::default())
+            let drawn = pixels.those_rendered(&drawn);
+            (part.film(drawn)?, W::default())
         }
-        Kernel::Background(scene) => (background(scene, &pixels), W::default()),
-        Kernel::RayCaster { scene, features } => ray_caster::cast(scene, features, &pixels),
-        Kernel::Conventional(scene) => conventional::cast(scene, &pixels),
+        Kernel::Background(scene) => (part.film(background(scene, &pixels))?, W::default()),
+        Kernel::RayCaster { scene, features } => {
+            let (cast, work) = ray_caster::cast(scene, features, &pixels);
+            (part.film(cast)?, work)
+        }
+        Kernel::Conventional(scene) => {
+            let (cast, work) = conventional::cast(scene, &pixels);
+            (part.film(cast)?, work)
+        }
         Kernel::Integral(scene) => {
-            let (pixels, work) = integral::integrate(scene, &pixels);
-            error = Some(
-                pixels
-                    .iter()
-                    .fold(0.0, |most: f64, pixel| most.max(pixel.1)),
-            );
-            (pixels.into_iter().map(|pixel| pixel.0).collect(), work)
+            let (integrals, work) = integral::integrate(scene, &pixels);
+            let errors = integrals.iter().map(|pixel| pixel.1);
+            error = Some(errors.fold(0.0, f64::max));
+            let values = integrals.into_iter().map(|pixel| pixel.0);
+            (part.film(values.collect())?, work)
         }
         Kernel::LineOfSight {
             scene,
@@ -246,11 +242,9 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
                 pixels: &pixels,
                 work: PhantomData,
             };
-            let (pixels, work) = with_features(features, task);
-            finished(pixels.len())?;
-            let pixels = without_faults(scene, origin, pixels)?;
-            let film = Film::new(width, height, pixels);
-            return Ok(PanelImage { film, work, error });
+            let (radiance, work) = with_features(features, task);
+            let radiance = part.without_faults(scene, part.finished(radiance)?)?;
+            (Film::new(part.width, part.height, radiance), work)
         }
         Kernel::PathTracer {
             scene,
@@ -265,16 +259,12 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
                 pixels: &pixels,
                 work: PhantomData,
             };
-            let samples = pixels.samples;
-            let (pixels, work) = with_features(features, task);
-            finished(pixels.len())?;
-            let pixels = without_faults(scene, origin, pixels)?;
-            let film = Film::of_moments([width, height], &pixels, samples);
-            return Ok(PanelImage { film, work, error });
+            let (moments, work) = with_features(features, task);
+            let moments = part.without_faults(scene, part.finished(moments)?)?;
+            let size = [part.width, part.height];
+            (Film::of_moments(size, &moments, pixels.samples), work)
         }
     };
-    finished(pixels.len())?;
-    let film = Film::with_opacity(width, height, pixels);
     Ok(PanelImage { film, work, error })
 }
 
@@ -283,48 +273,67 @@ fn has_points(scene: &Radiative) -> bool {
     scene.lights.iter().any(|light| light.position().is_some())
 }
 
-/// Where the pixels of a part of an image are in it.
+/// The part of a panel that is rendered.
 #[derive(Clone, Copy)]
-struct RowOrigin {
-    /// Pixels in a row.
+struct PanelPart {
+    /// Pixels in a row: those of the film, the panel may have more.
     width: usize,
+    /// Rows.
+    height: usize,
     /// From the top of the image.
     first_row: usize,
 }
 
-/// The pixels of a part of an image, or the error of the first without a radiance, if any.
-fn without_faults<P>(
-    scene: &Radiative,
-    origin: RowOrigin,
-    pixels: Vec<Result<P, PathFault>>,
-) -> Result<Vec<P>, RenderError> {
-    let faults = || {
-        let faults = pixels.iter().enumerate();
-        faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
-    };
-    let Some((index, fault)) = faults().next() else {
-        return Ok(pixels.into_iter().flatten().collect());
-    };
-    let column = index % origin.width;
-    let row = origin.first_row + index / origin.width;
-    Err(match fault {
-        PathFault::Endless => RenderError::Endless { column, row },
-        PathFault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
-        PathFault::Infinite => RenderError::TooBright { column, row },
-        PathFault::Majorant(_) => RenderError::Majorant {
-            violations: faults()
-                .map(|(_, fault)| fault)
-                // Of the pixels behind one without an end, chance decides which are traced.
-                .take_while(|fault| *fault != PathFault::Endless)
-                .map(|fault| match fault {
-                    PathFault::Majorant(violations) => violations,
-                    PathFault::Infinite | PathFault::Endless => 0,
-                })
-                .sum(),
-            column,
-            row,
-        },
-    })
+impl PanelPart {
+    /// All of `pixels`, or the error of a rendering that was stopped before.
+    fn finished<P>(self, pixels: Vec<P>) -> Result<Vec<P>, RenderError> {
+        if pixels.len() == self.width * self.height {
+            Ok(pixels)
+        } else {
+            Err(RenderError::Stopped)
+        }
+    }
+
+    /// The film of radiance and opacity.
+    fn film(self, pixels: Vec<[f32; 4]>) -> Result<Film, RenderError> {
+        let pixels = self.finished(pixels)?;
+        Ok(Film::with_opacity(self.width, self.height, pixels))
+    }
+
+    /// The pixels, or the error of the first without a radiance, if any.
+    fn without_faults<P>(
+        self,
+        scene: &Radiative,
+        pixels: Vec<Result<P, PathFault>>,
+    ) -> Result<Vec<P>, RenderError> {
+        let faults = || {
+            let faults = pixels.iter().enumerate();
+            faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
+        };
+        let Some((index, fault)) = faults().next() else {
+            return Ok(pixels.into_iter().flatten().collect());
+        };
+        let column = index % self.width;
+        let row = self.first_row + index / self.width;
+        Err(match fault {
+            PathFault::Endless => RenderError::Endless { column, row },
+            PathFault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
+            PathFault::Infinite => RenderError::TooBright { column, row },
+            PathFault::Majorant(_) => RenderError::Majorant {
+                violations: faults()
+                    .map(|(_, fault)| fault)
+                    // Of the pixels behind one without an end, chance decides which are traced.
+                    .take_while(|fault| *fault != PathFault::Endless)
+                    .map(|fault| match fault {
+                        PathFault::Majorant(violations) => violations,
+                        PathFault::Infinite | PathFault::Endless => 0,
+                    })
+                    .sum(),
+                column,
+                row,
+            },
+        })
+    }
 }
 
 fn background(scene: &Classified, pixels: &Pixels<'_>) -> Vec<[f32; 4]> {
@@ -421,8 +430,9 @@ mod tests {
     }
 
     /// The rows from the sixth on.
-    fn at(width: usize) -> RowOrigin {
-        RowOrigin {
+    fn at(width: usize) -> PanelPart {
+        PanelPart {
+            height: 0,
             width,
             first_row: 5,
         }
@@ -439,14 +449,14 @@ mod tests {
             row: 6,
         });
         assert_eq!(
-            without_faults(&scene(vec![]), at(3), pixels.clone()),
+            at(3).without_faults(&scene(vec![]), pixels.clone()),
             expected
         );
         // Whether what comes after a path without an end is traced is left to chance.
         pixels[6] = Err(PathFault::Endless);
         pixels[7] = Err(PathFault::Majorant(1));
         assert_eq!(
-            without_faults(&scene(vec![]), at(3), pixels.clone()),
+            at(3).without_faults(&scene(vec![]), pixels.clone()),
             expected
         );
     }
@@ -456,7 +466,7 @@ mod tests {
         let pixels = vec![Ok(()), Err(PathFault::Infinite)];
         let (column, row) = (1, 5);
         assert_eq!(
-            without_faults(&scene(vec![]), at(2), pixels.clone()),
+            at(2).without_faults(&scene(vec![]), pixels.clone()),
             Err(RenderError::TooBright { column, row })
         );
         let lamp = Light::Point(Point {
@@ -464,7 +474,7 @@ mod tests {
             intensity: DVec3::ONE,
         });
         assert_eq!(
-            without_faults(&scene(vec![lamp]), at(2), pixels),
+            at(2).without_faults(&scene(vec![lamp]), pixels),
             Err(RenderError::Divergent { column, row })
         );
     }

@@ -10,7 +10,7 @@ use super::radiative::scene_context::SceneContext;
 use super::radiative::{effects::Everything, segments::MediumSegments};
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
-use crate::media::{Density, Field};
+use crate::optics::{Density, Field};
 use crate::scene::{Classified, Compositing, Panel, Radiative, Sampling};
 use crate::volume::{GridDensity, Interpolation};
 use rayon::prelude::*;

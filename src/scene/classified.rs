@@ -4,10 +4,11 @@ use super::SceneResult;
 use super::camera::View;
 use super::conventions::{CONVENTIONS, Conventions};
 use super::format::{Key, Kind, Range, Table};
-use super::reader::{Length, Reader};
+use super::length::Length;
+use super::reader::Reader;
 use super::volume::VOLUME;
 use crate::geometry::{Camera, length_of};
-use crate::media::{Appearance, Phong, TransferFunction};
+use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::volume::{Grid, Interpolation, Lattice};
 use glam::DVec3;
 use std::sync::Arc;
@@ -137,37 +138,17 @@ impl Classified {
             "nearest" => Interpolation::Nearest,
             _ => Interpolation::Trilinear,
         };
-        let compositing = reader.text("compositing")?;
-        let continuous = compositing == CONTINUOUS;
+        let order = reader.text("compositing")?;
+        let continuous = order == CONTINUOUS;
         if continuous {
             without_samples(reader, interpolation)?;
         }
-        let compositing = match compositing.as_str() {
-            "back-to-front" => Compositing::BackToFront,
-            _ => Compositing::FrontToBack,
-        };
-        let compositing = match (reader.optional_number("early_termination")?, compositing) {
-            (None, compositing) => compositing,
-            (Some(below), Compositing::FrontToBack) => Compositing::EarlyTermination(below),
-            (Some(_), _) => {
-                let message = "back to front, a ray cannot be ended early: the sample nearest to \
-                the eye comes last";
-                return Err(reader.error("early_termination", message));
-            }
-        };
+        let compositing = read_compositing(reader, &order)?;
         let step = step_length(reader, "step", &lattice)?;
         let background = reader.vector("background")?;
 
         let View { camera, target } = View::framing(camera_reader, &lattice.bounds(), aspect)?;
-        let light = reader.table_or_default("light")?;
-        let light = light.vector_or("position", || above(&camera, target))?;
-        if !light.is_finite() {
-            let message = "the target is so far away that the default light, as high above the \
-            eye, would overflow";
-            let help = "move `target` nearer, along the same direction, or give \
-                        `classified.light.position`";
-            return Err(camera_reader.mistake("target", message, help));
-        }
+        let light = read_light(reader, camera_reader, &camera, target)?;
 
         let phong = reader
             .table("phong")?
@@ -389,6 +370,42 @@ fn checked_step(step: Length, lattice: &Lattice) -> Result<f64, String> {
 fn step_length(reader: &Reader, name: &str, lattice: &Lattice) -> SceneResult<f64> {
     let step = reader.length(name)?;
     checked_step(step, lattice).map_err(|message| reader.error(name, message))
+}
+
+/// The order of compositing named `order`, and its early termination.
+fn read_compositing(reader: &Reader, order: &str) -> SceneResult<Compositing> {
+    let compositing = match order {
+        "back-to-front" => Compositing::BackToFront,
+        _ => Compositing::FrontToBack,
+    };
+    match (reader.optional_number("early_termination")?, compositing) {
+        (None, compositing) => Ok(compositing),
+        (Some(below), Compositing::FrontToBack) => Ok(Compositing::EarlyTermination(below)),
+        (Some(_), _) => {
+            let message = "back to front, a ray cannot be ended early: the sample nearest to \
+                the eye comes last";
+            Err(reader.error("early_termination", message))
+        }
+    }
+}
+
+/// The position of the light: above the eye, if the scene states none.
+fn read_light(
+    reader: &Reader,
+    camera_reader: &Reader,
+    camera: &Camera,
+    target: DVec3,
+) -> SceneResult<DVec3> {
+    let light = reader.table_or_default("light")?;
+    let light = light.vector_or("position", || above(camera, target))?;
+    if !light.is_finite() {
+        let message = "the target is so far away that the default light, as high above the \
+            eye, would overflow";
+        let help = "move `target` nearer, along the same direction, or give \
+                    `classified.light.position`";
+        return Err(camera_reader.mistake("target", message, help));
+    }
+    Ok(light)
 }
 
 fn read_phong(reader: &Reader) -> SceneResult<Phong> {

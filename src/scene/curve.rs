@@ -4,7 +4,7 @@ use super::SceneResult;
 use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
 use super::transfer_function::OpacityByValue;
-use crate::media::{TransferOpacity, TransferPoints};
+use crate::optics::{TransferOpacity, TransferPoints};
 
 /// The declaration of `[curve]`.
 pub(super) const CURVE: Table = Table::new("A plot of the transfer function: transparency T(d) and opacity 1 − T(d) over density d; of a table of points, opacity over value with the colours below.").keys(&[

@@ -13,7 +13,7 @@ use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_
 use super::{Classified, Curve, Radiative, SceneError, SceneResult};
 use crate::files::regular_file;
 use crate::geometry::Camera;
-use crate::media::Field;
+use crate::optics::Field;
 use crate::volume::{Grid, volume_format};
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -4,7 +4,7 @@ use super::format::{Key, Kind, Range as Domain};
 use super::reader::{Document, Origin, Reading};
 use super::{SceneError, SceneResult};
 use crate::files::misspelling::nearest;
-use crate::media::{Asymmetry, Coefficients};
+use crate::optics::{Asymmetry, Coefficients};
 use crate::volume::{FractalDensity, FractalParameters, MOST_OCTAVES};
 use glam::DVec3;
 use roxmltree::{Error, Node, ParsingOptions};

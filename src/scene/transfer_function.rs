@@ -3,7 +3,7 @@
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
-use crate::media::{
+use crate::optics::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
 use crate::volume::Lattice;

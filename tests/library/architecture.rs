@@ -367,12 +367,12 @@ fn names(code: &str, function: &str) -> bool {
 }
 
 /// Functions that compute nothing: a test observes by them what has been made.
-const OBSERVED: &[(&str, &str)] = &[("media/density.rs", "bytes_of_blocks")];
+const OBSERVED: &[(&str, &str)] = &[("optics/density.rs", "bytes_of_blocks")];
 
 /// Known answers and hard cases ask the functions that render: one that only they named would
 /// prove nothing about an image.
 #[test]
-fn no_function_of_media_and_sampling_is_there_for_tests_alone() {
+fn no_function_of_optics_and_sampling_is_there_for_tests_alone() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let files = rust_files(&source).into_iter().filter_map(|path| {
         let relative = path.strip_prefix(&source).unwrap().display().to_string();
@@ -382,7 +382,7 @@ fn no_function_of_media_and_sampling_is_there_for_tests_alone() {
         (!tests).then_some((relative, code))
     });
     let files: Vec<_> = files.collect();
-    let held = |file: &str| file.starts_with("media/") || file.starts_with("math/sampling/");
+    let held = |file: &str| file.starts_with("optics/") || file.starts_with("math/sampling/");
     let mut checked = 0;
     let mut unused = Vec::new();
     for (file, code) in files.iter().filter(|(file, _)| held(file)) {

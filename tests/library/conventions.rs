@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
 use volref::conventions::{
-    CATALOGUE, FirstSamples, Profile, images_of_first_samples, ray_caster::RayCaster, under,
+    CATALOGUE, FirstSamples, images_of_first_samples, ray_caster::RayCaster, under,
 };
 use volref::film::Film;
 use volref::judging::Verdict;
 use volref::math::{pow, rng::philox4x32_10};
-use volref::media::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::naming::{Agreement, ConventionSearch};
+use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::render::{Sampling, plans, render};
 use volref::scene::format::Kind;
 use volref::scene::{

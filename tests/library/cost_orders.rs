@@ -22,7 +22,7 @@ use volref::cost::{Options, cost};
 use volref::geometry::{Ray, Span};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{cos, exp, sin};
-use volref::media::collocation::{Collocation, LocalProperties};
+use volref::optics::collocation::{Collocation, LocalProperties};
 use volref::render::classified::steps::Steps;
 use volref::scene::Scene;
 use volref::volume::{

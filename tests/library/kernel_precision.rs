@@ -17,7 +17,7 @@ use volref::math::sampling::{
     Equiangular, free_flight, optical_distance, truncated_optical_distance,
 };
 use volref::math::{self, Sum, exp2};
-use volref::media::*;
+use volref::optics::*;
 use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
 use volref::volume::{Centring, Grid, GridDensity, Interpolation, Lattice};
 

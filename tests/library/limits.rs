@@ -8,7 +8,7 @@ use volref::film::Film;
 use volref::geometry::Ray;
 use volref::judging::verify;
 use volref::math::{exp, exp_m1, ln_1p, quadrature::integrate};
-use volref::media::Appearance;
+use volref::optics::Appearance;
 use volref::render::classified::integral::{RayIntegral, RayIntegrator};
 use volref::render::{Sampling, plans, render, render_counted};
 use volref::scene::{Classified, Model, Scene};

@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling::*;
 use volref::math::{Direction, Frame, Moments, Sum};
-use volref::media::profiles::*;
-use volref::media::*;
+use volref::optics::profiles::*;
+use volref::optics::*;
 
 /// The largest relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;

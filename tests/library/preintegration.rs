@@ -5,7 +5,7 @@ use crate::common::quadrature::integral;
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::math::{exp, ln, ln_1p};
-use volref::media::{
+use volref::optics::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
 use volref::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};

@@ -5,8 +5,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
 use volref::geometry::{Boundary, Direction, Emitter, Luminous, Ray, Shape, Solid, Surface};
-use volref::media::{Asymmetry, Draine, Droplets, Phase};
-use volref::optics::{Light, Material, Sides};
+use volref::optics::{Asymmetry, Draine, Droplets, Light, Material, Phase, Sides};
 use volref::render::{Effect, Plan};
 use volref::scene::format::json_schema;
 use volref::scene::{Model, Radiative, SCENE, Scattering, Scene, SceneError};
@@ -490,7 +489,7 @@ fn grids() {
     ));
     let bounds = moved.boundary.as_ref().unwrap().bounds();
     assert_eq!(bounds.min.x, 2.0 * own.min.x + 10.0);
-    let at = |density: &volref::media::Density, point| density.at(point, &mut 0);
+    let at = |density: &volref::optics::Density, point| density.at(point, &mut 0);
     let point = own.centre();
     let there = DVec3::new(2.0 * point.x + 10.0, point.y, point.z);
     assert_eq!(

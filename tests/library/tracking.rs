@@ -12,7 +12,7 @@ use std::ops::ControlFlow::{Break, Continue};
 use volref::geometry::Span;
 use volref::math::rng::Stream;
 use volref::math::{Moments, exp, exp_m1};
-use volref::media::estimators::{delta_tracking_variance, ratio_tracking_variance};
+use volref::optics::estimators::{delta_tracking_variance, ratio_tracking_variance};
 use volref::render::radiative::sampler::{NumberRow, Sampler, SamplerRow};
 use volref::render::radiative::tracking::*;
 

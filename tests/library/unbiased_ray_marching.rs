@@ -11,7 +11,7 @@ use volref::cost::unbiased_ray_marching::*;
 use volref::geometry::Span;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, Sum, exp};
-use volref::media::estimators::ratio_tracking_variance;
+use volref::optics::estimators::ratio_tracking_variance;
 use volref::render::radiative::sampler::{NumberRow, Sampler};
 use volref::render::radiative::tracking::{
     Control, Effort, MajorantSegment, Majorants, Small, ratio_tracking,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use volref::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, SrgbImage, flip};
 use volref::film::Film;
 use volref::geometry::{Aabb, Camera, Ray};
-use volref::media::{
+use volref::optics::{
     Asymmetry, Deflection, HenyeyGreenstein, TransferPoint, TransferPoints, over_length,
     transmittance,
 };

@@ -3,7 +3,7 @@
 use super::inline_arrays::{Entries, Json};
 use super::points;
 use crate::geometry::Camera;
-use crate::media::{Appearance, Phong, TransferFunction};
+use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::scene::{Classified, Compositing, Shadow};
 use crate::volume::{Centring, Interpolation, Lattice};
 use glam::DVec3;

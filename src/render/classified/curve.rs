@@ -3,7 +3,7 @@
 //! Drawn by arithmetic alone, without fonts of the system: the same bits everywhere.
 
 use crate::math;
-use crate::media::TransferPoints;
+use crate::optics::TransferPoints;
 use crate::render::progress::Progress;
 use crate::scene::Curve;
 use embedded_graphics::mono_font::{MonoTextStyle, ascii::FONT_6X12};

@@ -3,7 +3,7 @@
 //! A sample whose opacity is exactly 0 changes no bit of the image. In a block of cells whose
 //! values all have opacity 0, and in the blocks around it, samples are not taken.
 
-use crate::media::TransferFunction;
+use crate::optics::TransferFunction;
 use crate::render::counters::{Event, Work};
 use crate::volume::{Grid, Lattice, NodePoint, Scalar};
 use rayon::prelude::*;
@@ -162,7 +162,7 @@ impl Skipping for EmptySpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::media::{Appearance, Colormap, TransferOpacity};
+    use crate::optics::{Appearance, Colormap, TransferOpacity};
     use crate::render::counters::Counters;
     use glam::DVec3;
 

@@ -20,8 +20,8 @@
 
 use crate::geometry::{Aabb, Ray};
 use crate::math::exp_m1;
-use crate::media::TransferFunction;
-use crate::media::collocation::{CollocatedLight, Collocation, LocalProperties};
+use crate::optics::TransferFunction;
+use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;

@@ -49,7 +49,7 @@
 
 use crate::math::quadrature::integrate;
 use crate::math::{exp, exp_m1, ln, ln_1p};
-use crate::media::{
+use crate::optics::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
     opacity, optical_depth, source_factor, transmittance,
 };

@@ -22,7 +22,7 @@ use super::shading::Shading;
 use super::steps::{SamplePoint, Steps};
 use super::volume_shadow::Visibility;
 use crate::geometry::{Aabb, Ray};
-use crate::media::{TransferFunction, over_lengths};
+use crate::optics::{TransferFunction, over_lengths};
 use crate::render::counters::{Event, Work};
 use crate::volume::NodeLine;
 use glam::DVec3;

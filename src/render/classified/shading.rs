@@ -4,7 +4,7 @@
 
 use super::field::ScalarField;
 use crate::geometry::{Direction, Ray};
-use crate::media::Phong;
+use crate::optics::Phong;
 use crate::render::counters::Work;
 use crate::volume::Grid;
 use glam::DVec3;

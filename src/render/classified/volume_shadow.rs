@@ -5,7 +5,7 @@ use super::field::ScalarField;
 use super::steps::{SamplePoint, Steps};
 use crate::geometry::{Aabb, Ray, Span, length_of};
 use crate::math;
-use crate::media::{Appearance, TransferFunction, over_length};
+use crate::optics::{Appearance, TransferFunction, over_length};
 use crate::render::counters::{Event, Work};
 use crate::scene::Shadow;
 use crate::volume::NodeLine;

@@ -1,10 +1,11 @@
 //! The plan for a classified volume.
 
+use super::EffectFinding::{Absent, NotAsked};
 use super::{
     Approximation, Decisions, Effect, EffectFinding, Estimator, FieldKind, Kernel, Method, Plan,
     RayCasterFeatures, Reason, State,
 };
-use crate::media::{Appearance, Phong};
+use crate::optics::{Appearance, Phong};
 use crate::scene::{Classified, Compositing, Conventions, KeyLines, Panel};
 use crate::volume::Interpolation;
 
@@ -19,122 +20,9 @@ const EARLY_TERMINATION: &str = "classified.early_termination";
 /// The plan for a classified volume.
 pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
     let key_lines = &panel.key_lines;
-    use EffectFinding::{Absent, NotAsked};
-    let null = |field: &str, reason: String| EffectFinding::Null(field.to_owned(), reason);
-    let matters = |field: &str, reason: String| EffectFinding::Matters(field.to_owned(), reason);
-    let (least, most) = scene.grid.range();
-    // Of what is provably null by volref's conventions others make something: nothing is left out.
-    let is_conventional = scene.conventions != Conventions::default();
-    let constant = !is_conventional && least == most;
-    // Grids hold `f32`, whose digits are the shorter ones.
-    let (shortest_least, shortest_most) = (least as f32, most as f32);
-    let transfer_function = &scene.transfer_function;
-    let transparent = !is_conventional && transfer_function.is_transparent_between(least, most);
-    let (numbers, nothing, extent, light, darkness) = match transfer_function.appearance {
-        Appearance::Formula { .. } => (
-            "densities",
-            format!("every density, up to {shortest_most}, has opacity 0"),
-            format!("densities up to {shortest_most}"),
-            "the colormap emits light",
-            "densities attenuate light",
-        ),
-        Appearance::Points(_) => (
-            "values",
-            format!("every value, from {shortest_least} to {shortest_most}, has opacity 0"),
-            format!("values from {shortest_least} to {shortest_most}"),
-            "the colours of the points emit light",
-            "opacities attenuate light",
-        ),
-    };
-    let nothing = || nothing.clone();
-    let has_no_gradient = scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3);
-
-    let finding = |effect| match effect {
-        Effect::Surfaces => Absent("the classified model has no surfaces"),
-        Effect::Absorption | Effect::Emission if transparent => null(TRANSFER_FUNCTION, nothing()),
-        Effect::Absorption => matters(TRANSFER_FUNCTION, extent.clone()),
-        Effect::Emission => matters(TRANSFER_FUNCTION, light.to_owned()),
-        Effect::SingleScattering | Effect::MultipleScattering => {
-            Absent("the classified model has no scattering; shading replaces it")
-        }
-        Effect::MediumShadow => match scene.shadow {
-            None => NotAsked(SHADOW),
-            Some(_) if transparent => null(SHADOW, nothing()),
-            Some(_) => matters(SHADOW, darkness.to_owned()),
-        },
-        Effect::SurfaceShadow => Absent("the classified model has no surfaces"),
-        Effect::GradientShading => match &scene.phong {
-            None => NotAsked(PHONG),
-            Some(_) if transparent => null(PHONG, nothing()),
-            Some(_) if constant => null(
-                PHONG,
-                "the density is constant: its gradient is 0".to_owned(),
-            ),
-            Some(_) if !is_conventional && has_no_gradient => null(
-                PHONG,
-                "no axis has three nodes: the stored gradient is 0".to_owned(),
-            ),
-            Some(phong) if !is_conventional && is_identity(phong) => null(
-                PHONG,
-                "ambient 1, diffuse 0 and specular 0 leave colours as they are".to_owned(),
-            ),
-            Some(_) if least == most || has_no_gradient => {
-                let reason = "samples without a gradient are shaded, too, by some conventions";
-                matters(PHONG, reason.to_owned())
-            }
-            Some(_) => matters(PHONG, "the density has a gradient".to_owned()),
-        },
-        Effect::Heterogeneity if transparent => null(VOLUME, nothing()),
-        Effect::Heterogeneity if constant => {
-            null(VOLUME, format!("every voxel holds {shortest_most}"))
-        }
-        Effect::Heterogeneity => matters(
-            VOLUME,
-            format!("{numbers} from {shortest_least} to {shortest_most}"),
-        ),
-        Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
-        Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
-    };
-    let decisions = Decisions::new(finding, forced, key_lines);
-    let on = |effect| decisions.is_on(effect);
-
-    let compositing = || {
-        let reason = "a classified volume is rendered by compositing samples one step apart";
-        Reason::of("classified.step", reason, key_lines)
-    };
-    let (kernel, method, why) = if !Effect::ALL.into_iter().any(on) {
-        let why = Reason::of(TRANSFER_FUNCTION, nothing(), key_lines);
-        (Kernel::Background(scene), Method::Background, why)
-    } else if scene.is_continuous() {
-        let reason = "the integral itself is asked for, without samples";
-        let why = Reason::of(COMPOSITING, reason, key_lines);
-        (Kernel::Integral(scene), Method::Quadrature, why)
-    } else if is_conventional {
-        (
-            Kernel::Conventional(scene),
-            Method::RayCasting,
-            compositing(),
-        )
-    } else {
-        let field = match scene.interpolation {
-            _ if constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
-            Interpolation::Nearest => FieldKind::Nearest,
-            Interpolation::Trilinear => FieldKind::Trilinear,
-        };
-        let features = RayCasterFeatures {
-            field,
-            compositing: scene.compositing,
-            shading: on(Effect::GradientShading),
-            shadow: on(Effect::MediumShadow),
-            // Where the volume is transparent everywhere, an effect was forced: its work is
-            // wanted, so nothing is skipped.
-            skip_empty: !transparent
-                && !constant
-                && transfer_function.may_be_transparent_between(least, most),
-        };
-        let kernel = Kernel::RayCaster { scene, features };
-        (kernel, Method::RayCasting, compositing())
-    };
+    let contents = Contents::new(scene);
+    let decisions = Decisions::new(|effect| contents.finding(effect), forced, key_lines);
+    let (kernel, method, why) = contents.kernel(&decisions, key_lines);
     Plan {
         panel,
         approximations: match kernel {
@@ -148,6 +36,186 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         decisions: decisions.0,
         kernel,
     }
+}
+
+/// What a classified volume holds, as far as its effects depend on it.
+struct Contents<'s> {
+    scene: &'s Classified,
+    /// Smallest and largest density.
+    range: [f64; 2],
+    /// Of what is provably null by volref's conventions others make something: nothing is left out.
+    is_conventional: bool,
+    is_constant: bool,
+    is_transparent: bool,
+    has_no_gradient: bool,
+}
+
+impl<'s> Contents<'s> {
+    fn new(scene: &'s Classified) -> Contents<'s> {
+        let (least, most) = scene.grid.range();
+        let is_conventional = scene.conventions != Conventions::default();
+        let transfer_function = &scene.transfer_function;
+        Contents {
+            scene,
+            range: [least, most],
+            is_conventional,
+            is_constant: !is_conventional && least == most,
+            is_transparent: !is_conventional
+                && transfer_function.is_transparent_between(least, most),
+            has_no_gradient: scene.grid.lattice().nodes().iter().all(|&nodes| nodes < 3),
+        }
+    }
+
+    /// The finding for an effect.
+    fn finding(&self, effect: Effect) -> EffectFinding {
+        match effect {
+            Effect::Surfaces | Effect::SurfaceShadow => {
+                Absent("the classified model has no surfaces")
+            }
+            Effect::Absorption | Effect::Emission if self.is_transparent => {
+                null(TRANSFER_FUNCTION, self.transparency())
+            }
+            Effect::Absorption => {
+                let [least, most] = self.shortest_range();
+                let extent = match self.is_by_formula() {
+                    true => format!("densities up to {most}"),
+                    false => format!("values from {least} to {most}"),
+                };
+                matters(TRANSFER_FUNCTION, extent)
+            }
+            Effect::Emission => {
+                let light = match self.is_by_formula() {
+                    true => "the colormap emits light",
+                    false => "the colours of the points emit light",
+                };
+                matters(TRANSFER_FUNCTION, light)
+            }
+            Effect::SingleScattering | Effect::MultipleScattering => {
+                Absent("the classified model has no scattering; shading replaces it")
+            }
+            Effect::MediumShadow => match self.scene.shadow {
+                None => NotAsked(SHADOW),
+                Some(_) if self.is_transparent => null(SHADOW, self.transparency()),
+                Some(_) if self.is_by_formula() => matters(SHADOW, "densities attenuate light"),
+                Some(_) => matters(SHADOW, "opacities attenuate light"),
+            },
+            Effect::GradientShading => self.of_shading(),
+            Effect::Heterogeneity => self.of_heterogeneity(),
+            Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
+            Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
+        }
+    }
+
+    fn of_shading(&self) -> EffectFinding {
+        let [least, most] = self.range;
+        match &self.scene.phong {
+            None => NotAsked(PHONG),
+            Some(_) if self.is_transparent => null(PHONG, self.transparency()),
+            Some(_) if self.is_constant => {
+                null(PHONG, "the density is constant: its gradient is 0")
+            }
+            Some(_) if !self.is_conventional && self.has_no_gradient => {
+                null(PHONG, "no axis has three nodes: the stored gradient is 0")
+            }
+            Some(phong) if !self.is_conventional && is_identity(phong) => null(
+                PHONG,
+                "ambient 1, diffuse 0 and specular 0 leave colours as they are",
+            ),
+            Some(_) if least == most || self.has_no_gradient => matters(
+                PHONG,
+                "samples without a gradient are shaded, too, by some conventions",
+            ),
+            Some(_) => matters(PHONG, "the density has a gradient"),
+        }
+    }
+
+    fn of_heterogeneity(&self) -> EffectFinding {
+        let [least, most] = self.shortest_range();
+        let numbers = match self.is_by_formula() {
+            true => "densities",
+            false => "values",
+        };
+        if self.is_transparent {
+            null(VOLUME, self.transparency())
+        } else if self.is_constant {
+            null(VOLUME, format!("every voxel holds {most}"))
+        } else {
+            matters(VOLUME, format!("{numbers} from {least} to {most}"))
+        }
+    }
+
+    fn is_by_formula(&self) -> bool {
+        let appearance = &self.scene.transfer_function.appearance;
+        matches!(appearance, Appearance::Formula { .. })
+    }
+
+    /// Grids hold `f32`, whose digits are the shorter ones.
+    fn shortest_range(&self) -> [f32; 2] {
+        self.range.map(|density| density as f32)
+    }
+
+    /// The reason for which the whole volume is transparent.
+    fn transparency(&self) -> String {
+        let [least, most] = self.shortest_range();
+        match self.is_by_formula() {
+            true => format!("every density, up to {most}, has opacity 0"),
+            false => format!("every value, from {least} to {most}, has opacity 0"),
+        }
+    }
+
+    /// The kernel for the effects that are on, with the reason.
+    fn kernel(&self, decisions: &Decisions, key_lines: &KeyLines) -> (Kernel<'s>, Method, Reason) {
+        let scene = self.scene;
+        let on = |effect| decisions.is_on(effect);
+        if !Effect::ALL.into_iter().any(on) {
+            let why = Reason::of(TRANSFER_FUNCTION, self.transparency(), key_lines);
+            return (Kernel::Background(scene), Method::Background, why);
+        }
+        if scene.is_continuous() {
+            let reason = "the integral itself is asked for, without samples";
+            let why = Reason::of(COMPOSITING, reason, key_lines);
+            return (Kernel::Integral(scene), Method::Quadrature, why);
+        }
+        let reason = "a classified volume is rendered by compositing samples one step apart";
+        let why = Reason::of("classified.step", reason, key_lines);
+        let kernel = if self.is_conventional {
+            Kernel::Conventional(scene)
+        } else {
+            let features = self.features(decisions);
+            Kernel::RayCaster { scene, features }
+        };
+        (kernel, Method::RayCasting, why)
+    }
+
+    /// Features of the ray caster for the effects that are on.
+    fn features(&self, decisions: &Decisions) -> RayCasterFeatures {
+        let [least, most] = self.range;
+        let on = |effect| decisions.is_on(effect);
+        let transfer_function = &self.scene.transfer_function;
+        RayCasterFeatures {
+            field: match self.scene.interpolation {
+                _ if self.is_constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
+                Interpolation::Nearest => FieldKind::Nearest,
+                Interpolation::Trilinear => FieldKind::Trilinear,
+            },
+            compositing: self.scene.compositing,
+            shading: on(Effect::GradientShading),
+            shadow: on(Effect::MediumShadow),
+            // Where the volume is transparent everywhere, an effect was forced: its work is
+            // wanted, so nothing is skipped.
+            skip_empty: !self.is_transparent
+                && !self.is_constant
+                && transfer_function.may_be_transparent_between(least, most),
+        }
+    }
+}
+
+fn null(field: &str, reason: impl Into<String>) -> EffectFinding {
+    EffectFinding::Null(field.to_owned(), reason.into())
+}
+
+fn matters(field: &str, reason: impl Into<String>) -> EffectFinding {
+    EffectFinding::Matters(field.to_owned(), reason.into())
 }
 
 /// Keys of the file without any effect.

@@ -3,6 +3,7 @@
 mod contents;
 mod findings;
 mod walks;
+mod warnings;
 
 use super::{
     Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, RadiativeFeatures, Reason,

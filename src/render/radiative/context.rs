@@ -2,8 +2,8 @@
 
 use super::sampler::Sampler;
 use super::segments::MediumSegments;
-use super::specular_chain::SpecularChain;
 use super::tracker::{Tracker, TrackerScratch};
+use super::variance_reduction::specular_chain::SpecularChain;
 use crate::geometry::Ray;
 use glam::DVec3;
 

@@ -1,9 +1,11 @@
 //! Direct light: next-event estimation at a vertex.
 
 use super::effects::Effects;
+use super::scattering_function::ScatteringFunction;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
 use super::vertex::Vertex;
+use super::visibility::Visibility;
 use crate::geometry::{Emitter, Hit, Ray, Side};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
@@ -12,10 +14,14 @@ use crate::render::counters::Work;
 use crate::scene::AreaLight;
 use glam::DVec3;
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Direct light in a scene.
+#[derive(Clone, Copy)]
+pub struct DirectLight<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> DirectLight<'_, E> {
     /// Radiance scattered at `vertex` of the direct light of `light`, which has no extent.
-    pub fn direct_light<W: Work>(
-        &self,
+    pub fn of_light<W: Work>(
+        self,
         vertex: &Vertex,
         light: &Light,
         tracker: &mut Tracker<'_, W>,
@@ -38,22 +44,22 @@ impl<E: Effects> SceneContext<'_, E> {
             Some(_) => strength / (distance * distance),
             None => strength,
         };
-        let response = self.response(vertex, ray.direction, tracker.work);
+        let response = ScatteringFunction(self.0).response(vertex, ray.direction, tracker.work);
         if response.value == DVec3::ZERO {
             return DVec3::ZERO;
         }
-        response.value * irradiance * self.visibility(&ray, distance, tracker)
+        response.value * irradiance * Visibility(self.0).along(&ray, distance, tracker)
     }
 
     /// Radiance scattered at `vertex` of the direct light of the area light with number `index`:
-    /// one point of the light, weighted against [`SceneContext::scatter`] hitting it.
-    pub fn direct_area_light<W: Work>(
-        &self,
+    /// one point of the light, weighted against [`ScatteringFunction::sample`] hitting it.
+    pub fn of_area_light<W: Work>(
+        self,
         vertex: &Vertex,
         index: usize,
         tracker: &mut Tracker<'_, W>,
     ) -> DVec3 {
-        let light = &self.radiative.area_lights[index];
+        let light = &self.0.radiative.area_lights[index];
         if light.radiance == DVec3::ZERO {
             return DVec3::ZERO;
         }
@@ -64,9 +70,9 @@ impl<E: Effects> SceneContext<'_, E> {
 
     /// Radiance scattered at `vertex` of the light of one point of an area light, the point for
     /// `numbers`, times `weight`: a function of two densities per steradian at the vertex, that of
-    /// the point and that of the direction, [`Response::pdf`](super::scattering::Response::pdf).
+    /// the point and that of the direction, [`Response::pdf`](super::scattering_function::Response::pdf).
     pub fn weighted_area_light<W: Work>(
-        &self,
+        self,
         vertex: &Vertex,
         light: &AreaLight,
         numbers: [f64; 2],
@@ -85,12 +91,12 @@ impl<E: Effects> SceneContext<'_, E> {
         if !emits {
             return DVec3::ZERO;
         }
-        let response = self.response(vertex, ray.direction, tracker.work);
+        let response = ScatteringFunction(self.0).response(vertex, ray.direction, tracker.work);
         if response.value == DVec3::ZERO {
             return DVec3::ZERO;
         }
         let weight = weight(pdf.per_steradian(distance, cosine), response.pdf);
-        let visibility = self.visibility(&ray, distance, tracker);
+        let visibility = Visibility(self.0).along(&ray, distance, tracker);
         response.value * light.radiance * visibility * weight
     }
 }

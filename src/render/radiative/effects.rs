@@ -1,7 +1,7 @@
 //! Effects that a kernel is compiled for.
 
 /// Effects as constants: the compiled code does not contain effects that are off.
-pub trait Effects: Sync {
+pub trait Effects: Copy + Sync {
     /// Media that scatter, absorb or emit light.
     const MEDIA: bool;
     /// Surfaces.

@@ -9,9 +9,10 @@ use super::sampler::NumberRow;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
 use super::tracking::{MajorantSegment, Majorants, TentativeNumbers, tentative_collisions, thin};
+use super::transmittance::Transmittance;
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
-use crate::media::{emission, source_factor};
+use crate::optics::{emission, source_factor};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 
@@ -23,12 +24,16 @@ use glam::DVec3;
 /// more than one of four optical depths.
 const EMISSION_SAMPLES: f64 = 4.0;
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Emission of the media of a scene along a ray.
+#[derive(Clone, Copy)]
+pub struct Emission<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> Emission<'_, E> {
     /// Radiance that homogeneous media emit along a ray towards its origin.
-    pub fn closed_emission<W: Work>(&self, segments: &MediumSegments, work: &mut W) -> DVec3 {
+    pub fn closed<W: Work>(self, segments: &MediumSegments, work: &mut W) -> DVec3 {
         let (mut radiance, mut depth) = (DVec3::ZERO, DVec3::ZERO);
         for segment in segments.all() {
-            let transmittance = self.closed_transmittance(depth, work);
+            let transmittance = Transmittance(self.0).closed(depth, work);
             radiance += transmittance * segment.emitted::<E, W>(work);
             depth += segment.optical_depth();
         }
@@ -37,7 +42,7 @@ impl<E: Effects> SceneContext<'_, E> {
 
     /// An estimate of the radiance that media emit along the ray of a path towards its origin,
     /// collected at the tentative collisions of ratio tracking.
-    pub fn tracked_emission<W: Work>(&self, path: &mut PathContext<'_, W>) -> DVec3 {
+    pub fn tracked<W: Work>(self, path: &mut PathContext<'_, W>) -> DVec3 {
         let (ray, tracker) = (&path.ray, &mut path.tracker);
         let scratch = &mut *tracker.scratch;
         let work = &mut *tracker.work;
@@ -45,9 +50,9 @@ impl<E: Effects> SceneContext<'_, E> {
         let mut radiance = DVec3::ZERO;
         let mut throughput = DVec3::ONE;
         for segment in path.segments.all() {
-            if self.media.heterogeneous(segment.set) == 0 {
+            if self.0.media.heterogeneous(segment.set) == 0 {
                 radiance += throughput * segment.emitted::<E, W>(work);
-                throughput *= self.closed_transmittance(segment.optical_depth(), work);
+                throughput *= Transmittance(self.0).closed(segment.optical_depth(), work);
                 continue;
             }
             // Any rate is without bias, but an infinite one would never come to the end: a segment
@@ -59,7 +64,7 @@ impl<E: Effects> SceneContext<'_, E> {
             };
             let heterogeneous = &mut scratch.heterogeneous;
             let mut majorants =
-                RayMajorants::new(&self.media, segment.set, ray, segment.span, heterogeneous);
+                RayMajorants::new(&self.0.media, segment.set, ray, segment.span, heterogeneous);
             let first = numbers.next();
             let effort = &mut scratch.effort;
             let visit = |majorants: &mut RayMajorants<'_, '_>,
@@ -86,14 +91,14 @@ impl<E: Effects> SceneContext<'_, E> {
     /// Radiance that media, whose densities have integrals, emit along `ray` towards its origin:
     /// in closed form where a medium is alone, else by quadrature to a relative `tolerance` between
     /// the kinks of the densities.
-    pub fn integrated_emission<W: Work>(
-        &self,
+    pub fn integrated<W: Work>(
+        self,
         segments: &MediumSegments,
         ray: &Ray,
         tolerance: f64,
         work: &mut W,
     ) -> DVec3 {
-        let media = &self.media;
+        let media = &self.0.media;
         let (mut radiance, mut depth) = (DVec3::ZERO, DVec3::ZERO);
         for segment in segments.all() {
             let emitted;
@@ -109,23 +114,23 @@ impl<E: Effects> SceneContext<'_, E> {
                 emitted = medium.unit.emission * column * seen;
             } else {
                 whole = depth_over(media, segment.set, ray, segment.span, work);
-                emitted = self.quadrature_of_emission(segment, ray, tolerance, work);
+                emitted = self.quadrature(segment, ray, tolerance, work);
             }
-            radiance += self.closed_transmittance(depth, work) * emitted;
+            radiance += Transmittance(self.0).closed(depth, work) * emitted;
             depth += whole;
         }
         radiance
     }
 
     /// `∫ j e^(−τ) dt` over a segment of several media.
-    fn quadrature_of_emission<W: Work>(
-        &self,
+    fn quadrature<W: Work>(
+        self,
         segment: &MediumSegment,
         ray: &Ray,
         tolerance: f64,
         work: &mut W,
     ) -> DVec3 {
-        let media = &self.media;
+        let media = &self.0.media;
         let mut cuts = vec![segment.span.far];
         for index in members(segment.set) {
             if let Some(density) = media.medium(index).density
@@ -145,7 +150,7 @@ impl<E: Effects> SceneContext<'_, E> {
                 let depth = depth_over(media, segment.set, ray, Span { near, far: t }, work);
                 work.count(Event::EmissionTerm);
                 let emission = media.emission(segment.set, ray.at(t), work);
-                emission * self.closed_transmittance(depth, work)
+                emission * Transmittance(self.0).closed(depth, work)
             };
             // Of a deep piece only the beginning is seen: halves of halves of it, down to an optical
             // depth of 1.
@@ -161,7 +166,7 @@ impl<E: Effects> SceneContext<'_, E> {
                 piece += integrate(&mut emitted, from, to, tolerance).value;
                 from = to;
             }
-            radiance += self.closed_transmittance(depth, work) * piece;
+            radiance += Transmittance(self.0).closed(depth, work) * piece;
             depth += whole;
             near = far;
         }

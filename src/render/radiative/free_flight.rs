@@ -10,9 +10,10 @@ use super::scene_context::SceneContext;
 use super::segments::MediumSegment;
 use super::tracker::Tracker;
 use super::tracking::{RealCollision, Tentative, TentativeNumbers, delta_tracking};
+use super::transmittance::Transmittance;
 use crate::geometry::Ray;
 use crate::math::rng::Purpose;
-use crate::media::{self, optical_depth, sampled_channel};
+use crate::optics::{self, optical_depth, sampled_channel};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -48,14 +49,18 @@ struct Passed {
     absorbing: DVec3,
 }
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Free flight in the media of a scene that scatter.
+#[derive(Clone, Copy)]
+pub struct FreeFlight<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> FreeFlight<'_, E> {
     /// Samples the collision of a path with media that scatter along its ray.
     ///
     /// In a chromatic medium the density is the mean of those of the three channels in the
     /// proportion of the throughput, so that the channels of a path together never carry more than
     /// at its beginning. In a grey medium the weight of a collision is the albedo, and that of an
     /// escape 1, both exactly, but for media that only absorb.
-    pub fn flight<W: Work>(&self, path: &mut PathContext<'_, W>) -> Flight {
+    pub fn sample<W: Work>(self, path: &mut PathContext<'_, W>) -> Flight {
         if !E::MEDIA || path.segments.all().is_empty() {
             return Flight::Escaped(DVec3::ONE);
         }
@@ -86,12 +91,20 @@ impl<E: Effects> SceneContext<'_, E> {
             if E::HETEROGENEOUS && self.has_heterogeneous_scatterer(segment.set) {
                 next.optical_distance = rest;
                 let survived = &mut passed.survived;
-                match track(&self.media, ray, segment, channel, next, survived, tracker) {
+                match track(
+                    &self.0.media,
+                    ray,
+                    segment,
+                    channel,
+                    next,
+                    survived,
+                    tracker,
+                ) {
                     ControlFlow::Break((RealCollision { t, extinction }, sigma_s)) => {
                         let into = t - segment.span.near;
                         let absorbing = passed.absorbing + segment.properties.absorbing * into;
-                        let transmittance =
-                            self.absorbing_transmittance(segments, ray, t, absorbing, tracker);
+                        let transmittance = Transmittance(self.0)
+                            .of_absorbing(segments, ray, t, absorbing, tracker);
                         let weight = passed.collision_weight::<E>(*throughput, extinction);
                         return Flight::Collided(Collision {
                             t,
@@ -116,7 +129,7 @@ impl<E: Effects> SceneContext<'_, E> {
                 let t = (segment.span.near + into).min(segment.span.far);
                 let absorbing = passed.absorbing + properties.absorbing * into;
                 let transmittance =
-                    self.absorbing_transmittance(segments, ray, t, absorbing, tracker);
+                    Transmittance(self.0).of_absorbing(segments, ray, t, absorbing, tracker);
                 passed.depth += over(sigma_t, into);
                 let weight = passed.collision_weight::<E>(*throughput, sigma_t);
                 return Flight::Collided(Collision {
@@ -129,19 +142,19 @@ impl<E: Effects> SceneContext<'_, E> {
             passed.absorbing += over(properties.absorbing, length);
         }
         let weight = if E::CHROMATIC {
-            media::escape_weight(*throughput, passed.depth, passed.survived)
+            optics::escape_weight(*throughput, passed.depth, passed.survived)
         } else {
             DVec3::ONE
         };
         let end = f64::INFINITY;
         let transmittance =
-            self.absorbing_transmittance(segments, ray, end, passed.absorbing, tracker);
+            Transmittance(self.0).of_absorbing(segments, ray, end, passed.absorbing, tracker);
         Flight::Escaped(weight * transmittance)
     }
 
-    fn has_heterogeneous_scatterer(&self, set: Set) -> bool {
-        let heterogeneous = self.media.heterogeneous(set);
-        heterogeneous != 0 && self.media.scattering(heterogeneous) != 0
+    fn has_heterogeneous_scatterer(self, set: Set) -> bool {
+        let heterogeneous = self.0.media.heterogeneous(set);
+        heterogeneous != 0 && self.0.media.scattering(heterogeneous) != 0
     }
 }
 
@@ -149,7 +162,7 @@ impl Passed {
     /// Weight, by channel, of a collision where the extinction is `sigma_t`, without the albedo.
     fn collision_weight<E: Effects>(&self, throughput: DVec3, sigma_t: DVec3) -> DVec3 {
         if E::CHROMATIC {
-            media::collision_weight(throughput, sigma_t, self.depth, self.survived)
+            optics::collision_weight(throughput, sigma_t, self.depth, self.survived)
         } else {
             DVec3::ONE
         }

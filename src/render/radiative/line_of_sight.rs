@@ -4,15 +4,17 @@
 //! without extent is an integral along the line of sight, evaluated to a tolerance.
 
 use super::context::Scratch;
-use super::direct_light::emitted_radiance;
+use super::direct_light::{DirectLight, emitted_radiance};
 use super::effects::Effects;
+use super::emission::Emission;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
 use super::shadow_edges::{LightSource, shadow_edges};
-use super::single_scattering::{ScatteringPoint, edges, lit_span};
+use super::single_scattering::{ScatteringPoint, SingleScattering, edges, lit_span};
 use super::specular::facing;
 use super::surfaces::SurfaceIndex;
 use super::tracker::Tracker;
+use super::transmittance::Transmittance;
 use super::vertex::Vertex;
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
@@ -65,15 +67,15 @@ impl<E: Effects> LineOfSight<'_, E> {
                 let depth = scene
                     .media
                     .optical_depth::<E, W>(ray, end, spans, tracker.work);
-                transmittance = scene.closed_transmittance(depth, tracker.work);
+                transmittance = Transmittance(scene).closed(depth, tracker.work);
                 if E::EMISSION {
                     radiance +=
-                        scene.integrated_emission(segments, ray, self.tolerance, tracker.work);
+                        Emission(scene).integrated(segments, ray, self.tolerance, tracker.work);
                 }
             } else {
-                transmittance = scene.closed_transmittance(segments.optical_depth(), tracker.work);
+                transmittance = Transmittance(scene).closed(segments.optical_depth(), tracker.work);
                 if E::EMISSION {
-                    radiance += scene.closed_emission(segments, tracker.work);
+                    radiance += Emission(scene).closed(segments, tracker.work);
                 }
             }
             if self.scattering {
@@ -110,7 +112,7 @@ impl<E: Effects> LineOfSight<'_, E> {
         tracker.work.count(Event::FirstScattering);
         let lights = self.scene.radiative.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
-            sum + self.scene.direct_light(vertex, light, tracker)
+            sum + DirectLight(&self.scene).of_light(vertex, light, tracker)
         })
     }
 
@@ -139,8 +141,8 @@ impl<E: Effects> LineOfSight<'_, E> {
                 let point = ScatteringPoint::new(t, 1.0, depths, segment);
                 tracker.work.count(Event::FirstScattering);
                 let scene = &self.scene;
-                scene.in_scattered_radiance(ray, &point, tracker, |vertex, tracker| {
-                    scene.direct_light(vertex, light, tracker)
+                SingleScattering(scene).at(ray, &point, tracker, |vertex, tracker| {
+                    DirectLight(scene).of_light(vertex, light, tracker)
                 })
             };
             for [near, far] in pieces(segment, span, &edges) {

@@ -1,7 +1,7 @@
 //! A heterogeneous medium along a ray: majorants block by block, densities in between.
 
 use crate::geometry::{Aabb, Ray, Span};
-use crate::media::{Density, DensityLine};
+use crate::optics::{Density, DensityLine};
 use crate::volume::{DensityField, DensityRange, Visit, Walk};
 
 /// The blocks of a heterogeneous medium along a ray.

@@ -3,7 +3,7 @@
 use super::effects::Effects;
 use super::medium::{Medium, MediumProperties, over};
 use crate::geometry::{Aabb, ConvexBoundary, Ray, Solid, Span, Surface};
-use crate::media::Density;
+use crate::optics::Density;
 use crate::render::counters::{Event, Work};
 use crate::scene::Body;
 use glam::DVec3;

@@ -2,7 +2,7 @@
 
 use super::majorants::HeterogeneousSegment;
 use crate::geometry::{Boundary, Ray, Span};
-use crate::media::{Density, Homogeneous, Phase, optical_depth};
+use crate::optics::{Density, Homogeneous, Phase, optical_depth};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 

@@ -1,34 +1,29 @@
 //! Surfaces, media and lights: a path tracer, and integrals along the line of sight.
 //!
 //! [`PathTracer::radiance`](path_tracer::PathTracer::radiance) is the loop along one path,
-//! [`LineOfSight::radiance`](line_of_sight::LineOfSight::radiance) the integral along one ray. A file
-//! imports only from files that stand later in this table:
+//! [`LineOfSight::radiance`](line_of_sight::LineOfSight::radiance) the integral along one ray. An
+//! estimator or a query is a struct around the [`scene_context`], named like its file. A file imports
+//! only from files that stand later in this table:
 //!
 //! | files | hold |
 //! |---|---|
 //! | `kernels` | what a plan compiles |
 //! | [`path_tracer`], [`line_of_sight`] | the two renderers |
-//! | [`light_vertices`], [`area_light_along`], [`single_scattering`], [`caustics`], [`lights_through_glass`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
-//! | [`visibility`], [`transmittance`], [`scattering`], [`intersection`], [`shadow_edges`] |
+//! | [`variance_reduction`] | samplers of light that paths find rarely |
+//! | [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
+//! | [`visibility`], [`transmittance`], [`scattering_function`], [`shadow_edges`] |
 //! queries of estimators to a scene |
-//! | [`context`], [`specular_chain`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
+//! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
 //! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
-//! | [`media`], [`medium`], [`majorants`], [`surfaces`], [`specular_objects`], [`guiding`] | the media, surfaces and lights of a scene |
+//! | [`media`], [`medium`], [`majorants`], [`surfaces`] | the media, surfaces and lights of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
-pub mod area_light_along;
-pub mod caustics;
 pub mod context;
 pub mod direct_light;
 pub mod effects;
 pub mod emission;
 pub mod free_flight;
-pub mod guiding;
-pub mod intersection;
 pub(super) mod kernels;
-pub mod light_vertex_shares;
-pub mod light_vertices;
-pub mod lights_through_glass;
 pub mod line_of_sight;
 pub mod majorants;
 pub mod media;
@@ -37,17 +32,16 @@ pub mod occluders;
 pub mod path_tracer;
 pub mod ray_majorants;
 pub mod sampler;
-pub mod scattering;
+pub mod scattering_function;
 pub mod scene_context;
 pub mod segments;
 pub mod shadow_edges;
 pub mod single_scattering;
 pub mod specular;
-pub mod specular_chain;
-pub mod specular_objects;
 pub mod surfaces;
 pub mod tracker;
 pub mod tracking;
 pub mod transmittance;
+pub mod variance_reduction;
 pub mod vertex;
 pub mod visibility;

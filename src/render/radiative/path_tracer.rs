@@ -16,16 +16,22 @@
 //! Kulla & Fajardo 2012 for lights in media.
 
 use super::context::{PathContext, PreviousBounce, PreviousCollision, Scratch};
-use super::direct_light::{emitted_radiance, weight_of_hit};
+use super::direct_light::{DirectLight, emitted_radiance, weight_of_hit};
 use super::effects::Effects;
-use super::free_flight::Flight;
-use super::light_vertices::{weight_in_medium, weight_on_surface};
+use super::emission::Emission;
+use super::free_flight::{Flight, FreeFlight};
 use super::sampler::Sampler;
+use super::scattering_function::ScatteringFunction;
 use super::scene_context::{PositionedLight, SceneContext};
-use super::single_scattering::ScatteringPointSampler;
+use super::single_scattering::{ScatteringPointSampler, SingleScattering};
 use super::specular::{facing, specular_bounce};
-use super::specular_chain::SpecularChain;
 use super::surfaces::{Intersection, SurfaceIndex};
+use super::transmittance::Transmittance;
+use super::variance_reduction::area_light_scattering::AreaLightScattering;
+use super::variance_reduction::caustics::Caustics;
+use super::variance_reduction::light_vertices::LightVertices;
+use super::variance_reduction::lights_through_glass::LightsThroughGlass;
+use super::variance_reduction::specular_chain::SpecularChain;
 use super::vertex::Vertex;
 use crate::geometry::{Hit, Ray};
 use crate::math::rng::Purpose;
@@ -137,11 +143,12 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                     radiance += path.throughput * self.area_light(index, hit, path);
                 } else if path.depth == 0 {
                     let (ray, limit) = (&path.ray, path.bounces_left);
-                    radiance += scene.lights_through_glass(ray, end, limit, &mut path.tracker);
+                    radiance +=
+                        LightsThroughGlass(scene).radiance(ray, end, limit, &mut path.tracker);
                 }
             }
 
-            let interaction = match scene.flight(path) {
+            let interaction = match FreeFlight(scene).sample(path) {
                 Flight::Collided(collision) => {
                     path.throughput *= collision.weight;
                     let vertex = Vertex::Medium {
@@ -198,9 +205,9 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     /// Emission of the media along the ray.
     fn emission<W: Work>(&self, path: &mut PathContext<'_, W>) -> DVec3 {
         if self.scene.is_heterogeneous() {
-            self.scene.tracked_emission(path)
+            Emission(&self.scene).tracked(path)
         } else {
-            self.scene.closed_emission(path.segments, path.tracker.work)
+            Emission(&self.scene).closed(path.segments, path.tracker.work)
         }
     }
 
@@ -221,14 +228,13 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 continue;
             };
             let scene = &self.scene;
-            let scattered = scene.in_scattered_radiance(ray, &point, tracker, |vertex, tracker| {
-                scene.direct_light(vertex, light.light, tracker)
+            let scattered = SingleScattering(scene).at(ray, &point, tracker, |vertex, tracker| {
+                DirectLight(scene).of_light(vertex, light.light, tracker)
             });
             tracker.work.count(scattering_at(path.depth));
-            let weight = path
-                .previous
-                .pdf()
-                .map_or(1.0, |pdf| weight_in_medium(scene, &light, ray, &point, pdf));
+            let weight = path.previous.pdf().map_or(1.0, |pdf| {
+                LightVertices(scene).weight_in_medium(&light, ray, &point, pdf)
+            });
             radiance += scattered / point.pdf * weight;
         }
         radiance
@@ -239,7 +245,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     fn area_lights_along<W: Work>(&self, path: &mut PathContext<'_, W>) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         for index in 0..self.scene.radiative.area_lights.len() {
-            if let Some(scattered) = self.scene.area_light_along(index, path) {
+            if let Some(scattered) = AreaLightScattering(&self.scene).radiance(index, path) {
                 path.tracker.work.count(scattering_at(path.depth));
                 radiance += scattered;
             }
@@ -257,15 +263,15 @@ impl<'s, E: Effects> PathTracer<'s, E> {
             PreviousBounce::Specular(chain) => chain.weight,
             PreviousBounce::Surface(pdf) => weight_of_hit(light, &path.ray, hit, pdf),
             PreviousBounce::Medium(collision) => {
-                scene.weight_after_collision(index, hit, path, &collision)
+                AreaLightScattering(scene).weight_after_collision(index, hit, path, &collision)
             }
         };
         let transmittance = if !E::MEDIA {
             DVec3::ONE
         } else if scene.is_heterogeneous() {
-            scene.transmittance(&path.ray, hit.t, &mut path.tracker)
+            Transmittance(scene).along(&path.ray, hit.t, &mut path.tracker)
         } else {
-            scene.closed_transmittance(path.segments.optical_depth(), path.tracker.work)
+            Transmittance(scene).closed(path.segments.optical_depth(), path.tracker.work)
         };
         emitted_radiance(light, hit) * transmittance * weight
     }
@@ -286,25 +292,27 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                         position,
                         index,
                     };
-                    weight_on_surface(scene.light_vertices, &light, &path.ray, point, pdf)
+                    LightVertices(scene).weight_on_surface(&light, &path.ray, point, pdf)
                 }
                 _ => 1.0,
             };
-            radiance += scene.direct_light(vertex, light, &mut path.tracker) * weight;
+            radiance += DirectLight(scene).of_light(vertex, light, &mut path.tracker) * weight;
         }
         if path.bounces_left >= 2 {
             for light in scene.positioned_lights() {
                 path.tracker.work.count(Event::FurtherScattering);
-                radiance += scene.by_light_vertex(vertex, &light, path);
+                radiance += LightVertices(scene).radiance(vertex, &light, path);
             }
         }
         if !E::SURFACES {
             return radiance;
         }
-        radiance += scene.caustic(vertex, path).unwrap_or(DVec3::ZERO);
+        radiance += Caustics(scene)
+            .radiance(vertex, path)
+            .unwrap_or(DVec3::ZERO);
         if let Vertex::Diffuse { .. } = vertex {
             for index in 0..scene.radiative.area_lights.len() {
-                radiance += scene.direct_area_light(vertex, index, &mut path.tracker);
+                radiance += DirectLight(scene).of_area_light(vertex, index, &mut path.tracker);
             }
         }
         radiance
@@ -319,7 +327,11 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         match interaction {
             Interaction::Scattering(vertex, collided_at) => {
                 let throughput = path.throughput;
-                let scattered = self.scene.scatter(vertex, throughput, &mut path.tracker)?;
+                let scattered = ScatteringFunction(&self.scene).sample(
+                    vertex,
+                    throughput,
+                    &mut path.tracker,
+                )?;
                 let (ray, pdf) = (path.ray, scattered.pdf);
                 Some(Bounce {
                     ray: scattered.ray,
@@ -350,11 +362,11 @@ impl<'s, E: Effects> PathTracer<'s, E> {
     fn specular_chain<W>(&self, object: usize, path: &PathContext<'_, W>) -> SpecularChain {
         let scene = &self.scene;
         match path.previous {
-            PreviousBounce::Eye => scene.chain_from_eye(),
+            PreviousBounce::Eye => LightsThroughGlass(scene).chain_from_eye(),
             PreviousBounce::Specular(chain) => chain.continued(object),
             PreviousBounce::Surface(pdf)
             | PreviousBounce::Medium(PreviousCollision { pdf, .. }) => {
-                scene.chain_from_vertex(object, path, pdf)
+                Caustics(scene).chain_from_vertex(object, path, pdf)
             }
         }
     }

@@ -1,13 +1,14 @@
 //! A scene prepared for rendering.
 
 use super::effects::Effects;
-use super::guiding::Guiding;
-use super::light_vertex_shares::LightVertexShares;
 use super::media::Media;
-use super::specular_objects::SpecularObject;
-use super::surfaces::Surfaces;
-use crate::geometry::{Emitter, EmitterExtent};
+use super::surfaces::{Intersection, Surfaces};
+use super::variance_reduction::guiding::Guiding;
+use super::variance_reduction::light_vertex_shares::LightVertexShares;
+use super::variance_reduction::specular_objects::SpecularObject;
+use crate::geometry::{Emitter, EmitterExtent, Ray};
 use crate::optics::Light;
+use crate::render::counters::{Event, Work};
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -26,7 +27,7 @@ pub struct SceneContext<'s, E> {
     /// Its mirrors and glass, if it has area lights.
     pub specular_objects: Vec<SpecularObject>,
     /// The places of its light vertices.
-    pub light_vertices: LightVertexShares,
+    pub light_vertex_shares: LightVertexShares,
     /// Its lights, as far as paths are guided by them.
     pub guiding: Guiding,
     effects: PhantomData<E>,
@@ -65,7 +66,7 @@ impl<'s, E: Effects> SceneContext<'s, E> {
             } else {
                 SpecularObject::of(radiative)
             },
-            light_vertices: LightVertexShares::new(radiative, media.scatter()),
+            light_vertex_shares: LightVertexShares::new(radiative, media.scatter()),
             guiding: Guiding::new(radiative),
             radiative,
             media,
@@ -77,6 +78,23 @@ impl<'s, E: Effects> SceneContext<'s, E> {
     /// Heterogeneous media, where the kernel is compiled for them.
     pub fn is_heterogeneous(&self) -> bool {
         E::HETEROGENEOUS && self.media.has_heterogeneous()
+    }
+
+    /// The nearest surface on `ray`, of several at the same distance the first of the scene.
+    pub fn intersect<W: Work>(&self, ray: &Ray, work: &mut W) -> Option<Intersection> {
+        if !E::SURFACES {
+            return None;
+        }
+        work.count_times(Event::SurfaceTest, self.surfaces.count());
+        self.surfaces.nearest(ray)
+    }
+
+    /// No surface stands between the origin of `ray`, a vertex or a light, and another of them at the
+    /// distance `limit`; if that is infinite, anywhere on `ray`.
+    pub fn is_unoccluded<W: Work>(&self, ray: &Ray, limit: f64, work: &mut W) -> bool {
+        let occluders = self.surfaces.occluders(limit);
+        work.count_times(Event::SurfaceTest, occluders.count());
+        !self.surfaces.block(ray, limit)
     }
 
     /// The lights at a point.

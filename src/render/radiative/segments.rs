@@ -13,7 +13,7 @@ use super::effects::Effects;
 use super::media::{Media, Set};
 use super::medium::{MediumProperties, over};
 use crate::geometry::{Ray, Solid, Span};
-use crate::media::optical_depth;
+use crate::optics::optical_depth;
 use glam::DVec3;
 
 /// A segment of a ray within which no medium begins or ends.

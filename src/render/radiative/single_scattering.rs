@@ -14,13 +14,13 @@ use super::media::Set;
 use super::scene_context::{PositionedLight, SceneContext};
 use super::segments::{MediumSegment, MediumSegments, OpticalDepths};
 use super::tracker::Tracker;
+use super::transmittance::Transmittance;
 use super::vertex::Vertex;
 use crate::geometry::{Direction, Ray, Span};
 use crate::math::sampling::{
     Equiangular, LightOnRay, truncated_free_flight_pdf, truncated_optical_distance,
 };
-use crate::media::opacity;
-use crate::optics::{Light, Spot};
+use crate::optics::{Light, Spot, opacity};
 use crate::render::counters::Work;
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -309,11 +309,15 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
     }
 }
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Single scattering in the media of a scene.
+#[derive(Clone, Copy)]
+pub struct SingleScattering<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> SingleScattering<'_, E> {
     /// Radiance per length that is scattered into `ray` at `point`, seen from the origin of the ray.
     /// `direct` is the radiance scattered at a vertex there.
-    pub fn in_scattered_radiance<W: Work>(
-        &self,
+    pub fn at<W: Work>(
+        self,
         ray: &Ray,
         point: &ScatteringPoint,
         tracker: &mut Tracker<'_, W>,
@@ -324,17 +328,20 @@ impl<E: Effects> SceneContext<'_, E> {
             direction: ray.direction,
             set: point.set,
         };
-        if !self.is_heterogeneous() {
+        if !self.0.is_heterogeneous() {
             let scattered = direct(&vertex, tracker);
-            let transmittance = self.closed_transmittance(point.depths.total(), tracker.work);
+            let transmittance = Transmittance(self.0).closed(point.depths.total(), tracker.work);
             return scattered * point.sigma_s * transmittance;
         }
-        let sigma_s = self.media.sigma_s(point.set, vertex.point(), tracker.work);
+        let sigma_s = self
+            .0
+            .media
+            .sigma_s(point.set, vertex.point(), tracker.work);
         if sigma_s == DVec3::ZERO {
             return DVec3::ZERO;
         }
         let scattered = direct(&vertex, tracker);
-        scattered * sigma_s * self.transmittance(ray, point.t, tracker)
+        scattered * sigma_s * Transmittance(self.0).along(ray, point.t, tracker)
     }
 }
 

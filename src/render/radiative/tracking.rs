@@ -18,7 +18,7 @@
 //! "Residual ratio tracking for estimating attenuation in participating media", ACM TOG 33(6).
 
 use crate::geometry::Span;
-use crate::media::{optical_depth, transmittance};
+use crate::optics::{optical_depth, transmittance};
 use glam::DVec3;
 use std::ops::ControlFlow::{self, Break, Continue};
 

@@ -16,14 +16,18 @@ use super::segments::MediumSegments;
 use super::tracker::Tracker;
 use super::tracking::{Control, Small, ratio_tracking};
 use crate::geometry::{Ray, Solid, Span};
-use crate::media;
+use crate::optics;
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Transmittance of the media of a scene.
+#[derive(Clone, Copy)]
+pub struct Transmittance<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> Transmittance<'_, E> {
     /// Transmittance of the optical depth `depth`, by channel; one exponential where all channels
     /// are the same.
-    pub fn closed_transmittance<W: Work>(&self, depth: DVec3, work: &mut W) -> DVec3 {
+    pub fn closed<W: Work>(self, depth: DVec3, work: &mut W) -> DVec3 {
         work.count(Event::Attenuation);
         if E::CHROMATIC {
             work.count_times(Event::ChannelAttenuation, 2);
@@ -32,29 +36,25 @@ impl<E: Effects> SceneContext<'_, E> {
             // Of media that only absorb, where there are none, on every flight.
             DVec3::ONE
         } else if E::CHROMATIC {
-            DVec3::from_array(depth.to_array().map(media::transmittance))
+            DVec3::from_array(depth.to_array().map(optics::transmittance))
         } else {
-            DVec3::splat(media::transmittance(depth.x))
+            DVec3::splat(optics::transmittance(depth.x))
         }
     }
 
     /// Transmittance, by channel, of all media from the origin of `ray` to distance `end`.
-    pub fn transmittance<W: Work>(
-        &self,
-        ray: &Ray,
-        end: f64,
-        tracker: &mut Tracker<'_, W>,
-    ) -> DVec3 {
-        if !self.is_heterogeneous() {
+    pub fn along<W: Work>(self, ray: &Ray, end: f64, tracker: &mut Tracker<'_, W>) -> DVec3 {
+        if !self.0.is_heterogeneous() {
             let spans = &mut tracker.scratch.spans;
             let depth = self
+                .0
                 .media
                 .optical_depth::<E, W>(ray, end, spans, tracker.work);
-            return self.closed_transmittance(depth, tracker.work);
+            return self.closed(depth, tracker.work);
         }
         let mut depth = DVec3::ZERO;
         let mut estimate = DVec3::ONE;
-        for medium in self.media.all() {
+        for medium in self.0.media.all() {
             if medium.density.is_some() && medium.is_vacuum() {
                 // No random number may be drawn for it.
                 continue;
@@ -75,34 +75,34 @@ impl<E: Effects> SceneContext<'_, E> {
                     depth += over(medium.sigma_t(), span.length());
                 } else {
                     let set = 1 << medium.index;
-                    estimate *= self.heterogeneous_transmittance(set, ray, span, tracker);
+                    estimate *= self.of_heterogeneous(set, ray, span, tracker);
                 }
             }
             tracker.scratch.spans = spans;
         }
-        estimate * self.closed_transmittance(depth, tracker.work)
+        estimate * self.closed(depth, tracker.work)
     }
 
     /// Transmittance, by channel, of the media that only absorb along `ray` up to distance `t`:
     /// of the homogeneous ones their optical `depth` is given, the others lie on `segments`.
-    pub fn absorbing_transmittance<W: Work>(
-        &self,
+    pub fn of_absorbing<W: Work>(
+        self,
         segments: &MediumSegments,
         ray: &Ray,
         t: f64,
         depth: DVec3,
         tracker: &mut Tracker<'_, W>,
     ) -> DVec3 {
-        let mut transmittance = self.closed_transmittance(depth, tracker.work);
-        if !self.is_heterogeneous() {
+        let mut transmittance = self.closed(depth, tracker.work);
+        if !self.0.is_heterogeneous() {
             return transmittance;
         }
         for segment in segments.all() {
-            let heterogeneous = self.media.heterogeneous(segment.set);
-            let absorbing = heterogeneous & !self.media.scattering(heterogeneous);
+            let heterogeneous = self.0.media.heterogeneous(segment.set);
+            let absorbing = heterogeneous & !self.0.media.scattering(heterogeneous);
             let span = Span::new(segment.span.near, segment.span.far.min(t));
             if absorbing != 0 && span.near < span.far {
-                transmittance *= self.heterogeneous_transmittance(absorbing, ray, span, tracker);
+                transmittance *= self.of_heterogeneous(absorbing, ray, span, tracker);
             }
         }
         transmittance
@@ -110,8 +110,8 @@ impl<E: Effects> SceneContext<'_, E> {
 
     /// Transmittance, by channel, of the heterogeneous media in `set` along `ray` over `span`,
     /// which lies in all of them.
-    fn heterogeneous_transmittance<W: Work>(
-        &self,
+    fn of_heterogeneous<W: Work>(
+        self,
         set: Set,
         ray: &Ray,
         span: Span,
@@ -120,7 +120,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let mut depth = DVec3::ZERO;
         let mut estimated = 0;
         for index in members(set) {
-            let medium = self.media.medium(index);
+            let medium = self.0.media.medium(index);
             if medium.is_integrable() && !medium.unit.scatters() {
                 let column = medium.column(ray, span, tracker.work);
                 depth += over(medium.sigma_t(), column);
@@ -128,11 +128,11 @@ impl<E: Effects> SceneContext<'_, E> {
                 estimated |= 1 << index;
             }
         }
-        let integrated = self.closed_transmittance(depth, tracker.work);
+        let integrated = self.closed(depth, tracker.work);
         if estimated == 0 {
             return integrated;
         }
-        integrated * estimated_transmittance(&self.media, estimated, ray, span, tracker)
+        integrated * estimated_transmittance(&self.0.media, estimated, ray, span, tracker)
     }
 }
 

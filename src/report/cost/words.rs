@@ -286,6 +286,30 @@ fn orders(cost: &Cost) -> Vec<(String, &ConvergenceOrder)> {
 
 /// Verdicts of all orders and estimators of the scenes.
 pub(super) fn judgement(costs: &[Cost]) -> Judgement {
+    let (orders, mut faults) = judged_orders(costs);
+    let (estimators, of_estimators) = judged_estimators(costs);
+    faults.extend(of_estimators);
+    // What is wrong before what is not known.
+    faults.sort_by_key(|(mark, _)| *mark != Mark::Bad);
+    let parts: Vec<String> = [orders, estimators].into_iter().flatten().collect();
+    let mark = match faults.first() {
+        None if parts.is_empty() => Mark::Plain,
+        None => Mark::Good,
+        Some((mark, _)) => *mark,
+    };
+    let counts = match parts.is_empty() {
+        true => "There were no predicted orders to check.".to_owned(),
+        false => format!("{}.", parts.join("; ")),
+    };
+    Judgement {
+        mark,
+        counts,
+        faults,
+    }
+}
+
+/// Orders of the scenes, counted by verdict; and those at fault.
+fn judged_orders(costs: &[Cost]) -> (Option<String>, Vec<(Mark, String)>) {
     let mut faults = Vec::new();
     // As expected, as far as rays tell, otherwise, undecided, not yet a power, nothing expected.
     let mut counts = [0_usize; 6];
@@ -306,19 +330,33 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
         let sign = sign(order.verdict);
         faults.push((verdict(order.verdict).0, format!("{sign} {name}: {fault}")));
     }
+    let judged: usize = counts[..5].iter().sum();
+    let words = [
+        "as expected",
+        "consistent with expectation (few rays)",
+        "not as expected",
+        "undecided",
+        "not yet asymptotic",
+    ];
+    let said = words.iter().zip(counts).enumerate();
+    let said = said.filter(|(at, (_, count))| *at == 0 || *count > 0);
+    let said: Vec<String> = said
+        .map(|(_, (words, count))| format!("{count} {words}"))
+        .collect();
+    let noun = if judged == 1 { "order" } else { "orders" };
+    let sentence = format!("{judged} convergence {noun}: {}", said.join(", "));
+    ((judged > 0).then_some(sentence), faults)
+}
+
+/// Estimators that agree with theory, counted; and those that do not.
+fn judged_estimators(costs: &[Cost]) -> (Option<String>, Vec<(Mark, String)>) {
     let rows = costs.iter().flat_map(|cost| {
         let tables = cost.estimators.iter();
         let rows = tables.flat_map(|table| &table.rows);
         rows.map(move |row| (cost, row))
     });
-    let mut estimators = 0;
-    let mut agreeing = 0;
-    for (cost, row) in rows {
-        estimators += 1;
-        if row.agrees {
-            agreeing += 1;
-            continue;
-        }
+    let (agreeing, disagreeing): (Vec<_>, Vec<_>) = rows.partition(|(_, row)| row.agrees);
+    let fault = |(cost, row): &(&Cost, &EstimatorRow)| {
         let fault = format!(
             "✗ {}, {}: disagrees with theory: mean off by {} s.e., variance {} (theory {}), lookups {} (theory {})",
             scene(cost),
@@ -329,47 +367,12 @@ pub(super) fn judgement(costs: &[Cost]) -> Judgement {
             count(row.lookups),
             or_dash(row.predicted_lookups, count),
         );
-        faults.push((Mark::Bad, fault));
-    }
-    // What is wrong before what is not known.
-    faults.sort_by_key(|(mark, _)| *mark != Mark::Bad);
-    let judged: usize = counts[..5].iter().sum();
-    let mut parts = Vec::new();
-    if judged > 0 {
-        let words = [
-            "as expected",
-            "consistent with expectation (few rays)",
-            "not as expected",
-            "undecided",
-            "not yet asymptotic",
-        ];
-        let said = words.iter().zip(counts).enumerate();
-        let said = said.filter(|(at, (_, count))| *at == 0 || *count > 0);
-        let said: Vec<String> = said
-            .map(|(_, (words, count))| format!("{count} {words}"))
-            .collect();
-        let noun = if judged == 1 { "order" } else { "orders" };
-        parts.push(format!("{judged} convergence {noun}: {}", said.join(", ")));
-    }
-    if estimators > 0 {
-        parts.push(format!(
-            "{agreeing} of {estimators} estimators agree with theory"
-        ));
-    }
-    let mark = match faults.first() {
-        None if parts.is_empty() => Mark::Plain,
-        None => Mark::Good,
-        Some((mark, _)) => *mark,
+        (Mark::Bad, fault)
     };
-    let counts = match parts.is_empty() {
-        true => "There were no predicted orders to check.".to_owned(),
-        false => format!("{}.", parts.join("; ")),
-    };
-    Judgement {
-        mark,
-        counts,
-        faults,
-    }
+    let (agreed, all) = (agreeing.len(), agreeing.len() + disagreeing.len());
+    let sentence = format!("{agreed} of {all} estimators agree with theory");
+    let faults = disagreeing.iter().map(fault).collect();
+    ((all > 0).then_some(sentence), faults)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Densities of heterogeneous media, as scenes give them.
 
 use super::shapes::FARTHEST;
-use crate::media::Field;
+use crate::optics::Field;
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};

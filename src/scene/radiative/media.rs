@@ -2,7 +2,7 @@
 
 use super::{Body, LARGEST_RADIANCE, densities, phases, radiance, shape_transform, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
-use crate::media::{Asymmetry, Coefficients, Density, Field, Homogeneous, optical_depth};
+use crate::optics::{Asymmetry, Coefficients, Density, Field, Homogeneous, optical_depth};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};

@@ -1,6 +1,6 @@
 //! Phase functions.
 
-use crate::media::{Asymmetry, Draine, Droplets, Phase};
+use crate::optics::{Asymmetry, Draine, Droplets, Phase};
 use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::Reader;

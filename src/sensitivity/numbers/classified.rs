@@ -1,7 +1,7 @@
 //! Numbers of classified volumes.
 
 use super::{Number, Quantity, in_classified};
-use crate::media::Phong;
+use crate::optics::Phong;
 use crate::scene::{Classified, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;

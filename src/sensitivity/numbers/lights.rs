@@ -53,113 +53,17 @@ const PART_OF_DISTANCE: f64 = 0.01;
 /// Numbers of every light.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let mut numbers = Vec::new();
-    let eye = scene.camera.eye();
     let count = scene.area_lights.len();
     for at in 0..count {
         let index = (count > 1).then_some(at + 1);
-        let lamp = &scene.area_lights[at].shape;
-        let step = PART_OF_DISTANCE * (lamp.bounds().centre() - eye).length();
-        numbers.push(
-            Number::new(&LAMP, 0.5, Linear, move |scene, change| {
-                lamps(scene, at, |lamp| {
-                    lamp.radiance *= 1.0 + change;
-                    Some(())
-                })
-            })
-            .numbered(index),
-        );
-        numbers.push(
-            Number::new(&LAMP_SIZE, 0.05, Smooth, move |scene, change| {
-                lamps(scene, at, |lamp| {
-                    lamp.shape = scaled(&lamp.shape, 1.0 + change)?;
-                    Some(())
-                })
-            })
-            .numbered(index),
-        );
-        let size = lamp.bounds().size();
-        for (axis, quantity) in LAMP_PLACES.iter().enumerate() {
-            // Along its normal a flat lamp soon passes through the ceiling that it hangs from, and no
-            // step is short enough for that and long enough for the noise.
-            if size[axis] == 0.0 {
-                continue;
-            }
-            let edit = move |scene: &mut Scene, change: f64| {
-                let by = Transform::translation(DVec3::AXES[axis] * change).ok()?;
-                lamps(scene, at, |lamp| {
-                    lamp.shape = moved(&lamp.shape, &by)?;
-                    Some(())
-                })
-            };
-            numbers.push(Number::new(quantity, step, Smooth, edit).numbered(index));
-        }
+        let of_one = of_area_light(scene, at).into_iter();
+        numbers.extend(of_one.map(|number| number.numbered(index)));
     }
     let count = scene.lights.len();
     for at in 0..count {
         let index = (count > 1).then_some(at + 1);
-        numbers.push(
-            Number::new(&LIGHT, 0.5, Linear, move |scene, change| {
-                lights(scene, at, |light| {
-                    match light {
-                        Light::Point(light) => light.intensity *= 1.0 + change,
-                        Light::Spot(light) => light.intensity *= 1.0 + change,
-                        Light::Directional(light) => light.irradiance *= 1.0 + change,
-                    }
-                    Some(())
-                })
-            })
-            .numbered(index),
-        );
-        if let Some(position) = scene.lights[at].position() {
-            let step = PART_OF_DISTANCE * (position - eye).length();
-            for (axis, quantity) in LIGHT_PLACES.iter().enumerate() {
-                let edit = move |scene: &mut Scene, change: f64| {
-                    let by = DVec3::AXES[axis] * change;
-                    lights(scene, at, |light| {
-                        match light {
-                            Light::Point(light) => light.position += by,
-                            Light::Spot(light) => light.position += by,
-                            Light::Directional(_) => return None,
-                        }
-                        Some(())
-                    })
-                };
-                numbers.push(Number::new(quantity, step, Smooth, edit).numbered(index));
-            }
-        }
-        if !matches!(scene.lights[at], Light::Point(_)) {
-            for (tilt, quantity) in TILTS.iter().enumerate() {
-                let edit = move |scene: &mut Scene, change: f64| {
-                    lights(scene, at, |light| {
-                        match light {
-                            Light::Directional(light) => {
-                                light.direction = tilted(light.direction, tilt, change)?;
-                            }
-                            Light::Spot(spot) => {
-                                let axis = tilted(spot.axis(), tilt, change)?;
-                                *spot = with_cone(spot, axis, [spot.inner(), spot.outer()])?;
-                            }
-                            Light::Point(_) => return None,
-                        }
-                        Some(())
-                    })
-                };
-                numbers.push(Number::new(quantity, 1.0, Smooth, edit).numbered(index));
-            }
-        }
-        if matches!(scene.lights[at], Light::Spot(_)) {
-            let edit = move |scene: &mut Scene, change: f64| {
-                lights(scene, at, |light| {
-                    if let Light::Spot(spot) = light {
-                        let wider = change.to_radians();
-                        let angles = [spot.inner() + wider, spot.outer() + wider];
-                        *spot = with_cone(spot, spot.axis(), angles)?;
-                    }
-                    Some(())
-                })
-            };
-            numbers.push(Number::new(&CONE, 1.0, Smooth, edit).numbered(index));
-        }
+        let of_one = of_light(scene, at).into_iter();
+        numbers.extend(of_one.map(|number| number.numbered(index)));
     }
     if scene.environment != DVec3::ZERO {
         numbers.push(Number::new(&ENVIRONMENT, 0.5, Linear, |scene, change| {
@@ -172,12 +76,116 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     numbers
 }
 
+/// Numbers of the area light `at`.
+fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
+    let bounds = scene.area_lights[at].shape.bounds();
+    let step = PART_OF_DISTANCE * (bounds.centre() - scene.camera.eye()).length();
+    let mut numbers = vec![
+        Number::new(&LAMP, 0.5, Linear, move |scene, change| {
+            lamps(scene, at, |lamp| {
+                lamp.radiance *= 1.0 + change;
+                Some(())
+            })
+        }),
+        Number::new(&LAMP_SIZE, 0.05, Smooth, move |scene, change| {
+            lamps(scene, at, |lamp| {
+                lamp.shape = scaled(&lamp.shape, 1.0 + change)?;
+                Some(())
+            })
+        }),
+    ];
+    // Along its normal a flat lamp soon passes through the ceiling that it hangs from, and no
+    // step is short enough for that and long enough for the noise.
+    let extended = (0..3).filter(|&axis| bounds.size()[axis] != 0.0);
+    numbers.extend(extended.map(|axis| {
+        let edit = move |scene: &mut Scene, change: f64| {
+            let by = Transform::translation(DVec3::AXES[axis] * change).ok()?;
+            lamps(scene, at, |lamp| {
+                lamp.shape = moved(&lamp.shape, &by)?;
+                Some(())
+            })
+        };
+        Number::new(&LAMP_PLACES[axis], step, Smooth, edit)
+    }));
+    numbers
+}
+
+/// Numbers of the light `at`, which has no extent.
+fn of_light(scene: &Radiative, at: usize) -> Vec<Number> {
+    let light = &scene.lights[at];
+    let mut numbers = vec![Number::new(&LIGHT, 0.5, Linear, move |scene, change| {
+        lights(scene, at, |light| stronger(light, 1.0 + change))
+    })];
+    if let Some(position) = light.position() {
+        let step = PART_OF_DISTANCE * (position - scene.camera.eye()).length();
+        numbers.extend((0..3).map(|axis| {
+            Number::new(&LIGHT_PLACES[axis], step, Smooth, move |scene, change| {
+                lights(scene, at, |light| {
+                    shifted(light, DVec3::AXES[axis] * change)
+                })
+            })
+        }));
+    }
+    if !matches!(light, Light::Point(_)) {
+        numbers.extend((0..2).map(|about| {
+            Number::new(&TILTS[about], 1.0, Smooth, move |scene, change| {
+                lights(scene, at, |light| turned(light, about, change))
+            })
+        }));
+    }
+    if matches!(light, Light::Spot(_)) {
+        numbers.push(Number::new(&CONE, 1.0, Smooth, move |scene, change| {
+            lights(scene, at, |light| widened(light, change))
+        }));
+    }
+    numbers
+}
+
 fn lamps(scene: &mut Scene, at: usize, edit: impl Fn(&mut AreaLight) -> Option<()>) -> Option<()> {
     in_radiative(scene, |radiative| edit(radiative.area_lights.get_mut(at)?))
 }
 
 fn lights(scene: &mut Scene, at: usize, edit: impl Fn(&mut Light) -> Option<()>) -> Option<()> {
     in_radiative(scene, |radiative| edit(radiative.lights.get_mut(at)?))
+}
+
+fn stronger(light: &mut Light, factor: f64) -> Option<()> {
+    match light {
+        Light::Point(light) => light.intensity *= factor,
+        Light::Spot(light) => light.intensity *= factor,
+        Light::Directional(light) => light.irradiance *= factor,
+    }
+    Some(())
+}
+
+fn shifted(light: &mut Light, by: DVec3) -> Option<()> {
+    match light {
+        Light::Point(light) => light.position += by,
+        Light::Spot(light) => light.position += by,
+        Light::Directional(_) => return None,
+    }
+    Some(())
+}
+
+fn turned(light: &mut Light, about: usize, degrees: f64) -> Option<()> {
+    match light {
+        Light::Directional(light) => light.direction = tilted(light.direction, about, degrees)?,
+        Light::Spot(spot) => {
+            let axis = tilted(spot.axis(), about, degrees)?;
+            *spot = with_cone(spot, axis, [spot.inner(), spot.outer()])?;
+        }
+        Light::Point(_) => return None,
+    }
+    Some(())
+}
+
+fn widened(light: &mut Light, degrees: f64) -> Option<()> {
+    if let Light::Spot(spot) = light {
+        let wider = degrees.to_radians();
+        let angles = [spot.inner() + wider, spot.outer() + wider];
+        *spot = with_cone(spot, spot.axis(), angles)?;
+    }
+    Some(())
 }
 
 fn moved(shape: &Luminous, by: &Transform) -> Option<Luminous> {

@@ -2,7 +2,7 @@
 
 use super::{Number, Quantity, in_radiative};
 use crate::geometry::{Boundary, Placed, Surface, Transform};
-use crate::media::{Asymmetry, Coefficients};
+use crate::optics::{Asymmetry, Coefficients};
 use crate::scene::{Body, Radiative, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;
@@ -37,89 +37,94 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let mut numbers = Vec::new();
     let count = scene.media.len();
     for at in each(count) {
-        let bodies: Vec<&Body> = match at {
-            Some(at) => vec![&scene.media[at]],
-            None => scene.media.iter().collect(),
-        };
         let index = at.map(|at| at + 1).filter(|_| count > 1);
-        let number =
-            |quantity, step, dependence: Dependence, edit: fn(&mut Body, f64) -> Option<()>| {
-                let edit = move |scene: &mut Scene, change: f64| edited(scene, at, edit, change);
-                Number::new(quantity, step, dependence, edit).numbered(index)
-            };
-        let any = |has: fn(&Body) -> bool| bodies.iter().any(|body| has(body));
-        let absorbs = any(|body| sigma_a(body) != DVec3::ZERO);
-        let scatters = any(|body| sigma_s(body) != DVec3::ZERO);
-        if absorbs || scatters {
-            numbers.push(number(&DENSITY, 0.1, Smooth, |body, change| {
-                body.make_denser(1.0 + change)
-            }));
+        let mut of_one = of_matter(scene, at);
+        if let Some(at) = at {
+            of_one.extend(of_boundary(&scene.media[at], at));
         }
-        if absorbs && scatters {
-            numbers.push(number(&SIGMA_A, 0.1, Smooth, |body, change| {
-                coefficients(body, sigma_a(body) * (1.0 + change), sigma_s(body))
-            }));
-            numbers.push(number(&SIGMA_S, 0.1, Smooth, |body, change| {
-                coefficients(body, sigma_a(body), sigma_s(body) * (1.0 + change))
-            }));
-        } else if scatters {
-            numbers.push(number(&ALBEDO, 0.05, Smooth, |body, change| {
-                let (sigma_a, sigma_s) = (sigma_a(body), sigma_s(body));
-                coefficients(
-                    body,
-                    sigma_a - (sigma_a + sigma_s) * change,
-                    sigma_s + (sigma_a + sigma_s) * change,
-                )
-            }));
-        }
-        if scatters
-            && any(|body| {
-                body.medium.phase.is_isotropic() || body.medium.phase.mean_cosine() != 0.0
-            })
-        {
-            numbers.push(number(&G, 0.1, Smooth, |body, change| {
-                let edit = |g: Asymmetry| Asymmetry::new(g.g() + change).unwrap_or(g);
-                let phase = body.medium.phase.with_asymmetry(edit);
-                let differs = phase != body.medium.phase || change == 0.0;
-                body.medium.phase = phase;
-                differs.then_some(())
-            }));
-        }
-        if any(|body| body.medium.emission != DVec3::ZERO) {
-            numbers.push(number(&EMISSION, 0.5, Linear, |body, change| {
-                body.medium.emission *= 1.0 + change;
-                Some(())
-            }));
-        }
-        // Where a density lies is the business of its own transform.
-        let boxes = bodies.iter().filter(|body| is_movable(body));
-        let (Some(at), Some(body)) = (at, boxes.clone().next()) else {
-            continue;
+        numbers.extend(of_one.into_iter().map(|number| number.numbered(index)));
+    }
+    numbers
+}
+
+/// Numbers of the coefficients, phase function and emission of the medium `at`, or of all.
+fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
+    let bodies: Vec<&Body> = match at {
+        Some(at) => vec![&scene.media[at]],
+        None => scene.media.iter().collect(),
+    };
+    let number =
+        |quantity, step, dependence: Dependence, edit: fn(&mut Body, f64) -> Option<()>| {
+            let edit = move |scene: &mut Scene, change: f64| edited(scene, at, edit, change);
+            Number::new(quantity, step, dependence, edit)
         };
-        let size = body
-            .boundary
-            .as_ref()
-            .map_or(DVec3::ONE, |shape| shape.bounds().size());
-        for (axis, quantity) in PLACES.iter().enumerate() {
-            let edit = move |scene: &mut Scene, change: f64| {
-                let offset = DVec3::AXES[axis] * change;
-                moved(scene, at, Transform::translation(offset).ok()?)
-            };
-            let step = 0.02 * size.max_element();
-            numbers.push(Number::new(quantity, step, Smooth, edit).numbered(index));
-        }
-        let centre = body
-            .boundary
-            .as_ref()
-            .map_or(DVec3::ZERO, |shape| shape.bounds().centre());
-        if !matches!(body.boundary, Some(Boundary::Sphere(_))) {
-            let edit = move |scene: &mut Scene, change: f64| {
-                let turn = Transform::translation(-centre).ok()?;
-                let turn = turn.then(&Transform::rotation(DVec3::Y, change).ok()?);
-                moved(scene, at, turn.then(&Transform::translation(centre).ok()?))
-            };
-            numbers.push(Number::new(&TURN, 2.0, Smooth, edit).numbered(index));
-        }
+    let any = |has: fn(&Body) -> bool| bodies.iter().any(|body| has(body));
+    let mut numbers = Vec::new();
+    let absorbs = any(|body| sigma_a(body) != DVec3::ZERO);
+    let scatters = any(|body| sigma_s(body) != DVec3::ZERO);
+    if absorbs || scatters {
+        numbers.push(number(&DENSITY, 0.1, Smooth, |body, change| {
+            body.make_denser(1.0 + change)
+        }));
+    }
+    if absorbs && scatters {
+        numbers.push(number(&SIGMA_A, 0.1, Smooth, |body, change| {
+            coefficients(body, sigma_a(body) * (1.0 + change), sigma_s(body))
+        }));
+        numbers.push(number(&SIGMA_S, 0.1, Smooth, |body, change| {
+            coefficients(body, sigma_a(body), sigma_s(body) * (1.0 + change))
+        }));
+    } else if scatters {
+        numbers.push(number(&ALBEDO, 0.05, Smooth, |body, change| {
+            let (sigma_a, sigma_s) = (sigma_a(body), sigma_s(body));
+            coefficients(
+                body,
+                sigma_a - (sigma_a + sigma_s) * change,
+                sigma_s + (sigma_a + sigma_s) * change,
+            )
+        }));
+    }
+    if scatters
+        && any(|body| body.medium.phase.is_isotropic() || body.medium.phase.mean_cosine() != 0.0)
+    {
+        numbers.push(number(&G, 0.1, Smooth, |body, change| {
+            let edit = |g: Asymmetry| Asymmetry::new(g.g() + change).unwrap_or(g);
+            let phase = body.medium.phase.with_asymmetry(edit);
+            let differs = phase != body.medium.phase || change == 0.0;
+            body.medium.phase = phase;
+            differs.then_some(())
+        }));
+    }
+    if any(|body| body.medium.emission != DVec3::ZERO) {
+        numbers.push(number(&EMISSION, 0.5, Linear, |body, change| {
+            body.medium.emission *= 1.0 + change;
+            Some(())
+        }));
+    }
+    numbers
+}
+
+/// Numbers of the boundary of `body`, the medium `at`; none where it has a density, which has a
+/// transform of its own.
+fn of_boundary(body: &Body, at: usize) -> Vec<Number> {
+    let Some(boundary) = body.boundary.as_ref().filter(|_| is_movable(body)) else {
+        return Vec::new();
+    };
+    let (size, centre) = (boundary.bounds().size(), boundary.bounds().centre());
+    let step = 0.02 * size.max_element();
+    let places = (0..3).map(|axis| {
+        Number::new(&PLACES[axis], step, Smooth, move |scene, change| {
+            let offset = DVec3::AXES[axis] * change;
+            moved(scene, at, Transform::translation(offset).ok()?)
+        })
+    });
+    let mut numbers: Vec<Number> = places.collect();
+    if !matches!(boundary, Boundary::Sphere(_)) {
+        numbers.push(Number::new(&TURN, 2.0, Smooth, move |scene, change| {
+            let turn = Transform::translation(-centre).ok()?;
+            let turn = turn.then(&Transform::rotation(DVec3::Y, change).ok()?);
+            moved(scene, at, turn.then(&Transform::translation(centre).ok()?))
+        }));
     }
     numbers
 }

@@ -6,7 +6,7 @@ use super::densities::{
     half_a_voxel_on_along_z, in_classified, upside_down, x_and_z_exchanged,
 };
 use super::{Edit, Mistake, set};
-use crate::media::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
+use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
 use crate::scene::{Classified, Shadow};
 use crate::volume::Interpolation;
 use glam::DVec3;

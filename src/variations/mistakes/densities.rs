@@ -1,7 +1,7 @@
 //! Mistakes about densities: grids and noise.
 
 use super::{Edit, Mistake};
-use crate::media::Field;
+use crate::optics::Field;
 use crate::scene::{Classified, Radiative};
 use crate::volume::{
     Centring, FractalDensity, FractalParameters, Grid, GridDensity, Interpolation, Lattice,

@@ -1,7 +1,7 @@
 //! Mistakes about media: absorption, scattering, emission, phase functions.
 
 use super::{Edit, Mistake};
-use crate::media::{Asymmetry, Coefficients, Homogeneous};
+use crate::optics::{Asymmetry, Coefficients, Homogeneous};
 use crate::scene::{Radiative, Scattering};
 use glam::DVec3;
 use std::f64::consts::{LN_2, LN_10};

@@ -14,8 +14,7 @@ mod surfaces;
 
 use crate::film::Film;
 use crate::geometry::{Camera, Surface, length_of};
-use crate::media::{Appearance, Homogeneous, TransferOpacity};
-use crate::optics::{Light, Material};
+use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
 use crate::scene::{Body, Classified, Curve, Model, Radiative, Scene};
 use glam::DVec3;
 

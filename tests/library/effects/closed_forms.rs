@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Boundary, Camera};
 use volref::math::rng::{Purpose, Stream};
-use volref::media::{Coefficients, Density, Field, Homogeneous, Phase};
+use volref::optics::{Coefficients, Density, Field, Homogeneous, Phase};
 use volref::render::counters::Event;
 use volref::render::plan::Kernel;
 use volref::render::{Bound, Counters, Plan, Sampling};

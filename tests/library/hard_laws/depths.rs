@@ -8,7 +8,7 @@ use super::exact::shapes::SECOND_ORDER;
 use super::{config, octaves};
 use proptest::prelude::*;
 use volref::math::exp_m1;
-use volref::media::*;
+use volref::optics::*;
 
 /// Thirty decades, and what lies beyond: nothing, subnormal, as large as numbers are, infinite;
 /// and where `e^−τ` leaves the numbers.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Direction, Ray, Span};
-use volref::media::optical_depth;
+use volref::optics::optical_depth;
 use volref::volume::{
     Centring, DensityField, Grid, GridDensity, Interpolation, Lattice, Visit, Walk,
 };

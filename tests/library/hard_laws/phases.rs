@@ -9,7 +9,7 @@ use super::exact::shapes::SECOND_ORDER;
 use super::{config, octaves, share};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
-use volref::media::{Asymmetry, Deflection, HenyeyGreenstein};
+use volref::optics::{Asymmetry, Deflection, HenyeyGreenstein};
 
 fn phase(g: f64) -> HenyeyGreenstein {
     HenyeyGreenstein(Asymmetry::new(g).unwrap())

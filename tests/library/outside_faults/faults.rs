@@ -4,8 +4,9 @@ use glam::DVec3;
 use volref::film::Film;
 use volref::geometry::{Camera, Luminous, Rectangle};
 use volref::math;
-use volref::media::{Appearance, Asymmetry, Coefficients, Colormap, Field, Homogeneous};
-use volref::optics::{Light, Material, Spot};
+use volref::optics::{
+    Appearance, Asymmetry, Coefficients, Colormap, Field, Homogeneous, Light, Material, Spot,
+};
 use volref::scene::{Classified, Radiative, Scattering};
 use volref::volume::{FractalDensity, Grid, GridDensity, Lattice};
 

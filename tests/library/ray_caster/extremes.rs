@@ -4,7 +4,7 @@ use super::{config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::math;
-use volref::media::Phong;
+use volref::optics::Phong;
 use volref::render::{Plan, Sampling, render};
 use volref::scene::Shadow;
 use volref::volume::Lattice;

@@ -10,7 +10,7 @@ use super::{U, scenes};
 use glam::DVec3;
 use serde_json::Value;
 use volref::geometry::Ray;
-use volref::media::{TransferFunction, over_length};
+use volref::optics::{TransferFunction, over_length};
 use volref::render::Counters;
 use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
 use volref::render::classified::empty_space::NoSkipping;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Ray;
 use volref::math;
-use volref::media::over_length;
+use volref::optics::over_length;
 use volref::render::classified::compositing::{CompositingOrder, FrontToBack};
 use volref::scene::{Classified, Compositing};
 use volref::volume::{Interpolation, Lattice};

@@ -6,7 +6,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::{Camera, Ray};
 use volref::math;
-use volref::media::{Appearance, TransferPoint, TransferPoints, over_length};
+use volref::optics::{Appearance, TransferPoint, TransferPoints, over_length};
 use volref::render::plan::Kernel;
 use volref::render::{Effect, Event, Plan, State};
 use volref::scene::{Classified, Shadow};

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use volref::film::Film;
 use volref::geometry::{Camera, Ray};
 use volref::math;
-use volref::media::{Appearance, Colormap, Phong, TransferFunction, TransferOpacity};
+use volref::optics::{Appearance, Colormap, Phong, TransferFunction, TransferOpacity};
 use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
 use volref::render::classified::empty_space::NoSkipping;
 use volref::render::classified::field::{GridField, ScalarField};

@@ -4,7 +4,7 @@ use super::{U, config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::math;
-use volref::media::TransferFunction;
+use volref::optics::TransferFunction;
 use volref::render::classified::empty_space::NoSkipping;
 use volref::render::classified::field::{GridField, ScalarField};
 use volref::render::classified::steps::SamplePoint;

@@ -4,7 +4,7 @@ use super::{U, config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::{Aabb, Camera, Ray};
-use volref::media::{Appearance, Phong};
+use volref::optics::{Appearance, Phong};
 use volref::render::classified::compositing::Layers;
 use volref::scene::{Classified, Shadow};
 use volref::volume::{Grid, Lattice, relative_gradients};

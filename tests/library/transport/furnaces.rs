@@ -14,8 +14,7 @@ use volref::geometry::{
 };
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling;
-use volref::media::{Asymmetry, Draine, Droplets, Homogeneous, Phase};
-use volref::optics::{Material, Sides};
+use volref::optics::{Asymmetry, Draine, Droplets, Homogeneous, Material, Phase, Sides};
 use volref::scene::{AreaLight, Radiative};
 
 /// Paths of which every one must return exactly 1.

@@ -9,14 +9,14 @@ use volref::geometry::{Aabb, Boundary, Luminous, Placed, Ray, Shape, Sphere, Tra
 use volref::math::quadrature::integrate;
 use volref::math::rng::Stream;
 use volref::math::{Moments, exp};
-use volref::media::{Coefficients, Density, Field, Homogeneous};
-use volref::optics::{Material, Sides};
+use volref::optics::{Coefficients, Density, Field, Homogeneous, Material, Sides};
 use volref::render::radiative::context::Scratch;
 use volref::render::radiative::effects::{Everything, Only};
 use volref::render::radiative::path_tracer::PathTracer;
 use volref::render::radiative::sampler::Sampler;
 use volref::render::radiative::scene_context::SceneContext;
 use volref::render::radiative::tracker::{Tracker, TrackerScratch};
+use volref::render::radiative::visibility::Visibility;
 use volref::render::{Counters, Event};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
@@ -455,7 +455,7 @@ fn a_spike_on_the_border_of_two_blocks() {
     for sample in 0..SAMPLES {
         let sampler = Sampler::new(Stream::new(3, 0, sample));
         let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
-        let share = around.visibility(&view, f64::INFINITY, &mut tracker);
+        let share = Visibility(&around).along(&view, f64::INFINITY, &mut tracker);
         moments.add(share.x);
     }
     agrees("spike by ratio tracking", &moments, exact, 0.0);

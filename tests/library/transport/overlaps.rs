@@ -6,8 +6,7 @@ use crate::transport::statistics::*;
 use glam::DVec3;
 use volref::geometry::{Luminous, Sphere};
 use volref::math::Moments;
-use volref::media::{Asymmetry, Coefficients, Homogeneous, Phase};
-use volref::optics::Sides;
+use volref::optics::{Asymmetry, Coefficients, Homogeneous, Phase, Sides};
 use volref::scene::{AreaLight, Radiative};
 
 /// Standard errors near 0.5 %.

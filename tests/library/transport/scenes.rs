@@ -6,8 +6,10 @@ use glam::DVec3;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Boundary, Camera, Direction, Ray, Rectangle, Shape, Sphere};
 use volref::math::{cos, sin};
-use volref::media::{Asymmetry, Coefficients, Density, Field, Homogeneous, Phase};
-use volref::optics::{Directional, Light, Material, Point};
+use volref::optics::{
+    Asymmetry, Coefficients, Density, Directional, Field, Homogeneous, Light, Material, Phase,
+    Point,
+};
 use volref::scene::{Body, Object, Radiative, Scattering};
 use volref::volume::{Blob, Grid, GridDensity, Interpolation, Lattice};
 

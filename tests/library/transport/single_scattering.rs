@@ -8,8 +8,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use volref::geometry::{Direction, Ray, Rectangle, Shape};
 use volref::math::{Frame, atan2, exp};
-use volref::media::Asymmetry;
-use volref::optics::{Directional, Light, Point};
+use volref::optics::{Asymmetry, Directional, Light, Point};
 use volref::scene::{Body, Radiative};
 
 /// Samples where quadrature has already found every digit: enough to see an albedo or a phase

@@ -1,8 +1,7 @@
 //! Contents of a scene of surfaces, media and lights, by its exact values.
 
 use crate::geometry::Boundary;
-use crate::media::Density;
-use crate::optics::{Light, Material};
+use crate::optics::{Density, Light, Material};
 use crate::scene::{Body, KeyLines, Radiative, Scattering};
 use glam::DVec3;
 

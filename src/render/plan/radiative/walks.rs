@@ -2,8 +2,7 @@
 
 use crate::geometry::{Aabb, Surface};
 use crate::math::rng::Stream;
-use crate::media::Density;
-use crate::optics::Material;
+use crate::optics::{Density, Material};
 use crate::render::radiative::context::Scratch;
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::path_tracer::PathTracer;

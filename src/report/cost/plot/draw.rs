@@ -1,6 +1,6 @@
 //! Drawing of a figure: axes, curves, labels that keep clear of one another, tooltips, legend.
 
-use super::figure::{Figure, GuideKind, Key, Panel};
+use super::figure::{Curve, Figure, GuideKind, Key, Panel};
 use super::labels::{OccupiedAreas, width};
 use super::svg::{DOTTED, Ink, Point, Svg, Theme, dashes};
 
@@ -170,15 +170,43 @@ impl Frame<'_> {
         svg.text(&panel.title, title, TEXT + 1.0, Ink::Text, "start");
     }
 
-    /// Everything within the axes.
+    /// Everything within the axes: labels above lines and curves, tooltips above all.
     fn draw(&self, svg: &mut Svg) {
-        let panel = self.panel;
         let mut areas = OccupiedAreas::default();
-        let mut wanted = Vec::new();
-        let mut of_lines = Vec::new();
-        let mut of_guides = Vec::new();
-        for line in &panel.lines {
-            let [_, y] = self.place([panel.x.low, line.at]);
+        let of_lines = self.draw_lines(svg, &mut areas);
+        let of_guides = self.draw_guides(svg, &mut areas);
+        if self.panel.front.len() > 1 {
+            let corners = self.panel.front.iter().map(|at| self.place(*at));
+            svg.line(&corners.collect::<Vec<Point>>(), Ink::Front, 6.0, "");
+        }
+        for curve in &self.panel.curves {
+            self.draw_curve(curve, svg, &mut areas);
+        }
+        let mut wanted = self.draw_marks(svg, &mut areas);
+        for (label, at) in of_lines {
+            svg.label(label, at, LABEL, Ink::Soft, "end");
+        }
+        wanted.extend(of_guides);
+        wanted.sort_by_key(|wanted| wanted.rank);
+        let frame = [self.left, self.top, self.right, self.bottom];
+        for WantedLabel {
+            text, spots, ink, ..
+        } in wanted
+        {
+            let size = [width(text, LABEL), 1.15 * LABEL];
+            let mut spots = spots.into_iter();
+            if let Some(at) = spots.find_map(|at| areas.find(at, size, RADIUS + 3.0, frame)) {
+                svg.label(text, at, LABEL, ink, "start");
+            }
+        }
+        self.draw_tooltips(svg);
+    }
+
+    /// Lines across, and their labels with the places of these.
+    fn draw_lines(&self, svg: &mut Svg, areas: &mut OccupiedAreas) -> Vec<(&str, Point)> {
+        let mut labels = Vec::new();
+        for line in &self.panel.lines {
+            let [_, y] = self.place([self.panel.x.low, line.at]);
             let ends = [[self.left, y], [self.right, y]];
             svg.line(&ends, Ink::Soft, 1.0, "");
             areas.take_line(ends[0], ends[1], ALONG);
@@ -186,8 +214,15 @@ impl Frame<'_> {
             let at = [self.right - 4.0, y - 0.75 * LABEL];
             let left = at[0] - width(&line.label, LABEL);
             areas.take([left, at[1] - 0.625 * LABEL, self.right, y]);
-            of_lines.push((&line.label, at));
+            labels.push((line.label.as_str(), at));
         }
+        labels
+    }
+
+    /// Guides, and the labels wanted for them.
+    fn draw_guides(&self, svg: &mut Svg, areas: &mut OccupiedAreas) -> Vec<WantedLabel<'_>> {
+        let panel = self.panel;
+        let mut labels = Vec::new();
         for guide in &panel.guides {
             let (from, ink) = match guide.kind {
                 GuideKind::OfCurve(style) => (panel.x.low, Ink::Curve(style)),
@@ -198,85 +233,101 @@ impl Frame<'_> {
             };
             let [a, b] = ends.map(|end| self.place(end));
             svg.line(&[a, b], ink, 1.0, DOTTED);
-            if let GuideKind::Labelled(label) = &guide.kind {
+            if let GuideKind::Labelled(text) = &guide.kind {
                 areas.take_line(a, b, ALONG);
                 // A little before its end, which is at the frame, or where else there is room.
                 let spots = [0.93, 0.8, 0.68, 0.56, 0.44, 0.32]
                     .map(|share| [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis])));
-                of_guides.push((1, label, spots.to_vec(), Ink::Soft));
+                labels.push(WantedLabel {
+                    rank: 1,
+                    text,
+                    spots: spots.to_vec(),
+                    ink: Ink::Soft,
+                });
             }
         }
-        if panel.front.len() > 1 {
-            let corners: Vec<Point> = panel.front.iter().map(|at| self.place(*at)).collect();
-            svg.line(&corners, Ink::Front, 6.0, "");
-        }
-        for curve in &panel.curves {
-            let ink = Ink::Curve(curve.style);
-            let points: Vec<Point> = curve
-                .points
-                .iter()
-                .map(|point| self.place(point.at))
-                .collect();
-            if curve.width > 0.0 && points.len() > 1 {
-                svg.line(&points, ink, curve.width, dashes(curve.style));
-                for pair in points.windows(2) {
-                    areas.take_line(pair[0], pair[1], ALONG);
-                }
-            }
-            for (point, &[x, y]) in curve.points.iter().zip(&points) {
-                if let Some(ends) = point.whiskers {
-                    let [from, to] = ends.map(|end| self.place([end, point.at[1]])[0]);
-                    areas.take_line([from, y], [to, y], 0.5 * ALONG);
-                    svg.line(&[[from, y], [to, y]], ink, 1.0, "");
-                    for end in [from, to] {
-                        svg.line(&[[end, y - ARM], [end, y + ARM]], ink, 1.0, "");
-                    }
-                }
-                if let Some((height, _)) = &point.cross {
-                    let [_, y] = self.place([point.at[0], *height]);
-                    svg.cross([x, y], ARM, ink);
-                    areas.take([x - ARM, y - ARM, x + ARM, y + ARM]);
-                }
+        labels
+    }
+
+    /// The line of a curve, whiskers and crosses.
+    fn draw_curve(&self, curve: &Curve, svg: &mut Svg, areas: &mut OccupiedAreas) {
+        let ink = Ink::Curve(curve.style);
+        let points: Vec<Point> = curve
+            .points
+            .iter()
+            .map(|point| self.place(point.at))
+            .collect();
+        if curve.width > 0.0 && points.len() > 1 {
+            svg.line(&points, ink, curve.width, dashes(curve.style));
+            for pair in points.windows(2) {
+                areas.take_line(pair[0], pair[1], ALONG);
             }
         }
-        for curve in panel.curves.iter().filter(|curve| curve.marks > 0.0) {
+        for (point, &[x, y]) in curve.points.iter().zip(&points) {
+            if let Some(ends) = point.whiskers {
+                let [from, to] = ends.map(|end| self.place([end, point.at[1]])[0]);
+                areas.take_line([from, y], [to, y], 0.5 * ALONG);
+                svg.line(&[[from, y], [to, y]], ink, 1.0, "");
+                for end in [from, to] {
+                    svg.line(&[[end, y - ARM], [end, y + ARM]], ink, 1.0, "");
+                }
+            }
+            if let Some((height, _)) = &point.cross {
+                let [_, y] = self.place([point.at[0], *height]);
+                svg.cross([x, y], ARM, ink);
+                areas.take([x - ARM, y - ARM, x + ARM, y + ARM]);
+            }
+        }
+    }
+
+    /// Marks of points, and the labels wanted for them.
+    fn draw_marks(&self, svg: &mut Svg, areas: &mut OccupiedAreas) -> Vec<WantedLabel<'_>> {
+        let mut labels = Vec::new();
+        let curves = self.panel.curves.iter();
+        for curve in curves.filter(|curve| curve.marks > 0.0) {
             let (radius, last) = (RADIUS * curve.marks, curve.points.len().saturating_sub(1));
             for (at, point) in curve.points.iter().enumerate() {
                 let [x, y] = self.place(point.at);
                 svg.mark([x, y], radius, curve.style, point.is_hollow);
                 let reach = radius + 0.5;
                 areas.take([x - reach, y - reach, x + reach, y + reach]);
-                if let Some(label) = &point.label {
+                let Some(text) = &point.label else {
+                    continue;
+                };
+                labels.push(WantedLabel {
                     // The ends of all curves before the points between them.
-                    let rank = match at {
+                    rank: match at {
                         _ if point.is_urgent => 0,
                         _ if at == 0 || at == last => 1,
                         _ => 2 + at % 2,
-                    };
-                    wanted.push((rank, label, vec![[x, y]], Ink::Curve(curve.style)));
-                }
+                    },
+                    text,
+                    spots: vec![[x, y]],
+                    ink: Ink::Curve(curve.style),
+                });
             }
         }
-        for (label, at) in of_lines {
-            svg.label(label, at, LABEL, Ink::Soft, "end");
-        }
-        wanted.append(&mut of_guides);
-        wanted.sort_by_key(|(rank, ..)| *rank);
-        let frame = [self.left, self.top, self.right, self.bottom];
-        for (_, label, spots, ink) in wanted {
-            let size = [width(label, LABEL), 1.15 * LABEL];
-            let mut spots = spots.into_iter();
-            if let Some(at) = spots.find_map(|at| areas.find(at, size, RADIUS + 3.0, frame)) {
-                svg.label(label, at, LABEL, ink, "start");
-            }
-        }
-        for point in panel.curves.iter().flat_map(|curve| &curve.points) {
+        labels
+    }
+
+    fn draw_tooltips(&self, svg: &mut Svg) {
+        for point in self.panel.curves.iter().flat_map(|curve| &curve.points) {
             svg.tooltip(self.place(point.at), &point.tooltip);
             if let Some((height, tooltip)) = &point.cross {
                 svg.tooltip(self.place([point.at[0], *height]), tooltip);
             }
         }
     }
+}
+
+/// A label that is drawn where there is room.
+struct WantedLabel<'p> {
+    /// Labels of lower rank come first.
+    rank: usize,
+    text: &'p str,
+    /// Points beside which it may stand, the best first.
+    spots: Vec<Point>,
+    ink: Ink,
 }
 
 /// The part of a line that is inside of the panel, from `from` on to the right.

@@ -21,52 +21,15 @@ const PER_DECADE: f64 = 26.0;
 /// The diagram: a curve for each sweep, its error against lookups on the left and against time,
 /// where that was taken, on the right.
 pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
-    let levels = || study.sweeps.iter().flat_map(|sweep| &sweep.levels);
     let mut notes = Vec::new();
     let heights = Heights::new(study, &mut notes);
-    let not_finite = levels().filter(|level| !level.error.l2.is_finite()).count();
-    if not_finite > 0 {
-        notes.push(format!(
-            "Not drawn: {not_finite} settings whose error is not a finite number."
-        ));
-    }
-    if levels().any(|level| level.error.l2 == 0.0) {
-        notes.push("Marks at the lower edge have no error at all.".to_owned());
-    }
     let by_work = panel(study, &heights, |level| (level.work.price(), None));
     let by_time = panel(study, &heights, |level| match &level.time {
         Some(times) => (times.median, Some([times.min, times.max])),
         None => (0.0, None),
     });
-    let mut legend = Vec::new();
-    for (style, sweep) in study.sweeps.iter().enumerate() {
-        let mut text = words::sweep(study, &sweep.estimator, sweep.parameter);
-        if let Some(unit) = unit(sweep) {
-            text.push_str(&format!(" [{unit}]"));
-        }
-        if sweep.is_ours {
-            text.push_str(" (volref)");
-        }
-        legend.push((Key::Curve(style, line_width(sweep), true), text));
-        let of_sweep = by_work.curves.iter().find(|curve| curve.style == style);
-        if of_sweep.is_none_or(|curve| curve.points.is_empty()) && !sweep.levels.is_empty() {
-            let name = &sweep.estimator;
-            notes.push(format!(
-                "Not drawn by work: {name}, whose work was not counted."
-            ));
-        }
-    }
-    let by_random = study.sweeps.iter().filter(|sweep| {
-        let mut levels = sweep.levels.iter();
-        levels.any(|level| level.work.counted() == Counted::RandomNumbers)
-    });
-    let by_random: Vec<&str> = by_random.map(|sweep| sweep.estimator.as_str()).collect();
-    if !by_random.is_empty() {
-        notes.push(format!(
-            "No lookups; work is the number of random numbers drawn: {}.",
-            by_random.join(", ")
-        ));
-    }
+    notes.extend(notes_on_errors(study));
+    notes.extend(notes_on_work(study, &by_work));
     let counted = format!("{} per ray", words::counted(study));
     let wall_time = "wall time per ray: median, min to max";
     let panels: Vec<Panel> = [
@@ -93,11 +56,80 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
             notes,
         };
     }
+    let height = PER_DECADE * (heights.axis.high - heights.axis.low);
+    let figure = Figure {
+        title: format!("Work and precision of {}", study.quantity),
+        legend: legend(study, &panels),
+        panels,
+        height: height.clamp(320.0, 440.0).floor(),
+    };
+    Plot {
+        svg: drawn(&figure, theme),
+        notes,
+    }
+}
+
+/// Notes on errors without a place on a logarithmic axis.
+fn notes_on_errors(study: &Study) -> Vec<String> {
+    let levels = || study.sweeps.iter().flat_map(|sweep| &sweep.levels);
+    let mut notes = Vec::new();
+    let not_finite = levels().filter(|level| !level.error.l2.is_finite()).count();
+    if not_finite > 0 {
+        notes.push(format!(
+            "Not drawn: {not_finite} settings whose error is not a finite number."
+        ));
+    }
+    if levels().any(|level| level.error.l2 == 0.0) {
+        notes.push("Marks at the lower edge have no error at all.".to_owned());
+    }
+    notes
+}
+
+/// Notes on sweeps whose work was not counted, or not in lookups.
+fn notes_on_work(study: &Study, by_work: &Panel) -> Vec<String> {
+    let is_drawn = |style: usize| {
+        let mut curves = by_work.curves.iter();
+        curves.any(|curve| curve.style == style && !curve.points.is_empty())
+    };
+    let sweeps = study.sweeps.iter().enumerate();
+    let uncounted = sweeps.filter(|(style, sweep)| !is_drawn(*style) && !sweep.levels.is_empty());
+    let mut notes: Vec<String> = uncounted
+        .map(|(_, sweep)| {
+            let name = &sweep.estimator;
+            format!("Not drawn by work: {name}, whose work was not counted.")
+        })
+        .collect();
+    let by_random = study.sweeps.iter().filter(|sweep| {
+        let mut levels = sweep.levels.iter();
+        levels.any(|level| level.work.counted() == Counted::RandomNumbers)
+    });
+    let by_random: Vec<&str> = by_random.map(|sweep| sweep.estimator.as_str()).collect();
+    if !by_random.is_empty() {
+        notes.push(format!(
+            "No lookups; work is the number of random numbers drawn: {}.",
+            by_random.join(", ")
+        ));
+    }
+    notes
+}
+
+/// A key for each sweep, and for what there is in `panels` beside curves.
+fn legend(study: &Study, panels: &[Panel]) -> Vec<(Key, String)> {
+    let of_sweeps = study.sweeps.iter().enumerate().map(|(style, sweep)| {
+        let mut text = words::sweep(study, &sweep.estimator, sweep.parameter);
+        if let Some(unit) = unit(sweep) {
+            text.push_str(&format!(" [{unit}]"));
+        }
+        if sweep.is_ours {
+            text.push_str(" (volref)");
+        }
+        (Key::Curve(style, line_width(sweep), true), text)
+    });
     let points = || {
         let curves = panels.iter().flat_map(|panel| &panel.curves);
         curves.flat_map(|curve| &curve.points)
     };
-    for (key, text, is_there) in [
+    let others = [
         (Key::Front, "Pareto front: nothing is better in both", true),
         (
             Key::Hollow,
@@ -110,22 +142,11 @@ pub(in super::super) fn work_precision(study: &Study, theme: Theme) -> Plot {
             points().any(|point| point.cross.is_some()),
         ),
         (Key::Guide, "guide slopes", true),
-    ] {
-        if is_there {
-            legend.push((key, text.to_owned()));
-        }
-    }
-    let height = PER_DECADE * (heights.axis.high - heights.axis.low);
-    let figure = Figure {
-        title: format!("Work and precision of {}", study.quantity),
-        panels,
-        legend,
-        height: height.clamp(320.0, 440.0).floor(),
-    };
-    Plot {
-        svg: drawn(&figure, theme),
-        notes,
-    }
+    ];
+    let others = others.into_iter().filter(|(.., is_there)| *is_there);
+    of_sweeps
+        .chain(others.map(|(key, text, _)| (key, text.to_owned())))
+        .collect()
 }
 
 /// The axis of errors, which both panels share, and the lines across it.

@@ -11,28 +11,28 @@
 //! Sources: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in participating
 //! media", Computer Graphics Forum 31, 1519–1528; Veach 1997, thesis, ch. 9.
 
-use super::context::{PathContext, PreviousCollision};
-use super::direct_light::pdf_of_hit;
-use super::effects::Effects;
-use super::scene_context::SceneContext;
-use super::segments::MediumSegments;
-use super::single_scattering::ScatteringPointSampler;
 use crate::geometry::{Direction, Hit, Ray, Span};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::optics::Sides;
 use crate::render::counters::Work;
+use crate::render::radiative::context::{PathContext, PreviousCollision};
+use crate::render::radiative::direct_light::{DirectLight, pdf_of_hit};
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::segments::MediumSegments;
+use crate::render::radiative::single_scattering::{ScatteringPointSampler, SingleScattering};
 use glam::DVec3;
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Single scattering of the area lights of a scene.
+#[derive(Clone, Copy)]
+pub struct AreaLightScattering<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> AreaLightScattering<'_, E> {
     /// Radiance of the area light with number `index` that media scatter into the ray of `path`, seen
     /// from its origin.
-    pub fn area_light_along<W: Work>(
-        &self,
-        index: usize,
-        path: &mut PathContext<'_, W>,
-    ) -> Option<DVec3> {
-        let light = &self.radiative.area_lights[index];
+    pub fn radiance<W: Work>(self, index: usize, path: &mut PathContext<'_, W>) -> Option<DVec3> {
+        let light = &self.0.radiative.area_lights[index];
         if light.radiance == DVec3::ZERO {
             return None;
         }
@@ -41,47 +41,47 @@ impl<E: Effects> SceneContext<'_, E> {
             let index = 2 * index + which;
             tracker.sampler.pair(Purpose::AreaLightAlong, index)
         };
-        let points = self.points_for_area_light(index, path.segments, ray)?;
+        let points = self.points(index, path.segments, ray)?;
         let point = points.sample(numbers(0))?;
         let on_light = numbers(1);
         let weight = |pdf, response_pdf| {
             let pdf = point.pdf * pdf;
             power_heuristic(pdf, point.flight_pdf::<E>() * response_pdf) / pdf
         };
-        let radiance = self.in_scattered_radiance(ray, &point, tracker, |vertex, tracker| {
-            self.weighted_area_light(vertex, light, on_light, weight, tracker)
+        let radiance = SingleScattering(self.0).at(ray, &point, tracker, |vertex, tracker| {
+            DirectLight(self.0).weighted_area_light(vertex, light, on_light, weight, tracker)
         });
         Some(radiance)
     }
 
     /// Weight of the area light with number `index`, hit by the ray of `path` after `collision`.
     pub fn weight_after_collision<W>(
-        &self,
+        self,
         index: usize,
         hit: &Hit,
         path: &PathContext<'_, W>,
         collision: &PreviousCollision,
     ) -> f64 {
-        let points = self.points_for_area_light(index, path.previous_segments, &collision.ray);
+        let points = self.points(index, path.previous_segments, &collision.ray);
         let Some(point) = points.and_then(|points| points.at(collision.t)) else {
             return 1.0;
         };
-        let light = &self.radiative.area_lights[index];
+        let light = &self.0.radiative.area_lights[index];
         let other = point.pdf * pdf_of_hit(light, &path.ray, hit);
         power_heuristic(point.flight_pdf::<E>() * collision.pdf, other)
     }
 
     /// The sampler of points of `ray` for the area light with number `index`, if it shines on media
     /// that scatter.
-    fn points_for_area_light<'p>(
-        &self,
+    fn points<'p>(
+        self,
         index: usize,
         segments: &'p MediumSegments,
         ray: &Ray,
     ) -> Option<ScatteringPointSampler<'p, E>> {
-        let extent = &self.area_light_extents[index];
+        let extent = &self.0.area_light_extents[index];
         let scattering = segments.scattering_span()?;
-        let lit = match (self.radiative.area_lights[index].sides, extent.normal) {
+        let lit = match (self.0.radiative.area_lights[index].sides, extent.normal) {
             (Sides::Front, Some(normal)) => in_front_of(extent.centre, normal, ray, scattering)?,
             _ => scattering,
         };

@@ -2,7 +2,7 @@
 //! form.
 
 use crate::math::{erf, erfc, exp};
-use crate::media::{DensityLine, optical_depth, source_factor};
+use crate::optics::{DensityLine, optical_depth, source_factor};
 use crate::volume::{ExponentialLayer, LinearRamp};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 

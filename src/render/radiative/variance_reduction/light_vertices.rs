@@ -17,21 +17,27 @@
 //! tracing", EGWR '96; Georgiev et al. 2013, "Joint importance sampling of low-order volumetric
 //! scattering", ACM TOG 32(6), on the square that has no mean.
 
-use super::context::PathContext;
-use super::effects::Effects;
-use super::light_vertex_shares::{LightVertexPlace, LightVertexShares};
-use super::scene_context::{PositionedLight, SceneContext};
-use super::single_scattering::{ScatteringPoint, ScatteringPointSampler};
-use super::specular::facing;
-use super::surfaces::{Intersection, SurfaceIndex};
-use super::tracker::Tracker;
-use super::vertex::Vertex;
+use super::light_vertex_shares::LightVertexPlace;
 use crate::geometry::{Direction, Ray, SurfacePoint, length_of};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Cone, Equiangular, power_heuristic, sphere, sphere_pdf};
 use crate::optics::{Light, Material};
 use crate::render::counters::Work;
+use crate::render::radiative::context::PathContext;
+use crate::render::radiative::direct_light::DirectLight;
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scattering_function::ScatteringFunction;
+use crate::render::radiative::scene_context::{PositionedLight, SceneContext};
+use crate::render::radiative::single_scattering::{
+    ScatteringPoint, ScatteringPointSampler, SingleScattering,
+};
+use crate::render::radiative::specular::facing;
+use crate::render::radiative::surfaces::{Intersection, SurfaceIndex};
+use crate::render::radiative::tracker::Tracker;
+use crate::render::radiative::transmittance::Transmittance;
+use crate::render::radiative::vertex::Vertex;
+use crate::render::radiative::visibility::Visibility;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -100,38 +106,15 @@ fn surface_vertex_pdf(light: &PositionedLight<'_>, from: DVec3, at: &SurfacePoin
     density().unwrap_or(0.0)
 }
 
-/// Weight of single scattering at `point` of a `ray` whose direction was sampled with density
-/// `scattered_pdf`, against a light vertex there.
-pub fn weight_in_medium<E: Effects>(
-    scene: &SceneContext<'_, E>,
-    light: &PositionedLight<'_>,
-    ray: &Ray,
-    point: &ScatteringPoint,
-    scattered_pdf: f64,
-) -> f64 {
-    let pdf = scattered_pdf * point.pdf / (point.t * point.t);
-    let other = medium_vertex_pdf(scene, light, ray.origin, ray.at(point.t));
-    power_heuristic(pdf, scene.light_vertices.medium * other)
-}
+/// Light vertices of the positioned lights of a scene.
+#[derive(Clone, Copy)]
+pub struct LightVertices<'s, E>(pub &'s SceneContext<'s, E>);
 
-/// Weight of direct light at the surface point `at` of a `ray` whose direction was sampled with
-/// density `scattered_pdf`, against a light vertex there.
-pub fn weight_on_surface(
-    shares: LightVertexShares,
-    light: &PositionedLight<'_>,
-    ray: &Ray,
-    at: &SurfacePoint,
-    scattered_pdf: f64,
-) -> f64 {
-    let other = surface_vertex_pdf(light, ray.origin, at);
-    power_heuristic(scattered_pdf, shares.surface * other)
-}
-
-impl<E: Effects> SceneContext<'_, E> {
+impl<E: Effects> LightVertices<'_, E> {
     /// Radiance scattered at `vertex` of light that media and surfaces scatter towards it, once,
     /// by a light vertex of `light`.
-    pub fn by_light_vertex<W: Work>(
-        &self,
+    pub fn radiance<W: Work>(
+        self,
         vertex: &Vertex,
         light: &PositionedLight<'_>,
         path: &mut PathContext<'_, W>,
@@ -153,7 +136,11 @@ impl<E: Effects> SceneContext<'_, E> {
             direction,
         };
         let out = LightRay { ray, pdf };
-        let radiance = match self.light_vertices.place(sampler, 2 * light.index + 1) {
+        let radiance = match self
+            .0
+            .light_vertex_shares
+            .place(sampler, 2 * light.index + 1)
+        {
             LightVertexPlace::Medium(u) if E::MEDIA => {
                 self.by_medium_vertex(vertex, light, &out, u, path)
             }
@@ -165,9 +152,36 @@ impl<E: Effects> SceneContext<'_, E> {
         radiance.unwrap_or(DVec3::ZERO)
     }
 
+    /// Weight of single scattering at `point` of a `ray` whose direction was sampled with density
+    /// `scattered_pdf`, against a light vertex there.
+    pub fn weight_in_medium(
+        self,
+        light: &PositionedLight<'_>,
+        ray: &Ray,
+        point: &ScatteringPoint,
+        scattered_pdf: f64,
+    ) -> f64 {
+        let pdf = scattered_pdf * point.pdf / (point.t * point.t);
+        let other = medium_vertex_pdf(self.0, light, ray.origin, ray.at(point.t));
+        power_heuristic(pdf, self.0.light_vertex_shares.medium * other)
+    }
+
+    /// Weight of direct light at the surface point `at` of a `ray` whose direction was sampled with
+    /// density `scattered_pdf`, against a light vertex there.
+    pub fn weight_on_surface(
+        self,
+        light: &PositionedLight<'_>,
+        ray: &Ray,
+        at: &SurfacePoint,
+        scattered_pdf: f64,
+    ) -> f64 {
+        let other = surface_vertex_pdf(light, ray.origin, at);
+        power_heuristic(scattered_pdf, self.0.light_vertex_shares.surface * other)
+    }
+
     /// By a light vertex in the media along `out`; `u` samples its distance.
     fn by_medium_vertex<W: Work>(
-        &self,
+        self,
         vertex: &Vertex,
         light: &PositionedLight<'_>,
         out: &LightRay,
@@ -175,64 +189,65 @@ impl<E: Effects> SceneContext<'_, E> {
         path: &mut PathContext<'_, W>,
     ) -> Option<DVec3> {
         let tracker = &mut path.tracker;
-        let (foot, angle) = distances(self, &out.ray, vertex.point())?;
+        let (foot, angle) = distances(self.0, &out.ray, vertex.point())?;
         let s = angle.sample(u);
         let from_light = foot + s;
         let (ray, distance) = vertex.towards_point(out.ray.at(from_light))?;
-        let response = self.response(vertex, ray.direction, tracker.work);
+        let response = ScatteringFunction(self.0).response(vertex, ray.direction, tracker.work);
         if response.value == DVec3::ZERO || from_light == 0.0 {
             return None;
         }
         let end = self
+            .0
             .intersect(&ray, tracker.work)
             .map_or(f64::INFINITY, |intersection| intersection.hit.t);
         if distance >= end {
             return None;
         }
-        path.connection.build::<E>(&self.media, &ray, end);
+        path.connection.build::<E>(&self.0.media, &ray, end);
         let point = ScatteringPointSampler::<E>::new(path.connection, &ray, light)
             .ok()??
             .at(distance)?;
-        let share = self.light_vertices.medium;
+        let share = self.0.light_vertex_shares.medium;
         let pdf = share * out.pdf * angle.pdf(s) / (from_light * from_light);
         let squared = distance * distance;
         let weight = power_heuristic(pdf, response.pdf * point.pdf / squared);
-        let radiance = self.in_scattered_radiance(&ray, &point, tracker, |vertex, tracker| {
-            self.direct_light(vertex, light.light, tracker)
+        let radiance = SingleScattering(self.0).at(&ray, &point, tracker, |vertex, tracker| {
+            DirectLight(self.0).of_light(vertex, light.light, tracker)
         });
         Some(response.value * radiance * (weight / (pdf * squared)))
     }
 
     /// By a light vertex on the diffuse surface that `out` hits.
     fn by_surface_vertex<W: Work>(
-        &self,
+        self,
         vertex: &Vertex,
         light: &PositionedLight<'_>,
         out: &LightRay,
         tracker: &mut Tracker<'_, W>,
     ) -> Option<DVec3> {
-        let Intersection { surface, hit } = self.intersect(&out.ray, tracker.work)?;
+        let Intersection { surface, hit } = self.0.intersect(&out.ray, tracker.work)?;
         let SurfaceIndex::Object(index) = surface else {
             return None;
         };
-        let Material::Diffuse(reflectance) = self.radiative.objects[index].material else {
+        let Material::Diffuse(reflectance) = self.0.radiative.objects[index].material else {
             return None;
         };
         let (ray, distance) = vertex.towards_surface(&hit.point)?;
         // Light leaves on the side that it arrived on.
         let cosine = -ray.direction.cosine_to(facing(&hit));
-        let response = self.response(vertex, ray.direction, tracker.work);
+        let response = ScatteringFunction(self.0).response(vertex, ray.direction, tracker.work);
         if cosine <= 0.0 || response.value == DVec3::ZERO {
             return None;
         }
         let mut arriving = light.light.strength_towards(hit.point.position);
         if E::MEDIA {
-            arriving *= self.transmittance(&out.ray, hit.t, tracker);
+            arriving *= Transmittance(self.0).along(&out.ray, hit.t, tracker);
         }
-        let share = self.light_vertices.surface;
+        let share = self.0.light_vertex_shares.surface;
         let pdf = share * surface_vertex_pdf(light, ray.origin, &hit.point);
         let weight = power_heuristic(pdf, response.pdf);
-        let visibility = self.visibility(&ray, distance, tracker);
+        let visibility = Visibility(self.0).along(&ray, distance, tracker);
         // Of irradiance I·cos/r² and density p·cos/r² per area, I/p is left.
         let scattered = reflectance / PI * arriving * (cosine / (distance * distance));
         Some(response.value * visibility * scattered * (weight / (share * out.pdf)))

@@ -1,7 +1,7 @@
 //! Predicted variances of estimators of transmittance, which tests compare with measured ones.
 
 use crate::math::exp_m1;
-use crate::media::{opacity, transmittance};
+use crate::optics::{opacity, transmittance};
 
 /// Variance of one flight counted as 1 if it survives `depth`, as 0 if not: `T (1 − T)`.
 pub fn delta_tracking_variance(depth: f64) -> f64 {

@@ -1,18 +1,19 @@
-//! Scattering at a vertex: the phase functions of media, the reflectance of diffuse surfaces.
+//! The scattering function at a vertex: the phase functions of media, the reflectance of diffuse
+//! surfaces.
 
 use super::effects::Effects;
-use super::guiding::{Guide, Technique};
 use super::media::{Set, members};
 use super::medium::Medium;
 use super::sampler::Sampler;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
+use super::variance_reduction::guiding::{Guide, Technique};
 use super::vertex::Vertex;
 use crate::geometry::{Direction, Ray};
 use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
-use crate::media::{Deflection, Density, Phase};
+use crate::optics::{Deflection, Density, Phase};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 use std::cell::Cell;
@@ -24,7 +25,7 @@ pub struct Response {
     /// By channel, radiance scattered back along the path per radiance that arrives, per steradian:
     /// the phase function, or the reflectance over π times the cosine.
     pub value: DVec3,
-    /// Density with which [`SceneContext::scatter`] samples the direction, per steradian; of
+    /// Density with which [`ScatteringFunction::sample`] samples the direction, per steradian; of
     /// overlapping media, which it chooses by the throughput, one that stands in for it. All
     /// weights of multiple importance sampling use it, so they add up to 1 either way.
     pub pdf: f64,
@@ -44,10 +45,14 @@ pub struct SampledDirection {
     pub guidance: f64,
 }
 
-impl<E: Effects> SceneContext<'_, E> {
+/// The scattering function at the vertices of a scene.
+#[derive(Clone, Copy)]
+pub struct ScatteringFunction<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<'s, E: Effects> ScatteringFunction<'s, E> {
     /// The response of `vertex` to light from `direction`, seen from there.
     pub fn response<W: Work>(
-        &self,
+        self,
         vertex: &Vertex,
         direction: Direction,
         work: &mut W,
@@ -79,8 +84,8 @@ impl<E: Effects> SceneContext<'_, E> {
     }
 
     /// Samples the direction in which a path of `throughput` continues from `vertex`.
-    pub fn scatter<W: Work>(
-        &self,
+    pub fn sample<W: Work>(
+        self,
         vertex: &Vertex,
         throughput: DVec3,
         tracker: &mut Tracker<'_, W>,
@@ -155,7 +160,7 @@ impl<E: Effects> SceneContext<'_, E> {
     }
 
     /// Path guiding at a collision with the media in `set` at `point`.
-    fn guide(&self, set: Set, point: DVec3) -> Option<Guide<'_>> {
+    fn guide(self, set: Set, point: DVec3) -> Option<Guide<'s>> {
         if !E::SURFACES {
             return None;
         }
@@ -165,13 +170,13 @@ impl<E: Effects> SceneContext<'_, E> {
         } else {
             0.0
         };
-        self.guiding.at(point, mean_cosine)
+        self.0.guiding.at(point, mean_cosine)
     }
 
     /// Response of the media in `set` at `point`: their phase functions in the proportion of their
     /// scattering.
     fn medium_response<W: Work>(
-        &self,
+        self,
         set: Set,
         point: DVec3,
         cosine: f64,
@@ -227,13 +232,13 @@ impl<E: Effects> SceneContext<'_, E> {
     /// throughput, and by channel its fraction of the scattering over its probability. So the sum
     /// of the channels is preserved, however often media are sampled.
     fn sample_phase<W: Work>(
-        &self,
+        self,
         set: Set,
         point: DVec3,
         throughput: DVec3,
         sampler: &mut Sampler,
         work: &mut W,
-    ) -> (&Phase, DVec3) {
+    ) -> (&'s Phase, DVec3) {
         if let Some(phase) = self.only_scatterer(set) {
             return (phase, DVec3::ONE);
         }
@@ -269,9 +274,9 @@ impl<E: Effects> SceneContext<'_, E> {
 
     /// The phase function of the only medium in `set` that scatters, with which no other has to be
     /// compared.
-    fn only_scatterer(&self, set: Set) -> Option<&Phase> {
+    fn only_scatterer(self, set: Set) -> Option<&'s Phase> {
         if E::SINGLE_MEDIUM {
-            return Some(&self.media.all().first()?.phase);
+            return Some(&self.0.media.all().first()?.phase);
         }
         let mut scatterers = self.scattering_members(set);
         let only = scatterers.next()?;
@@ -281,11 +286,11 @@ impl<E: Effects> SceneContext<'_, E> {
     /// Scattering coefficient and phase function of each medium in `set` that scatters, at the
     /// world point `point`, which lies in all of them. Adds to `lookups`.
     fn scatterers(
-        &self,
+        self,
         set: Set,
         point: DVec3,
         lookups: &Cell<u64>,
-    ) -> impl Iterator<Item = (DVec3, &Phase)> {
+    ) -> impl Iterator<Item = (DVec3, &'s Phase)> {
         self.scattering_members(set).map(move |medium| {
             let mut count = lookups.get();
             let sigma_s = medium.sigma_s(point, &mut count);
@@ -296,9 +301,10 @@ impl<E: Effects> SceneContext<'_, E> {
 
     /// The media of `set` that scatter, not by their properties on a segment: those may vanish where
     /// the scattering does not.
-    fn scattering_members(&self, set: Set) -> impl Iterator<Item = &Medium<'_>> {
-        let media = members(set).map(|index| self.media.medium(index));
-        media.filter(|medium| {
+    fn scattering_members(self, set: Set) -> impl Iterator<Item = &'s Medium<'s>> {
+        let media = &self.0.media;
+        let members = members(set).map(move |index| media.medium(index));
+        members.filter(|medium| {
             medium.unit.scatters() && !medium.density.is_some_and(Density::is_nothing)
         })
     }

@@ -5,22 +5,27 @@
 //! So lights are also looked for along both ways, from the eye on, and what is found is complete: paths
 //! count lights only behind more bounces.
 
-use super::direct_light::emitted_radiance;
-use super::effects::Effects;
-use super::scene_context::SceneContext;
-use super::specular::specular_bounces;
 use super::specular_chain::{Follower, SpecularChain};
-use super::surfaces::{Intersection, SurfaceIndex};
-use super::tracker::Tracker;
 use crate::geometry::Ray;
 use crate::render::counters::Work;
+use crate::render::radiative::direct_light::emitted_radiance;
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::specular::specular_bounces;
+use crate::render::radiative::surfaces::{Intersection, SurfaceIndex};
+use crate::render::radiative::tracker::Tracker;
+use crate::render::radiative::transmittance::Transmittance;
 use glam::DVec3;
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Area lights of a scene, seen by way of its mirrors and glass.
+#[derive(Clone, Copy)]
+pub struct LightsThroughGlass<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> LightsThroughGlass<'_, E> {
     /// Radiance of area lights along `ray` from the eye, which ends at `end`, a mirror or glass: behind up
     /// to [`Follower::FROM_EYE`] specular bounces, and no more than `limit`.
-    pub fn lights_through_glass<W: Work>(
-        &self,
+    pub fn radiance<W: Work>(
+        self,
         ray: &Ray,
         end: &Intersection,
         limit: u32,
@@ -29,12 +34,12 @@ impl<E: Effects> SceneContext<'_, E> {
         if !self.is_followed_from_eye() {
             return DVec3::ZERO;
         }
-        self.lights_behind(ray, end, Follower::FROM_EYE.min(limit as usize), tracker)
+        self.radiance_behind(ray, end, Follower::FROM_EYE.min(limit as usize), tracker)
     }
 
     /// Radiance of area lights along `ray`, which ends at `end`, behind at most `most` bounces.
-    fn lights_behind<W: Work>(
-        &self,
+    fn radiance_behind<W: Work>(
+        self,
         ray: &Ray,
         end: &Intersection,
         most: usize,
@@ -43,14 +48,14 @@ impl<E: Effects> SceneContext<'_, E> {
         let mut radiance = DVec3::ZERO;
         match end.surface {
             SurfaceIndex::AreaLight(index) => {
-                radiance = emitted_radiance(&self.radiative.area_lights[index], &end.hit);
+                radiance = emitted_radiance(&self.0.radiative.area_lights[index], &end.hit);
             }
             SurfaceIndex::Object(index) if most > 0 => {
-                let material = &self.radiative.objects[index].material;
+                let material = &self.0.radiative.objects[index].material;
                 let ways = specular_bounces(material, ray, &end.hit);
                 for way in ways.into_iter().flatten() {
-                    if let Some(next) = self.intersect(&way.ray, tracker.work) {
-                        let beyond = self.lights_behind(&way.ray, &next, most - 1, tracker);
+                    if let Some(next) = self.0.intersect(&way.ray, tracker.work) {
+                        let beyond = self.radiance_behind(&way.ray, &next, most - 1, tracker);
                         radiance += way.share * way.weight * beyond;
                     }
                 }
@@ -58,13 +63,13 @@ impl<E: Effects> SceneContext<'_, E> {
             SurfaceIndex::Object(_) => {}
         }
         if E::MEDIA && radiance != DVec3::ZERO {
-            radiance *= self.transmittance(ray, end.hit.t, tracker);
+            radiance *= Transmittance(self.0).along(ray, end.hit.t, tracker);
         }
         radiance
     }
 
     /// The chain that the first bounce of a path from the eye begins.
-    pub fn chain_from_eye(&self) -> SpecularChain {
+    pub fn chain_from_eye(self) -> SpecularChain {
         if self.is_followed_from_eye() {
             SpecularChain::begun(Follower::Eye, 0.0)
         } else {
@@ -73,7 +78,7 @@ impl<E: Effects> SceneContext<'_, E> {
     }
 
     /// Behind mirrors alone a path finds as much.
-    fn is_followed_from_eye(&self) -> bool {
-        self.specular_objects.iter().any(|it| it.is_glass)
+    fn is_followed_from_eye(self) -> bool {
+        self.0.specular_objects.iter().any(|it| it.is_glass)
     }
 }

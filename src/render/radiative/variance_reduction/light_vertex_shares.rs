@@ -1,8 +1,8 @@
 //! The choice of the place of a light vertex: in a medium or on a surface.
 
-use super::sampler::Sampler;
 use crate::math::rng::Purpose;
 use crate::optics::Material;
+use crate::render::radiative::sampler::Sampler;
 use crate::scene::Radiative;
 
 /// Probabilities that the light vertices of a scene are in media and on surfaces; they sum to 1.

@@ -11,20 +11,22 @@
 //!
 //! Source: Veach 1997, thesis, ch. 9, for the weights.
 
-use super::context::PathContext;
-use super::direct_light::emitted_radiance;
-use super::effects::Effects;
-use super::scene_context::SceneContext;
-use super::specular::specular_bounce;
 use super::specular_chain::{Follower, SpecularChain};
 use super::specular_objects::SpecularObject;
-use super::surfaces::SurfaceIndex;
-use super::tracker::Tracker;
-use super::vertex::Vertex;
 use crate::geometry::{Ray, Surface};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::render::counters::{Event, Work};
+use crate::render::radiative::context::PathContext;
+use crate::render::radiative::direct_light::emitted_radiance;
+use crate::render::radiative::effects::Effects;
+use crate::render::radiative::scattering_function::ScatteringFunction;
+use crate::render::radiative::scene_context::SceneContext;
+use crate::render::radiative::specular::specular_bounce;
+use crate::render::radiative::surfaces::SurfaceIndex;
+use crate::render::radiative::tracker::Tracker;
+use crate::render::radiative::transmittance::Transmittance;
+use crate::render::radiative::vertex::Vertex;
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
@@ -48,11 +50,15 @@ struct Chain {
     radiance: DVec3,
 }
 
-impl<E: Effects> SceneContext<'_, E> {
+/// Caustics of the mirrors and glass of a scene.
+#[derive(Clone, Copy)]
+pub struct Caustics<'s, E>(pub &'s SceneContext<'s, E>);
+
+impl<E: Effects> Caustics<'_, E> {
     /// Radiance scattered at `vertex` of `path` of the light of area lights by way of mirrors and glass,
     /// one of which is aimed at, or none. `None` where nothing is found.
-    pub fn caustic<W: Work>(
-        &self,
+    pub fn radiance<W: Work>(
+        self,
         vertex: &Vertex,
         path: &mut PathContext<'_, W>,
     ) -> Option<DVec3> {
@@ -61,7 +67,7 @@ impl<E: Effects> SceneContext<'_, E> {
         let [u, v] = tracker.sampler.pair(Purpose::Caustic, 0);
         // The rest of the choice is uniform again.
         let choice = u / probability;
-        let target = self.specular_objects.get(choice as usize)?;
+        let target = self.0.specular_objects.get(choice as usize)?;
         let cone = target.seen_from(vertex.point())?;
         let direction = cone.direction([choice.fract(), v]);
         if !vertex.faces(direction) {
@@ -72,16 +78,16 @@ impl<E: Effects> SceneContext<'_, E> {
         let most = most.min(Follower::FROM_VERTEX);
         let chain = self.chain_to_light(vertex.leave(direction)?, target, most, tracker)?;
         for link in &chain.links {
-            let nearest = self.intersect(&link.ray, tracker.work)?;
+            let nearest = self.0.intersect(&link.ray, tracker.work)?;
             if nearest.surface != link.surface {
                 return None;
             }
         }
-        let response = self.response(vertex, direction, tracker.work);
+        let response = ScatteringFunction(self.0).response(vertex, direction, tracker.work);
         let mut radiance = chain.radiance;
         if E::MEDIA {
             for link in &chain.links {
-                radiance *= self.transmittance(&link.ray, link.t, tracker);
+                radiance *= Transmittance(self.0).along(&link.ray, link.t, tracker);
             }
         }
         let pdf = probability * cone.pdf();
@@ -92,14 +98,14 @@ impl<E: Effects> SceneContext<'_, E> {
     /// The chain that begins with `ray`, bounces on `target` at most `most` times, and ends at an area
     /// light, as if no other surface were there.
     fn chain_to_light<W: Work>(
-        &self,
+        self,
         mut ray: Ray,
         target: &SpecularObject,
         most: usize,
         tracker: &mut Tracker<'_, W>,
     ) -> Option<Chain> {
-        let object = &self.radiative.objects[target.object];
-        let lights = self.radiative.area_lights.len() as u64;
+        let object = &self.0.radiative.objects[target.object];
+        let lights = self.0.radiative.area_lights.len() as u64;
         let mut links = ArrayVec::new();
         let mut throughput = DVec3::ONE;
         let mut choices = [0.0; 2];
@@ -110,8 +116,8 @@ impl<E: Effects> SceneContext<'_, E> {
             if bounces > 0 {
                 let limit = crossing.map_or(f64::INFINITY, |crossing| crossing.t);
                 tracker.work.count_times(Event::SurfaceTest, lights);
-                if let Some((index, hit)) = self.surfaces.nearest_light(&ray, limit) {
-                    let emitted = emitted_radiance(&self.radiative.area_lights[index], &hit);
+                if let Some((index, hit)) = self.0.surfaces.nearest_light(&ray, limit) {
+                    let emitted = emitted_radiance(&self.0.radiative.area_lights[index], &hit);
                     let (t, surface) = (hit.t, SurfaceIndex::AreaLight(index));
                     links.push(Link { ray, t, surface });
                     let radiance = throughput * emitted;
@@ -139,12 +145,12 @@ impl<E: Effects> SceneContext<'_, E> {
     /// The chain that the bounce of `path` on `object` begins, in a direction that was sampled with the
     /// density `scattered_pdf`.
     pub fn chain_from_vertex<W>(
-        &self,
+        self,
         object: usize,
         path: &PathContext<'_, W>,
         scattered_pdf: f64,
     ) -> SpecularChain {
-        let mut objects = self.specular_objects.iter();
+        let mut objects = self.0.specular_objects.iter();
         let target = objects.find(|it| it.object == object);
         let cone = target.and_then(|target| target.seen_from(path.ray.origin));
         let (Some(probability), Some(cone)) = (self.aim_probability(path.vertices - 1), cone)
@@ -156,8 +162,8 @@ impl<E: Effects> SceneContext<'_, E> {
     }
 
     /// Probability that each of the objects is aimed at from a vertex behind `before` others.
-    fn aim_probability(&self, before: u32) -> Option<f64> {
-        let objects = self.specular_objects.len();
+    fn aim_probability(self, before: u32) -> Option<f64> {
+        let objects = self.0.specular_objects.len();
         let aims = if before == 0 { 1.0 } else { AIMS };
         (objects > 0).then_some(aims / objects as f64)
     }

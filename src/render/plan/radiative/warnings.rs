@@ -1,0 +1,173 @@
+//! Warnings on a scene of surfaces, media and lights.
+
+use super::super::{Decisions, Effect, Reason, State};
+use super::contents::*;
+use super::walks;
+use crate::geometry::{ClosedMesh, Luminous};
+use crate::math::rng::Stream;
+use crate::optics::{Density, Sides};
+use crate::scene::{Body, Panel, Scattering};
+use glam::DVec3;
+
+/// A key of the scene, and a message.
+type Warning = (String, String);
+
+impl Contents<'_> {
+    /// Keys of the file without any effect, and media and surfaces that take longer than they may seem.
+    pub fn warnings(&self, panel: &Panel, decisions: &Decisions) -> Vec<Reason> {
+        let warnings = [
+            self.ineffective_scattering(decisions),
+            self.ineffective_media(),
+            self.long_paths(panel),
+            self.inverted_emitters(),
+            self.ineffective_lights(),
+        ];
+        let stated = warnings.into_iter().flatten();
+        let stated = stated.filter(|(key, _)| self.key_lines.has(key));
+        stated
+            .map(|(key, message)| Reason::of(key, message, self.key_lines))
+            .collect()
+    }
+
+    fn ineffective_scattering(&self, decisions: &Decisions) -> Vec<Warning> {
+        let single = decisions.of(Effect::SingleScattering);
+        if single.state != State::Elided || self.scene.scattering == Scattering::None {
+            return vec![];
+        }
+        let reason = &single.why.reason;
+        let keys = [(SCATTERING, "scattering"), (MAX_BOUNCES, "max_bounces")];
+        let warning =
+            |(key, name): (&str, &str)| (key.to_owned(), format!("{name} has no effect: {reason}"));
+        keys.map(warning).into()
+    }
+
+    fn ineffective_media(&self) -> Vec<Warning> {
+        let media = self.scene.media.iter().enumerate();
+        media
+            .filter_map(|(index, body)| self.ineffective_medium(index, body))
+            .collect()
+    }
+
+    fn ineffective_medium(&self, index: usize, body: &Body) -> Option<Warning> {
+        let (coefficients, emission) = (body.medium.coefficients, body.medium.emission);
+        let at = format!("{MEDIUM}[{index}]");
+        if coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO {
+            let message = "this medium has no effect: its coefficients and emission are 0";
+            return Some((at, message.to_owned()));
+        }
+        if body.density.as_ref().is_some_and(Density::is_nothing) {
+            let message = "this medium has no effect: its density is 0 everywhere";
+            return Some((at, message.to_owned()));
+        }
+        let why_not = if coefficients.sigma_s() == DVec3::ZERO {
+            "this medium does not scatter"
+        } else if !self.is_scattered() {
+            "no light is scattered in this scene"
+        } else {
+            return None;
+        };
+        if body.medium.phase.is_isotropic() {
+            return None;
+        }
+        let key = self.key_of(index, &PHASE[..PHASE.len() - 1]);
+        let name = key.rsplit('.').next().unwrap_or_default();
+        let message = format!("{name} has no effect: {why_not}");
+        Some((key, message))
+    }
+
+    /// Surfaces and media between and in which light is scattered without end, or nearly so.
+    fn long_paths(&self, panel: &Panel) -> Vec<Warning> {
+        if !self.has_long_paths() {
+            return vec![];
+        }
+        let many = walks::MANY_SCATTERINGS;
+        let gives_up = match self.scene.scattering {
+            Scattering::Multiple(None) => "; rendering may fail, at a path of 2^26 scatterings",
+            _ => "",
+        };
+        let mut warnings = Vec::new();
+        if walks::are_endless_between_surfaces(panel, self.scene) {
+            let message = format!(
+                "light is reflected between surfaces without end, as they absorb nothing and leave it no way \
+                 out{gives_up}; `max_bounces = {many}` bounds the work, and leaves out scattering of higher order"
+            );
+            warnings.push((SURFACE.to_owned(), message));
+        }
+        for (index, body) in self.scene.media.iter().enumerate() {
+            let order = walks::scatterings_from_the_middle(self.scene, body);
+            if order > many {
+                let key = self.key_of(index, SCATTERS);
+                warnings.push((key, self.long_walk(body, order, gives_up)));
+            }
+        }
+        warnings
+    }
+
+    /// True if paths may scatter more often than anyone waits for.
+    fn has_long_paths(&self) -> bool {
+        let is_unbounded = match self.scene.scattering {
+            Scattering::Multiple(limit) => {
+                limit.is_none_or(|limit| f64::from(limit) > walks::MANY_SCATTERINGS)
+            }
+            _ => false,
+        };
+        is_unbounded && self.is_scattered()
+    }
+
+    /// Message on a medium from whose middle light is scattered `order` times.
+    fn long_walk(&self, body: &Body, order: f64, gives_up: &str) -> String {
+        let depth = walks::depth_of_the_middle(self.scene, body);
+        let far = if depth.is_finite() {
+            format!("its middle is {depth:.3e} mean free paths deep")
+        } else {
+            "it has no end".to_owned()
+        };
+        let often = if order.is_finite() {
+            format!("about {order:.1e} times")
+        } else {
+            "without end".to_owned()
+        };
+        let gives_up = if order > f64::from(Stream::BOUNCES) {
+            gives_up
+        } else {
+            ""
+        };
+        format!(
+            "light deep inside this medium is scattered {often}, as {far} and little is \
+             absorbed{gives_up}; `max_bounces = {}` bounds the work, and leaves out \
+             scattering of higher order",
+            walks::MANY_SCATTERINGS
+        )
+    }
+
+    fn inverted_emitters(&self) -> Vec<Warning> {
+        let count = self.scene.objects.len() + self.scene.area_lights.len();
+        let emitters = (0..count).map(|index| format!("{SURFACE}[{index}].emitter"));
+        let emitters = emitters.filter(|key| self.key_lines.has(key));
+        let lights = self.scene.area_lights.iter().zip(emitters);
+        let inverted = lights.filter(|(light, _)| {
+            matches!((&light.shape, light.sides), (Luminous::Mesh(mesh), Sides::Front)
+                if ClosedMesh::is_inside_out(mesh))
+        });
+        let message = "the mesh of this emitter is inside out: it emits into its inside only, and is \
+                       black from outside; to emit outwards, reverse the order of the corners of \
+                       every face";
+        inverted.map(|(_, key)| (key, message.to_owned())).collect()
+    }
+
+    fn ineffective_lights(&self) -> Vec<Warning> {
+        let lights = self.scene.lights.iter().enumerate();
+        let warnings = lights.filter_map(|(index, light)| {
+            let message = if light.strength() == DVec3::ZERO {
+                "this light has no effect: it emits nothing"
+            } else if !self.is_scattered() {
+                "this light has no effect: nothing scatters its light towards the eye, and a \
+                 point, spot or directional light is itself invisible"
+            } else {
+                return None;
+            };
+            Some((format!("radiative.light[{index}]"), message.to_owned()))
+        });
+        warnings.collect()
+    }
+}

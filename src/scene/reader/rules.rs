@@ -1,0 +1,100 @@
+//! Rules on which keys of a table go together.
+
+use super::Reader;
+use crate::scene::SceneResult;
+use crate::scene::format::{Kind, Rule};
+
+impl Reader<'_, '_> {
+    /// Refuses a table that breaks `rule`.
+    pub(super) fn check(&self, rule: &Rule) -> SceneResult<()> {
+        let given = |keys: &[&'static str]| -> Vec<&'static str> {
+            keys.iter().copied().filter(|key| self.has(key)).collect()
+        };
+        match *rule {
+            Rule::ExactlyOne(what, keys) | Rule::AtMostOne(what, keys) => {
+                let found = given(keys);
+                let needed = matches!(rule, Rule::ExactlyOne(..));
+                if found.is_empty() && needed {
+                    let message = format!("{} has no {what}", self.table_name());
+                    let help = format!("give one of {}", self.named(keys));
+                    // Of a whole file, no place is more wrong than another.
+                    let span = (!self.path.is_empty()).then(|| self.span.clone());
+                    return Err(self.document.error(span, message, Some(help)));
+                }
+                let Some(last) = self.last(&found).filter(|_| found.len() > 1) else {
+                    return Ok(());
+                };
+                let message = format!(
+                    "{} has more than one {what}: {}",
+                    self.table_name(),
+                    self.named(&found)
+                );
+                let amount = if needed { "exactly" } else { "at most" };
+                let help = format!("keep {amount} one of {}", self.named(&found));
+                Err(self.mistake(last, message, help))
+            }
+            Rule::Apart([lefts, rights]) => {
+                let (left, right) = (given(lefts), given(rights));
+                if left.is_empty() || right.is_empty() {
+                    return Ok(());
+                }
+                let last = self.last(&[left.as_slice(), &right].concat());
+                let message = format!(
+                    "{} mixes {} with {}",
+                    self.table_name(),
+                    self.named(&left),
+                    self.named(&right)
+                );
+                let comma = if lefts.len() + rights.len() > 2 {
+                    ","
+                } else {
+                    ""
+                };
+                let [lefts, rights] = [lefts, rights].map(|keys| self.joined(keys));
+                let help = format!("give either {lefts}{comma} or {rights}");
+                Err(self.mistake(last.expect("two are given"), message, help))
+            }
+            Rule::Together(keys) => {
+                let found = given(keys);
+                let missing = keys.iter().copied().find(|key| !self.has(key));
+                match (found.first(), missing) {
+                    (Some(here), Some(missing)) => {
+                        let message =
+                            format!("{} gives `{here}` without `{missing}`", self.table_name());
+                        let doc = self.declared(missing).doc;
+                        let help = format!("give `{missing}` too: {doc}");
+                        Err(self.mistake(here, message, help))
+                    }
+                    _ => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// Of some keys in the file, the one that stands last.
+    fn last(&self, names: &[&'static str]) -> Option<&'static str> {
+        let start = |name: &str| self.value(name).map(|value| value.span().start);
+        names.iter().copied().max_by_key(|name| start(name))
+    }
+
+    /// Keys as a list in words; those that are headings of the file as such.
+    fn named(&self, keys: &[&str]) -> String {
+        let named = keys.iter().map(|key| self.named_key(key));
+        named.collect::<Vec<_>>().join(", ")
+    }
+
+    /// `keys` of one alternative: two belong together, of more each may be given.
+    fn joined(&self, keys: &[&str]) -> String {
+        match keys {
+            [first, second] => format!("{} and {}", self.named_key(first), self.named_key(second)),
+            _ => self.named(keys),
+        }
+    }
+
+    fn named_key(&self, key: &str) -> String {
+        match self.declared(key).kind {
+            Kind::Table(_) if self.path.is_empty() => format!("[{key}]"),
+            _ => format!("`{key}`"),
+        }
+    }
+}

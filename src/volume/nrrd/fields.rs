@@ -1,0 +1,218 @@
+//! The fields of a header of NRRD: which there are, and the layout of the data that they state.
+
+use super::NrrdHeader;
+use super::field::{HeaderField, shortened};
+use crate::volume::error::VolumeFault;
+use crate::volume::{Element, Encoding, Endian, Layout};
+
+/// As Teem: more axes than anybody uses.
+const MOST_AXES: usize = 16;
+
+/// Fields without effect on the positions or values of samples.
+const IGNORED: &str = "\
+    content, number, block size, blocksize, min, max, old min, oldmin, old max, oldmax, \
+    sample units, sampleunits, thicknesses, labels, measurement frame";
+
+/// Fields that are read: as written, and the name they go by.
+const READ: [(&str, &str); 25] = [
+    ("dimension", "dimension"),
+    ("type", "type"),
+    ("sizes", "sizes"),
+    ("encoding", "encoding"),
+    ("endian", "endian"),
+    ("spacings", "spacings"),
+    ("axis mins", "axis mins"),
+    ("axismins", "axis mins"),
+    ("axis maxs", "axis maxs"),
+    ("axismaxs", "axis maxs"),
+    ("centers", "centers"),
+    ("centerings", "centers"),
+    ("kinds", "kinds"),
+    ("units", "units"),
+    ("space", "space"),
+    ("space units", "space units"),
+    ("space dimension", "space dimension"),
+    ("space directions", "space directions"),
+    ("space origin", "space origin"),
+    ("data file", "data file"),
+    ("datafile", "data file"),
+    ("line skip", "line skip"),
+    ("lineskip", "line skip"),
+    ("byte skip", "byte skip"),
+    ("byteskip", "byte skip"),
+];
+
+/// The fields of a header as they stand there: name, value, line.
+#[derive(Default)]
+pub(super) struct Fields(Vec<(&'static str, String, usize)>);
+
+impl Fields {
+    pub(super) fn take(&mut self, text: &str, line: usize) -> Result<(), VolumeFault> {
+        let fault = |message: String| VolumeFault::Line(format!("{line}: {message}"));
+        if text.starts_with('#') {
+            return Ok(());
+        }
+        let (name, value) = text.split_once(':').ok_or_else(|| {
+            let text = shortened(text);
+            fault(format!(
+                "a line of the header is `field: value`, `key:=value` or `# comment`, not {text:?}"
+            ))
+        })?;
+        if value.starts_with('=') {
+            return Ok(());
+        }
+        let name = name.trim().to_ascii_lowercase();
+        if IGNORED.split(", ").any(|ignored| ignored == name) {
+            return Ok(());
+        }
+        let known = READ.iter().find(|(written, _)| *written == name);
+        let (_, field) = known.ok_or_else(|| {
+            let name = shortened(&name);
+            fault(format!(
+                "{name:?} is not a field of the format: correct it, or put `#` before it"
+            ))
+        })?;
+        if self.0.iter().any(|(other, ..)| other == field) {
+            return Err(fault(format!("the field `{field}` is there twice")));
+        }
+        let value = value.trim();
+        if *field == "data file" {
+            // Here, as a list of names follows the field up to the end of the header.
+            let name = *field;
+            HeaderField { name, value, line }.check_one_file()?;
+        }
+        self.0.push((field, value.to_owned(), line));
+        Ok(())
+    }
+
+    pub(super) fn get(&self, name: &'static str) -> Option<HeaderField<'_>> {
+        let found = self.0.iter().find(|(field, ..)| *field == name);
+        found.map(|(name, value, line)| HeaderField {
+            name,
+            value,
+            line: *line,
+        })
+    }
+
+    fn required(&self, name: &'static str) -> Result<HeaderField<'_>, VolumeFault> {
+        self.get(name).ok_or_else(|| missing(name))
+    }
+
+    pub(super) fn header(&self) -> Result<NrrdHeader, VolumeFault> {
+        let dimension = self.required("dimension")?;
+        let expected = "the number of axes, from 1 to 16";
+        let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
+        let element = self.element()?;
+        let encoding = self.encoding()?;
+        let data_file = self.get("data file").map(|field| field.value.to_owned());
+        let endian = match self.get("endian") {
+            Some(field) => match field.value.to_ascii_lowercase().as_str() {
+                "little" => Endian::Little,
+                "big" => Endian::Big,
+                _ => return Err(field.wrong("little or big")),
+            },
+            None if element.bytes() > 1 && encoding != Encoding::Text => {
+                return Err(missing("endian"));
+            }
+            None => Endian::Little,
+        };
+        let sizes = self.required("sizes")?;
+        let expected = "positive whole numbers";
+        let sizes: Vec<u64> = sizes.each(dimension, |text| {
+            let size = text.parse().ok().filter(|&size| size > 0);
+            size.ok_or_else(|| sizes.wrong(expected))
+        })?;
+        let axes = self.axes(&sizes)?;
+        let line_skip = match self.get("line skip") {
+            Some(field) => field.number("a number of lines", |_| true)?,
+            None => 0,
+        };
+        let byte_skip = match self.get("byte skip") {
+            Some(field) if field.value == "-1" => None,
+            Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
+            None => Some(0),
+        };
+        Ok(NrrdHeader {
+            layout: Layout {
+                axes,
+                element,
+                endian,
+                encoding,
+                scaling: None,
+                space: self.space(),
+            },
+            data_file,
+            line_skip,
+            byte_skip,
+        })
+    }
+
+    fn element(&self) -> Result<Element, VolumeFault> {
+        let field = self.required("type")?;
+        let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
+        Ok(match words.join(" ").to_ascii_lowercase().as_str() {
+            "signed char" | "int8" | "int8_t" => Element::Int8,
+            "uchar" | "unsigned char" | "uint8" | "uint8_t" => Element::Uint8,
+            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
+                Element::Int16
+            }
+            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => {
+                Element::Uint16
+            }
+            "int" | "signed int" | "int32" | "int32_t" => Element::Int32,
+            "uint" | "unsigned int" | "uint32" | "uint32_t" => Element::Uint32,
+            "longlong"
+            | "long long"
+            | "long long int"
+            | "signed long long"
+            | "signed long long int"
+            | "int64"
+            | "int64_t" => Element::Int64,
+            "ulonglong"
+            | "unsigned long long"
+            | "unsigned long long int"
+            | "uint64"
+            | "uint64_t" => Element::Uint64,
+            "float" => Element::Float32,
+            "double" => Element::Float64,
+            "block" => return Err(field.fault("samples of type block are not numbers")),
+            _ => {
+                let expected = "a type of the format, such as uint8, short or float";
+                return Err(field.wrong(expected));
+            }
+        })
+    }
+
+    fn encoding(&self) -> Result<Encoding, VolumeFault> {
+        let field = self.required("encoding")?;
+        let unread = |name| {
+            field.fault(&format!(
+                "the encoding is {name}, and raw, gzip and text are read: write the file again as \
+                 one"
+            ))
+        };
+        match field.value.to_ascii_lowercase().as_str() {
+            "raw" => Ok(Encoding::Raw),
+            "gzip" | "gz" => Ok(Encoding::Gzip),
+            "txt" | "text" | "ascii" => Ok(Encoding::Text),
+            "hex" => Err(unread("hex")),
+            "bzip2" | "bz2" => Err(unread("bzip2")),
+            _ => Err(field.fault(&format!(
+                "{:?} is not an encoding of the format: known are raw, gzip, text, hex and bzip2",
+                shortened(field.value)
+            ))),
+        }
+    }
+}
+
+/// The error of a field that must be there.
+fn missing(name: &str) -> VolumeFault {
+    let example = match name {
+        "dimension" => "`dimension: 3`, the number of axes",
+        "type" => "`type: float`, or the type of the samples",
+        "sizes" => "`sizes: `, and the number of samples along each axis, the fastest first",
+        "encoding" => "`encoding: raw`, or gzip or text",
+        _ => "`endian: little`, or big if the most significant byte comes first",
+    };
+    format!("the header has no field `{name}`: add {example}").into()
+}
