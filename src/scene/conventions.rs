@@ -424,14 +424,14 @@ conventions! {
     [
         other(
             "normalises gradients at the nodes, before it interpolates them",
-            |it| it.normalised_at_nodes = true,
+            |it| it.normalised_at_nodes = it.gradient.is_stored(),
         ),
     ];
 
     "normal_bits" = normal_bits: Option<u32> = count(2..=16),
     "Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded.",
     [
-        other("stores normals with 8 bits to a component", |it| it.normal_bits = Some(8))
+        other("stores normals with 8 bits to a component", |it| it.normal_bits = it.gradient.is_stored().then_some(8))
             .instead_of("normals"),
     ];
 
@@ -711,7 +711,7 @@ pub enum Precision {
     F32,
     /// 16 bits, IEEE half precision.
     F16,
-    /// 15 bits for [0, 1], rounded up, as of products shifted after half a unit less than one was added.
+    /// 15 bits for [0, 1], rounded up; values outside are clamped.
     U15,
     /// 8 bits for [0, 1]; values outside are clamped.
     U8,

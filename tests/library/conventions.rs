@@ -740,6 +740,26 @@ fn conventions_become_lines_and_lines_conventions() {
     }
 }
 
+/// Every two conventions that a search may find together can be stated together.
+#[test]
+fn pairs_of_conventions_do_not_contradict_each_other() {
+    let scene = opaque_scene("");
+    for first in 0..CATALOGUE.len() {
+        for second in first + 1..CATALOGUE.len() {
+            if CATALOGUE[first].choice == CATALOGUE[second].choice {
+                continue;
+            }
+            let both = under(&scene, &[first, second]);
+            let lines = both.panels[0].classified().unwrap().conventions.lines();
+            let profile = format!("name = 'both'\n[conventions]\n{}", lines.join("\n"));
+            if let Err(error) = Profile::parse(&profile, "both.toml") {
+                let words = [first, second].map(|index| CATALOGUE[index].words);
+                panic!("{words:?}: {error}");
+            }
+        }
+    }
+}
+
 /// A case of the suite and its scene, with few pixels.
 fn small(name: &str) -> (Case, Scene) {
     let suite = Suite::bundled().unwrap();
