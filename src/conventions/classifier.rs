@@ -72,21 +72,38 @@ fn entry(scene: &Classified, density: f64) -> Look {
 impl Look {
     /// The look in as many bits as entries have.
     fn rounded(self, scene: &Classified) -> Look {
-        let round = |value: f64, bits: u32| {
-            let most = f64::from((1_u32 << bits) - 1);
-            (value.clamp(0.0, 1.0) * most).round() / most
+        let conventions = &scene.conventions;
+        let round = |value: f64| {
+            if conventions.rounded_down {
+                // What is a whole number but for its rounding stays it.
+                (value + 1e-9).floor()
+            } else {
+                value.round()
+            }
         };
-        let mut look = self;
-        if let Some(bits) = scene.conventions.opacity_bits {
-            look.opacity = round(look.opacity, bits);
+        self.in_bits([conventions.colour_bits, conventions.opacity_bits], round)
+    }
+
+    /// The look with colour and opacity in whole numbers of steps from 0 to 1.
+    fn in_bits(
+        mut self,
+        [colour_bits, opacity_bits]: [Option<u32>; 2],
+        round: impl Fn(f64) -> f64,
+    ) -> Look {
+        let in_bits = |value: f64, bits: u32| {
+            let most = f64::from((1_u32 << bits) - 1);
+            round(value.clamp(0.0, 1.0) * most) / most
+        };
+        if let Some(bits) = opacity_bits {
+            self.opacity = in_bits(self.opacity, bits);
         }
-        if let Some(bits) = scene.conventions.colour_bits {
+        if let Some(bits) = colour_bits {
             // An entry holds the product.
-            let colour = (look.colour * look.emission).to_array();
-            look.colour = DVec3::from_array(colour.map(|value| round(value, bits)));
-            look.emission = 1.0;
+            let colour = (self.colour * self.emission).to_array();
+            self.colour = DVec3::from_array(colour.map(|value| in_bits(value, bits)));
+            self.emission = 1.0;
         }
-        look
+        self
     }
 }
 
@@ -99,6 +116,8 @@ pub struct LookTable {
     /// Values are coordinates of a texture.
     is_texture: bool,
     fraction_bits: Option<u32>,
+    /// Bits of colours and of opacities between entries.
+    lookup_bits: [Option<u32>; 2],
 }
 
 impl LookTable {
@@ -121,6 +140,11 @@ impl LookTable {
             nearest: scene.conventions.nearest_entry,
             is_texture: scene.conventions.texture_place,
             fraction_bits: scene.conventions.table_fraction_bits,
+            lookup_bits: [
+                scene.conventions.colour_bits,
+                scene.conventions.opacity_bits,
+            ]
+            .map(|bits| bits.and(scene.conventions.lookup_bits)),
         }
     }
 
@@ -147,6 +171,7 @@ impl LookTable {
             colour: DVec3::lerp_between(a.colour, b.colour, t),
             emission: f64::lerp_between(a.emission, b.emission, t),
         }
+        .in_bits(self.lookup_bits, f64::round)
     }
 
     /// Place of the value above a share of the range, in entries.

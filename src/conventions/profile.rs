@@ -24,9 +24,16 @@ pub const PROFILE: Table = Table::new("Conventions of another renderer of classi
 ]);
 
 /// The profiles that volref brings, by name.
-const SHIPPED: [(&str, &str); 2] = [
+const SHIPPED: [(&str, &str); 9] = [
     ("anari", include_str!("profiles/anari.toml")),
     ("vtk", include_str!("profiles/vtk.toml")),
+    ("vtk-cpu", include_str!("profiles/vtk-cpu.toml")),
+    ("vtkjs", include_str!("profiles/vtkjs.toml")),
+    ("niivue", include_str!("profiles/niivue.toml")),
+    ("pyvista-cpu", include_str!("profiles/pyvista-cpu.toml")),
+    ("pyvista-gpu", include_str!("profiles/pyvista-gpu.toml")),
+    ("tutorial", include_str!("profiles/tutorial.toml")),
+    ("vispy", include_str!("profiles/vispy.toml")),
 ];
 
 /// Longest profile read: 64 KiB, a hundred times what one needs.

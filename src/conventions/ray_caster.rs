@@ -3,8 +3,8 @@
 //! The loop of [`reference::ray_caster`](crate::reference::ray_caster), to be read first, with a
 //! question at each place where ray casters differ: where a step is sampled (`steps`), how a value
 //! is classified (`classifier`), how its opacity is corrected for a step (`opacity`), which gradient is
-//! taken (`normals`), how a sample is shaded (`shading`), and the rest here. With the default [conventions](crate::scene::Conventions) both
-//! give the same bits.
+//! taken (`normals`), how a sample is shaded (`shading`), and the rest here. With the default
+//! [conventions](crate::scene::Conventions) both give the same bits.
 //!
 //! Work is counted as the kernels of [`render`](crate::render) count it; nothing is left out but
 //! what a scene does not ask for.

@@ -17,6 +17,8 @@ pub struct StepRule {
     pub fitted: FittedSteps,
     /// The last sample lies at the end of the span.
     pub ends_on_face: bool,
+    /// A span has a sample, even if it ends before that.
+    pub one_sample: bool,
 }
 
 impl StepRule {
@@ -28,6 +30,7 @@ impl StepRule {
             last: LastStep::Exact,
             fitted: FittedSteps::None,
             ends_on_face: false,
+            one_sample: false,
         }
     }
 
@@ -39,6 +42,7 @@ impl StepRule {
             last: conventions.last_step,
             fitted: conventions.fitted_steps,
             ends_on_face: conventions.last_sample_on_face,
+            one_sample: conventions.one_sample,
         }
     }
 }
@@ -96,9 +100,16 @@ impl Steps {
     }
 
     fn unfitted(span: Span, step: f64, rule: StepRule) -> Steps {
+        let steps = span.length() / step;
+        let is_long = steps > 1.0;
         // As if the first step were a whole one.
-        let steps = span.length() / step + (1.0 - rule.first);
+        let steps = if is_long {
+            steps + (1.0 - rule.first)
+        } else {
+            steps
+        };
         let count = match rule.last {
+            _ if rule.one_sample && !is_long => 1.0,
             LastStep::Exact if span.length() > 0.0 => steps.ceil().max(1.0),
             LastStep::Exact => steps.ceil(),
             // As many as have their sample inside.
@@ -132,7 +143,7 @@ impl Steps {
             let place = begin + rule.position * length;
             (span.near + place * self.step, length * self.step)
         };
-        if is_last && rule.ends_on_face {
+        if is_last && index > 0 && rule.ends_on_face {
             (span.far, length)
         } else {
             (t, length)
@@ -212,7 +223,18 @@ mod tests {
         ];
         assert_eq!(all(step, rule), expected);
         // Longer than the span: one step, over all of it.
-        assert_eq!(all(8.0, rule), [(3.0, 1.0)]);
+        assert_eq!(all(8.0, rule), [(2.0, 1.0)]);
+    }
+
+    #[test]
+    fn a_sample_behind_the_span() {
+        let one_sample = |last| StepRule {
+            last,
+            one_sample: true,
+            ..StepRule::at(1.0)
+        };
+        assert_eq!(all(8.0, one_sample(LastStep::Whole)), [(10.0, 8.0)]);
+        assert_eq!(all(0.75, one_sample(LastStep::Whole)), [(2.75, 0.75)]);
     }
 
     #[test]

@@ -130,7 +130,7 @@ conventions! {
     [];
 
     "first_step" = first_step: f64 = number(1.0),
-    "Length of the first step of a ray, in steps; whole steps follow.",
+    "Length of the first step of a ray, in steps; whole steps follow. A ray not longer than a step has one step.",
     [];
 
     "first_step_jitter" = first_step_jitter: bool = flag(false),
@@ -208,13 +208,22 @@ conventions! {
     ];
 
     "last_sample" = last_sample_on_face: bool = words("step" of "step" = false, "face" = true),
-    "Place of the last sample of a ray: as in its other steps, or on the back face (face).",
+    "Place of the last sample of a ray: as in its other steps, or on the back face, where it is not the first one (face).",
     [
         other(
             "takes the last sample of a ray on the back face",
             |it| it.last_sample_on_face = true,
         )
         .instead_of("last_step"),
+    ];
+
+    "one_sample" = one_sample: bool = flag(false),
+    "Takes the first sample of a ray even if it lies behind the back face, where the values of the outermost nodes are continued.",
+    [
+        other(
+            "takes one sample of rays that leave the volume before it, too",
+            |it| it.one_sample = true,
+        ),
     ];
 
     "ended_rays" = ended_rays_opaque: bool = words("left" of "left" = false, "opaque" = true),
@@ -342,6 +351,10 @@ conventions! {
         ),
     ];
 
+    "lookup_bits" = lookup_bits: Option<u32> = count(2..=16),
+    "Bits to which colours and opacities that the table holds in `colour_bits` and `opacity_bits` are rounded once more, between entries. If left out, they are not.",
+    [];
+
     "table_fraction_bits" = table_fraction_bits: Option<u32> = count(2..=16),
     "Bits of the fraction by which entries of the table are interpolated. If left out, it is not rounded.",
     [];
@@ -373,6 +386,18 @@ conventions! {
         ),
     ];
 
+    "bit_rounding" = rounded_down: bool = words("nearest" of "nearest" = false, "down" = true),
+    "Rounding of colours and opacities to the bits of `colour_bits` and `opacity_bits`: to the nearest number, or down.",
+    [
+        other(
+            "rounds the colours and opacities of its table down, to 8 bits",
+            |it| {
+                (*it, it.rounded_down) = (it.with_entries(), true);
+                (it.colour_bits, it.opacity_bits) = (Some(8), Some(8));
+            },
+        ),
+    ];
+
     "gradient" = gradient: Gradient = words("central" of
         "central" = Gradient::Central,
         "forward" = Gradient::Forward,
@@ -399,14 +424,14 @@ conventions! {
     [
         other(
             "normalises gradients at the nodes, before it interpolates them",
-            |it| it.normalised_at_nodes = true,
+            |it| it.normalised_at_nodes = it.gradient.is_stored(),
         ),
     ];
 
     "normal_bits" = normal_bits: Option<u32> = count(2..=16),
     "Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded.",
     [
-        other("stores normals with 8 bits to a component", |it| it.normal_bits = Some(8))
+        other("stores normals with 8 bits to a component", |it| it.normal_bits = it.gradient.is_stored().then_some(8))
             .instead_of("normals"),
     ];
 
@@ -686,7 +711,7 @@ pub enum Precision {
     F32,
     /// 16 bits, IEEE half precision.
     F16,
-    /// 15 bits for [0, 1], rounded up, as of products shifted after half a unit less than one was added.
+    /// 15 bits for [0, 1], rounded up; values outside are clamped.
     U15,
     /// 8 bits for [0, 1]; values outside are clamped.
     U8,
@@ -706,6 +731,11 @@ impl Conventions {
     /// Opacities and colours are stored: in a table or at nodes.
     fn has_entries(&self) -> bool {
         self.table_size.is_some() || self.preclassified
+    }
+
+    /// Colours or opacities are stored in bits.
+    fn has_bits(&self) -> bool {
+        self.colour_bits.is_some() || self.opacity_bits.is_some()
     }
 
     /// The same with a table of 256 entries, if there is none.
@@ -731,6 +761,7 @@ impl Conventions {
             "there is no table to look up: give `table_size`, its number of entries";
         const NO_ENTRIES: &str = "neither a table nor nodes hold opacities and colours: give \
              `table_size`, or `classification = \"pre\"`";
+        const NO_BITS: &str = "nothing is rounded: give `colour_bits` or `opacity_bits`";
         const FITTED: &str =
             "with `fitted_steps` all steps of a ray are of one length: leave one of them out";
         let contradictions = [
@@ -785,6 +816,8 @@ impl Conventions {
                 self.texture_place && self.table_size.is_none(),
                 NO_TABLE,
             ),
+            ("lookup_bits", self.table_size.is_none(), NO_TABLE),
+            ("lookup_bits", !self.has_bits(), NO_BITS),
             ("table_fraction_bits", self.table_size.is_none(), NO_TABLE),
             (
                 "table_fraction_bits",
@@ -798,6 +831,11 @@ impl Conventions {
             ),
             ("colour_bits", !self.has_entries(), NO_ENTRIES),
             ("opacity_bits", !self.has_entries(), NO_ENTRIES),
+            (
+                "bit_rounding",
+                self.rounded_down && !self.has_bits(),
+                NO_BITS,
+            ),
             (
                 "node_colours",
                 self.separate_colours && !self.preclassified,

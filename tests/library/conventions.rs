@@ -145,6 +145,10 @@ fn steps_are_fitted_and_opacities_corrected() {
     });
     // A table with an entry at 0.5.
     let in_table = |it: &mut Conventions| (it.table_size, it.opacity_bits) = (Some(3), Some(8));
+    assert_passes(&scene, 128.0 / 255.0, "rounded down", |it| {
+        in_table(it);
+        it.rounded_down = true;
+    });
     assert_passes(&scene, 127.0 / 255.0, "rounded before", in_table);
     assert_passes(
         &scene,
@@ -160,6 +164,25 @@ fn steps_are_fitted_and_opacities_corrected() {
     assert_passes(&scene, 0.0, "ended, opaque", |it| {
         it.ended_rays_opaque = true
     });
+}
+
+/// Each profile that volref brings has an effect.
+#[test]
+fn shipped_profiles() {
+    let own = opaque_scene("");
+    let image = |scene: &Scene| {
+        render(&plans(scene), Sampling::default(), &|| ())
+            .unwrap()
+            .film
+    };
+    for name in Profile::shipped().filter(|name| *name != "anari") {
+        let applied = Profile::named(name)
+            .unwrap()
+            .applied_to(&own)
+            .unwrap()
+            .unwrap();
+        assert_ne!(image(&applied).radiance(), image(&own).radiance(), "{name}");
+    }
 }
 
 /// Steps in voxels of a grid whose first axis is stretched: as many as the nodes ask for.
@@ -467,7 +490,9 @@ fn every_value() -> Vec<(String, Conventions, Conventions)> {
             | "colour_bits"
             | "opacity_bits"
             | "opacity_correction" => "table_size = 16\n",
+            "bit_rounding" | "lookup_bits" => "table_size = 16\nopacity_bits = 8\n",
             "node_colours" => "classification = 'pre'\n",
+            "one_sample" => "last_step = 'whole'\n",
             "step_opacity" => "fitted_steps = 'rounded'\n",
             _ => "",
         };
@@ -513,7 +538,10 @@ fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
     flat.phong = Some(PHONG);
     let mut ended = uneven.clone();
     ended.compositing = Compositing::EarlyTermination(0.9);
-    let mut scenes = vec![bright, shadowed, flat, ended];
+    // A step longer than any chord.
+    let mut coarse = uneven.clone();
+    coarse.step = 3.0;
+    let mut scenes = vec![bright, shadowed, flat, ended, coarse];
     for corner in 0..8 {
         let side = |axis: usize| if corner >> axis & 1 == 1 { 4.0 } else { -3.0 };
         for mut scene in [uneven.clone(), long.clone()] {
@@ -546,9 +574,9 @@ fn every_convention_is_heard() {
     let mut known = vec![("volref's own".to_owned(), pictures(Conventions::default()))];
     for (line, conventions, standard) in choices {
         let new = pictures(conventions);
-        assert_ne!(new, pictures(standard), "{line} moves no pixel");
+        assert!(new != pictures(standard), "{line} moves no pixel");
         for (other, old) in &known {
-            assert_ne!(&new, old, "{line} looks like {other}");
+            assert!(new != *old, "{line} looks like {other}");
         }
         known.push((line, new));
     }
@@ -665,8 +693,10 @@ fn conventions_in_a_scene() {
             "opacity_correction = 'entries'",
             "neither a table nor nodes",
         ),
+        ("lookup_bits = 8", "no table to look up"),
         ("colour_bits = 8", "neither a table nor nodes"),
         ("opacity_bits = 8", "neither a table nor nodes"),
+        ("bit_rounding = 'down'", "nothing is rounded"),
         ("node_colours = 'separate'", "nodes have no colours"),
         ("box = 'voxels'\ncentring = 'cells'", "values fill the box"),
         ("step_opacity = 'nominal'", "of the length stated"),
@@ -709,6 +739,26 @@ fn conventions_become_lines_and_lines_conventions() {
         let expected = of(&under(&scene, &[index]));
         let lines = expected.lines().join("\n");
         assert_eq!(read(&lines), Ok(expected), "{lines}");
+    }
+}
+
+/// Every two conventions that a search may find together can be stated together.
+#[test]
+fn pairs_of_conventions_do_not_contradict_each_other() {
+    let scene = opaque_scene("");
+    for first in 0..CATALOGUE.len() {
+        for second in first + 1..CATALOGUE.len() {
+            if CATALOGUE[first].choice == CATALOGUE[second].choice {
+                continue;
+            }
+            let both = under(&scene, &[first, second]);
+            let lines = both.panels[0].classified().unwrap().conventions.lines();
+            let profile = format!("name = 'both'\n[conventions]\n{}", lines.join("\n"));
+            if let Err(error) = Profile::parse(&profile, "both.toml") {
+                let words = [first, second].map(|index| CATALOGUE[index].words);
+                panic!("{words:?}: {error}");
+            }
+        }
     }
 }
 
