@@ -3,7 +3,7 @@
 use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
-use super::precision::{known, known_radiance};
+use super::precision::{known, known_radiance, read_otherwise};
 use super::{Cause, Evidence, Judged, Verdict, refinement};
 use crate::compare::{
     Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
@@ -147,6 +147,34 @@ fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
     }
 }
 
+fn conditions<'c>(case: &Case, checked: &'c CheckedGolden) -> Conditions<'c> {
+    Conditions {
+        exposure: case.exposure,
+        cases: checked.cases,
+        promise: Some(case.promise),
+        nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
+        sensitivities: &checked.sensitivities,
+    }
+}
+
+/// Statement that a PNG agrees if its codes are those of the other curve.
+fn other_encoding(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Option<String> {
+    let (film, bits) = read_otherwise(case, picture)?;
+    let golden = &checked.golden.film;
+    if !golden.is_comparable(&film) {
+        return None;
+    }
+    let (golden, film) = (Picture::Radiance(golden.clone()), Picture::Radiance(film));
+    let judgement = if case.is_limit() && checked.profile.is_none() {
+        refinement::judge_one(checked, &film)
+    } else {
+        let (gate, _) = default_gate(&golden, &film);
+        judge(gate, &golden, &film, &conditions(case, checked)).ok()?
+    };
+    let agrees = judgement.passed && judgement.undecided.is_none();
+    agrees.then(|| format!("the image agrees where its codes are declared with --bits {bits}"))
+}
+
 fn judged(
     case: &Case,
     gate: &'static dyn ImageGate,
@@ -154,14 +182,7 @@ fn judged(
     golden: &Picture,
     picture: &Picture,
 ) -> CaseFinding {
-    let conditions = Conditions {
-        exposure: case.exposure,
-        cases: checked.cases,
-        promise: Some(case.promise),
-        nearest_in_single_precision: checked.takes_nearest_in_single_precision(),
-        sensitivities: &checked.sensitivities,
-    };
-    let judgement = match judge(gate, golden, picture, &conditions) {
+    let judgement = match judge(gate, golden, picture, &conditions(case, checked)) {
         Ok(judgement) => judgement,
         Err(error) => {
             return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
@@ -195,6 +216,7 @@ fn with_words(
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
+        said.extend(other_encoding(case, checked, picture));
         said.push(finding.reason);
         finding.reason = said.join("; ");
     }
