@@ -53,8 +53,6 @@ pub struct CaseFinding {
     pub detectable: Vec<Detectable>,
     /// The changes that fit best, as a picture.
     pub fit: Option<Box<FitMap>>,
-    /// Notes beside the verdict.
-    pub notes: Vec<String>,
 }
 
 impl CaseFinding {
@@ -68,7 +66,6 @@ impl CaseFinding {
             changes: Vec::new(),
             detectable: Vec::new(),
             fit: None,
-            notes: Vec::new(),
         }
     }
 
@@ -88,7 +85,7 @@ impl CaseFinding {
             metrics: self.metrics,
             gate,
             reason: self.reason,
-            notes: self.notes,
+            notes: Vec::new(),
             conventions: Vec::new(),
             profile: None,
             looks_like: Vec::new(),

@@ -4,9 +4,10 @@ use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
 use super::precision::{known, known_radiance, read_otherwise};
-use super::{Cause, Evidence, Judged, Verdict, refinement};
+use super::{CaseResult, Cause, Evidence, Judged, Verdict, refinement};
 use crate::compare::{
-    Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
+    Conditions, Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate,
+    judge, precision_in_words,
 };
 use crate::conventions::Profile;
 use crate::film::Film;
@@ -54,8 +55,9 @@ pub fn validate_at(
             let images = images.map(|image| known_radiance(case, golden, image));
             let (judgement, limit) = refinement::judge(&checked, &images.collect::<Vec<Film>>());
             let finding = with_words(case, &checked, judgement, &limit);
+            let result = finding.result(&case.name, case.class(), &Refinement, start);
             return Judged {
-                result: finding.result(&case.name, case.class(), &Refinement, start),
+                result: with_precision(result, &limit),
                 evidence: Evidence {
                     test: Some(limit),
                     ..evidence(case, &checked)
@@ -114,8 +116,9 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
     };
+    let result = finding.result(&case.name, case.class(), gate, start);
     Judged {
-        result: finding.result(&case.name, case.class(), gate, start),
+        result: with_precision(result, &picture),
         evidence: Evidence {
             test: Some(picture),
             ..evidence(case, checked)
@@ -201,6 +204,14 @@ fn judged(
     finding
 }
 
+/// `result` with a note on what the precision of `picture` hides.
+fn with_precision(mut result: CaseResult, picture: &Picture) -> CaseResult {
+    let film = picture.radiance();
+    let note = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
+    result.notes.extend(note);
+    result
+}
+
 /// The finding of `judgement` on `picture`, with measurements of a whole image that fails.
 fn with_words(
     case: &Case,
@@ -208,11 +219,7 @@ fn with_words(
     judgement: Judgement,
     picture: &Picture,
 ) -> CaseFinding {
-    let note = picture
-        .radiance()
-        .and_then(|film| judgement.precision_in_words(film));
     let mut finding = CaseFinding::from(judgement);
-    finding.notes.extend(note);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
