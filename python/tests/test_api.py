@@ -102,6 +102,11 @@ def test_codes_are_srgb_at_the_exposure_of_the_case(figure):
     assert volref.check(case, codes).gate == "perceptual"
     assert volref.check(case, codes).passed
     assert not volref.check(case, codes[:, ::-1]).passed
+    # As radiance of 8 bits, sRGB or linear.
+    for bits, given in [(8, codes), ("8-srgb", codes), ("8-linear", np.round(255 * linear).astype(np.uint8))]:
+        result = volref.check(case, given, bits=bits)
+        assert result.passed and result.gate == "deterministic"
+    assert not volref.check(case, codes, bits="8-linear", explain=0).passed
     grey = volref.compare(codes[:, :, 0], codes[:, :, :1], gate="perceptual")
     assert grey.passed and grey.metrics["flip_mean"] == 0
 

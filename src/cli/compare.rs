@@ -6,7 +6,7 @@ use super::output::{self, Json};
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
     Conditions, Exact, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
-    recognised,
+    precision_in_words, recognised,
 };
 use crate::film::{Bits, Film};
 use crate::judging::{CaseFinding, CaseResult, radiance};
@@ -98,9 +98,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         ..Conditions::default()
     };
     let judgement = judge(gate, &reference, &test, &conditions).map_err(bad_input)?;
-    let hidden = test
-        .radiance()
-        .and_then(|film| judgement.precision_in_words(film));
     let mut note = "";
     let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
     if gate.depends_on_exposure() && codes(&reference) != codes(&test) {
@@ -114,12 +111,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             note = "\nno heat map: the images differ in size\n";
         }
     }
-    let mut finding = CaseFinding::from(judgement);
-    finding.notes.extend(hidden);
-    let result = CaseResult {
+    let mut result = CaseResult {
         family: String::new(),
-        ..finding.result(&arguments.test.to_string_lossy(), "", gate, start)
+        ..CaseFinding::from(judgement).result(&arguments.test.to_string_lossy(), "", gate, start)
     };
+    let film = test.radiance();
+    let hidden = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
+    result.notes.extend(hidden);
     let verdict = result.verdict.name();
     let mut text = format!(
         "{verdict}  ({} gate{why})\n{}\n",

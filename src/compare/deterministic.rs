@@ -123,6 +123,11 @@ pub fn tolerance(golden: f64) -> f64 {
     ABSOLUTE + RELATIVE * golden.abs()
 }
 
+/// Tolerance of the mean of a channel over an image, where it is `golden` in the right one.
+pub fn tolerance_of_mean(golden: f64) -> f64 {
+    BIAS * tolerance(golden)
+}
+
 /// Difference of a pixel in tolerances: that of its worst channel.
 pub fn in_tolerances(golden: [f32; 3], test: [f32; 3]) -> f64 {
     let channels = golden.into_iter().zip(test);
@@ -195,7 +200,7 @@ fn judge(reference: &Film, test: &Film, outliers: f64) -> Judgement {
     }
     let mean = |sum: Sum| sum.value() / count as f64;
     let bias: [f64; 3] =
-        std::array::from_fn(|c| mean(differences[c]) / (BIAS * tolerance(mean(sums[c]))));
+        std::array::from_fn(|c| mean(differences[c]) / tolerance_of_mean(mean(sums[c])));
     let worst_bias = (0..3)
         .max_by(|&a, &b| bias[a].abs().total_cmp(&bias[b].abs()))
         .unwrap_or(0);

@@ -35,7 +35,7 @@ pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
 pub use measured_difference::measured_difference;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
-pub use precision::{is_of_precision, recognised};
+pub use precision::{is_of_precision, precision_in_words, recognised};
 pub use promise::Promise;
 pub use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
 pub use sensitivity::{Sensitivity, change_in_words};

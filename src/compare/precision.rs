@@ -1,9 +1,10 @@
 //! Precision of a test image of 8 bits: its recognition, and what it hides from a gate.
 
 use super::Undecided;
-use super::gate::Metric;
+use super::gate::{Gate, Metric};
 use super::judgement::Judgement;
 use crate::film::{Film, Quantisation};
+use std::collections::BTreeMap;
 
 /// The metric of images that are cut off at a largest code.
 pub(super) const CUT_OFF: Metric = (
@@ -31,7 +32,7 @@ pub fn recognised(golden: &Film, test: Film, exposure: f64) -> Film {
     test.quantised(found)
 }
 
-/// True of a sentence of [`Judgement::precision_in_words`].
+/// True of a sentence of [`precision_in_words`].
 pub fn is_of_precision(note: &str) -> bool {
     note.starts_with("8 bits, ")
 }
@@ -57,33 +58,37 @@ impl Judgement {
         }
         self
     }
+}
 
-    /// Sentence on what the precision of `test`, the image judged, hides.
-    pub fn precision_in_words(&self, test: &Film) -> Option<String> {
-        let quantisation = test.quantisation()?;
-        let allowed = match self.gate.name() {
-            "exact" => "",
-            "deterministic" => " + 0.001 + 1 %",
-            "refinement" => " + 0.001 + 1 %, beside the error of the step,",
-            _ => ", beside noise,",
+/// Sentence on what the precision of `test`, an image judged by `gate` with these metrics, hides.
+pub fn precision_in_words(
+    gate: &dyn Gate,
+    metrics: &BTreeMap<String, f64>,
+    test: &Film,
+) -> Option<String> {
+    let quantisation = test.quantisation()?;
+    let allowed = match gate.name() {
+        "exact" => "",
+        "deterministic" => " + 0.001 + 1 %",
+        "refinement" => " + 0.001 + 1 %, beside the error of the step,",
+        _ => ", beside noise,",
+    };
+    let mut text = format!(
+        "{quantisation}: differences below {}{allowed} are not seen",
+        quantisation.width_in_words()
+    );
+    let share = metrics.get(CUT_OFF.0).copied().unwrap_or(0.0);
+    if share > 0.0 {
+        let are = if gate.name() == "stochastic" {
+            "are or may be"
+        } else {
+            "are"
         };
-        let mut text = format!(
-            "{quantisation}: differences below {}{allowed} are not seen",
-            quantisation.width_in_words()
-        );
-        let share = self.metrics.get(CUT_OFF.0).copied().unwrap_or(0.0);
-        if share > 0.0 {
-            let are = if self.gate.name() == "stochastic" {
-                "are or may be"
-            } else {
-                "are"
-            };
-            let (percent, largest) = (100.0 * share, quantisation.largest());
-            text.push_str(&format!(
-                "; {percent:.1} % of the pixels {are} cut off at {}, and not judged above that",
-                (1e4 * largest).round() / 1e4
-            ));
-        }
-        Some(text)
+        let (percent, largest) = (100.0 * share, quantisation.largest());
+        text.push_str(&format!(
+            "; {percent:.1} % of the pixels {are} cut off at {}, and not judged above that",
+            (1e4 * largest).round() / 1e4
+        ));
     }
+    Some(text)
 }

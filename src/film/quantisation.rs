@@ -220,11 +220,18 @@ impl Quantisation {
         Film::new(width, height, pixels).quantised(self)
     }
 
+    /// The nearest codes of `film`.
+    pub fn codes(self, film: &Film) -> Vec<[u8; 3]> {
+        let code = |value: f32| self.code(value.into()).round().clamp(0.0, LARGEST) as u8;
+        film.radiance()
+            .iter()
+            .map(|pixel| pixel.map(code))
+            .collect()
+    }
+
     /// `film` rounded to these codes, without its noise.
     pub fn rounded(self, film: &Film) -> Film {
-        let code = |value: f32| self.code(value.into()).round().clamp(0.0, LARGEST) as u8;
-        let codes = film.radiance().iter().map(|pixel| pixel.map(code));
-        self.decoded(film.width(), film.height(), &codes.collect::<Vec<_>>())
+        self.decoded(film.width(), film.height(), &self.codes(film))
     }
 
     /// True of a pixel of which a channel is above the largest code.

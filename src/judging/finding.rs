@@ -55,8 +55,6 @@ pub struct CaseFinding {
     pub detectable: Vec<Detectable>,
     /// The changes that fit best, as a picture.
     pub fit: Option<Box<FitMap>>,
-    /// Notes beside the verdict.
-    pub notes: Vec<String>,
 }
 
 impl CaseFinding {
@@ -70,7 +68,6 @@ impl CaseFinding {
             changes: Vec::new(),
             detectable: Vec::new(),
             fit: None,
-            notes: Vec::new(),
         }
     }
 
@@ -90,7 +87,7 @@ impl CaseFinding {
             metrics: self.metrics,
             gate,
             reason: self.reason,
-            notes: self.notes,
+            notes: Vec::new(),
             conventions: Vec::new(),
             profile: None,
             looks_like: Vec::new(),

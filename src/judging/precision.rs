@@ -1,7 +1,7 @@
 //! Images of 8 bits: declared, of PNG files, or recognised.
 
 use crate::compare::{Picture, recognised};
-use crate::film::{Bits, Film};
+use crate::film::{Bits, Encoding, Film, Origin};
 use crate::suite::{Case, Output};
 
 /// `output` for `case`, with its images declared to have these bits.
@@ -38,6 +38,25 @@ pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Fi
         Picture::Radiance(film) => recognised(golden, film, case.exposure),
         codes => radiance(codes, Bits { encoding: None }, case.exposure),
     }
+}
+
+/// The image of a PNG, with its codes taken for those of the other curve, and the declaration that says so.
+pub(super) fn read_otherwise(case: &Case, picture: &Picture) -> Option<(Film, Bits)> {
+    let film = match picture {
+        Picture::Radiance(film) => film.clone(),
+        codes => radiance(codes.clone(), Bits { encoding: None }, case.exposure),
+    };
+    let quantisation = film.quantisation().filter(|it| it.origin == Origin::Png)?;
+    let encoding = match quantisation.encoding {
+        Encoding::Linear => Encoding::Srgb,
+        Encoding::Srgb => Encoding::Linear,
+    };
+    let bits = Bits {
+        encoding: Some(encoding),
+    };
+    let codes = quantisation.codes(&film);
+    let other = bits.of_png(case.exposure);
+    Some((other.decoded(film.width(), film.height(), &codes), bits))
 }
 
 /// An image of `case` with what is known of its precision. A PNG is judged by how it looks, but for a case without

@@ -1,6 +1,7 @@
 //! Images of another renderer at smaller and smaller steps, judged by the image without steps.
 
 use super::finding::CheckedGolden;
+use super::random_samples;
 use crate::compare::{
     self as gate, Conditions, Deterministic, Judgement, Limit, Picture, judge_one_step,
     judge_refinement,
@@ -47,11 +48,13 @@ pub fn judge_under_profile(
 ) -> Judgement {
     let mut worst: Option<Judgement> = None;
     for (halvings, image) in images.iter().enumerate() {
-        let right = match halvings {
+        let test = Picture::Radiance(image.clone());
+        let scene = with_halved_step(&checked.scene, halvings);
+        let right = random_samples::nearest(&scene, &test).unwrap_or_else(|| match halvings {
             0 => checked.golden.film.clone(),
-            _ => rendered(&with_halved_step(&checked.scene, halvings), |_| {}),
-        };
-        let [right, test] = [right, image.clone()].map(Picture::Radiance);
+            _ => rendered(&scene, |_| {}),
+        });
+        let right = Picture::Radiance(right);
         let judged = gate::judge(&Deterministic, &right, &test, conditions);
         let mut judgement = judged.expect("both are radiance without noise");
         if !judgement.passed {

@@ -3,10 +3,11 @@
 use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
-use super::precision::{known, known_radiance};
-use super::{Cause, Evidence, Judged, Verdict, refinement};
+use super::precision::{known, known_radiance, read_otherwise};
+use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::{
     Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
+    precision_in_words,
 };
 use crate::conventions::Profile;
 use crate::film::Film;
@@ -92,7 +93,12 @@ fn weighed(
 pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
     let start = Instant::now();
     let picture = known(case, &checked.golden.film, picture);
-    let golden = Picture::Radiance(reference(case, checked, &picture));
+    let golden = match checked.profile {
+        Some(_) => random_samples::nearest(&checked.scene, &picture),
+        None => None,
+    };
+    let golden = golden.unwrap_or_else(|| reference(case, checked, &picture));
+    let golden = Picture::Radiance(golden);
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
     let has_step =
@@ -104,8 +110,9 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
     };
+    let result = finding.result(&case.name, case.class(), gate, start);
     Judged {
-        result: finding.result(&case.name, case.class(), gate, start),
+        result: with_precision(result, &picture),
         evidence: Evidence {
             test: Some(picture),
             ..evidence(case, checked)
@@ -135,8 +142,9 @@ fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) 
     };
     let seen = Picture::Radiance(seen.expect("three images or more").clone());
     let finding = with_words(case, checked, judgement, &seen);
+    let result = finding.result(&case.name, case.class(), gate, start);
     Judged {
-        result: finding.result(&case.name, case.class(), gate, start),
+        result: with_precision(result, &seen),
         evidence: Evidence {
             test: Some(seen),
             refined: images,
@@ -169,6 +177,24 @@ fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
     }
 }
 
+/// Statement that a PNG agrees if its codes are those of the other curve.
+fn other_encoding(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Option<String> {
+    let (film, bits) = read_otherwise(case, picture)?;
+    let golden = &checked.golden.film;
+    if !golden.is_comparable(&film) {
+        return None;
+    }
+    let (golden, film) = (Picture::Radiance(golden.clone()), Picture::Radiance(film));
+    let judgement = if case.is_limit() && checked.profile.is_none() {
+        refinement::judge_one(checked, film.radiance()?)
+    } else {
+        let (gate, _) = default_gate(&golden, &film);
+        judge(gate, &golden, &film, &checked.conditions(case)).ok()?
+    };
+    let agrees = judgement.passed && judgement.undecided.is_none();
+    agrees.then(|| format!("the image agrees where its codes are declared with --bits {bits}"))
+}
+
 fn judged(
     case: &Case,
     gate: &'static dyn ImageGate,
@@ -195,6 +221,14 @@ fn judged(
     finding
 }
 
+/// `result` with a note on what the precision of `picture` hides.
+fn with_precision(mut result: CaseResult, picture: &Picture) -> CaseResult {
+    let film = picture.radiance();
+    let note = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
+    result.notes.extend(note);
+    result
+}
+
 /// The finding of `judgement` on `picture`, with measurements of a whole image that fails.
 fn with_words(
     case: &Case,
@@ -202,14 +236,11 @@ fn with_words(
     judgement: Judgement,
     picture: &Picture,
 ) -> CaseFinding {
-    let note = picture
-        .radiance()
-        .and_then(|film| judgement.precision_in_words(film));
     let mut finding = CaseFinding::from(judgement);
-    finding.notes.extend(note);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
+        said.extend(other_encoding(case, checked, picture));
         said.push(finding.reason);
         finding.reason = said.join("; ");
     }

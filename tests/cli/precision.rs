@@ -67,7 +67,11 @@ fn codes_of_a_png_are_radiance_where_bits_are_declared() {
     let golden = golden(&folder);
     folder.write("out/smoke/plain.png", linear_png(&golden));
     // By how it looks, a linear PNG is too dark.
-    assert_eq!(validate(&folder, &[]).code, 1);
+    let run = validate(&folder, &[]);
+    assert_eq!(run.code, 1);
+    let said = "agrees where its codes are declared with --bits 8-linear";
+    let reason = result(&run)["reason"].to_string();
+    assert!(reason.contains(said), "{reason}");
     let run = validate(&folder, &["--bits", "8-linear"]);
     run.expect(0, &[]);
     assert_eq!(result(&run)["gate"], "deterministic");

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
 use volref::conventions::{
-    CATALOGUE, FirstSamples, images_of_first_samples, ray_caster::RayCaster, under,
+    CATALOGUE, FirstSamples, Profile, images_of_first_samples, ray_caster::RayCaster, under,
 };
 use volref::film::Film;
 use volref::judging::Verdict;
