@@ -56,7 +56,7 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
     check_within(case, image, Search::BUDGET.into())
 }
 
-/// [`check`], with `seconds` for the search for mistakes and half of them for conventions.
+/// [`check`], with `seconds` for the search for mistakes, and as many for conventions.
 ///
 /// # Errors
 ///

@@ -107,7 +107,7 @@ pub struct ConventionSearch {
 
 impl ConventionSearch {
     /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
-    /// `accepted`. Takes at most half of `seconds`.
+    /// `accepted`. Takes at most `seconds`; a search that takes longer is cut off, and a note says so.
     pub fn explain_mismatch(&self, case: &Case, judged: &mut Judged, seconds: f64, accepted: bool) {
         if !judged.differs() {
             return;
@@ -116,9 +116,15 @@ impl ConventionSearch {
             return;
         };
         let images = judged.evidence.images();
-        let end = Instant::now().checked_add(Duration::from_secs_f64(0.5 * seconds));
+        let end = Instant::now().checked_add(Duration::from_secs_f64(seconds));
         if let Some(explained) = self.explain(case, &scene, &images, end) {
             explained.explain(&mut judged.result, accepted);
+        } else if seconds > 0.0 && end.is_some_and(|end| Instant::now() >= end) {
+            let note = format!(
+                "the search for conventions was cut off after {seconds} s: give it more time with \
+                 --explain"
+            );
+            judged.result.notes.push(note);
         }
     }
 

@@ -28,6 +28,7 @@ mod kernel_precision;
 mod known_answer_images;
 mod known_answers_flip;
 mod known_answers_statistics;
+mod limit_ladders;
 mod limits;
 mod medium_known_answers;
 mod medium_laws;

@@ -1,0 +1,143 @@
+//! Images with smaller and smaller steps in the family `limit`: rules of first order pass, conventions
+//! are found and judged, and images that do not converge are told what they do.
+
+use volref::compare::Picture;
+use volref::conventions::Profile;
+use volref::film::Film;
+use volref::judging::{Judged, Verdict, validate};
+use volref::naming::ConventionSearch;
+use volref::render::{Sampling, plans, render};
+use volref::scene::{Conventions, LastStep, Scene};
+use volref::suite::{Case, Output, Suite};
+
+fn cases(filter: &str) -> (Suite, Vec<Case>) {
+    let suite = Suite::bundled().unwrap();
+    let selected = suite.select(&[filter.to_owned()]).unwrap();
+    let cases = selected.into_iter().cloned().collect();
+    (suite, cases)
+}
+
+/// Images of `scene` under conventions, with its step, half of it and a quarter.
+fn ladder(scene: &Scene, edit: impl Fn(&mut Conventions)) -> Vec<Film> {
+    let image = |share: f64| {
+        let scene = scene.with_volumes(|volume| {
+            volume.sample();
+            volume.step *= share;
+            edit(&mut volume.conventions);
+        });
+        let rendering = render(&plans(&scene), Sampling::default(), &|| ());
+        rendering.unwrap().film
+    };
+    [1.0, 0.5, 0.25].map(image).to_vec()
+}
+
+/// The verdict on `images` of `case`, and what conventions explain if nothing else did.
+fn judged(suite: &Suite, case: &Case, images: &[Film], profile: Option<&Profile>) -> Judged {
+    let pictures = images.iter().cloned().map(Picture::Radiance).collect();
+    let mut judged = validate(case, &suite.store(), Output::Refined(pictures), profile);
+    if profile.is_none() {
+        ConventionSearch::default().explain_mismatch(case, &mut judged, 1e4, false);
+    }
+    judged
+}
+
+/// The part of a last step that lies beyond the back face is a sawtooth in the step: three images do not
+/// bound it in every pixel.
+#[test]
+fn whole_last_steps_pass() {
+    let names = [
+        "full-to-the-border",
+        "cell-centred",
+        "eye-inside",
+        "one-voxel-thick",
+        "thin-haze",
+    ];
+    for name in names {
+        let (suite, cases) = cases(&format!("limit/{name}"));
+        let case = &cases[0];
+        let scene = case.load_scene().unwrap();
+        for first_sample in [0.0, 0.5] {
+            let images = ladder(&scene, |it| {
+                (it.first_sample, it.last_step) = (first_sample, LastStep::Whole);
+            });
+            let result = judged(&suite, case, &images, None).result;
+            // Where the step of the scene is too long for such a rule, nothing is decided.
+            let passes = [Verdict::Pass, Verdict::Inconclusive].contains(&result.verdict);
+            assert!(passes, "{} {first_sample}: {}", case.name, result.reason);
+        }
+    }
+}
+
+/// Samples that are dropped because they are faint: the more there are, the more is lost. The images say so, the
+/// convention is found, and under its profile they pass.
+#[test]
+fn faint_samples_that_are_dropped() {
+    let (suite, cases) = cases("limit/thin-haze");
+    let scene = cases[0].load_scene().unwrap();
+    let images = ladder(&scene, |it| it.least_opacity = 0.001);
+    let plain = validate(
+        &cases[0],
+        &suite.store(),
+        Output::Refined(images.iter().cloned().map(Picture::Radiance).collect()),
+        None,
+    );
+    assert_eq!(plain.result.verdict, Verdict::Fail);
+    let words = "become darker with each halving of the step";
+    assert!(
+        plain.result.reason.contains(words),
+        "{}",
+        plain.result.reason
+    );
+    // What nobody sees, a limit by extrapolation, is no evidence.
+    assert_eq!(
+        plain.evidence.test,
+        Some(Picture::Radiance(images[2].clone()))
+    );
+
+    let found = judged(&suite, &cases[0], &images, None).result;
+    assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
+    let words = "drops samples of an opacity below 0.001 over a step";
+    assert!(
+        found.conventions[0].contains(words),
+        "{:?}",
+        found.conventions
+    );
+    let profile = Profile::parse(&found.profile.unwrap(), "mine.toml").unwrap();
+    let under = judged(&suite, &cases[0], &images, Some(&profile)).result;
+    assert_eq!(under.verdict, Verdict::Pass, "{}", under.reason);
+
+    // Each image is judged at its own step.
+    let wrong = [&images[..2], &[images[0].clone()]].concat();
+    let under = judged(&suite, &cases[0], &wrong, Some(&profile)).result;
+    assert_eq!(under.verdict, Verdict::Fail);
+    assert!(
+        under.reason.contains("with 1/4 of the step"),
+        "{}",
+        under.reason
+    );
+}
+
+/// Five conventions at once, as a renderer for graphics cards has them, behind one image in 8 bits.
+#[test]
+fn five_conventions_in_eight_bits() {
+    let (suite, cases) = cases("limit/full-to-the-border");
+    let scene = cases[0].load_scene().unwrap();
+    let images = ladder(&scene, |it| {
+        it.first_sample = 1.0;
+        it.last_step = LastStep::Whole;
+        it.voxel_box = true;
+        it.linear_opacity = true;
+        (it.table_size, it.texture_place) = (Some(256), true);
+    });
+    let codes = |film: &Film| {
+        let round = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() / 255.0;
+        let pixels = film.radiance().iter().map(|pixel| pixel.map(round));
+        Film::new(film.width(), film.height(), pixels.collect())
+    };
+    let images: Vec<Film> = images.iter().map(codes).collect();
+    let found = judged(&suite, &cases[0], &images, None).result;
+    assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
+    let profile = Profile::parse(&found.profile.unwrap(), "mine.toml").unwrap();
+    let under = judged(&suite, &cases[0], &images, Some(&profile)).result;
+    assert_eq!(under.verdict, Verdict::Pass, "{}", under.reason);
+}
