@@ -1,7 +1,7 @@
 //! Changes of a difference with the step of a ray caster, in the whole image and in its parts.
 
-use super::measured_difference::Pixels;
 use super::parts::{Part, Seen};
+use super::pixels::Pixels;
 use crate::film::Film;
 use crate::math::Sum;
 

@@ -19,6 +19,7 @@ mod measured_difference;
 mod parts;
 pub mod perceptual;
 mod picture;
+mod pixels;
 mod precision;
 mod promise;
 mod refinement;

@@ -1,6 +1,6 @@
 //! Parts of an image that may hold more than their share of a difference.
 
-use super::measured_difference::{Pixels, percent};
+use super::pixels::Pixels;
 
 /// Facts about the golden's pixels that its scene tells.
 #[derive(Clone, Debug, Default)]
@@ -162,4 +162,13 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1) as f64;
     values.get((last * share) as usize).copied().unwrap_or(0.0)
+}
+
+/// A share in whole per cent; never 100 for less than all.
+pub(super) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        all if all >= 99.95 => "all".to_owned(),
+        most if most >= 99.0 => format!("{most:.1} %"),
+        part => format!("{part:.0} %"),
+    }
 }
