@@ -9,9 +9,10 @@
 //! Sources: Efron & Stein 1981, Annals of Statistics 9, 586–596 (jackknife); Lucas & Kanade 1981,
 //! "An iterative image registration technique" (shift below a pixel).
 
+use super::parts::{MOST_PARTS, Part, Seen, percent};
+use super::pixels::Pixels;
 use super::stochastic::BLOCK;
 use crate::film::{CHANNELS, Film};
-use crate::math::Sum;
 
 /// Parts of the image for the jackknife, each of blocks from all over it.
 const PARTS: usize = 20;
@@ -23,19 +24,8 @@ const SIGNIFICANT: f64 = 3.0;
 /// that is fitted to a difference of another kind accounts for a few per cent.
 const WORTH_SAYING: f64 = 0.2;
 
-/// Share of the squared difference that lies in a part of the image, or in one channel, if it is
-/// said to lie there.
+/// Share of the squared difference that lies in one channel, if it is said to lie there.
 const MOST: f64 = 0.8;
-
-/// Share of the lit pixels that count as edges, and as the brightest part.
-const STEEPEST: f64 = 0.2;
-const BRIGHTEST: f64 = 0.1;
-
-/// Share of the lit pixels with a surface that count as near, and as far.
-const HALF: f64 = 0.5;
-
-/// Ratio of the distances of such pixels, the tenth of all to the ninetieth, from which some are far.
-const DEPTH: f64 = 1.1;
 
 /// A box that holds the difference is worth saying if it holds no more than this share of the lit
 /// pixels.
@@ -48,16 +38,16 @@ const OUTSIDE: f64 = 0.01;
 const CUT_OFF: usize = 8;
 
 /// Sentences, without a full stop, on how `test` differs from `golden`; none where nothing can be
-/// measured: other sizes, values that are no numbers, or no difference beyond noise. `distances` are
-/// those of the surfaces that are seen, by pixel, infinite without one, if there are any.
-pub fn measured_difference(golden: &Film, test: &Film, distances: Option<&[f64]>) -> Vec<String> {
+/// measured: other sizes, values that are no numbers, or no difference beyond noise.
+pub fn measured_difference(golden: &Film, test: &Film, seen: &Seen) -> Vec<String> {
     if !golden.is_comparable(test) {
         return Vec::new();
     }
-    let Some(pixels) = Pixels::new(golden, test, distances) else {
+    let Some(pixels) = Pixels::new(golden, test) else {
         return Vec::new();
     };
-    let sums = PartSums::of(&pixels);
+    let parts = Part::all(&pixels, seen);
+    let sums = PartSums::of(&pixels, &parts);
     let whole = Jackknife::of(&sums, |sums| sums.squares());
     let has_noise = [golden, test]
         .into_iter()
@@ -65,187 +55,20 @@ pub fn measured_difference(golden: &Film, test: &Film, distances: Option<&[f64]>
     if whole.value <= 0.0 || has_noise && !whole.is_beyond(0.0) {
         return Vec::new();
     }
+    let shift = Shift::of(&sums);
     let sentences = [
         cut_off(golden, test),
         in_one_channel(&sums),
         gain(&sums),
-        shift(&sums),
-        at_edges(&sums),
-        in_the_brightest_part(&sums),
-        near_or_far(&pixels, &sums),
-        without_noise(&sums),
-        in_a_box(&pixels, &sums),
+        shift.as_ref().map(|shift| shift.in_words(seen)),
+        shift
+            .filter(|shift| shift.may_be_of_seeds(test))
+            .map(|_| SHARED_POSITIONS.to_owned()),
     ];
-    sentences.into_iter().flatten().collect()
-}
-
-/// Differences of the pixels, weighed by the brightness of the golden.
-struct Pixels<'f> {
-    golden: &'f Film,
-    test: &'f Film,
-    /// Mean brightness of the golden.
-    mean: f64,
-    /// Variance of the differences over that of the golden, by channel; none without noise.
-    noise_over_golden: Option<[f64; 3]>,
-    /// Slope and brightness beyond which a pixel is among the steepest, or the brightest.
-    steep: f64,
-    bright: f64,
-    /// Distances of the surfaces, and the one that half of the lit pixels lie beyond; nothing where
-    /// all are about as far.
-    distances: Option<(&'f [f64], f64)>,
-}
-
-impl<'f> Pixels<'f> {
-    fn new(golden: &'f Film, test: &'f Film, distances: Option<&'f [f64]>) -> Option<Pixels<'f>> {
-        let mean = golden.mean_magnitude().filter(|&mean| mean > 0.0)?;
-        let mut pixels = Pixels {
-            golden,
-            test,
-            mean,
-            noise_over_golden: None,
-            steep: 0.0,
-            bright: 0.0,
-            distances: None,
-        };
-        pixels.noise_over_golden = pixels.unstated_noise();
-        // Of what is not dark: a background has neither edges nor brightness.
-        let lit: Vec<usize> = (0..golden.radiance().len())
-            .filter(|&i| pixels.is_lit(i))
-            .collect();
-        pixels.steep = quantile(lit.iter().map(|&i| pixels.steepness(i)), 1.0 - STEEPEST);
-        pixels.bright = quantile(lit.iter().map(|&i| pixels.brightness(i)), 1.0 - BRIGHTEST);
-        pixels.distances = distances.and_then(|distances| {
-            let of_lit = || lit.iter().map(|&i| distances[i]).filter(|t| t.is_finite());
-            let [near, middle, far] = [0.1, HALF, 0.9].map(|share| quantile(of_lit(), share));
-            (far > DEPTH * near).then_some((distances, middle))
-        });
-        Some(pixels)
-    }
-
-    /// True if the surface of a pixel is among the nearer ones, or the farther ones.
-    fn is_near_or_far(&self, i: usize) -> [bool; 2] {
-        let Some((distances, middle)) = self.distances else {
-            return [false; 2];
-        };
-        let distance = distances[i];
-        [
-            distance <= middle,
-            distance > middle && distance.is_finite(),
-        ]
-    }
-
-    /// Noise of a test image that does not state it, where the golden does: by the second
-    /// differences of the difference, free of everything linear. Where the golden is known, it is
-    /// taken to be spread as radiance is, as in the stochastic gate.
-    fn unstated_noise(&self) -> Option<[f64; 3]> {
-        self.golden.noise()?;
-        if self.test.noise().is_some() {
-            return None;
-        }
-        let width = self.golden.width();
-        let mut ratios = [0.0; 3];
-        for (c, ratio) in ratios.iter_mut().enumerate() {
-            let (mut squares, mut variances) = (Sum::default(), Sum::default());
-            for row in 0..self.golden.height() {
-                for column in 1..width.saturating_sub(1) {
-                    let i = column + width * row;
-                    let d = |i: usize| self.difference(i, c);
-                    let second = d(i - 1) - 2.0 * d(i) + d(i + 1);
-                    let weight = self.weight(i, c);
-                    // The squares of 1, −2 and 1 sum to 6.
-                    squares.add(weight * second * second / 6.0);
-                    variances.add(weight * self.shape_of_noise(i, c));
-                }
-            }
-            *ratio = squares.value() / variances.value();
-        }
-        ratios
-            .iter()
-            .all(|ratio| ratio.is_finite())
-            .then_some(ratios)
-    }
-
-    /// Variance of a pixel of an image that does not state it, up to a factor.
-    fn shape_of_noise(&self, i: usize, c: usize) -> f64 {
-        let noise = self.golden.noise();
-        match noise {
-            Some(noise) if noise.is_known() => self.value(i, c).abs(),
-            noise => noise.map_or(0.0, |noise| f64::from(noise.variance()[i][c])),
-        }
-    }
-
-    fn value(&self, i: usize, c: usize) -> f64 {
-        f64::from(self.golden.radiance()[i][c])
-    }
-
-    fn difference(&self, i: usize, c: usize) -> f64 {
-        f64::from(self.test.radiance()[i][c]) - self.value(i, c)
-    }
-
-    /// Variance of the difference.
-    fn variance(&self, i: usize, c: usize) -> f64 {
-        let of = |film: &Film| {
-            let noise = film.noise();
-            noise.map_or(0.0, |noise| f64::from(noise.variance()[i][c]))
-        };
-        match self.noise_over_golden {
-            Some(ratios) => ratios[c] * self.shape_of_noise(i, c),
-            None => of(self.golden) + of(self.test),
-        }
-    }
-
-    /// Weight of a difference: by relative differences, except near black.
-    fn weight(&self, i: usize, c: usize) -> f64 {
-        let size = self.value(i, c).abs() + self.mean;
-        1.0 / (size * size)
-    }
-
-    fn brightness(&self, i: usize) -> f64 {
-        (0..3).map(|c| self.value(i, c)).sum()
-    }
-
-    /// Change of the golden per pixel, to the right and down.
-    fn slope(&self, i: usize, c: usize) -> [f64; 2] {
-        let width = self.golden.width();
-        let [x, y] = [i % width, i / width];
-        let along = |at: usize, count: usize, step: usize| {
-            let before = if at > 0 { i - step } else { i };
-            let after = if at + 1 < count { i + step } else { i };
-            let length = (after - before) / step;
-            if length == 0 {
-                0.0
-            } else {
-                (self.value(after, c) - self.value(before, c)) / length as f64
-            }
-        };
-        [along(x, width, 1), along(y, self.golden.height(), width)]
-    }
-
-    /// True for a pixel at least a tenth as bright as the mean.
-    fn is_lit(&self, i: usize) -> bool {
-        self.brightness(i) > 0.3 * self.mean
-    }
-
-    fn steepness(&self, i: usize) -> f64 {
-        let of = |c: usize| {
-            let [x, y] = self.slope(i, c);
-            self.weight(i, c) * (x * x + y * y)
-        };
-        (0..3).map(of).sum()
-    }
-
-    fn block(&self, i: usize) -> [usize; 2] {
-        let width = self.golden.width();
-        [i % width / BLOCK, i / width / BLOCK]
-    }
-}
-
-/// The value below which a share of the `values` lies.
-fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let last = values.len().saturating_sub(1) as f64;
-    values.get((last * share) as usize).copied().unwrap_or(0.0)
+    let mut sentences: Vec<String> = sentences.into_iter().flatten().collect();
+    sentences.extend(in_parts(&sums, &parts));
+    sentences.extend(in_a_box(&pixels, &sums));
+    sentences
 }
 
 /// Weighted sums over a part of the image.
@@ -259,30 +82,18 @@ struct PartSums {
     /// Products of the slopes, xx, xy and yy, and slopes times difference.
     slopes: [f64; 3],
     slope_difference: [f64; 2],
-    /// Squared differences of the steepest and of the brightest pixels.
-    steep: f64,
-    bright: f64,
-    /// Squared differences of the pixels with near surfaces, and with far ones.
-    near_and_far: [f64; 2],
-    /// Squared differences of the pixels without noise, where others have some.
-    silent: f64,
+    /// Squared differences in each [`Part`].
+    parts: [f64; MOST_PARTS],
 }
 
 impl PartSums {
-    /// Sums of each part.
-    fn of(pixels: &Pixels<'_>) -> [PartSums; PARTS] {
+    /// Sums of each part of the jackknife.
+    fn of(pixels: &Pixels<'_>, kinds: &[Part]) -> [PartSums; PARTS] {
         let mut parts = [PartSums::default(); PARTS];
         for i in 0..pixels.golden.radiance().len() {
             let [x, y] = pixels.block(i);
             // Neighbours in a row and in a column are of different parts.
             let part = &mut parts[(x + 7 * y) % PARTS];
-            let (is_steep, is_bright) = (
-                pixels.steepness(i) > pixels.steep,
-                pixels.brightness(i) > pixels.bright,
-            );
-            let is_near_or_far = pixels.is_near_or_far(i);
-            let noise = pixels.golden.noise().filter(|noise| !noise.is_known());
-            let is_silent = noise.map(|noise| noise.variance()[i]) == Some([0.0; 3]);
             for c in 0..3 {
                 let (weight, difference) = (pixels.weight(i, c), pixels.difference(i, c));
                 let square = weight * (difference * difference - pixels.variance(i, c));
@@ -300,11 +111,8 @@ impl PartSums {
                 }
                 part.slope_difference[0] += weight * right * difference;
                 part.slope_difference[1] += weight * down * difference;
-                part.steep += if is_steep { square } else { 0.0 };
-                part.bright += if is_bright { square } else { 0.0 };
-                part.silent += if is_silent { square } else { 0.0 };
-                for (sum, is_there) in part.near_and_far.iter_mut().zip(is_near_or_far) {
-                    *sum += if is_there { square } else { 0.0 };
+                for (sum, kind) in part.parts.iter_mut().zip(kinds) {
+                    *sum += if kind.pixels[i] { square } else { 0.0 };
                 }
             }
         }
@@ -320,11 +128,10 @@ impl PartSums {
         }
         for axis in 0..2 {
             self.slope_difference[axis] += sign * other.slope_difference[axis];
-            self.near_and_far[axis] += sign * other.near_and_far[axis];
         }
-        self.steep += sign * other.steep;
-        self.bright += sign * other.bright;
-        self.silent += sign * other.silent;
+        for (sum, other) in self.parts.iter_mut().zip(other.parts) {
+            *sum += sign * other;
+        }
     }
 
     fn squares(&self) -> f64 {
@@ -414,15 +221,6 @@ fn decimals(value: f64, error: f64) -> String {
     format!("{value:.*}", places.unwrap_or(4) as usize)
 }
 
-/// A share in whole per cent; never 100 for less than all.
-fn percent(share: f64) -> String {
-    match 100.0 * share {
-        all if all >= 99.95 => "all".to_owned(),
-        most if most >= 99.0 => format!("{most:.1} %"),
-        part => format!("{part:.0} %"),
-    }
-}
-
 fn cut_off(golden: &Film, test: &Film) -> Option<String> {
     let [golden, test] = [golden, test].map(|film| film.radiance().as_flattened());
     let most = test.iter().copied().fold(0.0, f32::max);
@@ -456,90 +254,104 @@ fn gain(sums: &[PartSums; PARTS]) -> Option<String> {
         return None;
     }
     let [r, g, b] = gains.map(|gain| decimals(gain.value, gain.error));
-    Some(format!(
-        "the best gains of red, green and blue are {r}, {g} and {b}, which account for {} of the \
-         squared difference",
-        percent(share.value)
-    ))
-}
-
-fn shift(sums: &[PartSums; PARTS]) -> Option<String> {
-    let share = Jackknife::of(sums, PartSums::share_of_shift);
-    let axes = [0, 1].map(|axis| Jackknife::of(sums, |sums| sums.shift()[axis]));
-    let is_known = axes.iter().any(|axis| axis.is_beyond(0.0));
-    // By slopes nothing is known of a shift beyond the next pixel.
-    let is_small = axes.iter().all(|axis| axis.value.abs() <= 1.0);
-    if !(is_known && is_small && share.value >= WORTH_SAYING && share.is_beyond(0.0)) {
-        return None;
-    }
-    let words = [["right", "left"], ["down", "up"]];
-    let along = |axis: usize| {
-        let Jackknife { value, error } = axes[axis];
-        let side = words[axis][usize::from(value < 0.0)];
-        format!("{} pixels {side}", decimals(value.abs(), error))
+    let factors = if r == g && g == b {
+        format!("{r}, all channels alike,")
+    } else {
+        format!("{r} in red, {g} in green and {b} in blue,")
     };
-    let known: Vec<String> = (0..2)
-        .filter(|&axis| axes[axis].is_beyond(0.0))
-        .map(along)
-        .collect();
     Some(format!(
-        "by its slopes the image is moved by {}, which accounts for {} of the squared difference",
-        known.join(" and "),
-        percent(share.value)
+        "the golden times {factors} over all pixels, would leave {} of the squared difference",
+        left(1.0 - share.value)
     ))
 }
 
-fn at_edges(sums: &[PartSums; PARTS]) -> Option<String> {
-    let share = Jackknife::of(sums, |sums| sums.steep / sums.squares());
-    if share.value >= MOST && share.is_at_least(2.0 * STEEPEST) {
-        let part = percent(share.value);
-        return Some(format!(
-            "{part} of the squared difference lies at edges: in the fifth of the lit pixels where the \
-             golden is steepest"
-        ));
+/// A share that is left.
+pub(crate) fn left(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent < 0.1 => "less than 0.1 %".to_owned(),
+        percent => format!("{percent:.1} %"),
     }
-    let inside = share.value + SIGNIFICANT * share.error <= STEEPEST;
-    inside.then(|| "the difference lies inside areas rather than at their edges".to_owned())
 }
 
-fn in_the_brightest_part(sums: &[PartSums; PARTS]) -> Option<String> {
-    let share = Jackknife::of(sums, |sums| sums.bright / sums.squares());
-    let is_most = share.value >= MOST && share.is_at_least(3.0 * BRIGHTEST);
-    is_most.then(|| {
-        let part = percent(share.value);
-        format!("{part} of the squared difference lies in the brightest tenth of the lit pixels")
-    })
+/// Question on a shift by half a pixel or less, of images that are means of several renderings.
+pub(crate) const SHARED_POSITIONS: &str = "half a pixel or less, in a mean of renderings that do not \
+    count their samples: do all seeds share the positions within a pixel? With few samples each, their \
+    mean does not lie at its centre";
+
+/// Largest shift, in pixels along an axis, by positions within a pixel.
+pub(crate) const WITHIN_A_PIXEL: f64 = 0.5;
+
+/// A shift of the image, pixels to the right and down.
+struct Shift {
+    axes: [Jackknife; 2],
+    share: f64,
 }
 
-fn near_or_far(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
-    let (_, middle) = pixels.distances?;
-    let words = [
-        ("nearer", "no farther from the eye than"),
-        ("farther", "beyond"),
-    ];
-    words
-        .into_iter()
-        .enumerate()
-        .find_map(|(side, (half, at))| {
-            let share = Jackknife::of(sums, |sums| sums.near_and_far[side] / sums.squares());
-            let is_most = share.value >= MOST && share.is_at_least(HALF);
-            is_most.then(|| {
-            let part = percent(share.value);
-            format!(
-                "{part} of the squared difference lies at the {half} half of the surfaces, {at} \
-                 {middle:.3} units"
-            )
+impl Shift {
+    /// The shift that the slopes of the golden tell, if it accounts for a good part of the difference.
+    fn of(sums: &[PartSums; PARTS]) -> Option<Shift> {
+        let share = Jackknife::of(sums, PartSums::share_of_shift);
+        let axes = [0, 1].map(|axis| Jackknife::of(sums, |sums| sums.shift()[axis]));
+        let is_known = axes.iter().any(|axis| axis.is_beyond(0.0));
+        // By slopes nothing is known of a shift beyond the next pixel.
+        let is_small = axes.iter().all(|axis| axis.value.abs() <= 1.0);
+        let is_worth_saying = share.value >= WORTH_SAYING && share.is_beyond(0.0);
+        (is_known && is_small && is_worth_saying).then_some(Shift {
+            axes,
+            share: share.value,
         })
-        })
+    }
+
+    /// Components that are known.
+    fn known(&self) -> [f64; 2] {
+        self.axes
+            .map(|axis| if axis.is_beyond(0.0) { axis.value } else { 0.0 })
+    }
+
+    fn in_words(&self, seen: &Seen) -> String {
+        let sides = [["right", "left"], ["down", "up"]];
+        let along = |axis: usize| {
+            let Jackknife { value, error } = self.axes[axis];
+            let side = sides[axis][usize::from(value < 0.0)];
+            format!("{} pixels {side}", decimals(value.abs(), error))
+        };
+        let known = (0..2).filter(|&axis| self.axes[axis].is_beyond(0.0));
+        let known: Vec<String> = known.map(along).collect();
+        let voxels = seen.voxels_in_words(self.known());
+        format!(
+            "by its slopes the image is moved by {}{}, which accounts for {} of the squared difference",
+            known.join(" and "),
+            voxels.map_or(String::new(), |voxels| format!(" ({voxels})")),
+            percent(self.share)
+        )
+    }
+
+    fn may_be_of_seeds(&self, test: &Film) -> bool {
+        let within = |axis: &f64| axis.abs() <= WITHIN_A_PIXEL;
+        test.noise().is_some_and(|noise| noise.is_of_renderings())
+            && self.known().iter().all(within)
+    }
 }
 
-fn without_noise(sums: &[PartSums; PARTS]) -> Option<String> {
-    let share = Jackknife::of(sums, |sums| sums.silent / sums.squares());
-    (share.value >= MOST).then(|| {
-        let part = percent(share.value);
-        format!("{part} of the squared difference lies in pixels without noise, such as a lamp or a sky \
-             that is seen")
-    })
+/// Sentences on the parts that hold clearly more than their share.
+fn in_parts(sums: &[PartSums; PARTS], parts: &[Part]) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for (k, part) in parts.iter().enumerate() {
+        let share = Jackknife::of(sums, |sums| sums.parts[k] / sums.squares());
+        if part.holds(share.value) && share.is_beyond(part.due) {
+            let percent = percent(share.value);
+            sentences.push(format!(
+                "{percent} of the squared difference lies {}",
+                part.words
+            ));
+        }
+        let is_edge = k == 0;
+        if is_edge && share.value + SIGNIFICANT * share.error <= part.due {
+            let words = "the difference lies inside areas rather than at their edges";
+            sentences.push(words.to_owned());
+        }
+    }
+    sentences
 }
 
 /// The box of blocks that holds all but a few per cent of the squared difference.
@@ -633,17 +445,22 @@ mod tests {
     }
 
     fn said(test: &Film) -> String {
-        measured_difference(&golden(), test, None).join("; ")
+        measured_difference(&golden(), test, &Seen::default()).join("; ")
     }
 
     #[test]
     fn gains_and_shifts_have_their_size() {
         let text = said(&edited(|x, c, _| [1.05, 1.0, 0.9][c] * x));
         assert!(
-            text.contains("gains of red, green and blue are 1.05"),
+            text.contains("the golden times 1.0500 in red, 1.0000 in green and 0.9000 in blue, over all pixels"),
             "{text}"
         );
-        assert!(text.contains("account for all of"), "{text}");
+        assert!(text.contains("would leave less than 0.1 % of"), "{text}");
+        let text = said(&edited(|x, _, _| 0.91 * x));
+        assert!(
+            text.contains("the golden times 0.9100, all channels alike,"),
+            "{text}"
+        );
         let text = said(&hills(|x, y| [x - 0.3, y]));
         assert!(
             text.contains("moved by 0.3") && text.contains("pixels right"),
@@ -693,24 +510,31 @@ mod tests {
                 if t > from && t <= to { 0.7 * x } else { x }
             })
         };
-        let said = |test: &Film| measured_difference(&golden(), test, Some(&distances)).join("; ");
+        let said_of = |test: &Film, distances: &[f64]| {
+            let seen = Seen {
+                distances: Some(distances.to_vec()),
+                ..Seen::default()
+            };
+            measured_difference(&golden(), test, &seen).join("; ")
+        };
+        let said = |test: &Film| said_of(test, &distances);
         // 96 columns from 2 on, 0.1 apart: the 48th is half of them.
         let far = said(&faded(7.0, 100.0));
         let words =
-            "all of the squared difference lies at the farther half of the surfaces, beyond 6.7";
+            "all of the squared difference lies in the farther half of what is seen, beyond 6.7";
         assert!(far.contains(words), "{far}");
         let near = said(&faded(0.0, 6.0));
         assert!(
-            near.contains("at the nearer half of the surfaces"),
+            near.contains("in the nearer half of what is seen"),
             "{near}"
         );
         for alike in [faded(3.0, 11.0), faded(100.0, f64::INFINITY)] {
             let text = said(&alike);
-            assert!(!text.is_empty() && !text.contains("surfaces"), "{text}");
+            assert!(!text.is_empty() && !text.contains("is seen"), "{text}");
         }
         let all_as_far = vec![3.0; 96 * 80];
-        let text = measured_difference(&golden(), &faded(7.0, 100.0), Some(&all_as_far)).join("; ");
-        assert!(!text.contains("surfaces"), "{text}");
+        let text = said_of(&faded(7.0, 100.0), &all_as_far);
+        assert!(!text.contains("is seen"), "{text}");
     }
 
     /// In noise, stated or not, the size is found within its error; of noise alone nothing is said.
@@ -720,21 +544,141 @@ mod tests {
         for states in [true, false] {
             let same = noisy(&golden(), 0.1, 2, states);
             assert_eq!(
-                measured_difference(&right, &same, None),
+                measured_difference(&right, &same, &Seen::default()),
                 Vec::<String>::new()
             );
             let brighter = edited(|x, _, _| 1.1 * x);
             let text =
-                measured_difference(&right, &noisy(&brighter, 0.1, 3, states), None).join("; ");
+                measured_difference(&right, &noisy(&brighter, 0.1, 3, states), &Seen::default())
+                    .join("; ");
             // 0.1/0.6 a pixel, of 7680: 0.2 %.
             assert!(
-                text.contains("are 1.1") || text.contains("are 1.09"),
+                text.contains("times 1.1") || text.contains("times 1.09"),
                 "{text}"
             );
             assert!(
                 !text.contains("moved") && !text.contains("columns"),
                 "{text}"
             );
+        }
+    }
+
+    /// A volume that is opaque in the middle and faint around, in a box of 64 pixels.
+    fn volume() -> (Film, Seen) {
+        let hills = golden();
+        let at = |i: usize| [i % 96, i / 96];
+        let is_inside = |[x, y]: [usize; 2]| (16..80).contains(&x) && (8..72).contains(&y);
+        let is_opaque = |[x, y]: [usize; 2]| (32..64).contains(&x) && (24..56).contains(&y);
+        let pixel = |i: usize| {
+            let opacity = match at(i) {
+                at if is_opaque(at) => 1.0,
+                at if is_inside(at) => 0.2,
+                _ => 0.0,
+            };
+            let [r, g, b] = hills.radiance()[i].map(|x| opacity * x);
+            [r, g, b, opacity]
+        };
+        let border = |i: usize| {
+            let [x, y] = at(i);
+            let near = |[x, y]: [usize; 2]| is_inside([x.max(2) - 2, y.max(2) - 2]);
+            is_inside([x, y]) != near([x, y]) || is_inside([x, y]) != is_inside([x + 2, y + 2])
+        };
+        let golden = Film::with_opacity(96, 80, (0..96 * 80).map(pixel).collect());
+        let seen = Seen {
+            opacity: golden.opacity().map(<[f32]>::to_vec),
+            border: Some((0..96 * 80).map(border).collect()),
+            voxels: Some([[0.4, 0.0, 0.3], [0.0, -1.2, 0.0]]),
+            ..Seen::default()
+        };
+        (golden, seen)
+    }
+
+    /// What `edit` does to a pixel of that volume, by opacity and by place at the border.
+    fn said_of_volume(edit: impl Fn(f64, f32, bool) -> f64) -> String {
+        let (golden, seen) = volume();
+        let (opacity, border) = (golden.opacity().unwrap(), seen.border.as_ref().unwrap());
+        let pixels = golden
+            .radiance()
+            .iter()
+            .enumerate()
+            .map(|(i, pixel)| pixel.map(|x| edit(x.into(), opacity[i], border[i]) as f32));
+        let test = Film::new(96, 80, pixels.collect());
+        measured_difference(&golden, &test, &seen).join("; ")
+    }
+
+    #[test]
+    fn faint_and_opaque_parts_and_the_border_are_told_apart() {
+        let faint = "lies in faint parts, of an opacity below 0.25";
+        let opaque = "lies in opaque parts, of an opacity above 0.95";
+        let border = "lies at the border of the volume, the silhouette of its box";
+        let dropped = said_of_volume(|x, opacity, _| if opacity < 0.3 { 0.8 * x } else { x });
+        assert!(dropped.contains(faint), "{dropped}");
+        assert!(
+            !dropped.contains(opaque) && !dropped.contains(border),
+            "{dropped}"
+        );
+        let ended = said_of_volume(|x, opacity, _| if opacity > 0.9 { 0.95 * x } else { x });
+        assert!(ended.contains(opaque), "{ended}");
+        assert!(!ended.contains(faint) && !ended.contains(border), "{ended}");
+        let larger = said_of_volume(|x, _, border| if border { x + 0.05 } else { x });
+        assert!(larger.contains(border), "{larger}");
+        assert!(!larger.contains(opaque), "{larger}");
+        let all = said_of_volume(|x, opacity, _| {
+            if opacity > 0.0 {
+                x + 0.02 * (x + 0.2)
+            } else {
+                x
+            }
+        });
+        for part in [faint, opaque, border] {
+            assert!(!all.contains(part), "{all}");
+        }
+    }
+
+    #[test]
+    fn shifts_are_said_in_voxels() {
+        let (_, seen) = volume();
+        let shifted = |by: [f64; 2], seen: &Seen| {
+            let test = hills(|x, y| [x - by[0], y - by[1]]);
+            measured_difference(&golden(), &test, seen).join("; ")
+        };
+        // 0.3 pixels of half a voxel each, 0.4 of 0.5 along x.
+        let text = shifted([0.3, 0.0], &seen);
+        let words =
+            "pixels up (0.15 voxels at the centre of the volume: +0.12 along x, +0.09 along z)";
+        assert!(text.contains(words), "{text}");
+        let text = shifted([0.0, -0.5], &seen);
+        assert!(text.contains("pixels up (0.6"), "{text}");
+        assert!(text.contains("along y)"), "{text}");
+        let text = shifted([0.3, 0.0], &Seen::default());
+        assert!(text.contains("pixels up, which"), "{text}");
+        let text = measured_difference(&golden(), &edited(|x, _, _| 1.1 * x), &seen).join("; ");
+        assert!(!text.contains("voxels"), "{text}");
+    }
+
+    /// Four renderings of a few samples each.
+    #[test]
+    fn seeds_may_share_positions_within_a_pixel() {
+        let of_renderings = |film: &Film| {
+            let films = [1, 2, 3, 4].map(|seed| noisy(film, 0.01, seed, false));
+            Film::from_replicates(&films).unwrap()
+        };
+        let right = noisy(&golden(), 0.001, 9, true);
+        let said = |test: &Film| measured_difference(&right, test, &Seen::default()).join("; ");
+        let asks = |text: &str| text.contains("do all seeds share the positions within a pixel?");
+        let shifted = hills(|x, y| [x - 0.4, y + 0.3]);
+        let text = said(&of_renderings(&shifted));
+        assert!(text.contains("moved by") && asks(&text), "{text}");
+        // By most of a pixel; with noise of samples; and no shift.
+        let far = hills(|x, y| [x - 0.8, y]);
+        let brighter = edited(|x, _, _| 1.1 * x);
+        for test in [
+            of_renderings(&far),
+            noisy(&shifted, 0.01, 5, true),
+            of_renderings(&brighter),
+        ] {
+            let text = said(&test);
+            assert!(!text.is_empty() && !asks(&text), "{text}");
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod advice;
 pub(crate) mod cells;
+mod change_with_step;
 pub mod deterministic;
 mod difference_scale;
 mod exact;
@@ -15,8 +16,10 @@ mod image_gate;
 mod incomparable;
 mod judgement;
 mod measured_difference;
+mod parts;
 pub mod perceptual;
 mod picture;
+mod pixels;
 mod precision;
 mod promise;
 mod refinement;
@@ -26,6 +29,7 @@ pub mod stochastic;
 pub(crate) mod unexplained;
 
 pub use advice::{Advice, Undecided};
+pub use change_with_step::change_with_step;
 pub use deterministic::Deterministic;
 pub use difference_scale::{BlockMap, DifferenceScale};
 pub use exact::Exact;
@@ -33,6 +37,8 @@ pub use gate::{Gate, Metric};
 pub use image_gate::{Conditions, ImageGate};
 pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
 pub use measured_difference::measured_difference;
+pub(crate) use measured_difference::{SHARED_POSITIONS, WITHIN_A_PIXEL, left};
+pub use parts::Seen;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
 pub use precision::{is_of_precision, precision_in_words, recognised};

@@ -22,7 +22,9 @@ mod hypothesis;
 mod kept;
 mod prediction;
 mod step;
+mod volume_in_view;
 
+use crate::compare::SHARED_POSITIONS;
 use crate::compare::cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
 pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
@@ -41,8 +43,8 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// Sentence for a difference of which nothing could be measured.
-const NOTHING_STANDS_OUT: &str =
-    "the difference is neither a gain nor a shift, and lies in no single part of the image";
+const NOTHING_STANDS_OUT: &str = "no gain and no shift accounts for a fifth of the squared difference, \
+    and no part of the image holds clearly more than its share of it";
 
 /// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
 /// five of them fill most of a terminal of 24 lines.
@@ -120,7 +122,7 @@ pub(crate) fn likeness_with(
     let mut fitted: BTreeMap<usize, Fitted> = BTreeMap::new();
     for (at, failed) in failing.iter().enumerate() {
         let mut clock = SearchClock::start(search, &failed.name, singles());
-        if failed.has_suspects() {
+        if failed.has_suspects_first() {
             clock.report();
             fitted.insert(failed.index, failed.fitted_numbers(&clock));
         }
@@ -224,6 +226,13 @@ pub(crate) fn likeness_with(
                 result.difference.push(sentence.to_owned());
             }
             result.difference.extend(failed.measured_difference());
+            let is_asked = result
+                .difference
+                .iter()
+                .any(|said| said == SHARED_POSITIONS);
+            if !is_asked && failed.may_share_positions(&result.changes) {
+                result.difference.push(SHARED_POSITIONS.to_owned());
+            }
             if result.difference.is_empty() && !failed.is_simple() {
                 result.difference.push(NOTHING_STANDS_OUT.to_owned());
             }

@@ -55,3 +55,4 @@ mod vectors;
 mod volume_files;
 mod volume_known_answers;
 mod volume_laws;
+mod words_of_failures;

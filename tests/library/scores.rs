@@ -172,6 +172,29 @@ fn a_faint_change_is_seen_and_named() {
     );
 }
 
+/// Beyond the change for which its derivative was taken, a number is no cause.
+#[test]
+fn a_far_number_is_only_as_if() {
+    let shapes = Shape::all();
+    let pair = pair(3, &shapes[1], 64, |x, y| {
+        let (light, change) = (scene(x, y), change(x, y));
+        [0, 1, 2].map(|c| light[c] + 0.06 * change[c])
+    });
+    for (step, words) in [
+        (
+            0.01,
+            "as if this were so, or a mistake that looks like it: density",
+        ),
+        (0.2, "the difference looks like this: density"),
+    ] {
+        let mut sensitivities = sensitivities(3);
+        sensitivities[0].step = step;
+        let judgement = judged(&pair, &sensitivities, 1e-6);
+        let reason = &judgement.reason;
+        assert!(!judgement.passed && reason.contains(words), "{reason}");
+    }
+}
+
 /// Two numbers that change the image alike are both named.
 #[test]
 fn what_cannot_be_told_apart_is_said() {

@@ -544,8 +544,8 @@ impl<'s> Scores<'s> {
         let changes = changes.join("; and ");
         let deviation = format!("{:.1} standard errors", self.size(best[0].number));
         let share = self.explained(best);
+        let is_far = |it: &Fitted| self.sensitivities[it.number].is_far(it.change);
         if let Some(share) = share.filter(|share| *share < EXPLAINS) {
-            let is_far = |it: &Fitted| self.sensitivities[it.number].is_far(it.change);
             let said = if best.iter().any(is_far) {
                 format!(
                     "the difference ({deviation}) is too large for derivatives to tell which number is off"
@@ -556,7 +556,13 @@ impl<'s> Scores<'s> {
             let percent = 100.0 * share;
             return format!("{said}; the nearest, {changes}, explains {percent:.0} % of it");
         }
-        let mut text = format!("the difference looks like this: {changes} ({deviation})");
+        let mut text = if best.iter().any(is_far) {
+            format!(
+                "the difference is as if this were so, or a mistake that looks like it: {changes} ({deviation})"
+            )
+        } else {
+            format!("the difference looks like this: {changes} ({deviation})")
+        };
         if let Some(share) = share {
             text.push_str(&format!("; that explains {:.0} % of it", 100.0 * share));
         }

@@ -6,18 +6,21 @@ use super::hypothesis::Hypothesis;
 use super::prediction::{
     FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, pixels_of, predicted,
 };
+use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
 use crate::compare::stochastic::BLOCK;
 use crate::compare::unexplained::{SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
 use crate::compare::{
-    Conditions, Deterministic, NumberChange, Perceptual, Picture, judge, measured_difference,
+    Conditions, Deterministic, Gate as _, NumberChange, Perceptual, Picture, Refinement, Seen,
+    WITHIN_A_PIXEL, change_with_step, judge, measured_difference,
 };
-use crate::film::{Film, Quantisation};
+use crate::film::{Film, Noise, Quantisation};
 use crate::judging::Judged;
 use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
 use crate::math;
 use crate::render::Detail;
 use crate::scene::Scene;
+use crate::sensitivity::{Dependence, Number, numbers};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 
@@ -54,6 +57,11 @@ pub(super) struct ComparedCase {
     pub golden: Film,
     /// Numbers of the scene that the verdict names; none where it names none.
     pub suspects: Vec<String>,
+    /// True if one of them is off by more than derivatives hold for.
+    suspects_far: bool,
+    /// The image with the step of the scene, with half of it and so on, if they are judged by their
+    /// limit.
+    refined: Vec<Film>,
     scene: Scene,
     /// Widths of its panels.
     widths: Vec<usize>,
@@ -142,6 +150,12 @@ impl ComparedCase {
             is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,
             suspects: suspects(judged),
+            suspects_far: suspects_far(judged, &scene),
+            refined: if judged.result.gate.name() == Refinement.name() {
+                judged.evidence.refined.clone()
+            } else {
+                Vec::new()
+            },
             from_golden: golden_cells.misfit(&test_cells, &golden_cells),
             golden,
             scene,
@@ -202,9 +216,10 @@ impl ComparedCase {
         })
     }
 
-    /// True if the verdict names numbers of the scene.
-    pub fn has_suspects(&self) -> bool {
-        !self.suspects.is_empty()
+    /// True if the verdict names numbers of the scene that are fitted before mistakes are tried. One
+    /// that is far off is not: derivatives do not hold there, and a mistake may look the same.
+    pub fn has_suspects_first(&self) -> bool {
+        !self.suspects.is_empty() && !(self.suspects_far && self.is_decidable())
     }
 
     /// True if golden and image are means of samples.
@@ -250,12 +265,31 @@ impl ComparedCase {
     pub fn measured_difference(&self) -> Vec<String> {
         match &self.picture {
             Picture::Radiance(test) if self.simple.is_none() => {
-                let distances = distances(&self.scene);
+                let volume = VolumeInView::of(&self.scene);
+                let seen = Seen {
+                    distances: distances(&self.scene),
+                    opacity: self.golden.opacity().map(<[f32]>::to_vec),
+                    border: volume.as_ref().and_then(VolumeInView::border),
+                    voxels: volume.as_ref().and_then(VolumeInView::voxels),
+                };
                 let golden = self.kept.film(&self.golden);
-                measured_difference(&golden, test, distances.as_deref())
+                let mut said = measured_difference(&golden, test, &seen);
+                said.extend(change_with_step(&self.golden, &self.refined, &seen));
+                said
             }
             _ => Vec::new(),
         }
+    }
+
+    /// True if the shift that the verdict names may come of positions that all renderings of a mean
+    /// share within a pixel.
+    pub fn may_share_positions(&self, changes: &[NumberChange]) -> bool {
+        let test = self.picture.radiance().and_then(Film::noise);
+        let is_small_shift = |change: &NumberChange| {
+            let is_shift = ["camera.right", "camera.down"].contains(&&*change.name);
+            change.fits_best && is_shift && change.change.abs() <= WITHIN_A_PIXEL
+        };
+        test.is_some_and(Noise::is_of_renderings) && changes.iter().any(is_small_shift)
     }
 
     /// True if the verdict states how the image follows from the golden.
@@ -531,6 +565,19 @@ fn suspects(judged: &Judged) -> Vec<String> {
     };
     let named = changes.iter().filter(is_suspect);
     named.map(|change| change.name.clone()).collect()
+}
+
+/// True if a number that the difference looks like is off by more than the step of its derivative.
+fn suspects_far(judged: &Judged, scene: &Scene) -> bool {
+    let numbers = numbers(scene);
+    judged.result.changes.iter().any(|change| {
+        let is_it = |number: &&Number| number.name() == change.name;
+        let number = numbers.iter().find(is_it);
+        let is_far = |number: &Number| {
+            number.dependence == Dependence::Smooth && change.change.abs() > number.step
+        };
+        change.fits_best && number.is_some_and(is_far)
+    })
 }
 
 /// The whole image, with the samples of its blocks.

@@ -10,8 +10,9 @@
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
+use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
-use crate::compare::change_in_words;
+use crate::compare::{Seen, change_in_words, left};
 use crate::scene::Scene;
 use crate::sensitivity::{Number, Unit, numbers};
 use glam::{DMat3, DVec3};
@@ -120,11 +121,8 @@ impl ComparedCase {
 }
 
 /// The sentence that these words would explain all but a share of the squared difference.
-pub(super) fn explained_but_for(words: &str, left: f64) -> String {
-    let left = match 100.0 * left {
-        percent if percent < 0.1 => "less than 0.1 %".to_owned(),
-        percent => format!("{percent:.1} %"),
-    };
+pub(super) fn explained_but_for(words: &str, share: f64) -> String {
+    let left = left(share);
     format!("{words} would explain all but {left} of the squared difference")
 }
 
@@ -422,6 +420,20 @@ impl<'f> Fitting<'f> {
         Some(scene)
     }
 
+    /// A shift of the image in voxels of the volume.
+    fn shift_in_voxels(&self, number: &Number, change: f64) -> Option<String> {
+        let pixels = match &*number.name() {
+            "camera.right" => [change, 0.0],
+            "camera.down" => [0.0, change],
+            _ => return None,
+        };
+        let seen = Seen {
+            voxels: VolumeInView::of(self.case.scene())?.voxels(),
+            ..Seen::default()
+        };
+        seen.voxels_in_words(pixels)
+    }
+
     fn product(&self, a: &Vector, b: &Vector) -> f64 {
         let terms = self.weights.iter().zip(a).zip(b);
         terms.map(|((weight, a), b)| weight * a * b).sum()
@@ -437,6 +449,9 @@ impl<'f> Fitting<'f> {
                 && let Some(angle) = field_of_view(&scene)
             {
                 words.push_str(&format!(" (a field of view of {angle:.2} degrees)"));
+            }
+            if let Some(voxels) = self.shift_in_voxels(number, fit.changes[i]) {
+                words.push_str(&format!(" ({voxels})"));
             }
             words
         });

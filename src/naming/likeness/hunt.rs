@@ -21,6 +21,15 @@ const MOST_SECOND_LOOKS: usize = 8;
 /// have occasion for more.
 const MOST_SCENE_PAIRS: usize = 400;
 
+/// Pairs that one slip makes, tried with the single mistakes: the nearest node by rounding down is that
+/// of a volume half a voxel off.
+const USUAL_PAIRS: [[&str; 2]; 4] = [
+    ["nearest-for-trilinear", "volume-half-voxel-off"],
+    ["nearest-for-trilinear", "volume-half-voxel-back"],
+    ["interpolation-nearest", "grid-half-voxel-off"],
+    ["interpolation-nearest", "grid-half-voxel-back"],
+];
+
 /// Hypotheses that explain an image, with their misfits.
 pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
@@ -72,8 +81,25 @@ impl ComparedCase {
             clock.decided();
         }
         found.extend(self.look_closer(promising, clock));
+        if found.is_empty() {
+            found = self.look_closer(self.usual_pairs(&looks, clock), clock);
+        }
         found.sort_by(|(_, a), (_, b)| nearer(a, b));
         (found, looks)
+    }
+
+    /// The pairs of one cause that may explain the image.
+    fn usual_pairs(&self, looks: &FirstLooks, clock: &SearchClock<'_>) -> Explaining {
+        let pairs = USUAL_PAIRS.iter().filter_map(|names| {
+            let [first, second] =
+                names.map(|name| (0..singles()).find(|&at| mistake(at).name == name));
+            let (first, second) = (first?, second?);
+            let both_occur = looks.contains_key(&first) && looks.contains_key(&second);
+            let pair = both_occur.then_some(Hypothesis::Two(first, second))?;
+            let look = self.look(&pair, clock)?;
+            self.promise(&look).map(|misfit| (pair, misfit))
+        });
+        pairs.collect()
     }
 
     /// The pairs of mistakes that explain the image, nearest first.

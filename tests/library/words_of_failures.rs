@@ -1,0 +1,202 @@
+//! Sentences on failing images that nobody has a ready name for.
+
+use glam::DVec3;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use volref::compare::Picture;
+use volref::film::Film;
+use volref::judging::{CaseResult, Judged, Verdict, validate};
+use volref::naming::{Predictions, Search, Stage, likeness};
+use volref::render::{Sampling, Seed, plans, render};
+use volref::scene::{Classified, Model, Scene};
+use volref::suite::{Case, Golden, Output, Suite};
+use volref::variations::mistakes;
+use volref::volume::{Grid, Interpolation, Lattice};
+
+fn case(name: &str) -> Case {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    suite.select(&[name.to_owned()]).unwrap()[0].clone()
+}
+
+/// The result of `case` with `output`, which fails, and the number of predictions that were rendered;
+/// `go_on` is asked before each step of the search.
+fn searched(
+    case: &Case,
+    output: Output,
+    go_on: impl Fn(Stage, usize) -> bool + Sync,
+) -> (CaseResult, usize) {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let is_over = AtomicBool::new(!go_on(Stage::Singles, 0));
+    let search = Search {
+        budget: None,
+        predictions: &Predictions::in_folder(folder.path()),
+        interrupted: &|| is_over.load(Ordering::Relaxed),
+        progress: &|step| {
+            is_over.fetch_or(!go_on(step.stage, step.done), Ordering::Relaxed);
+        },
+    };
+    let mut judged: Vec<Judged> = vec![validate(case, &suite.store(), output, None)];
+    let reason = &judged[0].result.reason;
+    assert_eq!(judged[0].result.verdict, Verdict::Fail, "{reason}");
+    likeness(&[case], &[], None, &mut judged, &search);
+    let rendered = std::fs::read_dir(folder.path()).map_or(0, Iterator::count);
+    (judged.remove(0).result, rendered)
+}
+
+fn result_of(
+    case: &Case,
+    output: Output,
+    go_on: impl Fn(Stage, usize) -> bool + Sync,
+) -> CaseResult {
+    searched(case, output, go_on).0
+}
+
+/// The image of `scene`, by random numbers of its own where it is sampled.
+fn image(scene: &Scene, samples: u32) -> Film {
+    let sampling = Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(0x776f_7264_7300),
+    };
+    render(&plans(scene), sampling, &|| ()).unwrap().film
+}
+
+fn picture(film: &Film) -> Output {
+    Output::Picture(Box::new(Picture::Radiance(film.clone())))
+}
+
+/// Nearest nodes of a grid that lies half a voxel further along every axis, or back.
+fn nearest_and_half_a_voxel(volume: &mut Classified, voxels: f64) {
+    let old = *volume.grid.lattice();
+    let first = old.first() + old.spacing() * DVec3::splat(voxels);
+    let lattice = Lattice::new(old.nodes(), old.spacing(), first).unwrap();
+    let lattice = lattice.with_centring(old.centring()).unwrap();
+    volume.grid = Arc::new(Grid::new(lattice, volume.grid.values().to_vec()).unwrap());
+    volume.interpolation = Interpolation::Nearest;
+}
+
+/// Found before the long search for pairs; nearest nodes alone, or half a voxel alone, are no pair.
+#[test]
+fn nearest_nodes_half_a_voxel_off_are_named() {
+    let pair = |half| format!("nearest-for-trilinear + volume-half-voxel-{half}");
+    for (name, images, voxels) in [
+        ("sampled/trilinear-blocks", 1, 0.5),
+        ("sampled/trilinear-blocks", 1, -0.5),
+        ("limit/plume", 3, -0.5),
+        ("figures/figure-3", 1, 0.5),
+    ] {
+        let case = case(name);
+        let images = (0..images).map(|halvings| {
+            let scene = case.load_scene().unwrap().with_volumes(|volume| {
+                volume.step *= 0.5_f64.powi(halvings);
+                volume.sample();
+                nearest_and_half_a_voxel(volume, voxels);
+            });
+            image(&scene, 1)
+        });
+        let images: Vec<Film> = images.collect();
+        let output = match &images[..] {
+            [only] => picture(only),
+            several => Output::Refined(several.iter().cloned().map(Picture::Radiance).collect()),
+        };
+        let found = result_of(&case, output, |stage, _| stage == Stage::Singles);
+        let half = if voxels > 0.0 { "off" } else { "back" };
+        assert_eq!(found.looks_like, [pair(half)], "{name}: {}", found.reason);
+    }
+    let case = case("sampled/trilinear-blocks");
+    let scene = case.load_scene().unwrap();
+    for name in ["nearest-for-trilinear", "volume-half-voxel-off"] {
+        let scene = mistakes::named(name).unwrap().in_scene(&scene).unwrap();
+        let found = result_of(&case, picture(&image(&scene, 1)), |stage, _| {
+            stage == Stage::Singles
+        });
+        assert_eq!(found.looks_like, [name]);
+    }
+}
+
+/// What is measured of images that are not searched for mistakes.
+fn measured(case: &Case, output: Output) -> String {
+    result_of(case, output, |_, _| false).difference.join("; ")
+}
+
+/// Parts of `case`, its golden times these factors where it is faint, and elsewhere, by halvings of the
+/// step.
+fn darkened(case: &Case, images: i32, factors: impl Fn(f64) -> [f64; 2]) -> String {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let golden = Golden::read(&suite.store(), case).unwrap().film;
+    let opacity = golden.opacity().unwrap();
+    let images = (0..images).map(|halvings| {
+        let [faint, others] = factors(0.5_f64.powi(halvings));
+        let pixels = golden
+            .radiance()
+            .iter()
+            .zip(opacity)
+            .map(|(pixel, &opacity)| {
+                let factor = if opacity < 0.25 { faint } else { others };
+                pixel.map(|x| (factor * f64::from(x)) as f32)
+            });
+        let film = Film::new(golden.width(), golden.height(), pixels.collect());
+        Picture::Radiance(film)
+    });
+    measured(case, Output::Refined(images.collect()))
+}
+
+/// In place of "neither a gain nor a shift".
+#[test]
+fn where_a_difference_lies_and_what_the_step_changes_is_said() {
+    let case = case("limit/smooth-blob");
+    let faint = "of the squared difference lies in faint parts, of an opacity below 0.25";
+    let grows = "with the last halving it grows";
+    let dropped = darkened(&case, 3, |step| [1.0 - 0.1 / step, 1.0]);
+    assert!(
+        dropped.contains(faint) && dropped.contains(grows),
+        "{dropped}"
+    );
+    let stays = darkened(&case, 3, |_| [1.0, 0.9]);
+    assert!(!stays.contains(faint) && !stays.contains(grows), "{stays}");
+    assert!(stays.contains("it stays, whatever the step"), "{stays}");
+}
+
+#[test]
+fn shifts_of_a_volume_are_said_in_voxels() {
+    let case = case("sampled/trilinear-blocks");
+    let mut scene = case.load_scene().unwrap();
+    let Model::Classified(volume) = &mut scene.panels[0].model else {
+        panic!("a classified volume");
+    };
+    // 0.4 pixels of 80, to the right: of 0.11 voxels each.
+    volume.camera = volume.camera.with_image_moved([0.4 / 80.0, 0.0]);
+    let said = measured(&case, picture(&image(&scene, 1)));
+    assert!(
+        said.contains("moved by 0.") && said.contains("pixels right"),
+        "{said}"
+    );
+    assert!(
+        said.contains("(0.05 voxels at the centre of the volume: "),
+        "{said}"
+    );
+}
+
+/// Mistakes are tried before a number that is far off is fitted, which took all the time; and what the
+/// verdict says of it is no cause.
+#[test]
+fn a_number_far_off_is_no_cause_before_mistakes_are_tried() {
+    let case = case("fog/isotropic");
+    let scene = case.load_scene().unwrap();
+    let single = mistakes::named("single-scattering").unwrap();
+    let far = image(&single.in_scene(&scene).unwrap(), 8);
+    let as_if = "is as if this were so, or a mistake that looks like it: albedo off by";
+    let (found, rendered) = searched(&case, picture(&far), |_, tried| tried < 1);
+    assert!(found.reason.contains(as_if), "{}", found.reason);
+    // The first mistakes, of the image, take no rendering; a fit begins with one.
+    assert_eq!(rendered, 0, "{:?}", found.difference);
+    let (found, rendered) = searched(&case, picture(&far), |stage, _| stage == Stage::Singles);
+    assert!(rendered > 0);
+    assert_eq!(
+        found.looks_like,
+        ["single-scattering"],
+        "{:?}",
+        found.difference
+    );
+}
