@@ -7,6 +7,7 @@
 use super::first_samples::bounds;
 use super::ray_caster::render;
 use crate::film::Film;
+use crate::math;
 use crate::scene::{Classified, Compositing, Panel, Precision, Scene};
 
 /// Half a unit in the last place of coordinates and opacities below 1.
@@ -38,8 +39,12 @@ pub fn bounds_of_rounded_places(scene: &Scene) -> Option<[Film; 2]> {
                 volume.conventions.first_sample += first * gathered.clamp(LEAST, 0.5);
                 volume.step *= 1.0 + each * gathered / steps;
                 if let Compositing::EarlyTermination(threshold) = &mut volume.compositing {
-                    // So do opacities.
-                    *threshold += (first + each) * (HALF_UNIT * steps).min(0.5 * *threshold);
+                    // So do opacities; and one that is looked up in few bits is rounded up or down, behind
+                    // samples that let half of the light pass, or less.
+                    let bits = volume.conventions.lookup_bits.map(f64::from);
+                    let looked_up = bits.map_or(0.0, |bits| 0.25 * math::exp2(-bits));
+                    let off = (HALF_UNIT * steps + looked_up).min(0.5 * *threshold);
+                    *threshold += (first + each) * off;
                 }
                 render(&volume, [panel.width, panel.height])
             });
