@@ -48,8 +48,8 @@ pub struct Conditions<'s> {
     pub cases: usize,
     /// Biases that must be detectable for a pass; `None` for no such requirement.
     pub promise: Option<Promise>,
-    /// The nearest node is taken at places in single precision, by the test image's renderer.
-    pub nearest_in_single_precision: bool,
+    /// The renderer of the test image is known to compute in single precision.
+    pub in_single_precision: bool,
     /// Derivatives of the reference by the numbers of its scene, for the stochastic gate.
     pub sensitivities: &'s [Sensitivity],
 }
@@ -61,7 +61,7 @@ impl Default for Conditions<'_> {
             exposure: 0.0,
             cases: 1,
             promise: None,
-            nearest_in_single_precision: false,
+            in_single_precision: false,
             sensitivities: &[],
         }
     }

@@ -34,6 +34,10 @@ impl<'s> Classifier<'s> {
         let table = conventions
             .table_size
             .map(|size| LookTable::of(scene, size));
+        let table = match conventions.texture_size {
+            Some(size) => table.map(|table| table.texture(scene, size)),
+            None => table,
+        };
         match table {
             table if conventions.preclassified => {
                 Classifier::Nodes(Box::new(ClassifiedNodes::of(scene, table)))
@@ -65,8 +69,18 @@ fn exact(function: &TransferFunction, density: f64) -> Look {
 /// The look of `density` as the first entry that holds it.
 fn entry(scene: &Classified, density: f64) -> Look {
     let look = exact(&scene.transfer_function, density);
+    let look = if scene.conventions.texture_size.is_some() {
+        look
+    } else {
+        corrected(scene, look)
+    };
+    look.rounded(scene)
+}
+
+/// `look` with the opacity that an entry holds.
+fn corrected(scene: &Classified, look: Look) -> Look {
     let opacity = Correction::of(scene).of_entry(look.opacity);
-    Look { opacity, ..look }.rounded(scene)
+    Look { opacity, ..look }
 }
 
 impl Look {
@@ -145,6 +159,23 @@ impl LookTable {
                 scene.conventions.opacity_bits,
             ]
             .map(|bits| bits.and(scene.conventions.lookup_bits)),
+        }
+    }
+
+    /// A texture of `size` entries, at least two, that holds this table over the range of the densities.
+    fn texture(&self, scene: &Classified, size: u32) -> LookTable {
+        let (least, most) = scene.grid.range();
+        let last = f64::from(size - 1);
+        let value = |index: u32| f64::lerp_between(least, most, f64::from(index) / last);
+        let entry = |index| corrected(scene, self.look(value(index)));
+        LookTable {
+            least,
+            most,
+            entries: (0..size).map(entry).collect(),
+            nearest: false,
+            is_texture: true,
+            fraction_bits: None,
+            lookup_bits: [None; 2],
         }
     }
 

@@ -5,12 +5,12 @@ use crate::film::Film;
 use crate::scene::{Model, Scene};
 
 /// Places of the first sample, at equal distances, the first and the last a whole step apart.
-const PLACES: u32 = 17;
+const PLACES: u32 = 33;
 
 /// Least and largest value and mean of each channel over all places of the first sample.
 ///
 /// An image with jitter has every pixel between `lower` and `upper`, and on average that of `mean`. The
-/// places are seventeen of infinitely many: where a sample enters or leaves the volume between two of them,
+/// places are 33 of infinitely many: where a sample enters or leaves the volume between two of them,
 /// the bounds are off by the part of its step that is not seen.
 #[derive(Clone, Debug)]
 pub struct FirstSamples {
@@ -36,26 +36,37 @@ pub fn images_of_first_samples(scene: &Scene) -> Option<FirstSamples> {
         .map(|place| image(scene, f64::from(place) / f64::from(PLACES - 1)))
         .collect();
     let images = images?;
-    let combined = |value: fn(&mut dyn Iterator<Item = f32>) -> f64| {
-        let pixels = (0..images[0].radiance().len()).map(|index| {
-            let pixels: Vec<[f32; 4]> = images.iter().map(|image| image.pixel(index)).collect();
-            [0, 1, 2, 3].map(|channel| value(&mut pixels.iter().map(|pixel| pixel[channel])) as f32)
-        });
-        Film::with_opacity(images[0].width(), images[0].height(), pixels.collect())
-    };
+    let [lower, upper] = bounds(&images);
     Some(FirstSamples {
-        lower: combined(|values| {
-            values.fold(f64::INFINITY, |least, value| least.min(value.into()))
-        }),
-        upper: combined(|values| {
-            values.fold(f64::NEG_INFINITY, |most, value| most.max(value.into()))
-        }),
-        mean: combined(|values| {
+        lower,
+        upper,
+        mean: combined(&images, |values| {
             let values: Vec<f64> = values.map(f64::from).collect();
             let ends = 0.5 * (values[0] + values[values.len() - 1]);
             (values.iter().sum::<f64>() - ends) / f64::from(PLACES - 1)
         }),
     })
+}
+
+/// Least and largest value of each channel in `images`, of one size.
+pub(super) fn bounds(images: &[Film]) -> [Film; 2] {
+    [
+        combined(images, |values| {
+            values.fold(f64::INFINITY, |least, value| least.min(value.into()))
+        }),
+        combined(images, |values| {
+            values.fold(f64::NEG_INFINITY, |most, value| most.max(value.into()))
+        }),
+    ]
+}
+
+/// The image with a `value` of the values in `images` for each channel.
+fn combined(images: &[Film], value: fn(&mut dyn Iterator<Item = f32>) -> f64) -> Film {
+    let pixels = (0..images[0].radiance().len()).map(|index| {
+        let pixels: Vec<[f32; 4]> = images.iter().map(|image| image.pixel(index)).collect();
+        [0, 1, 2, 3].map(|channel| value(&mut pixels.iter().map(|pixel| pixel[channel])) as f32)
+    });
+    Film::with_opacity(images[0].width(), images[0].height(), pixels.collect())
 }
 
 /// The image of `scene` with every first sample, or first step, at `place`.
@@ -66,8 +77,9 @@ fn image(scene: &Scene, place: f64) -> Option<Film> {
         };
         let mut volume = volume.clone();
         let conventions = &mut volume.conventions;
-        if conventions.jitter {
-            (conventions.jitter, conventions.first_sample) = (false, place);
+        if conventions.has_random_place() {
+            (conventions.jitter, conventions.unstated_first_sample) = (false, false);
+            conventions.first_sample = place;
         }
         if conventions.first_step_jitter {
             (conventions.first_step_jitter, conventions.first_step) = (false, place);

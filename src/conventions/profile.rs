@@ -20,6 +20,9 @@ pub const PROFILE: Table = Table::new("Conventions of another renderer of classi
         .doc("Bits of a channel in its images, as --bits declares them: differences up to half a code agree."),
     Key::optional("encoding", Kind::Choice(&["linear", "srgb"]))
         .doc("Curve of those codes. If left out, it is found: that of a PNG is sRGB."),
+    Key::or("blended", Kind::Flag, "false").doc(
+        "Colours, not multiplied by opacity, and opacities are rounded to these bits before they are blended with the background: differences up to one and a half codes agree.",
+    ),
     Key::optional("conventions", Kind::Table(&CONVENTIONS)).doc("Conventions, as in a scene."),
 ]);
 
@@ -101,6 +104,11 @@ impl Profile {
             let message = "an encoding is that of few bits: add `bits = 8`";
             return Err(reader.error("encoding", message));
         }
+        let blended = reader.flag("blended")?;
+        if bits.is_none() && blended {
+            let message = "nothing is rounded before it is blended: add `bits = 8`";
+            return Err(reader.error("blended", message));
+        }
         let encoding = encoding.map(|name| match name.as_str() {
             "srgb" => Encoding::Srgb,
             _ => Encoding::Linear,
@@ -112,7 +120,7 @@ impl Profile {
         Ok(Profile {
             name,
             text: text.to_owned(),
-            bits: bits.map(|_| Bits { encoding }),
+            bits: bits.map(|_| Bits { encoding, blended }),
             early_termination,
             conventions: conventions.unwrap_or_default(),
         })

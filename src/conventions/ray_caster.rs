@@ -133,7 +133,7 @@ impl<'s> RayCaster<'s> {
             work.random_draws += 1;
             let random = philox4x32_10([pixel, 0, 0, 0], [0; 2])[0];
             let random = f64::from(random) / (1_u64 << 32) as f64;
-            if scene.conventions.jitter {
+            if scene.conventions.has_random_place() {
                 rule.position = random;
             } else {
                 rule.first = random;

@@ -36,6 +36,8 @@ impl Encoding {
 pub struct Bits {
     /// Curve of the codes; `None` where it is to be found from the image.
     pub encoding: Option<Encoding>,
+    /// Colour and opacity are rounded each, before they are blended with the background and rounded again.
+    pub blended: bool,
 }
 
 impl FromStr for Bits {
@@ -54,7 +56,10 @@ impl FromStr for Bits {
                 );
             }
         };
-        Ok(Bits { encoding })
+        Ok(Bits {
+            encoding,
+            blended: false,
+        })
     }
 }
 
@@ -68,6 +73,12 @@ impl fmt::Display for Bits {
 }
 
 impl Bits {
+    /// Codes of a curve that nobody stated.
+    pub const UNKNOWN: Bits = Bits {
+        encoding: None,
+        blended: false,
+    };
+
     /// Quantisation of `film`, radiance from a linear file: by codes at no exposure or at `exposure` stops,
     /// whichever all its values are. Where they are neither, linear ones unless declared otherwise.
     pub fn of_radiance(self, film: &Film, exposure: f64) -> Quantisation {
@@ -76,7 +87,12 @@ impl Bits {
             .find(|found| found.levels(film).is_some());
         let origin = Origin::Declared;
         if let Some(found) = found {
-            return Quantisation { origin, ..found };
+            let blended = self.blended;
+            return Quantisation {
+                origin,
+                blended,
+                ..found
+            };
         }
         // A mean of several roundings, for example, is no code.
         let is_beyond = film.brightest() > 1.0;
@@ -84,6 +100,7 @@ impl Bits {
             encoding: self.encoding.unwrap_or(Encoding::Linear),
             exposure: if is_beyond { exposure } else { 0.0 },
             origin: Origin::Assumed,
+            blended: self.blended,
         }
     }
 
@@ -93,6 +110,7 @@ impl Bits {
             encoding: self.encoding.unwrap_or(Encoding::Srgb),
             exposure,
             origin: Origin::Png,
+            blended: self.blended,
         }
     }
 }
@@ -119,13 +137,16 @@ pub struct Quantisation {
     pub exposure: f64,
     /// Source of this.
     pub origin: Origin,
+    /// Values were blended from rounded colours and opacities.
+    #[serde(default)]
+    pub blended: bool,
 }
 
 /// The largest code.
 const LARGEST: f64 = 255.0;
 
-/// Half a code, and what arithmetic in single precision adds to it.
-const HALF: f64 = 0.501;
+/// What arithmetic in single precision adds to half a code, in codes.
+const SINGLE_PRECISION: f64 = 0.001;
 
 /// Fewest different values of an image that is recognised: each of them is within
 /// [`OF_A_CODE`] of a code by chance once in five, all of them less than once in 10¹¹.
@@ -196,18 +217,25 @@ impl Quantisation {
         } else {
             code
         };
-        let most = if code + HALF > LARGEST {
+        let hidden = self.hidden() + SINGLE_PRECISION;
+        let most = if code + hidden > LARGEST {
             f64::INFINITY
         } else {
-            self.radiance(code + HALF)
+            self.radiance(code + hidden)
         };
-        [self.radiance(code - HALF), most]
+        [self.radiance(code - hidden), most]
     }
 
-    /// Half the width of the code of a radiance.
+    /// Largest difference that rounding makes, in codes: half of one for each of colour, opacity and sum, none of
+    /// which counts more than once in a sum.
+    fn hidden(&self) -> f64 {
+        if self.blended { 1.5 } else { 0.5 }
+    }
+
+    /// Half the width of the code of a radiance; of blended values one and a half times its width.
     pub fn half_code(&self, radiance: f64) -> f64 {
         let code = self.code(radiance).clamp(0.0, LARGEST);
-        0.5 * (self.radiance(code + 0.5) - self.radiance(code - 0.5))
+        self.hidden() * (self.radiance(code + 0.5) - self.radiance(code - 0.5))
     }
 
     /// The image of codes, row by row from the top, as radiance.
@@ -259,6 +287,9 @@ impl fmt::Display for Quantisation {
             Encoding::Srgb => "sRGB",
         };
         write!(f, "8 bits, {encoding}")?;
+        if self.blended {
+            f.write_str(", blended from rounded colours and opacities")?;
+        }
         if self.exposure != 0.0 {
             write!(f, " at exposure {}", self.exposure)?;
         }
@@ -282,6 +313,7 @@ fn candidates(exposure: f64) -> impl Iterator<Item = Quantisation> {
         encoding,
         exposure,
         origin: Origin::Recognised,
+        blended: false,
     };
     [0.0, exposure]
         .into_iter()
@@ -361,6 +393,18 @@ mod tests {
         assert_eq!(declared.of_radiance(&few, 0.0).origin, Origin::Declared);
         assert_eq!(declared.of_radiance(&golden(), 0.0).origin, Origin::Assumed);
         assert!("16".parse::<Bits>().is_err());
+        // Three roundings hide three times as much.
+        let blended = Bits {
+            blended: true,
+            ..declared
+        };
+        let [blended, once] = [blended, declared].map(|bits| bits.of_png(0.0));
+        assert_eq!(blended.half_code(0.5), 3.0 * once.half_code(0.5));
+        let off = Film::new(1, 1, vec![[0.5 + 1.4 / 255.0; 3]]).quantised(blended);
+        let right = Film::new(1, 1, vec![[0.5; 3]]);
+        assert_eq!(off.nearest_to(&right).radiance(), right.radiance());
+        let off = off.quantised(once);
+        assert_ne!(off.nearest_to(&right).radiance(), right.radiance());
         for text in ["8", "8-linear", "8-srgb"] {
             assert_eq!(text.parse::<Bits>().unwrap().to_string(), text);
         }

@@ -7,12 +7,11 @@ use crate::compare::{
 use crate::conventions::Profile;
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
-use crate::scene::{Classified, Panel, Precision, Sampling, Scene};
+use crate::scene::{Panel, Precision, Sampling, Scene};
 use crate::suite::golden::{AcceptAdvice, plan_hash, scene_hash, short};
 use crate::suite::rendering::{ReferenceRenderer, Renderer, check_class};
 use crate::suite::sensitivities;
 use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
-use crate::volume::Interpolation;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -201,11 +200,10 @@ impl CheckedGolden {
         Ok(self)
     }
 
-    /// True if the scene takes the nearest node, under conventions of less than double precision.
-    pub fn takes_nearest_in_single_precision(&self) -> bool {
+    /// True if a volume of the scene has conventions of less than double precision.
+    fn is_in_single_precision(&self) -> bool {
         let mut volumes = self.scene.panels.iter().filter_map(Panel::classified);
-        let rounded = |volume: &Classified| volume.conventions.precision != Precision::F64;
-        volumes.any(|volume| volume.interpolation == Interpolation::Nearest && rounded(volume))
+        volumes.any(|volume| volume.conventions.precision != Precision::F64)
     }
 
     /// Conditions under which an image of `case` is judged.
@@ -214,7 +212,7 @@ impl CheckedGolden {
             exposure: case.exposure,
             cases: self.cases,
             promise: Some(case.promise),
-            nearest_in_single_precision: self.takes_nearest_in_single_precision(),
+            in_single_precision: self.is_in_single_precision(),
             sensitivities: &self.sensitivities,
         }
     }

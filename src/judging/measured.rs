@@ -68,7 +68,7 @@ fn is_of_png(film: &Film) -> bool {
 
 /// The radiance that 8-bit codes stand for, at `exposure` stops.
 pub(crate) fn decoded(codes: &SrgbImage, exposure: f64) -> Film {
-    let bits = Bits { encoding: None };
+    let bits = Bits::UNKNOWN;
     let quantisation = bits.of_png(exposure);
     quantisation.decoded(codes.width(), codes.height(), codes.pixels())
 }

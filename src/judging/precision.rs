@@ -36,7 +36,7 @@ pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Film {
 pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Film {
     match picture {
         Picture::Radiance(film) => recognised(golden, film, case.exposure),
-        codes => radiance(codes, Bits { encoding: None }, case.exposure),
+        codes => radiance(codes, Bits::UNKNOWN, case.exposure),
     }
 }
 
@@ -44,7 +44,7 @@ pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Fi
 pub(super) fn read_otherwise(case: &Case, picture: &Picture) -> Option<(Film, Bits)> {
     let film = match picture {
         Picture::Radiance(film) => film.clone(),
-        codes => radiance(codes.clone(), Bits { encoding: None }, case.exposure),
+        codes => radiance(codes.clone(), Bits::UNKNOWN, case.exposure),
     };
     let quantisation = film.quantisation().filter(|it| it.origin == Origin::Png)?;
     let encoding = match quantisation.encoding {
@@ -53,6 +53,7 @@ pub(super) fn read_otherwise(case: &Case, picture: &Picture) -> Option<(Film, Bi
     };
     let bits = Bits {
         encoding: Some(encoding),
+        blended: quantisation.blended,
     };
     let codes = quantisation.codes(&film);
     let other = bits.of_png(case.exposure);

@@ -1,14 +1,14 @@
-//! Images of renderers that place the samples of a ray at random.
+//! Images of renderers that place the samples of a ray at random, or round their places.
 //!
 //! Nobody knows their random numbers, but a right image has every pixel among the images of all places, and
 //! the mean of them on average.
 
 use crate::compare::Picture;
 use crate::compare::deterministic::tolerance_of_mean;
-use crate::conventions::{FirstSamples, images_of_first_samples};
+use crate::conventions::{FirstSamples, bounds_of_rounded_places, images_of_first_samples};
 use crate::film::Film;
 use crate::math::Sum;
-use crate::scene::Scene;
+use crate::scene::{Panel, Scene};
 
 /// Largest number of pixels with random numbers of their own. Renderers for graphics cards repeat a texture of
 /// noise; that of vtk.js has 32 × 32 pixels.
@@ -19,27 +19,37 @@ const ERRORS: f64 = 6.0;
 
 /// The right image of `scene` that is nearest to `test`: each pixel of `test`, moved into the range of those of
 /// all places of the samples. Where the mean of `test` is off by more than chance, the mean of that range, so that
-/// the gate sees the difference. `None` if nothing in the scene is random, or `test` is no radiance of its
-/// size.
+/// the gate sees the difference. `None` if nothing in the scene is random or rounded, or `test` is no radiance of
+/// its size.
 pub fn nearest(scene: &Scene, test: &Picture) -> Option<Film> {
     let test = test.radiance()?;
-    let all = images_of_first_samples(scene)?;
+    let Some(all) = images_of_first_samples(scene) else {
+        let bounds = bounds_of_rounded_places(scene)?;
+        return bounds[0].is_comparable(test).then(|| within(&bounds, test));
+    };
     if !all.mean.is_comparable(test) {
         return None;
     }
     // A value that was rounded lies within half a code of what it was.
     let rounded = test.nearest_to(&all.mean);
-    if !is_mean_by_chance(&all, &rounded) {
+    let mut volumes = scene.panels.iter().filter_map(Panel::classified);
+    let is_right_on_average = volumes.any(|volume| volume.conventions.is_jittered());
+    if is_right_on_average && !is_mean_by_chance(&all, &rounded) {
         return Some(all.mean);
     }
+    Some(within(&[all.lower, all.upper], test))
+}
+
+/// `test` with each value moved into that of both images, in linear light.
+fn within(bounds: &[Film; 2], test: &Film) -> Film {
     let pixels = (0..test.radiance().len()).map(|index| {
         let channel = |c: usize| {
-            let [lower, upper] = [&all.lower, &all.upper].map(|film| film.radiance()[index][c]);
+            let [lower, upper] = bounds.each_ref().map(|film| film.radiance()[index][c]);
             test.radiance()[index][c].clamp(lower, upper.max(lower))
         };
         std::array::from_fn(channel)
     });
-    Some(Film::new(test.width(), test.height(), pixels.collect()))
+    Film::new(test.width(), test.height(), pixels.collect())
 }
 
 /// True if the means of `test` are those of all places but for chance, and for what the gate allows anyway.

@@ -502,6 +502,7 @@ fn in_8_bits(subject: &Subject<'_>, encoding: Encoding) -> Picture {
         encoding,
         exposure: subject.case.exposure,
         origin: Origin::Declared,
+        blended: false,
     };
     Picture::Radiance(quantisation.rounded(subject.honest()))
 }

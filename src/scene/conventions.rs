@@ -129,6 +129,10 @@ conventions! {
     "Places the samples of each ray at a random `first_sample`, the same for all samples of the ray.",
     [];
 
+    "unstated_first_sample" = unstated_first_sample: bool = flag(false),
+    "Places the samples of each ray at a `first_sample` that no scene states, such as by counting steps from the near plane of a camera: any is right, and here it is random.",
+    [];
+
     "first_step" = first_step: f64 = number(1.0),
     "Length of the first step of a ray, in steps; whole steps follow. A ray not longer than a step has one step.",
     [];
@@ -350,6 +354,10 @@ conventions! {
             |it| (*it, it.texture_place) = (it.with_table(), true),
         ),
     ];
+
+    "texture_size" = texture_size: Option<u32> = count(2..=65_536),
+    "Entries of a texture into which the table is sampled, over the range of the densities, where opacities are corrected; values are its coordinates, and entries are interpolated. If left out, the table itself is looked up.",
+    [];
 
     "lookup_bits" = lookup_bits: Option<u32> = count(2..=16),
     "Bits to which colours and opacities that the table holds in `colour_bits` and `opacity_bits` are rounded once more, between entries. If left out, they are not.",
@@ -720,6 +728,16 @@ pub enum Precision {
 impl Conventions {
     /// Each ray has a random number.
     pub fn is_random(&self) -> bool {
+        self.has_random_place() || self.first_step_jitter
+    }
+
+    /// The place of the samples of each ray is random.
+    pub fn has_random_place(&self) -> bool {
+        self.jitter || self.unstated_first_sample
+    }
+
+    /// Each ray has a random number of its own, so that all together are right on average.
+    pub fn is_jittered(&self) -> bool {
         self.jitter || self.first_step_jitter
     }
 
@@ -771,6 +789,11 @@ impl Conventions {
                 "with `jitter` the place of the first sample is random: leave one of them out",
             ),
             (
+                "unstated_first_sample",
+                self.unstated_first_sample && (self.is_jittered() || reader.has("first_sample")),
+                "`first_sample`, `jitter` and `first_step_jitter` state it: leave one of them out",
+            ),
+            (
                 "first_step",
                 self.first_step_jitter,
                 "with `first_step_jitter` the length of the first step is random: leave one of them out",
@@ -816,6 +839,7 @@ impl Conventions {
                 self.texture_place && self.table_size.is_none(),
                 NO_TABLE,
             ),
+            ("texture_size", self.table_size.is_none(), NO_TABLE),
             ("lookup_bits", self.table_size.is_none(), NO_TABLE),
             ("lookup_bits", !self.has_bits(), NO_BITS),
             ("table_fraction_bits", self.table_size.is_none(), NO_TABLE),

@@ -121,6 +121,15 @@ const REASONS: &[Reason] = &[
         words: "needs Mitsuba 3, pbrt-v4 or VTK",
         of: &["run_mitsuba.py", "run_pbrt.py", "vtk_render.py"],
     },
+    Reason {
+        words: "needs the ray casters",
+        of: &[
+            "ray_casters.py",
+            "pages/render.js",
+            "vispy_render.py",
+            "pyvista_render.py",
+        ],
+    },
 ];
 
 const CHECKED: &str = "scripts/check.sh runs it";

@@ -15,6 +15,7 @@ fn linear() -> Quantisation {
         encoding: Encoding::Linear,
         exposure: 0.0,
         origin: Origin::Declared,
+        blended: false,
     }
 }
 

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
 use volref::conventions::{
-    CATALOGUE, FirstSamples, Profile, images_of_first_samples, ray_caster::RayCaster, under,
+    CATALOGUE, FirstSamples, Profile, bounds_of_rounded_places, images_of_first_samples,
+    ray_caster::RayCaster, under,
 };
 use volref::film::Film;
 use volref::judging::Verdict;
@@ -22,7 +23,7 @@ use volref::scene::{
 };
 use volref::suite::{Case, Suite};
 use volref::variations::mistakes;
-use volref::volume::{Centring, Grid, Lattice};
+use volref::volume::{Centring, Grid, Interpolation, Lattice};
 
 /// The scene of `values` at the nodes of a lattice of 3 × 3 × 3, over the unit cube, with opacity
 /// 1 − 2^−value over a length of 1, clamped to [0, 1], and white.
@@ -279,7 +280,11 @@ fn parallel_light() {
 /// Bounds and mean over all first samples: a jittered image lies between them.
 #[test]
 fn images_of_all_first_samples() {
-    for random in ["jitter = true", "first_step_jitter = true"] {
+    for random in [
+        "jitter = true",
+        "first_step_jitter = true",
+        "unstated_first_sample = true",
+    ] {
         let image = |line: &str| {
             let last = format!("[classified.conventions]\nlast_step = 'whole'\n{line}");
             opaque_scene(&last)
@@ -302,6 +307,44 @@ fn images_of_all_first_samples() {
             }
         }
         assert!(is_wide && outside <= 8, "{random}: {is_wide} {outside}");
+    }
+}
+
+/// Samples on the faces between voxels take one of both, by a rounding; others have one value.
+#[test]
+fn images_of_rounded_places() {
+    let image = |volume: Classified| {
+        let mut scene = opaque_scene("");
+        let panel = &mut scene.panels[0];
+        (panel.width, panel.height) = (1, 1);
+        panel.model = Model::Classified(Box::new(volume));
+        scene
+    };
+    let mut volume = scene(|[_, _, k]| [0.2, 0.7, 0.4][k]);
+    volume.interpolation = Interpolation::Nearest;
+    for (step, is_on_faces) in [(0.5, true), (0.35, false)] {
+        volume.step = step;
+        volume.conventions = Conventions::default();
+        assert!(bounds_of_rounded_places(&image(volume.clone())).is_none());
+        volume.conventions.precision = Precision::F32;
+        // Parallel to the last axis, whose voxels end at 0.25 and 0.75.
+        let scene = image(volume.clone());
+        let [lower, upper] = bounds_of_rounded_places(&scene).unwrap();
+        let film = render(&plans(&scene), Sampling::default(), &|| ());
+        let film = film.unwrap().film;
+        let [least, value, most] = [&lower, &film, &upper].map(|it| it.pixel(0)[3]);
+        assert!((least..=most).contains(&value));
+        assert_eq!(most - least > 0.05, is_on_faces, "{step}");
+    }
+    // A transmittance of a quarter, by two samples of a half, ends a ray or does not.
+    let mut volume = self::scene(|_| 0.5);
+    (volume.step, volume.transfer_function.reference_length) = (0.25, 0.25);
+    volume.conventions.precision = Precision::F32;
+    for (threshold, ends_by_rounding) in [(0.25, true), (0.26, false)] {
+        volume.compositing = Compositing::EarlyTermination(threshold);
+        let [lower, upper] = bounds_of_rounded_places(&image(volume.clone())).unwrap();
+        let [least, most] = [lower, upper].map(|it| it.pixel(0)[3]);
+        assert_eq!(most - least > 0.1, ends_by_rounding, "{least} {most}");
     }
 }
 
@@ -351,6 +394,28 @@ fn tables() {
             (it.table_size, it.table_fraction_bits) = (Some(2), Some(2))
         });
     }
+}
+
+/// A table of two entries in a texture of two, over the range of the densities: opacities are corrected there.
+#[test]
+fn a_table_in_a_texture() {
+    let mut scene = scene(|[_, _, k]| [0.2, 0.4, 0.6][k]);
+    scene.step = 1.0;
+    let passes = |scene: &Classified, transmittance, corrected_entries| {
+        assert_passes(scene, transmittance, "in a texture", |it| {
+            (it.table_size, it.texture_size) = (Some(2), Some(2));
+            it.corrected_entries = corrected_entries;
+        });
+    };
+    // The sample, in the middle, is half way between the entries 0.2 and 0.6.
+    passes(&scene, 0.6, false);
+    scene.transfer_function.reference_length = 0.5;
+    passes(&scene, pow(0.6, 2.0), false);
+    passes(&scene, 0.5 * (pow(0.8, 2.0) + pow(0.4, 2.0)), true);
+    // A texture has its entries in the middle of texels.
+    let mut scene = self::scene(|[_, _, k]| [0.2, 0.3, 0.6][k]);
+    scene.step = 1.0;
+    passes(&scene, 0.8, false);
 }
 
 /// Where the transfer function is a straight line, nodes may be classified first; where it is not,

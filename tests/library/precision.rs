@@ -20,6 +20,7 @@ fn roundings(exposure: f64) -> [Quantisation; 2] {
         encoding,
         exposure,
         origin: Origin::Declared,
+        blended: false,
     })
 }
 
