@@ -32,7 +32,7 @@ def projection(panel):
     """World to pixels of the canvas, y down; columns are multiplied."""
     ray, width, height = panel["ray"], panel["width"], panel["height"]
     far = 2 * farthest(panel)
-    near = max(0.5 * nearest(panel), 1e-4 * far)
+    near = max(0.25 * nearest(panel), 1e-4 * far)
     size = np.linalg.norm(ray["half_up"])
     view = np.eye(4)
     view[:3, :3] = [np.divide(ray["half_right"], size), np.divide(ray["half_up"], size), np.negative(ray["forward"])]

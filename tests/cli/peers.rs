@@ -529,3 +529,30 @@ fn the_script_for_pbrt_says_what_it_lacks() {
         "{said}"
     );
 }
+
+/// The table of ray casters counts the cases that a renderer has words for, and names those that do not pass.
+#[test]
+fn the_table_of_ray_casters_leaves_out_what_was_refused() {
+    if !python() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let case = |name: &str, verdict: &str, reason: &str| serde_json::json!({ "name": name, "verdict": verdict, "reason": reason });
+    let results = serde_json::json!({ "cases": [
+        case("sampled/thin", "pass", "0 of 4096 pixels differ"),
+        case("sampled/cells", "fail", "11 of 4096 pixels differ"),
+        case("sampled/slope", "error", "the renderer failed; refused: parallel rays only"),
+    ] });
+    let file = folder.path().join("tutorial.json");
+    std::fs::write(file, results.to_string()).unwrap();
+    let mut run = Command::new("python3");
+    run.arg(root().join("scripts/peers/ray_casters.py"));
+    run.args(["--table", "--results", ".", "tutorial"]);
+    let output = run.current_dir(folder.path()).output().unwrap();
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        table.ends_with("| `tutorial` | 2 | 1 | `sampled/cells` |\n"),
+        "{table}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
