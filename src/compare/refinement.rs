@@ -148,12 +148,16 @@ pub struct Limit<'f> {
 /// # Panics
 ///
 /// With fewer than three images.
-pub fn judge_refinement(truth: Limit<'_>, first_order: &[Film], images: &[Film]) -> Judgement {
+pub fn judge_refinement(
+    truth: Limit<'_>,
+    first_order: &dyn Fn() -> Vec<Film>,
+    images: &[Film],
+) -> Judgement {
     let golden = truth.golden;
     let [.., coarse, middle, fine] = images else {
         panic!("a sequence has three images");
     };
-    for image in images.iter().chain(first_order) {
+    for image in images {
         if let Some(difference) = incomparable::films(&Refinement, golden, image) {
             return difference;
         }
@@ -196,7 +200,7 @@ pub fn judge_refinement(truth: Limit<'_>, first_order: &[Film], images: &[Film])
     if !is_still && order < HALFWAY {
         enlarge(
             &mut step_errors,
-            &LargestErrors::of(golden, first_order).pixels,
+            &LargestErrors::of(golden, &first_order()).pixels,
         );
     }
     let [finest, before] = [fine, middle].map(means);
@@ -655,7 +659,7 @@ mod tests {
             .iter()
             .map(|&h| film(|x, c| truth(x, c) * (1.0 + error(x, h))))
             .collect();
-        judge_refinement(without_table(&film(truth)), &[], &images)
+        judge_refinement(without_table(&film(truth)), &Vec::new, &images)
     }
 
     #[test]

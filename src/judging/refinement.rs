@@ -32,7 +32,7 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
         return judgement;
     }
     let looked_up = looked_up(&checked.scene);
-    let by_rules = first_order(&with_halved_step(&checked.scene, rest.len()));
+    let by_rules = || first_order(&with_halved_step(&checked.scene, rest.len()));
     let finest = &images[rest.len()];
     judge_refinement(truth(checked, &looked_up), &by_rules, images)
         .with_precision_of(&checked.golden.film, finest)

@@ -141,32 +141,32 @@ fn no_rounded_ladder_is_rejected() {
     let suite = suite();
     let mut rejected = Vec::new();
     let mut still = 0;
-    for case in suite.cases().iter().filter(|case| case.is_limit()) {
+    let cases = suite.cases().iter().filter(|case| case.is_limit());
+    // A rule of the second order, and one of the first, by turns.
+    for (case, first) in cases.zip([0.5, 1.0].into_iter().cycle()) {
         let scene = case.load_scene().unwrap();
-        for first in [0.5, 1.0] {
-            let films =
-                [1.0, 0.5, 0.25].map(|factor| rendered(&sampled_scene(&scene, factor, first), 1));
-            let exact = judged(&suite, case, films.to_vec(), None);
-            // A table of one step is not what every case converges from.
-            if !is_accepted(&exact) {
-                continue;
-            }
-            for rounding in roundings(case.exposure) {
-                let films = films.each_ref().map(|film| silent(&rounding.rounded(film)));
-                let result = judged(&suite, case, films.to_vec(), None);
-                let has_order = result.metrics.contains_key("observed_order");
-                still += usize::from(!has_order);
-                if !is_accepted(&result) {
-                    rejected.push(format!(
-                        "{} {first} {rounding}: {}",
-                        case.name, result.reason
-                    ));
-                }
+        let films =
+            [1.0, 0.5, 0.25].map(|factor| rendered(&sampled_scene(&scene, factor, first), 1));
+        let exact = judged(&suite, case, films.to_vec(), None);
+        // A table of one step is not what every case converges from.
+        if !is_accepted(&exact) {
+            continue;
+        }
+        for rounding in roundings(case.exposure) {
+            let films = films.each_ref().map(|film| silent(&rounding.rounded(film)));
+            let result = judged(&suite, case, films.to_vec(), None);
+            let has_order = result.metrics.contains_key("observed_order");
+            still += usize::from(!has_order);
+            if !is_accepted(&result) {
+                rejected.push(format!(
+                    "{} {first} {rounding}: {}",
+                    case.name, result.reason
+                ));
             }
         }
     }
     assert!(rejected.is_empty(), "{rejected:#?}");
-    assert!(still > 10, "{still}");
+    assert!(still > 5, "{still}");
 }
 
 /// PNG images of cases without a step are radiance at the exposure of the case, alone and as a ladder; at another

@@ -282,14 +282,14 @@ fn numbers_far_off_are_told_in_noise() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let predictions = Predictions::in_folder(folder.path());
-    // What is said of numbers is known before mistakes are looked for.
-    let is_at_mistakes = AtomicBool::new(false);
+    // What is said of numbers is known before pairs of mistakes are looked for.
+    let is_at_pairs = AtomicBool::new(false);
     let search = Search {
         budget: None,
         predictions: &predictions,
-        interrupted: &|| is_at_mistakes.load(Ordering::Relaxed),
+        interrupted: &|| is_at_pairs.load(Ordering::Relaxed),
         progress: &|step| {
-            is_at_mistakes.fetch_or(step.done > 0, Ordering::Relaxed);
+            is_at_pairs.fetch_or(step.stage == Stage::Pairs, Ordering::Relaxed);
         },
     };
     let case = suite.select(&["fog/absorption".to_owned()]).unwrap()[0];
