@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn images_with_random_samples_are_their_own_nearest() {
         let random = scene(true, 0.5);
-        let [own, other] = [&random, &scene(false, 0.31)].map(|scene| rendered(scene));
+        let [own, other] = [&random, &scene(false, 0.31)].map(rendered);
         let same = |film: &Film| {
             let nearest = nearest(&random, &Picture::Radiance(film.clone())).unwrap();
             let pairs = nearest.radiance().iter().zip(film.radiance());

@@ -265,7 +265,7 @@ fn faults_beyond_the_rounding_are_rejected() {
 /// Moved by a pixel.
 fn shifted(film: &Film) -> Film {
     let width = film.width();
-    let from = |index: usize| index - usize::from(index % width > 0);
+    let from = |index: usize| index - usize::from(!index.is_multiple_of(width));
     let pixels = (0..film.radiance().len()).map(|index| film.radiance()[from(index)]);
     Film::new(width, film.height(), pixels.collect())
 }

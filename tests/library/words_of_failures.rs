@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use volref::compare::Picture;
 use volref::film::Film;
 use volref::judging::{CaseResult, Judged, Verdict, validate};
+use volref::math::powu;
 use volref::naming::{Predictions, Search, Stage, likeness};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Classified, Model, Scene};
@@ -89,7 +90,7 @@ fn nearest_nodes_half_a_voxel_off_are_named() {
         let case = case(name);
         let images = (0..images).map(|halvings| {
             let scene = case.load_scene().unwrap().with_volumes(|volume| {
-                volume.step *= 0.5_f64.powi(halvings);
+                volume.step *= powu(0.5, halvings as u32);
                 volume.sample();
                 nearest_and_half_a_voxel(volume, voxels);
             });
@@ -127,7 +128,7 @@ fn darkened(case: &Case, images: i32, factors: impl Fn(f64) -> [f64; 2]) -> Stri
     let golden = Golden::read(&suite.store(), case).unwrap().film;
     let opacity = golden.opacity().unwrap();
     let images = (0..images).map(|halvings| {
-        let [faint, others] = factors(0.5_f64.powi(halvings));
+        let [faint, others] = factors(powu(0.5, halvings as u32));
         let pixels = golden
             .radiance()
             .iter()

@@ -219,7 +219,8 @@ impl ComparedCase {
     /// True if the verdict names numbers of the scene that are fitted before mistakes are tried. One
     /// that is far off is not: derivatives do not hold there, and a mistake may look the same.
     pub fn has_suspects_first(&self) -> bool {
-        !self.suspects.is_empty() && !(self.suspects_far && self.is_decidable())
+        let is_far_and_open = self.suspects_far && self.is_decidable();
+        !self.suspects.is_empty() && !is_far_and_open
     }
 
     /// True if golden and image are means of samples.
