@@ -17,19 +17,22 @@
 //! c = shade(colour(d)) · emission(d) · visibility
 //! ```
 //!
-//! `shade` is Phong's model, if the scene asks for it; its normal points against the density
-//! gradient. `visibility` is the fraction of the light that passes the volume on its way to the
-//! sample; it dims the ambient term of Phong's model, too. Transfer functions come in two forms:
+//! `shade` is Phong's model, if the scene asks for it, in the light of a point without fall-off. Its normal
+//! points against the density gradient: central differences at the nodes, interpolated like the density;
+//! a node of the border takes the gradient of the nearest inner one, and a sample without a gradient keeps
+//! its colour. `emission` is a factor on that, the highlight and the ambient term included. `visibility` is
+//! the transmittance from the light to the sample; it dims the ambient term, too. Transfer functions come
+//! in two forms:
 //!
 //! ```text
 //!                       a₀(d)                                 emission(d)   visibility
-//! a table of points     interpolated                          1             Π (1 − a)
+//! a table of points     interpolated                          1             Π (1 − a′)
 //! a formula             min(1, (1 − exp(−d²)) / (1 − f))      d²            min(1, exp(−S/100))
 //! ```
 //!
 //! The formula is that of a ray-casting assignment: the scene gives `f`, the value of `exp(−d²)` at
-//! which the volume becomes fully opaque, and `S = Σ d h/h₀` is not the optical depth of `σ`. The
-//! shadow has its own step and reference length.
+//! which the volume becomes fully opaque, and `S = Σ d h′/h₀′` is not the optical depth of `σ`. The
+//! shadow has a step `h′` and a reference length `h₀′` of its own, and `a′` is the opacity over them.
 //!
 //! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
 //! by the loop of [`conventions::ray_caster`](crate::conventions::ray_caster).
@@ -137,7 +140,7 @@ impl RayCaster<'_> {
             if let Compositing::EarlyTermination(threshold) = scene.compositing
                 && seen.transparency < threshold
             {
-                break;
+                break; // what still passes shows the background
             }
         }
         seen
