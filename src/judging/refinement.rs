@@ -32,7 +32,7 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
         return judgement;
     }
     let looked_up = looked_up(&checked.scene);
-    let by_rules = || first_order(&with_halved_step(&checked.scene, rest.len()));
+    let by_rules = || first_order(&checked.scene.with_halved_steps(rest.len()));
     let finest = &images[rest.len()];
     judge_refinement(truth(checked, &looked_up), &by_rules, images)
         .with_precision_of(&checked.golden.film, finest)
@@ -49,7 +49,7 @@ pub fn judge_under_profile(
     let mut worst: Option<Judgement> = None;
     for (halvings, image) in images.iter().enumerate() {
         let test = Picture::Radiance(image.clone());
-        let scene = with_halved_step(&checked.scene, halvings);
+        let scene = checked.scene.with_halved_steps(halvings);
         let right = random_samples::nearest(&scene, &test).unwrap_or_else(|| match halvings {
             0 => checked.golden.film.clone(),
             _ => rendered(&scene, |_| {}),
@@ -73,21 +73,13 @@ pub fn judge_under_profile(
             worst = Some(judgement);
         }
     }
-    let mut judgement = worst.expect("one image or more");
-    if images.len() > 1 {
-        let each = format!(
-            "{} images, each by the right one with its step",
-            images.len()
-        );
-        judgement.reason = format!("{each}; the worst of them: {}", judgement.reason);
-    }
+    let mut judgement = worst.expect("three images or more");
+    judgement.reason = format!(
+        "{} images, each by the right one with its step; the worst of them: {}",
+        images.len(),
+        judgement.reason
+    );
     judgement
-}
-
-/// `scene` with its step halved `halvings` times.
-fn with_halved_step(scene: &Scene, halvings: usize) -> Scene {
-    let share = (0..halvings).fold(1.0, |share, _| 0.5 * share);
-    scene.with_volumes(|volume| volume.step *= share)
 }
 
 /// The integral that images are judged by.

@@ -93,10 +93,8 @@ fn weighed(
 pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
     let start = Instant::now();
     let picture = known(case, &checked.golden.film, picture);
-    let golden = match checked.profile {
-        Some(_) => random_samples::nearest(&checked.scene, &picture),
-        None => None,
-    };
+    let profile = checked.profile.as_ref();
+    let golden = profile.and_then(|_| random_samples::nearest(&checked.scene, &picture));
     let golden = golden.unwrap_or_else(|| reference(case, checked, &picture));
     let golden = Picture::Radiance(golden);
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.

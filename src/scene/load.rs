@@ -13,6 +13,7 @@ use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_
 use super::{Classified, Curve, Radiative, SceneError, SceneResult};
 use crate::files::regular_file;
 use crate::geometry::Camera;
+use crate::math::powu;
 use crate::optics::Field;
 use crate::volume::{Grid, volume_format};
 use std::cell::RefCell;
@@ -180,6 +181,12 @@ impl Scene {
             }
         }
         scene
+    }
+
+    /// This scene with the steps of its classified volumes halved `halvings` times.
+    pub fn with_halved_steps(&self, halvings: usize) -> Scene {
+        let share = powu(0.5, halvings as u32);
+        self.with_volumes(|volume| volume.step *= share)
     }
 
     /// Reads the scene file at `path` and the files it names.

@@ -91,6 +91,7 @@ pub struct Attempt<'a> {
 /// A set of conventions, rendered on the lattice.
 struct Candidate {
     misfit: Misfit,
+    deviations: Vec<f64>,
     is_expanded: bool,
     /// The whole image was compared, too.
     is_compared: bool,
@@ -108,6 +109,14 @@ struct Change {
 }
 
 impl Change {
+    /// The change to the convention of this index.
+    fn to(index: usize) -> Change {
+        Change {
+            choice: CATALOGUE[index].choice,
+            to: Some(index),
+        }
+    }
+
     /// `set` with this change.
     fn of(self, set: &[usize]) -> ConventionSet {
         let others = set.iter().copied();
@@ -144,8 +153,7 @@ impl<'a> Attempt<'a> {
 
     /// The image under the conventions of `set`, with the step of the scene halved `halvings` times.
     fn image(&self, set: &[usize], halvings: usize, detail: Detail) -> Option<Film> {
-        let halved = (0..halvings).fold(1.0, |step, _| 0.5 * step);
-        let scene = under(self.scene, set).with_volumes(|volume| volume.step *= halved);
+        let scene = under(self.scene, set).with_halved_steps(halvings);
         let sampling = Sampling::default();
         render_coarse(&plans(&scene), sampling, detail, &|| self.is_over()).ok()
     }
@@ -164,19 +172,21 @@ impl<'a> Attempt<'a> {
 
     fn agreement_at(&self, set: &[usize], halvings: usize, test: &Film) -> Option<Agreement> {
         let right = self.image(set, halvings, Detail::Whole)?;
-        let misfit = Misfit::of(&right, test);
-        let is_rounding = misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP;
         let conditions = Conditions {
             exposure: self.exposure,
             ..Conditions::default()
         };
-        let [right, test] = [right, test.clone()].map(Picture::Radiance);
-        let (gate, _) = default_gate(&right, &test);
-        let judgement = judge(gate, &right, &test, &conditions).ok()?;
-        match judgement.passed {
-            true => Some(Agreement::Full),
-            false => is_rounding.then_some(Agreement::ButFor(misfit.outside)),
+        let pictures = [right, test.clone()].map(Picture::Radiance);
+        let (gate, _) = default_gate(&pictures[0], &pictures[1]);
+        if judge(gate, &pictures[0], &pictures[1], &conditions)
+            .ok()?
+            .passed
+        {
+            return Some(Agreement::Full);
         }
+        let misfit = Misfit::of(pictures[0].radiance()?, test);
+        let is_rounding = misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP;
+        is_rounding.then_some(Agreement::ButFor(misfit.outside))
     }
 
     /// The conventions under which the images agree, none of them without need.
@@ -191,6 +201,9 @@ impl<'a> Attempt<'a> {
     /// True if `agreement` leaves no more of the difference than [`LEFT_BY_ROUNDING`]: conventions that leave as
     /// many pixels outside as volref's own explain nothing.
     fn is_explained(&self, agreement: Agreement) -> bool {
+        if agreement == Agreement::Full {
+            return true;
+        }
         let outside = |(halvings, test): (usize, &Film)| {
             let own = self.image(&[], halvings, Detail::Whole);
             own.map_or(0.0, |own| Misfit::of(&own, test).outside)
@@ -212,7 +225,7 @@ impl<'a> Attempt<'a> {
         self.expand(&[], &mut candidates)?;
         let mut rounded = None;
         let mut after_rounding = 0;
-        for expanded in 1..MOST_EXPANDED {
+        for expanded in 1..=MOST_EXPANDED {
             if expanded == EXPANDED_BEFORE_PAIRS {
                 let pairs = self.with_pairs_of_places(&candidates);
                 self.render(pairs, &mut candidates)?;
@@ -222,10 +235,10 @@ impl<'a> Attempt<'a> {
                 other => rounded = other.or(rounded),
             }
             after_rounding += usize::from(rounded.is_some());
-            if after_rounding > EXPANDED_AFTER_ROUNDING {
+            if after_rounding > EXPANDED_AFTER_ROUNDING || expanded == MOST_EXPANDED {
                 break;
             }
-            let set = next(&candidates)?;
+            let Some(set) = next(&candidates) else { break };
             self.expand(&set, &mut candidates)?;
         }
         rounded
@@ -248,7 +261,7 @@ impl<'a> Attempt<'a> {
             .iter()
             .min_by(|a, b| a.1.misfit.mean_square.total_cmp(&b.1.misfit.mean_square));
         let is_of_places = |&index: &usize| PLACES.contains(&CATALOGUE[index].choice);
-        let others = best.map_or(Vec::new(), |(set, _)| {
+        let others: ConventionSet = best.map_or(Vec::new(), |(set, _)| {
             set.iter()
                 .copied()
                 .filter(|index| !is_of_places(index))
@@ -257,12 +270,10 @@ impl<'a> Attempt<'a> {
         let places: Vec<usize> = (0..CATALOGUE.len()).filter(is_of_places).collect();
         let mut sets = Vec::new();
         for (at, &first) in places.iter().enumerate() {
+            let with_first = Change::to(first).of(&others);
             for &second in &places[at + 1..] {
                 if CATALOGUE[first].choice != CATALOGUE[second].choice {
-                    let mut set: ConventionSet = others.clone();
-                    set.extend([first, second]);
-                    set.sort_unstable();
-                    sets.push(set);
+                    sets.push(Change::to(second).of(&with_first));
                 }
             }
         }
@@ -281,6 +292,7 @@ impl<'a> Attempt<'a> {
                 let image = self.image(&set, 0, self.lattice)?;
                 let candidate = Candidate {
                     misfit: Misfit::of(&image, &self.on_lattice),
+                    deviations: deviations(&image, &self.on_lattice),
                     is_expanded: false,
                     is_compared: false,
                 };
@@ -294,37 +306,31 @@ impl<'a> Attempt<'a> {
     /// Renders all single changes of `set`, and the sets that their effects propose.
     fn expand(&self, set: &[usize], candidates: &mut Candidates) -> Option<()> {
         candidates.get_mut(set)?.is_expanded = true;
-        let others = CATALOGUE.iter().enumerate();
-        let others = others.filter(|(index, _)| !set.contains(index));
-        let to_others = others.map(|(index, convention)| Change {
-            choice: convention.choice,
-            to: Some(index),
-        });
+        let others = (0..CATALOGUE.len()).filter(|index| !set.contains(index));
         let to_own = set.iter().map(|&index| Change {
-            choice: CATALOGUE[index].choice,
             to: None,
+            ..Change::to(index)
         });
-        // What a change is about may be absent.
+        // A change may be about a thing that the scene does not have.
         let before = stated(&under(self.scene, set));
-        let changes: Vec<Change> = to_others
-            .chain(to_own)
-            .filter(|change| stated(&under(self.scene, &change.of(set))) != before)
-            .collect();
-        let singles = changes.iter().map(|change| change.of(set)).collect();
+        let changes = others.map(Change::to).chain(to_own);
+        let changes = changes.map(|change| (change, change.of(set)));
+        let changes = changes.filter(|(_, to)| stated(&under(self.scene, to)) != before);
+        let changes: Vec<(Change, ConventionSet)> = changes.collect();
+        let singles = changes.iter().map(|(_, to)| to.clone()).collect();
         self.render(singles, candidates)?;
         let effects = Effects::new(
-            &candidates[set].misfit.deviations,
-            changes.iter().map(|change| {
-                let after = &candidates[&change.of(set)].misfit.deviations;
-                (change.choice, &after[..])
-            }),
+            &candidates[set].deviations,
+            changes
+                .iter()
+                .map(|(change, to)| (change.choice, &candidates[to].deviations[..])),
         );
         let proposed = effects.proposals(MOST_TOGETHER, LEAST_GAIN).into_iter();
         let proposed = proposed.map(|together| {
             let set = set.to_vec();
             together
                 .into_iter()
-                .fold(set, |set, change| changes[change].of(&set))
+                .fold(set, |set, change| changes[change].0.of(&set))
         });
         let proposed = proposed.filter(|set| set.len() <= MOST_TOGETHER).collect();
         self.render(proposed, candidates)
@@ -406,12 +412,14 @@ impl<'a> Attempt<'a> {
     }
 }
 
-/// All that conventions are about in a scene.
+/// All that conventions are about in the volumes of a scene.
 fn stated(scene: &Scene) -> Vec<(Conventions, Compositing, f64)> {
     let volumes = scene.panels.iter().filter_map(Panel::classified);
-    volumes
-        .map(|volume| (volume.conventions, volume.compositing, volume.step))
-        .collect()
+    volumes.map(stated_by).collect()
+}
+
+fn stated_by(volume: &Classified) -> (Conventions, Compositing, f64) {
+    (volume.conventions, volume.compositing, volume.step)
 }
 
 /// The set to expand next: the best of those in which every convention counts, as far as is known. Sets that
@@ -453,8 +461,7 @@ fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
     let changes = |volume: &Classified, convention: &Convention| {
         let mut changed = volume.clone();
         convention.apply(&mut changed);
-        let stated = |volume: &Classified| (volume.conventions, volume.compositing, volume.step);
-        stated(&changed) != stated(volume)
+        stated_by(&changed) != stated_by(volume)
     };
     let held = CATALOGUE
         .iter()
@@ -466,9 +473,6 @@ fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
 /// Difference of two images in tolerances of the deterministic gate, by the worst channel of each
 /// pixel.
 struct Misfit {
-    /// Differences of the values, in tolerances of the test image, so that those of several images can be
-    /// subtracted from each other; at most [`CAP`].
-    deviations: Vec<f64>,
     /// Mean over the pixels of its square.
     mean_square: f64,
     /// Share of the pixels that are off by more than one tolerance.
@@ -488,17 +492,23 @@ impl Misfit {
             largest = largest.max(worst);
         }
         let pixels = right.radiance().len() as f64;
-        let values = right.radiance().as_flattened().iter();
-        let values = values.zip(test.radiance().as_flattened());
-        let deviation = |(&right, &test): (&f32, &f32)| {
-            let (right, test) = (f64::from(right), f64::from(test));
-            ((right - test) / tolerance(test)).clamp(-CAP, CAP)
-        };
         Misfit {
-            deviations: values.map(deviation).collect(),
             mean_square: sum.value() / pixels,
             outside: outside as f64 / pixels,
             worst: largest,
         }
     }
+}
+
+/// Differences of the values of two images, in tolerances of the test image, so that those of several images
+/// can be subtracted from each other; at most [`CAP`].
+fn deviations(right: &Film, test: &Film) -> Vec<f64> {
+    let test = test.nearest_to(right);
+    let values = right.radiance().as_flattened().iter();
+    let values = values.zip(test.radiance().as_flattened());
+    let deviation = |(&right, &test): (&f32, &f32)| {
+        let (right, test) = (f64::from(right), f64::from(test));
+        ((right - test) / tolerance(test)).clamp(-CAP, CAP)
+    };
+    values.map(deviation).collect()
 }
