@@ -172,8 +172,7 @@ pub fn judge_refinement(
     let order = if is_still { 1.0 } else { observed };
     let order = order.clamp(least, most);
     let factor = 1.0 / (exp2(order) - 1.0);
-    // Extrapolation would enlarge roundings.
-    let limit = if is_still || fine.quantisation().is_some() {
+    let limit = if is_still {
         fine.clone()
     } else {
         extrapolated(middle, fine, factor)
@@ -189,7 +188,11 @@ pub fn judge_refinement(
         "error_at_finest_step",
         relative_error(golden, &fine.nearest_to(golden)),
     );
-    let left = relative_error(golden, &limit.nearest_to(golden));
+    // Extrapolation enlarges the roundings of pixels.
+    let left = match fine.quantisation() {
+        Some(_) => relative_error(golden, &fine.nearest_to(golden)),
+        None => relative_error(golden, &limit),
+    };
     outcome.metric("error_of_limit", left);
 
     // The error of a pixel may be small by chance at one step, and seldom is at two.
@@ -229,16 +232,11 @@ pub fn judge_refinement(
         );
         return outcome.judgement(false, reason);
     }
-    // Roundings average out but for half a code, which the mean is allowed.
-    let mean_of = if is_still {
-        fine.clone()
-    } else {
-        extrapolated(middle, fine, factor)
-    };
     let judged = Judged {
         golden,
         image: fine,
-        mean_of: &mean_of,
+        // Roundings average out but for half a code, which the mean is allowed.
+        mean_of: &limit,
         step_errors,
         mean_errors,
         table: LargestErrors::of(golden, truth.looked_up),
@@ -246,7 +244,7 @@ pub fn judge_refinement(
     judged.judgement(outcome, &steps)
 }
 
-/// What images that do not converge do with smaller steps, and what that looks like.
+/// Behaviour of images that do not converge, and its likely causes.
 fn trend(golden: &Film, images: &[Film]) -> String {
     let brightness = |film: &Film| means(film).iter().sum::<f64>();
     let right = brightness(golden).max(f64::MIN_POSITIVE);
@@ -256,7 +254,7 @@ fn trend(golden: &Film, images: &[Film]) -> String {
         .map(|pair| (pair[1] - pair[0]) / right)
         .collect();
     let all = |is: fn(f64) -> bool| changes.iter().copied().all(is);
-    // What rules that converge change their means by halves at least.
+    // The means of rules that converge change by half as much with each halving, or less.
     let grows = changes
         .windows(2)
         .all(|pair| pair[1].abs() > 0.5 * pair[0].abs());

@@ -89,7 +89,7 @@ impl Look {
         let conventions = &scene.conventions;
         let round = |value: f64| {
             if conventions.rounded_down {
-                // What is a whole number but for its rounding stays it.
+                // A whole number but for its rounding stays one.
                 (value + 1e-9).floor()
             } else {
                 value.round()
@@ -121,6 +121,12 @@ impl Look {
     }
 }
 
+/// `size` values, at least two, at equal distances.
+fn values(least: f64, most: f64, size: u32) -> impl Iterator<Item = f64> {
+    let last = f64::from(size - 1);
+    (0..size).map(move |index| f64::lerp_between(least, most, f64::from(index) / last))
+}
+
 /// Looks at equal distances of value.
 pub struct LookTable {
     least: f64,
@@ -145,12 +151,12 @@ impl LookTable {
             }
             Appearance::Formula { .. } => (0.0, scene.grid.range().1),
         };
-        let last = f64::from(size - 1);
-        let value = |index: u32| f64::lerp_between(least, most, f64::from(index) / last);
         LookTable {
             least,
             most,
-            entries: (0..size).map(|index| entry(scene, value(index))).collect(),
+            entries: values(least, most, size)
+                .map(|value| entry(scene, value))
+                .collect(),
             nearest: scene.conventions.nearest_entry,
             is_texture: scene.conventions.texture_place,
             fraction_bits: scene.conventions.table_fraction_bits,
@@ -165,13 +171,11 @@ impl LookTable {
     /// A texture of `size` entries, at least two, that holds this table over the range of the densities.
     fn texture(&self, scene: &Classified, size: u32) -> LookTable {
         let (least, most) = scene.grid.range();
-        let last = f64::from(size - 1);
-        let value = |index: u32| f64::lerp_between(least, most, f64::from(index) / last);
-        let entry = |index| corrected(scene, self.look(value(index)));
+        let entries = values(least, most, size);
         LookTable {
             least,
             most,
-            entries: (0..size).map(entry).collect(),
+            entries: entries.map(|it| corrected(scene, self.look(it))).collect(),
             nearest: false,
             is_texture: true,
             fraction_bits: None,
@@ -226,7 +230,8 @@ impl LookTable {
 /// Nodes with opacity and colour.
 ///
 /// Colours are interpolated associated, multiplied by opacity: otherwise the colour of transparent
-/// nodes bleeds into their neighbours (Wittenbrink, Malzbender & Goss 1998). Some renderers interpolate them separately nevertheless.
+/// nodes bleeds into their neighbours (Wittenbrink, Malzbender & Goss 1998). Some renderers interpolate them
+/// separately nevertheless.
 pub struct ClassifiedNodes {
     opacities: Grid<f32>,
     colours: Grid<[f32; 3]>,

@@ -1,8 +1,8 @@
 //! Images of all places of the first sample of a ray, for renderers that choose it at random.
 
-use super::ray_caster::render;
+use super::ray_caster::render_with;
 use crate::film::Film;
-use crate::scene::{Model, Scene};
+use crate::scene::{Panel, Scene};
 
 /// Places of the first sample, at equal distances, the first and the last a whole step apart.
 const PLACES: u32 = 33;
@@ -25,11 +25,8 @@ pub struct FirstSamples {
 /// The images of `scene` with each place of the first sample in turn; `None` if no ray there has a random
 /// one, or a panel is no classified volume.
 pub fn images_of_first_samples(scene: &Scene) -> Option<FirstSamples> {
-    let is_random = |model: &Model| match model {
-        Model::Classified(volume) => volume.conventions.is_random(),
-        _ => false,
-    };
-    if !scene.panels.iter().any(|panel| is_random(&panel.model)) {
+    let mut volumes = scene.panels.iter().filter_map(Panel::classified);
+    if !volumes.any(|volume| volume.conventions.is_random()) {
         return None;
     }
     let images: Option<Vec<Film>> = (0..PLACES)
@@ -71,11 +68,7 @@ fn combined(images: &[Film], value: fn(&mut dyn Iterator<Item = f32>) -> f64) ->
 
 /// The image of `scene` with every first sample, or first step, at `place`.
 fn image(scene: &Scene, place: f64) -> Option<Film> {
-    let panels = scene.panels.iter().map(|panel| {
-        let Model::Classified(volume) = &panel.model else {
-            return None;
-        };
-        let mut volume = volume.clone();
+    render_with(scene, |volume| {
         let conventions = &mut volume.conventions;
         if conventions.has_random_place() {
             (conventions.jitter, conventions.unstated_first_sample) = (false, false);
@@ -84,8 +77,5 @@ fn image(scene: &Scene, place: f64) -> Option<Film> {
         if conventions.first_step_jitter {
             (conventions.first_step_jitter, conventions.first_step) = (false, place);
         }
-        Some(render(&volume, [panel.width, panel.height]))
-    });
-    let panels: Option<Vec<Film>> = panels.collect();
-    Some(Film::side_by_side(&panels?))
+    })
 }

@@ -20,7 +20,7 @@ use crate::geometry::{Aabb, Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, Precision};
+use crate::scene::{Classified, Compositing, Precision, Scene};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
@@ -34,6 +34,17 @@ pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
     let pixels = (0..width * height).into_par_iter();
     let pixels = pixels.map(|index| caster.pixel([index % width, index / width], size).0);
     Film::with_opacity(width, height, pixels.collect())
+}
+
+/// The image of `scene` with its volumes changed by `edit`; `None` if a panel is no classified volume.
+pub(super) fn render_with(scene: &Scene, edit: impl Fn(&mut Classified)) -> Option<Film> {
+    let panels = scene.panels.iter().map(|panel| {
+        let mut volume = panel.classified()?.clone();
+        edit(&mut volume);
+        Some(render(&volume, [panel.width, panel.height]))
+    });
+    let panels: Option<Vec<Film>> = panels.collect();
+    Some(Film::side_by_side(&panels?))
 }
 
 /// A ray caster for a scene.

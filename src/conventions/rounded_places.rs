@@ -5,10 +5,10 @@
 //! so in every pixel.
 
 use super::first_samples::bounds;
-use super::ray_caster::render;
+use super::ray_caster::render_with;
 use crate::film::Film;
 use crate::math;
-use crate::scene::{Classified, Compositing, Panel, Precision, Scene};
+use crate::scene::{Compositing, Panel, Precision, Scene};
 
 /// Half a unit in the last place of coordinates and opacities below 1.
 const HALF_UNIT: f64 = 1.0 / (1 << 25) as f64;
@@ -20,35 +20,29 @@ const LEAST: f64 = 1e-4;
 /// Least and largest value of each channel over the places that samples have in single precision: `None` if no
 /// convention says that a panel is rendered in it.
 pub fn bounds_of_rounded_places(scene: &Scene) -> Option<[Film; 2]> {
-    let volumes = scene.panels.iter().map(Panel::classified);
-    let volumes = volumes.collect::<Option<Vec<&Classified>>>()?;
-    if volumes
-        .iter()
-        .all(|volume| volume.conventions.precision == Precision::F64)
-    {
+    let mut volumes = scene.panels.iter().filter_map(Panel::classified);
+    if volumes.all(|volume| volume.conventions.precision == Precision::F64) {
         return None;
     }
     // Moved by that much at the first sample, and that much more at each of the others.
-    let images =
-        [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]].map(|[first, each]| {
-            let panels = scene.panels.iter().zip(&volumes).map(|(panel, &volume)| {
-                let mut volume = volume.clone();
-                let steps = volume.grid.lattice().bounds().size().length() / volume.step;
-                // Places that are sums of steps gather a rounding with each of them.
-                let gathered = HALF_UNIT * steps * steps;
-                volume.conventions.first_sample += first * gathered.clamp(LEAST, 0.5);
-                volume.step *= 1.0 + each * gathered / steps;
-                if let Compositing::EarlyTermination(threshold) = &mut volume.compositing {
-                    // So do opacities; and one that is looked up in few bits is rounded up or down, behind
-                    // samples that let half of the light pass, or less.
-                    let bits = volume.conventions.lookup_bits.map(f64::from);
-                    let looked_up = bits.map_or(0.0, |bits| 0.25 * math::exp2(-bits));
-                    let off = (HALF_UNIT * steps + looked_up).min(0.5 * *threshold);
-                    *threshold += (first + each) * off;
-                }
-                render(&volume, [panel.width, panel.height])
-            });
-            Film::side_by_side(&panels.collect::<Vec<Film>>())
-        });
+    let images = [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
+    let images = images.map(|[first, each]| {
+        render_with(scene, |volume| {
+            let steps = volume.grid.lattice().bounds().size().length() / volume.step;
+            // Places that are sums of steps gather a rounding with each of them.
+            let gathered = HALF_UNIT * steps * steps;
+            volume.conventions.first_sample += first * gathered.clamp(LEAST, 0.5);
+            volume.step *= 1.0 + each * gathered / steps;
+            if let Compositing::EarlyTermination(threshold) = &mut volume.compositing {
+                // So do opacities; and one that is looked up in few bits is rounded up or down, behind
+                // samples that let half of the light pass, or less.
+                let bits = volume.conventions.lookup_bits.map(f64::from);
+                let looked_up = bits.map_or(0.0, |bits| 0.25 * math::exp2(-bits));
+                let off = (HALF_UNIT * steps + looked_up).min(0.5 * *threshold);
+                *threshold += (first + each) * off;
+            }
+        })
+    });
+    let images = images.into_iter().collect::<Option<Vec<Film>>>()?;
     Some(bounds(&images))
 }

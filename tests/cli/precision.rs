@@ -1,6 +1,7 @@
 //! Images of 8 bits: declared with `--bits` or in a profile, and recognised.
 
 use crate::folder::{Folder, Run};
+use crate::validate::scaled;
 use serde_json::Value;
 use volref::film::{Encoding, Film, Origin, Quantisation};
 
@@ -17,14 +18,6 @@ fn linear() -> Quantisation {
         origin: Origin::Declared,
         blended: false,
     }
-}
-
-fn scaled(film: &Film, factor: f32) -> Film {
-    let pixels = film
-        .radiance()
-        .iter()
-        .map(|pixel| pixel.map(|x| factor * x));
-    Film::new(film.width(), film.height(), pixels.collect())
 }
 
 /// The PNG of a renderer that writes n/255 of what it computes.
@@ -173,7 +166,7 @@ fn profiles_declare_bits() {
     let run = validate(&folder, &["--as", "mine.toml"]);
     run.expect(0, &[]);
     assert!(note(&run).starts_with("8 bits, linear: "), "{}", note(&run));
-    // What is said on the command line counts.
+    // The command line counts.
     assert_eq!(
         validate(&folder, &["--as", "mine.toml", "--bits", "8"]).code,
         1

@@ -54,7 +54,7 @@ fn right_images_pass() {
 }
 
 /// `film` with every value multiplied.
-fn scaled(film: &Film, factor: f32) -> Film {
+pub fn scaled(film: &Film, factor: f32) -> Film {
     let pixels = film
         .radiance()
         .iter()
