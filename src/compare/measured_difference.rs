@@ -593,7 +593,7 @@ mod tests {
         (golden, seen)
     }
 
-    /// What `edit` does to a pixel of that volume, by opacity and by place at the border.
+    /// Sentences on that volume after `edit` of its pixels, by opacity and by place at the border.
     fn said_of_volume(edit: impl Fn(f64, f32, bool) -> f64) -> String {
         let (golden, seen) = volume();
         let (opacity, border) = (golden.opacity().unwrap(), seen.border.as_ref().unwrap());

@@ -145,7 +145,7 @@ pub struct Quantisation {
 /// The largest code.
 const LARGEST: f64 = 255.0;
 
-/// What arithmetic in single precision adds to half a code, in codes.
+/// Error of arithmetic in single precision beside half a code, in codes.
 const SINGLE_PRECISION: f64 = 0.001;
 
 /// Fewest different values of an image that is recognised: each of them is within
@@ -207,7 +207,7 @@ impl Quantisation {
     /// Radiances that round to that of `value`; all from half a code below the largest on round to that.
     fn interval(&self, value: f64) -> [f64; 2] {
         let code = self.code(value);
-        // What lies above the largest code was not rounded to it.
+        // A value above the largest code was not rounded to it.
         if code > LARGEST + 0.5 {
             return [value; 2];
         }
@@ -410,7 +410,7 @@ mod tests {
         }
     }
 
-    /// What rounding does is hidden, in range and out of it, and no more than that.
+    /// Roundings are hidden, in range and out of it, and no more than that.
     #[test]
     fn a_rounded_image_is_as_near_as_its_codes_allow() {
         let golden = golden();

@@ -225,7 +225,7 @@ struct Fits([[f64; 5]; 3]);
 
 impl Fits {
     fn new(golden: &Film, test: &Film) -> Option<Fits> {
-        // What is cut off says nothing of a factor.
+        // A value that is cut off says nothing of a factor.
         let most = test.quantisation().map_or(f64::INFINITY, |it| it.largest());
         let is_below = |value: f32| f64::from(value) < most * (1.0 - 1e-3);
         Fits::of_values(golden, test, |i, c| is_below(test.radiance()[i][c]))

@@ -292,7 +292,7 @@ impl OpenCase<'_> {
     fn judged_at(&mut self, look: u32, rendered: Rendered) -> Judged {
         let mut now = (self.more.judge)(self.case, rendered, look);
         let notes = std::mem::take(&mut self.judged.result.notes);
-        // What 8 bits hide is said of each image anew.
+        // The note on 8 bits is made anew for each image.
         let notes = notes.into_iter().filter(|note| !is_of_precision(note));
         now.result.notes.splice(0..0, notes);
         now

@@ -95,7 +95,7 @@ impl CommandTemplate {
         })
     }
 
-    /// Whether the placeholder `name` is in the command.
+    /// True if the placeholder `name` is in the command.
     pub fn uses(&self, name: &str) -> bool {
         self.placeholders().any(|used| used == name)
     }

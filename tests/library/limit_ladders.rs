@@ -88,7 +88,7 @@ fn faint_samples_that_are_dropped() {
         "{}",
         plain.result.reason
     );
-    // What nobody sees, a limit by extrapolation, is no evidence.
+    // A limit by extrapolation, which nobody sees, is no evidence.
     assert_eq!(
         plain.evidence.test,
         Some(Picture::Radiance(images[2].clone()))

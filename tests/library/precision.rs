@@ -93,7 +93,7 @@ fn no_rounded_image_is_rejected() {
                     continue;
                 }
                 let result = judged(&suite, case, vec![film.clone()], bits);
-                // What is not recognised, for want of colours, is not allowed for.
+                // An image that is not recognised, for want of colours, is not allowed for.
                 let is_known = !result.notes.is_empty();
                 said += usize::from(is_known && bits.is_none());
                 if is_known && !is_accepted(&result) {

@@ -116,7 +116,7 @@ fn nearest_nodes_half_a_voxel_off_are_named() {
     }
 }
 
-/// What is measured of images that are not searched for mistakes.
+/// Measurements of images that are not searched for mistakes.
 fn measured(case: &Case, output: Output) -> String {
     result_of(case, output, |_, _| false).difference.join("; ")
 }

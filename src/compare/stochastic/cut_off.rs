@@ -6,7 +6,7 @@
 //! [`DEVIATIONS`] standard errors are above the largest code. By Chebyshev's inequality one of sixteen of the
 //! others, at most, is met, and of normal noise one in 30,000.
 //!
-//! What a mean loses by a cut-off at a distance of Δ is σ²/4Δ at most (Scarf 1958, "A min-max solution of an inventory
+//! The loss of a mean by a cut-off at a distance of Δ is σ²/4Δ at most (Scarf 1958, "A min-max solution of an inventory
 //! problem"), a sixteenth of its standard error σ at four of them: allowed for only as far as half a code is as
 //! large. Simulated images of all cases are not rejected (`tests/library/precision.rs`).
 

@@ -97,7 +97,7 @@ impl Cell {
 #[derive(Clone, Copy, Debug)]
 struct Tested {
     score: f64,
-    /// What rounding to 8 bits may hide of it.
+    /// Part of it that rounding to 8 bits may hide.
     hidden: f64,
     /// Σ D²/v, the noise of D taken out.
     information: f64,

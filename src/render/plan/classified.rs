@@ -38,7 +38,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     }
 }
 
-/// What a classified volume holds, as far as its effects depend on it.
+/// Contents of a classified volume, as far as its effects depend on them.
 struct Contents<'s> {
     scene: &'s Classified,
     /// Smallest and largest density.

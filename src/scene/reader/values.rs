@@ -228,7 +228,7 @@ impl<'d, 's> Reader<'d, 's> {
         Ok(words.unwrap_or_default())
     }
 
-    /// Whether the file holds the key.
+    /// True if the file holds the key.
     pub fn has(&self, name: &str) -> bool {
         self.value(name).is_some()
     }

@@ -282,7 +282,7 @@ fn numbers_far_off_are_told_in_noise() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let predictions = Predictions::in_folder(folder.path());
-    // What is said of numbers is known before pairs of mistakes are looked for.
+    // The words on numbers are known before pairs of mistakes are looked for.
     let is_at_pairs = AtomicBool::new(false);
     let search = Search {
         budget: None,
