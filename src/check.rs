@@ -72,7 +72,7 @@ pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult
         Output::Picture(Box::new(picture)),
         None,
     )];
-    ConventionSearch::default().explain_mismatch(cases[0], &mut judged[0], seconds, false);
+    ConventionSearch::default().explain_mismatch(cases[0], &store, &mut judged[0], seconds, false);
     let search = Search {
         budget: Some(Duration::from_secs_f64(seconds)),
         // What calls this is mostly built anew for every run, and finds nothing of the last.

@@ -411,16 +411,20 @@ impl Judge<'_> {
     /// Judges an image of one case: at the look of this number, from 1, where there may be several.
     fn judged(&self, case: &Case, rendered: Rendered, look: Option<u32>) -> Judged {
         let (store, profile) = (&self.store, self.profile.as_ref());
-        let bits = self
-            .arguments
-            .bits
-            .or(profile.and_then(|profile| profile.bits));
+        let of_profile = profile.and_then(|profile| profile.bits);
+        let bits = match (self.arguments.bits, of_profile) {
+            (Some(given), Some(of_profile)) => Some(Bits {
+                blended: of_profile.blended,
+                ..given
+            }),
+            (given, of_profile) => given.or(of_profile),
+        };
         let output = declared(rendered.output, bits, case);
         let mut judged = validate_at(look, case, store, output, profile);
         if profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
             self.conventions
-                .explain_mismatch(case, &mut judged, seconds, accepted);
+                .explain_mismatch(case, store, &mut judged, seconds, accepted);
         }
         judged.result.notes.extend(rendered.notes);
         let telling_case = self.telling_case(&judged.result);

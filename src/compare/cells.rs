@@ -33,6 +33,10 @@ pub(crate) struct Misfit {
     /// is seen, or the sky. Of these the slightest difference is many standard errors, which says
     /// nothing of the rest; and the mean over the rest says nothing of them.
     pub parts: [SquaredDistance; 2],
+    /// Mean squared differences of all cells by other weights: absolute ones, and relative to the brighter
+    /// of golden and test. Where the golden is dark and the test bright, relative to the golden the rest stops
+    /// to count.
+    pub by_other_weights: [SquaredDistance; 2],
     /// Standard error of the distance, were the images the same but for their noise.
     pub least_error: f64,
 }
@@ -61,10 +65,12 @@ impl Misfit {
     }
 
     /// True if a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
-    /// misfit of the golden: in the cells with noise and in those without.
+    /// misfit of the golden: in the cells with noise and in all together, and not contradicted in those without
+    /// noise or by other weights. Where the golden has no noise the image may have some, and a prediction of it.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
-        let mut parts = self.parts.iter().zip(&whole.parts);
-        parts.all(|(left, whole)| left.is_explained(whole, share))
+        let mut others = self.by_other_weights.iter().zip(&whole.by_other_weights);
+        self.parts[0].is_explained(&whole.parts[0], share)
+            && others.all(|(left, whole)| left.may_be_explained(whole, share))
             && self.explains_together(whole, share)
     }
 
@@ -276,12 +282,15 @@ impl Cells {
     /// weights of cells are the same for every `self`, so that distances may be compared.
     pub fn misfit(&self, test: &Cells, golden: &Cells) -> Misfit {
         let noise_over_golden = test.noise_over(golden);
+        let mean_brightness = golden.mean_brightness();
         let mut in_noise = Sum::default();
         let mut sums = [PartSums::default(); 2];
+        let mut by_other_weights = [PartSums::default(); 2];
         let mut least_squares = Sum::default();
         for cell in 0..self.means.len() {
             let part = &mut sums[usize::from(golden.silent[cell])];
             let (mut square, mut noise_of_square, mut least) = (0.0, 0.0, 0.0);
+            let mut others = [[0.0; 2]; 2];
             for c in 0..3 {
                 let (a, b) = (self.means[cell][c], test.means[cell][c]);
                 let size = a.abs().max(b.abs());
@@ -305,15 +314,26 @@ impl Cells {
                 };
                 let beyond = difference - stated;
                 let counts = beyond > coarse * coarse;
-                square += weight * if counts { beyond } else { beyond.min(0.0) };
+                let beyond_rounding = if counts { beyond } else { beyond.min(0.0) };
+                square += weight * beyond_rounding;
                 // The square of a normal number of mean m has the variance 2 v² + 4 v m².
                 let spread = guarded * (2.0 * guarded + 4.0 * beyond.max(0.0));
                 // The channels of a cell may share their noise: their errors add up.
                 noise_of_square += weight * spread.sqrt();
                 least += weight * std::f64::consts::SQRT_2 * guarded;
+                let due = golden.due_variance(cell, c, noise_over_golden);
+                let brighter = golden.means[cell][c].abs().max(b.abs());
+                for (other, bright) in others.iter_mut().zip([mean_brightness, brighter]) {
+                    let weight = weight_of(bright, due);
+                    other[0] += weight * beyond_rounding;
+                    other[1] += weight * spread.sqrt();
+                }
             }
             least_squares.add(least * least);
             part.add(square, noise_of_square);
+            for (sums, [square, noise]) in by_other_weights.iter_mut().zip(others) {
+                sums.add(square, noise);
+            }
         }
         let cells = self.means.len() as f64;
         let has_noise = golden.samples.is_some() || test.samples.is_some();
@@ -323,6 +343,7 @@ impl Cells {
                 sums[0].distance(cells, has_noise),
                 sums[1].distance(cells, false),
             ],
+            by_other_weights: by_other_weights.map(|sums| sums.distance(cells, has_noise)),
             least_error: least_squares.value().sqrt() / (3.0 * cells),
         }
     }
@@ -345,10 +366,19 @@ impl Cells {
     /// image is this much times that of the golden. By the noise of the golden alone: that of the
     /// test image is smaller where it happens to be dark.
     fn weight(&self, cell: usize, c: usize, noise_over_golden: f64) -> f64 {
-        let bright = self.means[cell][c].abs() + DARK;
-        let due = self.variances[cell][c] * (1.0 + noise_over_golden);
-        // A cell of much noise says little of distances.
-        1.0 / (bright * bright + 16.0 * due)
+        let due = self.due_variance(cell, c, noise_over_golden);
+        weight_of(self.means[cell][c].abs(), due)
+    }
+
+    /// Variance of the difference of a test image from this golden, by the noise of the golden.
+    fn due_variance(&self, cell: usize, c: usize, noise_over_golden: f64) -> f64 {
+        self.variances[cell][c] * (1.0 + noise_over_golden)
+    }
+
+    /// Mean of all values.
+    fn mean_brightness(&self) -> f64 {
+        let values = self.means.as_flattened();
+        values.iter().map(|value| value.abs()).sum::<f64>() / values.len() as f64
     }
 
     /// Variance of all of `self` over that of `golden`; 0 where neither has any.
@@ -373,6 +403,13 @@ impl Cells {
             own + other.max(borrowed)
         }
     }
+}
+
+/// The weight of a squared difference where it is compared with this brightness, and has this variance: a cell
+/// of much noise says little of distances.
+fn weight_of(bright: f64, variance: f64) -> f64 {
+    let bright = bright + DARK;
+    1.0 / (bright * bright + 16.0 * variance)
 }
 
 /// Sums over the cells of a part of an image.

@@ -61,6 +61,12 @@ impl Profile {
         SHIPPED.into_iter().map(|(name, _)| name)
     }
 
+    /// Name of the profile that volref brings with this `text`.
+    pub fn shipped_name(text: &str) -> Option<&'static str> {
+        let found = SHIPPED.iter().find(|(_, shipped)| *shipped == text);
+        found.map(|(name, _)| *name)
+    }
+
     /// The profile that volref brings under this name, else the one in the file of this name.
     pub fn named(name: &str) -> SceneResult<Profile> {
         if let Some((_, text)) = SHIPPED.iter().find(|(shipped, _)| *shipped == name) {

@@ -9,11 +9,12 @@ mod attempt;
 mod effects;
 mod profile_text;
 
-use crate::conventions::{CATALOGUE, ConventionSet};
+use super::shipped_profile::{self, NamedProfile};
+use crate::conventions::{CATALOGUE, ConventionSet, Profile};
 use crate::film::Film;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
 use crate::scene::{Panel, Scene};
-use crate::suite::Case;
+use crate::suite::{Case, Store};
 use attempt::Attempt;
 use profile_text::profile_text;
 use std::sync::Mutex;
@@ -71,31 +72,42 @@ impl Explained {
     /// Replaces a mismatch by the verdict of these conventions: a pass where they are `accepted`.
     fn explain(&self, result: &mut CaseResult, accepted: bool) {
         result.conventions = self.in_words();
-        result.verdict = Verdict::Convention;
-        result.cause = if accepted {
-            Cause::None
-        } else {
-            Cause::Convention
-        };
         let rest = match self.agreement {
             Agreement::Full => String::new(),
             Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
-        let outside = result.metrics.get("outlier_share");
-        let size = outside.map_or(String::new(), |share| {
-            format!(" in {:.3} % of the pixels", 100.0 * share)
-        });
-        result.reason = format!(
-            "differs by convention{size}: it {}. The right image under {} agrees with it{rest}",
-            result.conventions.join("; "),
-            if result.conventions.len() == 1 {
-                "this convention"
-            } else {
-                "these conventions"
-            }
-        );
+        let under = match result.conventions.len() {
+            1 => "this convention",
+            _ => "these conventions",
+        };
+        let agreement = format!("The right image under {under} agrees with it{rest}");
         result.profile = self.profile.clone();
+        set_verdict(result, accepted, &agreement);
     }
+}
+
+/// Replaces a mismatch by the verdict of the conventions of `profile`, which volref brings as `name`.
+fn explain_by_profile((name, profile): &NamedProfile, result: &mut CaseResult, accepted: bool) {
+    let words = format!("has the conventions of the profile {name}, {}", profile.name);
+    result.conventions = vec![words];
+    result.profile = Some(profile.text.clone());
+    set_verdict(result, accepted, "The right image under them agrees with it");
+}
+
+/// The verdict of the conventions that `result` holds, with a sentence on the `agreement` under them.
+fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
+    result.verdict = Verdict::Convention;
+    result.cause = if accepted {
+        Cause::None
+    } else {
+        Cause::Convention
+    };
+    let outside = result.metrics.get("outlier_share");
+    let size = outside.map_or(String::new(), |share| {
+        format!(" in {:.3} % of the pixels", 100.0 * share)
+    });
+    let conventions = result.conventions.join("; ");
+    result.reason = format!("differs by convention{size}: it {conventions}. {agreement}");
 }
 
 /// The search for the conventions behind images, with the sets that were found so far: what
@@ -103,12 +115,24 @@ impl Explained {
 #[derive(Debug, Default)]
 pub struct ConventionSearch {
     known: Mutex<Vec<ConventionSet>>,
+    /// The shipped profile that explained an image as a whole.
+    known_profile: Mutex<Option<&'static str>>,
 }
 
 impl ConventionSearch {
     /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
     /// `accepted`. Takes at most `seconds`; a search that takes longer is cut off, and a note says so.
-    pub fn explain_mismatch(&self, case: &Case, judged: &mut Judged, seconds: f64, accepted: bool) {
+    ///
+    /// Of an image of 8 bits, the [profiles](Profile::shipped) that volref brings are tried as they are first:
+    /// they take less than a search, and the roundings that they state are no choices of one.
+    pub fn explain_mismatch(
+        &self,
+        case: &Case,
+        store: &Store,
+        judged: &mut Judged,
+        seconds: f64,
+        accepted: bool,
+    ) {
         if !judged.differs() {
             return;
         }
@@ -116,8 +140,15 @@ impl ConventionSearch {
             return;
         };
         let images = judged.evidence.images();
+        if !may_be_by_convention(&scene, &images) {
+            return;
+        }
         let end = Instant::now().checked_add(Duration::from_secs_f64(seconds));
-        if let Some(explained) = self.explain(case, &scene, &images, end) {
+        if let Some(found) = self.profile(case, store, judged, end) {
+            return explain_by_profile(&found, &mut judged.result, accepted);
+        }
+        let explained = self.explain(case, &scene, &images, end);
+        if let Some(explained) = explained {
             explained.explain(&mut judged.result, accepted);
         } else if seconds > 0.0 && end.is_some_and(|end| Instant::now() >= end) {
             let note = format!(
@@ -126,6 +157,23 @@ impl ConventionSearch {
             );
             judged.result.notes.push(note);
         }
+    }
+
+    /// The profile that volref brings under which an image of 8 bits agrees; first the one that explained
+    /// another.
+    fn profile(
+        &self,
+        case: &Case,
+        store: &Store,
+        judged: &Judged,
+        end: Option<Instant>,
+    ) -> Option<NamedProfile> {
+        let known = *self.known_profile.lock().expect("no panic holds it");
+        let others = Profile::shipped().filter(|name| Some(*name) != known);
+        let names = known.into_iter().chain(others);
+        let found = shipped_profile::passing(names, case, store, judged, end)?;
+        *self.known_profile.lock().expect("no panic holds it") = Some(found.0);
+        Some(found)
     }
 
     /// The fewest conventions, of those tried, under which `images` pass as images of `case`: one with the
@@ -138,10 +186,7 @@ impl ConventionSearch {
         images: &[Film],
         end: Option<Instant>,
     ) -> Option<Explained> {
-        let first = images.first()?;
-        let is_of_size = [first.width(), first.height()] == [scene.width(), scene.height()];
-        let is_classified = |panel: &Panel| panel.classified().is_some();
-        if !is_of_size || is_of_one_colour(first) || !scene.panels.iter().all(is_classified) {
+        if !may_be_by_convention(scene, images) {
             return None;
         }
         // Conventions are about samples.
@@ -150,6 +195,9 @@ impl ConventionSearch {
         let known = self.known.lock().expect("no panic holds it").clone();
         let from_before = known.into_iter().find_map(|set| {
             let agreement = attempt.agreement_if_near(&set)?;
+            if !attempt.is_explained(&set) {
+                return None;
+            }
             Some((set, agreement))
         });
         let is_new = from_before.is_none();
@@ -166,6 +214,15 @@ impl ConventionSearch {
             agreement,
         })
     }
+}
+
+/// True of images of classified volumes in the size of `scene`, of more than one colour.
+fn may_be_by_convention(scene: &Scene, images: &[Film]) -> bool {
+    let is_classified = |panel: &Panel| panel.classified().is_some();
+    images.first().is_some_and(|first| {
+        let is_of_size = [first.width(), first.height()] == [scene.width(), scene.height()];
+        is_of_size && !is_of_one_colour(first) && scene.panels.iter().all(is_classified)
+    })
 }
 
 /// True for an image such as black, which no convention makes of a volume.

@@ -3,6 +3,7 @@
 pub(crate) mod convention_search;
 pub(crate) mod likeness;
 pub(crate) mod rate;
+mod shipped_profile;
 
 pub use convention_search::{Agreement, ConventionSearch, Explained};
 pub use likeness::{

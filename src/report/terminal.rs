@@ -1,5 +1,6 @@
 //! Results for people.
 
+use crate::conventions::Profile;
 use crate::judging::{CaseResult, Summary, Verdict};
 use crate::naming::{Likenesses, SearchStep};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
@@ -87,7 +88,12 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     if result.verdict == Verdict::Convention && result.profile.is_none() {
         text.push_str("              --accept-conventions accepts it\n");
     }
-    if let Some(profile) = &result.profile {
+    let shipped = result.profile.as_deref().and_then(Profile::shipped_name);
+    if let Some(name) = shipped {
+        text.push_str(&format!(
+            "              --accept-conventions accepts it; --as {name} judges by that profile\n"
+        ));
+    } else if let Some(profile) = &result.profile {
         text.push_str(
             "              --accept-conventions accepts it; --as FILE judges by this file:\n",
         );

@@ -10,8 +10,8 @@ use volref::conventions::{
     CATALOGUE, FirstSamples, Profile, bounds_of_rounded_places, images_of_first_samples,
     ray_caster::RayCaster, under,
 };
-use volref::film::Film;
-use volref::judging::Verdict;
+use volref::film::{Bits, Film};
+use volref::judging::{Verdict, validate};
 use volref::math::{pow, rng::philox4x32_10};
 use volref::naming::{Agreement, ConventionSearch};
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
@@ -21,7 +21,7 @@ use volref::scene::{
     CONVENTIONS, Classified, Compositing, Conventions, FittedSteps, LastStep, Model, Precision,
     Scene, Shadow, StepLength,
 };
-use volref::suite::{Case, Suite};
+use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
 use volref::volume::{Centring, Grid, Interpolation, Lattice};
 
@@ -935,77 +935,89 @@ fn random_set(number: u32) -> Vec<usize> {
     set
 }
 
-/// How often the right set of conventions is named, and how often a mistake is taken for one: the
-/// table in the guide.
+/// `film` as codes of 8 bits, linear.
+fn in_eight_bits(film: &Film) -> Film {
+    let bits = "8-linear".parse::<Bits>().unwrap();
+    bits.of_png(0.0).rounded(film)
+}
+
+/// How often the right set of conventions is named, from images of 32 and of 8 bits: the table in the guide.
 #[test]
 #[ignore = "minutes"]
 fn how_often_conventions_are_named() {
     let (case, scene) = small("figures/figure-3");
-    let sets = (0..100).map(random_set);
-    let mut longest = Duration::ZERO;
-    let (mut named, mut same, mut silent, mut seen, mut unclaimed) = (0, 0, 0, 0, 0);
-    for set in sets {
-        let test = picture(&under(&scene, &set));
-        if passes(&scene, &test) {
-            continue; // it changes too little to be judged
-        }
-        // One that is a mistake of the catalogue, too, is not claimed by itself.
-        let alone = |&index: &usize| {
-            !CATALOGUE[index].stands_alone && passes(&under(&scene, &[index]), &test)
-        };
-        if set.iter().any(alone) {
-            unclaimed += 1;
-            continue;
-        }
-        seen += 1;
-        let start = Instant::now();
-        let found = ConventionSearch::default().explain(&case, &scene, &[radiance(&test)], None);
-        longest = longest.max(start.elapsed());
-        match found {
-            Some(found) if found.set == set => named += 1,
-            Some(found) if passes(&under(&scene, &found.set), &test) => same += 1,
-            Some(found) => println!("{:?} for {:?}", in_words(&found.set), in_words(&set)),
-            None => {
-                println!("nothing for {:?}", in_words(&set));
-                silent += 1;
+    for rounded in [false, true] {
+        let mut longest = Duration::ZERO;
+        let (mut named, mut same, mut silent, mut seen, mut unclaimed) = (0, 0, 0, 0, 0);
+        for set in (0..100).map(random_set) {
+            let film = film(&under(&scene, &set));
+            let film = if rounded { in_eight_bits(&film) } else { film };
+            let test = Picture::Radiance(film.clone());
+            if passes(&scene, &test) {
+                continue; // it changes too little to be judged
             }
-        }
-    }
-    println!(
-        "{seen} sets: {named} named, {same} by another set of the same image, {silent} not named; \
-         {unclaimed} more are a mistake by themselves; the longest search took {longest:.1?}"
-    );
-    let (mut wrong, mut made) = (0, 0);
-    for name in ["figures/figure-1", "figures/figure-3", "figures/figure-5"] {
-        let (case, scene) = small(name);
-        let right = render(&plans(&scene), Sampling::default(), &|| ())
-            .unwrap()
-            .film;
-        for mistake in mistakes::catalogue() {
-            let test = match mistake.in_scene(&scene) {
-                Some(scene) => picture(&scene),
-                None => match mistake.in_image(&right) {
-                    Some(film) => Picture::Radiance(film),
-                    None => continue,
-                },
+            // One that is a mistake of the catalogue, too, is not claimed by itself.
+            let alone = |&index: &usize| {
+                !CATALOGUE[index].stands_alone && passes(&under(&scene, &[index]), &test)
             };
-            if test.size() != (right.width(), right.height()) || passes(&scene, &test) {
+            if set.iter().any(alone) {
+                unclaimed += 1;
                 continue;
             }
-            made += 1;
-            if let Some(found) =
-                ConventionSearch::default().explain(&case, &scene, &[radiance(&test)], None)
-            {
-                println!(
-                    "{name}: {:?} for the mistake {}",
-                    in_words(&found.set),
-                    mistake.name
-                );
-                wrong += 1;
+            seen += 1;
+            let start = Instant::now();
+            let found = ConventionSearch::default().explain(&case, &scene, &[film], None);
+            longest = longest.max(start.elapsed());
+            match found {
+                Some(found) if found.set == set => named += 1,
+                Some(found) if passes(&under(&scene, &found.set), &test) => same += 1,
+                Some(found) => println!("{:?} for {:?}", in_words(&found.set), in_words(&set)),
+                None => {
+                    println!("nothing for {:?}", in_words(&set));
+                    silent += 1;
+                }
+            }
+        }
+        println!(
+            "{} bits, {seen} sets: {named} named, {same} by another set of the same image, {silent} not \
+             named; {unclaimed} more are a mistake by themselves; the longest search took {longest:.1?}",
+            if rounded { 8 } else { 32 }
+        );
+        assert!(100 * (named + same) >= 95 * seen);
+    }
+}
+
+/// How often a mistake is called a convention, of images of 32 and of 8 bits.
+#[test]
+#[ignore = "minutes"]
+fn how_often_mistakes_are_called_conventions() {
+    let suite = Suite::bundled().unwrap();
+    let selected = suite.select(&["sampled".to_owned(), "figures/figure-1".to_owned()]);
+    let (mut wrong, mut made) = (0, 0);
+    for case in selected.unwrap() {
+        let scene = case.load_scene().unwrap();
+        let right = film(&scene);
+        for mistake in mistakes::catalogue() {
+            let of_the_scene = mistake.in_scene(&scene).map(|scene| film(&scene));
+            let Some(film) = of_the_scene.or_else(|| mistake.in_image(&right)) else {
+                continue;
+            };
+            for film in [in_eight_bits(&film), film] {
+                let output = Output::Picture(Box::new(Picture::Radiance(film)));
+                let mut judged = validate(case, &suite.store(), output, None);
+                if judged.result.verdict != Verdict::Fail {
+                    continue;
+                }
+                made += 1;
+                let search = ConventionSearch::default();
+                search.explain_mismatch(case, &suite.store(), &mut judged, 1e4, false);
+                if judged.result.verdict == Verdict::Convention {
+                    println!("{}: {}: {}", case.name, mistake.name, judged.result.reason);
+                    wrong += 1;
+                }
             }
         }
     }
     println!("{made} pictures with a mistake: {wrong} called a convention");
-    assert!(100 * (named + same) >= 95 * seen);
     assert!(100 * wrong <= 2 * made);
 }

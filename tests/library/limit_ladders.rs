@@ -25,8 +25,7 @@ fn ladder(scene: &Scene, edit: impl Fn(&mut Conventions)) -> Vec<Film> {
             volume.step *= share;
             edit(&mut volume.conventions);
         });
-        let rendering = render(&plans(&scene), Sampling::default(), &|| ());
-        rendering.unwrap().film
+        rendered(&scene)
     };
     [1.0, 0.5, 0.25].map(image).to_vec()
 }
@@ -36,7 +35,7 @@ fn judged(suite: &Suite, case: &Case, images: &[Film], profile: Option<&Profile>
     let pictures = images.iter().cloned().map(Picture::Radiance).collect();
     let mut judged = validate(case, &suite.store(), Output::Refined(pictures), profile);
     if profile.is_none() {
-        ConventionSearch::default().explain_mismatch(case, &mut judged, 1e4, false);
+        ConventionSearch::default().explain_mismatch(case, &suite.store(), &mut judged, 1e4, false);
     }
     judged
 }
@@ -129,15 +128,50 @@ fn five_conventions_in_eight_bits() {
         it.linear_opacity = true;
         (it.table_size, it.texture_place) = (Some(256), true);
     });
-    let codes = |film: &Film| {
-        let round = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() / 255.0;
-        let pixels = film.radiance().iter().map(|pixel| pixel.map(round));
-        Film::new(film.width(), film.height(), pixels.collect())
-    };
-    let images: Vec<Film> = images.iter().map(codes).collect();
+    let images: Vec<Film> = images.iter().map(of_eight_bits).collect();
     let found = judged(&suite, &cases[0], &images, None).result;
     assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
     let profile = Profile::parse(&found.profile.unwrap(), "mine.toml").unwrap();
     let under = judged(&suite, &cases[0], &images, Some(&profile)).result;
     assert_eq!(under.verdict, Verdict::Pass, "{}", under.reason);
+}
+
+fn of_eight_bits(film: &Film) -> Film {
+    let round = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() / 255.0;
+    let pixels = film.radiance().iter().map(|pixel| pixel.map(round));
+    Film::new(film.width(), film.height(), pixels.collect())
+}
+
+/// A renderer whose roundings are no choices of the search is known by its profile as a whole, in images of
+/// 8 bits alone.
+#[test]
+fn profiles_that_volref_brings() {
+    let (suite, cases) = cases("sampled/thick-slices");
+    let case = &cases[0];
+    let profile = Profile::named("vispy").unwrap();
+    let scene = profile.applied_to(&case.load_scene().unwrap()).unwrap();
+    let film = rendered(&scene.unwrap());
+    let found = judged_one(&suite, case, of_eight_bits(&film)).result;
+    assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
+    let under = "has the conventions of the profile vispy, vispy 0.17";
+    assert!(found.reason.contains(under), "{}", found.reason);
+    assert_eq!(found.profile, Some(profile.text));
+    // Darker by a tenth, which no renderer makes.
+    let pixels = film.radiance().iter();
+    let darker = pixels.map(|pixel| pixel.map(|value| 0.9 * value)).collect();
+    let darker = Film::new(film.width(), film.height(), darker);
+    let result = judged_one(&suite, case, of_eight_bits(&darker)).result;
+    assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
+}
+
+fn rendered(scene: &Scene) -> Film {
+    let rendering = render(&plans(scene), Sampling::default(), &|| ());
+    rendering.unwrap().film
+}
+
+fn judged_one(suite: &Suite, case: &Case, image: Film) -> Judged {
+    let output = Output::Picture(Box::new(Picture::Radiance(image)));
+    let mut judged = validate(case, &suite.store(), output, None);
+    ConventionSearch::default().explain_mismatch(case, &suite.store(), &mut judged, 1e4, false);
+    judged
 }

@@ -172,49 +172,44 @@ impl<'a> Attempt<'a> {
 
     fn agreement_at(&self, set: &[usize], halvings: usize, test: &Film) -> Option<Agreement> {
         let right = self.image(set, halvings, Detail::Whole)?;
-        let conditions = Conditions {
-            exposure: self.exposure,
-            ..Conditions::default()
-        };
-        let pictures = [right, test.clone()].map(Picture::Radiance);
-        let (gate, _) = default_gate(&pictures[0], &pictures[1]);
-        if judge(gate, &pictures[0], &pictures[1], &conditions)
-            .ok()?
-            .passed
-        {
+        if self.passes(&right, test) {
             return Some(Agreement::Full);
         }
-        let misfit = Misfit::of(pictures[0].radiance()?, test);
+        let misfit = Misfit::of(&right, test);
         let is_rounding = misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP;
         is_rounding.then_some(Agreement::ButFor(misfit.outside))
     }
 
     /// The conventions under which the images agree, none of them without need.
     pub fn search(&self) -> Option<(ConventionSet, Agreement)> {
-        let found = self.best_first()?;
-        if !self.is_explained(found.1) {
-            return None;
-        }
-        self.backward_elimination(found)
+        let found = self.backward_elimination(self.best_first()?)?;
+        self.is_explained(&found.0).then_some(found)
     }
 
-    /// True if `agreement` leaves no more of the difference than [`LEFT_BY_ROUNDING`]: conventions that leave as
-    /// many pixels outside as volref's own explain nothing.
-    fn is_explained(&self, agreement: Agreement) -> bool {
-        if agreement == Agreement::Full {
-            return true;
+    /// True if the images under the conventions of `set` differ from those under volref's own by more than the
+    /// gate allows, and leave no more of the pixels outside of the tolerance than [`LEFT_BY_ROUNDING`].
+    pub fn is_explained(&self, set: &[usize]) -> bool {
+        let (mut differs, mut before, mut left) = (false, 0.0_f64, 0.0_f64);
+        for (halvings, test) in self.tests.iter().enumerate() {
+            let images = [&[], set].map(|set| self.image(set, halvings, Detail::Whole));
+            let [Some(own), Some(under)] = images else {
+                return false;
+            };
+            before = before.max(Misfit::of(&own, test).outside);
+            left = left.max(Misfit::of(&under, test).outside);
+            differs |= !self.passes(&own, &under);
         }
-        let outside = |(halvings, test): (usize, &Film)| {
-            let own = self.image(&[], halvings, Detail::Whole);
-            own.map_or(0.0, |own| Misfit::of(&own, test).outside)
+        differs && left <= LEFT_BY_ROUNDING * before
+    }
+
+    fn passes(&self, right: &Film, test: &Film) -> bool {
+        let conditions = Conditions {
+            exposure: self.exposure,
+            ..Conditions::default()
         };
-        let most = self
-            .tests
-            .iter()
-            .enumerate()
-            .map(outside)
-            .fold(0.0, f64::max);
-        agreement.rest() <= LEFT_BY_ROUNDING * most
+        let pictures = [right, test].map(|film| Picture::Radiance(film.clone()));
+        let (gate, _) = default_gate(&pictures[0], &pictures[1]);
+        judge(gate, &pictures[0], &pictures[1], &conditions).is_ok_and(|judged| judged.passed)
     }
 
     /// The first set, of those with the least misfit, under which the whole images agree.

@@ -135,6 +135,7 @@ mod tests {
                 },
                 SquaredDistance::default(),
             ],
+            by_other_weights: [SquaredDistance::default(); 2],
             least_error: error,
         };
         Explanation {

@@ -30,6 +30,10 @@ const USUAL_PAIRS: [[&str; 2]; 4] = [
     ["interpolation-nearest", "grid-half-voxel-back"],
 ];
 
+/// Largest share of the squared difference that one mistake leaves which a second beside it may leave: one that
+/// takes less is a stray.
+const WORTH_A_SECOND: f64 = 0.5;
+
 /// Hypotheses that explain an image, with their misfits.
 pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
@@ -229,7 +233,26 @@ impl ComparedCase {
                 closer.is_some()
             });
         }
+        promising.retain(|(hypothesis, misfit)| self.needs_both(hypothesis, misfit, clock));
         promising.sort_by(|(_, a), (_, b)| nearer(a, b));
         promising
+    }
+
+    /// True of one mistake, and of a pair that leaves less than [`WORTH_A_SECOND`] of what either of the
+    /// two leaves alone.
+    fn needs_both(
+        &self,
+        hypothesis: &Hypothesis,
+        misfit: &Misfit,
+        clock: &SearchClock<'_>,
+    ) -> bool {
+        let Hypothesis::Two(first, second) = *hypothesis else {
+            return true;
+        };
+        let left = misfit.distance().value;
+        [first, second].into_iter().all(|one| {
+            let alone = self.test(&Hypothesis::One(one), clock);
+            alone.is_none_or(|alone| left <= WORTH_A_SECOND * alone.distance().value)
+        })
     }
 }

@@ -1,0 +1,92 @@
+//! A profile that volref brings as the explanation of an image: judged as `validate --as` judges it.
+//!
+//! The [search](super::convention_search) knows single choices. A renderer as it comes also rounds and
+//! places its samples in ways that are no choices of the search, and only its profile as a whole states them.
+
+use crate::compare::{Conditions, Deterministic, Picture, judge};
+use crate::conventions::Profile;
+use crate::film::{Encoding, Film, Origin, Quantisation};
+use crate::judging::{Judged, Verdict, radiance, validate};
+use crate::suite::{Case, Output, Store};
+use std::time::Instant;
+
+/// A profile that volref brings, by its name.
+pub type NamedProfile = (&'static str, Profile);
+
+/// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
+/// pass.
+pub fn passing(
+    names: impl Iterator<Item = &'static str>,
+    case: &Case,
+    store: &Store,
+    judged: &Judged,
+    end: Option<Instant>,
+) -> Option<NamedProfile> {
+    let in_time = |_: &&str| end.is_none_or(|end| Instant::now() < end);
+    let names = names.take_while(in_time);
+    let mut profiles = names.filter_map(|name| Some((name, Profile::named(name).ok()?)));
+    profiles.find(|(_, profile)| {
+        let output = output_of(judged, profile, case.exposure);
+        output.is_some_and(|output| {
+            let under_profile = validate(case, store, output, Some(profile));
+            under_profile.result.verdict == Verdict::Pass && !are_alike(judged, &under_profile)
+        })
+    })
+}
+
+/// True if the right images by which both were judged pass for each other: then a profile explains nothing.
+fn are_alike(first: &Judged, second: &Judged) -> bool {
+    let right = |judged: &Judged| Some(Picture::Radiance(judged.evidence.golden.clone()?));
+    let [Some(first), Some(second)] = [first, second].map(right) else {
+        return false;
+    };
+    let judgement = judge(&Deterministic, &first, &second, &Conditions::default());
+    judgement.is_ok_and(|judgement| judgement.passed)
+}
+
+/// The images behind `judged` in the precision of `profile`; `None` if they have another, or if there are none.
+fn output_of(judged: &Judged, profile: &Profile, exposure: f64) -> Option<Output> {
+    let of = |picture: Picture| in_precision_of(profile, picture, exposure);
+    let evidence = &judged.evidence;
+    if evidence.refined.is_empty() {
+        return Some(Output::Picture(Box::new(of(evidence.test.clone()?)?)));
+    }
+    let refined = evidence.refined.iter().cloned().map(Picture::Radiance);
+    Some(Output::Refined(refined.map(of).collect::<Option<_>>()?))
+}
+
+/// `picture` with the codes of `profile`; `None` if it has others. What a renderer of 8 bits may be off by is
+/// forgiven in images of 8 bits alone.
+fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option<Picture> {
+    let bits = profile.bits?;
+    let film = match picture {
+        Picture::Radiance(film) => film,
+        codes => radiance(codes, bits, exposure),
+    };
+    let of_codes = |it: Quantisation| it.encoding == bits.encoding.unwrap_or(it.encoding);
+    let quantisation = match film.quantisation() {
+        Some(known) if of_codes(known) => known,
+        // Codes of a PNG were read as sRGB where nobody said which curve they have.
+        Some(known) if known.origin == Origin::Png => {
+            let film = read_as(&film, known, bits.encoding?);
+            return in_precision_of(profile, Picture::Radiance(film), exposure);
+        }
+        Some(_) => return None,
+        None => {
+            Some(bits.of_radiance(&film, exposure)).filter(|it| it.origin != Origin::Assumed)?
+        }
+    };
+    let blended = bits.blended;
+    let quantisation = Quantisation {
+        blended,
+        ..quantisation
+    };
+    Some(Picture::Radiance(film.quantised(quantisation)))
+}
+
+/// `film`, of the codes of a PNG, with these taken for those of another curve.
+fn read_as(film: &Film, known: Quantisation, encoding: Encoding) -> Film {
+    let codes = known.codes(film);
+    let other = Quantisation { encoding, ..known };
+    other.decoded(film.width(), film.height(), &codes)
+}
