@@ -88,10 +88,17 @@ impl Explained {
 
 /// Replaces a mismatch by the verdict of the conventions of `profile`, which volref brings as `name`.
 fn explain_by_profile((name, profile): &NamedProfile, result: &mut CaseResult, accepted: bool) {
-    let words = format!("has the conventions of the profile {name}, {}", profile.name);
+    let words = format!(
+        "has the conventions of the profile {name}, {}",
+        profile.name
+    );
     result.conventions = vec![words];
     result.profile = Some(profile.text.clone());
-    set_verdict(result, accepted, "The right image under them agrees with it");
+    set_verdict(
+        result,
+        accepted,
+        "The right image under them agrees with it",
+    );
 }
 
 /// The verdict of the conventions that `result` holds, with a sentence on the `agreement` under them.
@@ -121,7 +128,7 @@ pub struct ConventionSearch {
 
 impl ConventionSearch {
     /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
-    /// `accepted`. Takes at most `seconds`; a search that takes longer is cut off, and a note says so.
+    /// `accepted`. The search takes at most `seconds`; one that takes longer is cut off, and a note says so.
     ///
     /// Of an image of 8 bits, the [profiles](Profile::shipped) that volref brings are tried as they are first:
     /// they take less than a search, and the roundings that they state are no choices of one.
@@ -143,14 +150,18 @@ impl ConventionSearch {
         if !may_be_by_convention(&scene, &images) {
             return;
         }
-        let end = Instant::now().checked_add(Duration::from_secs_f64(seconds));
-        if let Some(found) = self.profile(case, store, judged, end) {
+        let searches = seconds > 0.0;
+        if let Some(found) = searches
+            .then(|| self.profile(case, store, judged))
+            .flatten()
+        {
             return explain_by_profile(&found, &mut judged.result, accepted);
         }
+        let end = Instant::now().checked_add(Duration::from_secs_f64(seconds));
         let explained = self.explain(case, &scene, &images, end);
         if let Some(explained) = explained {
             explained.explain(&mut judged.result, accepted);
-        } else if seconds > 0.0 && end.is_some_and(|end| Instant::now() >= end) {
+        } else if searches && end.is_some_and(|end| Instant::now() >= end) {
             let note = format!(
                 "the search for conventions was cut off after {seconds} s: give it more time with \
                  --explain"
@@ -161,17 +172,11 @@ impl ConventionSearch {
 
     /// The profile that volref brings under which an image of 8 bits agrees; first the one that explained
     /// another.
-    fn profile(
-        &self,
-        case: &Case,
-        store: &Store,
-        judged: &Judged,
-        end: Option<Instant>,
-    ) -> Option<NamedProfile> {
+    fn profile(&self, case: &Case, store: &Store, judged: &Judged) -> Option<NamedProfile> {
         let known = *self.known_profile.lock().expect("no panic holds it");
         let others = Profile::shipped().filter(|name| Some(*name) != known);
         let names = known.into_iter().chain(others);
-        let found = shipped_profile::passing(names, case, store, judged, end)?;
+        let found = shipped_profile::passing(names, case, store, judged)?;
         *self.known_profile.lock().expect("no panic holds it") = Some(found.0);
         Some(found)
     }

@@ -6,32 +6,59 @@
 use crate::compare::{Conditions, Deterministic, Picture, judge};
 use crate::conventions::Profile;
 use crate::film::{Encoding, Film, Origin, Quantisation};
+use crate::geometry::length_of;
 use crate::judging::{Judged, Verdict, radiance, validate};
+use crate::scene::{Panel, Scene};
 use crate::suite::{Case, Output, Store};
-use std::time::Instant;
 
 /// A profile that volref brings, by its name.
 pub type NamedProfile = (&'static str, Profile);
 
+/// Largest number of samples of all profiles that are tried: some ten seconds of work.
+const MOST_SAMPLES: f64 = 2e9;
+
+/// Images of a profile with random places of the samples: one for each of 33.
+const IMAGES_OF_RANDOM_PLACES: f64 = 33.0;
+
 /// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
-/// pass.
+/// pass. Their work is counted, so that no verdict depends on the machine.
 pub fn passing(
     names: impl Iterator<Item = &'static str>,
     case: &Case,
     store: &Store,
     judged: &Judged,
-    end: Option<Instant>,
 ) -> Option<NamedProfile> {
-    let in_time = |_: &&str| end.is_none_or(|end| Instant::now() < end);
-    let names = names.take_while(in_time);
+    let scene = case.load_scene().ok()?;
+    let mut samples = 0.0;
     let mut profiles = names.filter_map(|name| Some((name, Profile::named(name).ok()?)));
     profiles.find(|(_, profile)| {
-        let output = output_of(judged, profile, case.exposure);
-        output.is_some_and(|output| {
-            let under_profile = validate(case, store, output, Some(profile));
-            under_profile.result.verdict == Verdict::Pass && !are_alike(judged, &under_profile)
-        })
+        let Some(output) = output_of(judged, profile, case.exposure) else {
+            return false;
+        };
+        samples += samples_under(profile, &scene);
+        if samples > MOST_SAMPLES {
+            return false;
+        }
+        let under_profile = validate(case, store, output, Some(profile));
+        under_profile.result.verdict == Verdict::Pass && !are_alike(judged, &under_profile)
     })
+}
+
+/// Samples in the images that `validate` renders of `scene` under `profile`, if all rays cross the volumes along
+/// their diagonals.
+fn samples_under(profile: &Profile, scene: &Scene) -> f64 {
+    let of_panel = |panel: &Panel| {
+        let volume = panel.classified()?;
+        let across = length_of(volume.grid.lattice().bounds().size());
+        let images = if volume.conventions.is_random() {
+            IMAGES_OF_RANDOM_PLACES
+        } else {
+            1.0
+        };
+        Some((panel.width * panel.height) as f64 * across / volume.step * images)
+    };
+    let under = profile.applied_to(scene).ok().flatten();
+    under.map_or(0.0, |scene| scene.panels.iter().filter_map(of_panel).sum())
 }
 
 /// True if the right images by which both were judged pass for each other: then a profile explains nothing.
