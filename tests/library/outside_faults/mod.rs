@@ -185,7 +185,7 @@ const IN_EVERY_RUN: [(&str, Said, &str); 6] = [
     (
         "opacity + 10 %",
         Said::NoName,
-        "extinction of the volume 10.0000 ± 0.0040 % too large would explain all but less than 0.1 %",
+        "extinction of the volume 10.0000 ± 0.0040 % too large: with this change the scene agrees",
     ),
     (
         "diffuse 0.7, opacity + 10 %",
@@ -317,13 +317,13 @@ fn numbers_far_off_are_told_in_noise() {
     likeness(&[case], &[], None, &mut much, &search);
     let said = &much[0].result.difference;
     assert!(
-        said[0].starts_with("density ") && said[0].contains("too large would explain all but less"),
+        said[0].starts_with("density ") && said[0].contains("scene agrees with the image"),
         "{said:?}"
     );
-    let size: f64 = said[0].split(' ').nth(1).unwrap().parse().unwrap();
-    assert!((size - 10.0).abs() < 0.5, "{said:?}");
+    let size = said[0].split(' ').find_map(|word| word.parse::<f64>().ok());
+    assert!((size.unwrap() - 10.0).abs() < 0.5, "{said:?}");
     assert!(
-        said.iter().all(|said| !said.starts_with("reflectance")),
+        said.iter().all(|said| !said.contains("reflectance")),
         "{said:?}"
     );
 }
