@@ -327,3 +327,58 @@ fn numbers_far_off_are_told_in_noise() {
         "{said:?}"
     );
 }
+
+/// Size and standard error of the number that is called `words`, where `sentence` states them.
+fn interval(sentence: &str, words: &str) -> Option<[f64; 2]> {
+    let rest = sentence.split(words).nth(1)?;
+    let (size, error) = rest.split_once(" ± ")?;
+    let number = |word: &str| word.trim_start_matches(['+', '−', ' ']).parse::<f64>().ok();
+    // Another number has the interval where the size is none.
+    let size = number(size.trim().trim_start_matches("off by "))?;
+    Some([size, number(error.split(' ').next()?)?])
+}
+
+/// Changes far beyond the derivatives, in images with edges: an interval holds the truth, or there is
+/// none, and the scene agrees with the image.
+#[test]
+#[ignore = "minutes: scripts/nightly.sh runs it"]
+fn intervals_of_far_changes_hold_the_truth() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let predictions = Predictions::in_folder(folder.path());
+    let mut stated = 0;
+    for (case, name, change, unit) in [
+        ("smoke/cornell", "camera.down", 2.0, 1.0),
+        ("smoke/cornell", "camera.down", -1.3, 1.0),
+        ("smoke/cornell", "camera.view", 0.02724, 100.0),
+        ("fog/forward", "reflectance", -0.3, 100.0),
+        ("fog/absorption", "density", 0.1, 100.0),
+    ] {
+        let is_at_pairs = AtomicBool::new(false);
+        let search = Search {
+            budget: None,
+            predictions: &predictions,
+            interrupted: &|| is_at_pairs.load(Ordering::Relaxed),
+            progress: &|step| {
+                is_at_pairs.fetch_or(step.stage == Stage::Pairs, Ordering::Relaxed);
+            },
+        };
+        let case = suite.select(&[case.to_owned()]).unwrap()[0];
+        let right = case.load_scene().unwrap();
+        let numbers = numbers(&right);
+        let number = numbers.iter().find(|it| it.name() == name).unwrap();
+        let film = rendered(&number.changed(&right, change).unwrap(), 64);
+        let output = Output::Picture(Box::new(Picture::Radiance(film)));
+        let mut judged = [validate(case, &suite.store(), output, None)];
+        likeness(&[case], &[], None, &mut judged, &search);
+        let said = judged[0].result.difference.join("; ");
+        println!("{name} {change}: {said}");
+        assert!(said.contains("scene agrees with the image"), "{said}");
+        if let Some([size, error]) = interval(&said, &number.words()) {
+            stated += 1;
+            let pull = (size - unit * change.abs()) / error;
+            assert!(pull.abs() < 4.0, "{name} {change}: {said}");
+        }
+    }
+    assert!(stated >= 2, "{stated} intervals");
+}
