@@ -68,7 +68,7 @@ fn tiles() -> Film {
 
 /// True on either side of the border of two tiles.
 fn is_edge(at: usize, length: usize) -> bool {
-    at % 20 == 0 && at > 0 || at % 20 == 19 && at + 1 < length
+    at.is_multiple_of(20) && at > 0 || at % 20 == 19 && at + 1 < length
 }
 
 /// The hills with other values: by value, channel and place.
@@ -392,7 +392,12 @@ fn reasons_in_noise() {
         row("part of it is copied", copied(50), honest()),
         row(
             "pixels are off by more than 5 standard errors",
-            in_noise(|_, test| scaled(test, |x, y| if (x + y) % 2 == 0 { 1.5 } else { 0.5 })),
+            in_noise(|_, test| {
+                scaled(
+                    test,
+                    |x, y| if (x + y).is_multiple_of(2) { 1.5 } else { 0.5 },
+                )
+            }),
             honest(),
         ),
     ]);
@@ -441,7 +446,7 @@ fn by_numbers(size: f64, step: f64, others: &[Sensitivity], also: fn(f64, f64) -
 
 /// Brighter and darker blocks.
 fn checked(x: f64, y: f64, by: f64) -> f64 {
-    let is_bright = (x as usize / 8 + y as usize / 8) % 2 == 0;
+    let is_bright = (x as usize / 8 + y as usize / 8).is_multiple_of(2);
     1.0 + if is_bright { by } else { -by }
 }
 

@@ -236,8 +236,11 @@ impl<'f> Fitting<'f> {
                 fit
             };
             // Where noise leaves it open how much is left, the verdict's own estimate is the better one.
+            if !self.leaves(&fit.predicted, LEFT) {
+                continue;
+            }
             let agrees = self.agrees(&fit).unwrap_or(false);
-            if self.leaves(&fit.predicted, LEFT) && (agrees || fit.numbers.len() <= MOST_AS_IF) {
+            if agrees || fit.numbers.len() <= MOST_AS_IF {
                 nearest = nearest.min(self.misfit(&fit.predicted).distance().at_most());
                 candidates.push(Candidate {
                     words: self.in_words(&fit),
@@ -533,8 +536,7 @@ impl<'f> Fitting<'f> {
 
     /// `fit` by derivatives of one seed and residuals of the other, so that their noise has nothing in
     /// common.
-    fn corrected(&self, fit: Fit) -> Fit {
-        let mut fit = fit;
+    fn corrected(&self, mut fit: Fit) -> Fit {
         let unknown = vec![f64::INFINITY; fit.numbers.len()];
         for _ in 0..CORRECTIONS {
             let Some((step, errors)) = self.correction(&fit) else {
