@@ -21,6 +21,8 @@ pub(crate) struct Cells {
     silent: Vec<bool>,
     /// Random samples in a cell; `None` if unknown.
     samples: Option<f64>,
+    /// True if those are renderings, of samples that are not counted.
+    is_of_renderings: bool,
 }
 
 /// Distance of an image from the prediction of a mistake.
@@ -140,7 +142,9 @@ impl Cells {
             silent.push(2 * without_noise > edge * edge);
         }
         let samples = film.noise().map(|noise| f64::from(noise.samples()) * count);
+        let is_of_renderings = film.noise().is_some_and(|noise| noise.is_of_renderings());
         Cells {
+            is_of_renderings,
             columns,
             rows,
             means,
@@ -169,6 +173,46 @@ impl Cells {
     pub fn without_noise(mut self) -> Cells {
         self.variances.fill([0.0; 3]);
         self
+    }
+
+    /// The cells as pixels. Renderings that do not count their samples state no noise: how many samples
+    /// are in a cell is not known.
+    pub fn film(&self) -> Film {
+        let narrow = |values: &[[f64; 3]]| values.iter().map(|v| v.map(|x| x as f32)).collect();
+        let (columns, rows, means) = (self.columns, self.rows, narrow(&self.means));
+        match self.samples.filter(|_| !self.is_of_renderings) {
+            Some(samples) => {
+                let samples = samples.min(f64::from(u32::MAX)) as u32;
+                Film::with_noise(columns, rows, means, narrow(&self.variances), samples)
+            }
+            None => Film::new(columns, rows, means),
+        }
+    }
+
+    /// These cells with other values: a `map` of each, by its channel, to a value and the slope there.
+    pub fn mapped(&self, map: impl Fn(f64, usize) -> (f64, f64)) -> Cells {
+        let mut mapped = self.clone();
+        for (means, variances) in mapped.means.iter_mut().zip(&mut mapped.variances) {
+            for c in 0..3 {
+                let (value, slope) = map(means[c], c);
+                (means[c], variances[c]) = (value, variances[c] * slope * slope);
+            }
+        }
+        mapped
+    }
+
+    /// Squared differences of `test` by cell, noise taken out, weighed as in [`misfit`](Self::misfit).
+    pub fn squares_left(&self, test: &Cells, golden: &Cells) -> Vec<f64> {
+        let noise_over_golden = test.noise_over(golden);
+        let of_cell = |cell: usize| {
+            let of_channel = |c: usize| {
+                let difference = test.means[cell][c] - self.means[cell][c];
+                let noise = self.variances[cell][c] + test.variances[cell][c];
+                golden.weight(cell, c, noise_over_golden) * (difference * difference - noise)
+            };
+            (0..3).map(of_channel).sum()
+        };
+        (0..self.means.len()).map(of_cell).collect()
     }
 
     /// True if there are as many cells in each row and column.

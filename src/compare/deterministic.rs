@@ -241,8 +241,12 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64)) -> Judgemen
         (false, reason)
     } else if bias[worst_bias].abs() > 1.0 {
         let reason = format!(
-            "every pixel is close, but {} is too {} on the whole: its mean is off by {:.3e}, \
-             {:.1} times what is allowed",
+            "{} close, but {} is too {} on the whole: its mean is off by {:.3e}, {:.1} times what is allowed",
+            match outside {
+                0 => "every pixel is".to_owned(),
+                1 => "all pixels but one are".to_owned(),
+                several => format!("all pixels but {several} are"),
+            },
             CHANNELS[worst_bias],
             if bias[worst_bias] > 0.0 {
                 "bright"

@@ -27,6 +27,10 @@ const WORTH_SAYING: f64 = 0.2;
 /// Share of the squared difference that lies in one channel, if it is said to lie there.
 const MOST: f64 = 0.8;
 
+/// Share of the squared difference at edges, in shares of the pixels there, below which it is said to lie
+/// inside areas.
+const INSIDE: f64 = 0.5;
+
 /// A box that holds the difference is worth saying if it holds no more than this share of the lit
 /// pixels.
 const PART_OF_IMAGE: f64 = 0.5;
@@ -34,18 +38,28 @@ const PART_OF_IMAGE: f64 = 0.5;
 /// Share of the squared difference that is left out of such a box, at each of its four sides.
 const OUTSIDE: f64 = 0.01;
 
-/// Values that end at the same number, if they are said to be cut off there.
-const CUT_OFF: usize = 8;
+/// Fewest values of a channel that end at the same number, if they are said to be cut off there.
+const CUT_OFF: usize = 16;
+
+/// Share of the values that should be above that number, and end there.
+const MOST_CUT_OFF: f64 = 0.9;
+
+/// Ratio of the golden's largest and smallest of these values: those of a lamp that is only darker are
+/// all the same.
+const APART: f64 = 1.02;
 
 /// Sentences, without a full stop, on how `test` differs from `golden`; none where nothing can be
 /// measured: other sizes, values that are no numbers, or no difference beyond noise.
 pub fn measured_difference(golden: &Film, test: &Film, seen: &Seen) -> Vec<String> {
+    measured(golden, test, seen).unwrap_or_default()
+}
+
+/// [`measured_difference`]; nothing where nothing can be measured.
+pub(crate) fn measured(golden: &Film, test: &Film, seen: &Seen) -> Option<Vec<String>> {
     if !golden.is_comparable(test) {
-        return Vec::new();
+        return None;
     }
-    let Some(pixels) = Pixels::new(golden, test) else {
-        return Vec::new();
-    };
+    let pixels = Pixels::new(golden, test)?;
     let parts = Part::all(&pixels, seen);
     let sums = PartSums::of(&pixels, &parts);
     let whole = Jackknife::of(&sums, |sums| sums.squares());
@@ -53,11 +67,11 @@ pub fn measured_difference(golden: &Film, test: &Film, seen: &Seen) -> Vec<Strin
         .into_iter()
         .any(|film| film.noise().is_some());
     if whole.value <= 0.0 || has_noise && !whole.is_beyond(0.0) {
-        return Vec::new();
+        return None;
     }
     let shift = Shift::of(&sums);
     let sentences = [
-        cut_off(golden, test),
+        cut_off(&pixels),
         in_one_channel(&sums),
         gain(&sums),
         shift.as_ref().map(|shift| shift.in_words(seen)),
@@ -68,7 +82,32 @@ pub fn measured_difference(golden: &Film, test: &Film, seen: &Seen) -> Vec<Strin
     let mut sentences: Vec<String> = sentences.into_iter().flatten().collect();
     sentences.extend(in_parts(&sums, &parts));
     sentences.extend(in_a_box(&pixels, &sums));
-    sentences
+    Some(sentences)
+}
+
+/// Place of what is left of a difference, of `squares` by pixel: `80 % of that lies at edges`; nothing
+/// where it lies in no part more than in others.
+pub(crate) fn place_of_rest(golden: &Film, seen: &Seen, squares: &[f64]) -> Option<String> {
+    let pixels = Pixels::new(golden, golden)?;
+    let parts = Part::all(&pixels, seen);
+    let mut sums = [PartSums::default(); PARTS];
+    for (i, square) in squares.iter().enumerate() {
+        let sums = &mut sums[part_of_jackknife(pixels.block(i))];
+        sums.squares[0] += square;
+        for (sum, part) in sums.parts.iter_mut().zip(&parts) {
+            *sum += if part.pixels[i] { *square } else { 0.0 };
+        }
+    }
+    parts.iter().enumerate().find_map(|(k, part)| {
+        let share = share_of_part(&sums, k, part)?;
+        Some(format!("{} of that lies {}", percent(share), part.words))
+    })
+}
+
+/// Part of the jackknife to which a block belongs: neighbours in a row and in a column are of different
+/// parts.
+fn part_of_jackknife([x, y]: [usize; 2]) -> usize {
+    (x + 7 * y) % PARTS
 }
 
 /// Weighted sums over a part of the image.
@@ -91,9 +130,7 @@ impl PartSums {
     fn of(pixels: &Pixels<'_>, kinds: &[Part]) -> [PartSums; PARTS] {
         let mut parts = [PartSums::default(); PARTS];
         for i in 0..pixels.golden.radiance().len() {
-            let [x, y] = pixels.block(i);
-            // Neighbours in a row and in a column are of different parts.
-            let part = &mut parts[(x + 7 * y) % PARTS];
+            let part = &mut parts[part_of_jackknife(pixels.block(i))];
             for c in 0..3 {
                 let (weight, difference) = (pixels.weight(i, c), pixels.difference(i, c));
                 let square = weight * (difference * difference - pixels.variance(i, c));
@@ -221,17 +258,33 @@ fn decimals(value: f64, error: f64) -> String {
     format!("{value:.*}", places.unwrap_or(4) as usize)
 }
 
-fn cut_off(golden: &Film, test: &Film) -> Option<String> {
-    let [golden, test] = [golden, test].map(|film| film.radiance().as_flattened());
-    let most = test.iter().copied().fold(0.0, f32::max);
-    let ends_there = |(a, b): (&f32, &f32)| *b == most && *a > 1.001 * most;
-    let cut = golden
-        .iter()
-        .zip(test)
-        .filter(|pair| ends_there(*pair))
-        .count();
-    (most > 0.0 && cut >= CUT_OFF)
-        .then(|| format!("no value is above {most}, where {cut} should be: they are cut off"))
+/// Values that end at one number, which nearly all that should be above it have, whatever they
+/// should be.
+fn cut_off(pixels: &Pixels<'_>) -> Option<String> {
+    let test = pixels.test.radiance();
+    let most = test.as_flattened().iter().copied().fold(0.0, f32::max);
+    let (mut cut, mut above, mut is_spread) = (0, 0, false);
+    for c in 0..3 {
+        let (mut least, mut largest, mut of_channel) = (f64::INFINITY, 0.0_f64, 0);
+        for (i, pixel) in test.iter().enumerate() {
+            let value = pixels.value(i, c);
+            let beyond = value - 1.001 * f64::from(most);
+            if beyond <= SIGNIFICANT * pixels.variance(i, c).sqrt() {
+                continue;
+            }
+            above += 1;
+            if pixel[c] == most {
+                of_channel += 1;
+                (least, largest) = (least.min(value), largest.max(value));
+            }
+        }
+        cut += of_channel;
+        is_spread |= of_channel >= CUT_OFF && largest >= APART * least;
+    }
+    let is_cut = most > 0.0 && is_spread && cut as f64 >= MOST_CUT_OFF * above as f64;
+    is_cut.then(|| {
+        format!("no value is above {most}, where {cut} should be: they look cut off there")
+    })
 }
 
 fn in_one_channel(sums: &[PartSums; PARTS]) -> Option<String> {
@@ -319,7 +372,7 @@ impl Shift {
         let known: Vec<String> = known.map(along).collect();
         let voxels = seen.voxels_in_words(self.known());
         format!(
-            "by its slopes the image is moved by {}{}, which accounts for {} of the squared difference",
+            "the golden moved by {}{}, by its slopes, would account for {} of the squared difference",
             known.join(" and "),
             voxels.map_or(String::new(), |voxels| format!(" ({voxels})")),
             percent(self.share)
@@ -337,21 +390,28 @@ impl Shift {
 fn in_parts(sums: &[PartSums; PARTS], parts: &[Part]) -> Vec<String> {
     let mut sentences = Vec::new();
     for (k, part) in parts.iter().enumerate() {
-        let share = Jackknife::of(sums, |sums| sums.parts[k] / sums.squares());
-        if part.holds(share.value) && share.is_beyond(part.due) {
-            let percent = percent(share.value);
+        if let Some(share) = share_of_part(sums, k, part) {
+            let percent = percent(share);
             sentences.push(format!(
                 "{percent} of the squared difference lies {}",
                 part.words
             ));
         }
         let is_edge = k == 0;
-        if is_edge && share.value + SIGNIFICANT * share.error <= part.due {
+        let share = Jackknife::of(sums, |sums| sums.parts[k] / sums.squares());
+        if is_edge && share.value + SIGNIFICANT * share.error <= INSIDE * part.due {
             let words = "the difference lies inside areas rather than at their edges";
             sentences.push(words.to_owned());
         }
     }
     sentences
+}
+
+/// The share of the squared difference in the `part` of number `k`, if that holds clearly more than its
+/// share of the pixels.
+fn share_of_part(sums: &[PartSums; PARTS], k: usize, part: &Part) -> Option<f64> {
+    let share = Jackknife::of(sums, |sums| sums.parts[k] / sums.squares());
+    (part.holds(share.value) && share.is_beyond(part.due)).then_some(share.value)
 }
 
 /// The box of blocks that holds all but a few per cent of the squared difference.
@@ -388,7 +448,7 @@ fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
     let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
     (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
         format!(
-            "the difference lies in columns {} to {} and rows {} to {}, {} of the image",
+            "nearly all of the difference lies in columns {} to {} and rows {} to {}, {} of the image",
             columns.start,
             columns.end - 1,
             rows.start,
@@ -651,7 +711,7 @@ mod tests {
         assert!(text.contains("pixels up (0.6"), "{text}");
         assert!(text.contains("along y)"), "{text}");
         let text = shifted([0.3, 0.0], &Seen::default());
-        assert!(text.contains("pixels up, which"), "{text}");
+        assert!(text.contains("pixels up, by its slopes"), "{text}");
         let text = measured_difference(&golden(), &edited(|x, _, _| 1.1 * x), &seen).join("; ");
         assert!(!text.contains("voxels"), "{text}");
     }

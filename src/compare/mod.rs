@@ -37,7 +37,9 @@ pub use gate::{Gate, Metric};
 pub use image_gate::{Conditions, ImageGate};
 pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
 pub use measured_difference::measured_difference;
-pub(crate) use measured_difference::{SHARED_POSITIONS, WITHIN_A_PIXEL, left};
+pub(crate) use measured_difference::{
+    SHARED_POSITIONS, WITHIN_A_PIXEL, left, measured, place_of_rest,
+};
 pub use parts::Seen;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};

@@ -23,12 +23,13 @@ pub struct Sensitivity {
 impl Sensitivity {
     /// A change in words: `2.1 ± 0.3 % too large`, `off by −0.25 ± 0.02 pixels`.
     pub fn in_words(&self, change: f64, error: f64) -> String {
-        let words = change_in_words(&self.words, self.unit.as_deref(), change, error);
-        if self.is_far(change) {
-            // The derivative is that at the right number.
-            return format!("{words} (about, for it is far off)");
-        }
-        words
+        let error = if self.is_far(change) {
+            // The derivative is that at the right number: of its error nothing is known.
+            None
+        } else {
+            Some(error)
+        };
+        change_in_words(&self.words, self.unit.as_deref(), change, error)
     }
 
     /// True if an image hardly changes in proportion to a change of this size.
@@ -45,6 +46,11 @@ impl Sensitivity {
     /// True if the number can change in this direction.
     pub fn can_change(&self, change: f64) -> bool {
         self.can_be[usize::from(change > 0.0)]
+    }
+
+    /// True if the number can be changed by this: a share of itself no further than to 0.
+    pub fn is_possible(&self, change: f64) -> bool {
+        self.can_change(change) && (self.unit.is_some() || change > -1.0)
     }
 
     /// A size without a sign in words: `density 1.6 %`.
@@ -67,21 +73,48 @@ impl Sensitivity {
     }
 }
 
+/// Largest part of a change that its standard error is, if its size is said.
+const LARGEST_ERROR: f64 = 0.5;
+
 /// A change of a number that is called `words`, in this unit, or in shares of itself: `density
-/// 2.1 ± 0.3 % too large`.
-pub fn change_in_words(words: &str, unit: Option<&str>, change: f64, error: f64) -> String {
-    match unit {
-        None => {
-            let side = if change < 0.0 { "small" } else { "large" };
-            let [size, error] = with_error(100.0 * change.abs(), 100.0 * error);
-            format!("{words} {size} ± {error} % too {side}")
+/// 2.1 ± 0.3 % too large`; in two digits where no error is known, and without a size where that is
+/// too uncertain.
+pub fn change_in_words(words: &str, unit: Option<&str>, change: f64, error: Option<f64>) -> String {
+    let side = if change < 0.0 { "small" } else { "large" };
+    let factor = if unit.is_none() { 100.0 } else { 1.0 };
+    let size = factor * change.abs();
+    let size = match error {
+        None => format!("about {}", two_digits(size)),
+        Some(error) if error <= LARGEST_ERROR * change.abs() => {
+            let [size, error] = with_error(size, factor * error);
+            format!("{size} ± {error}")
         }
+        Some(_) => return format!("{words} too {side}, by how much is not known"),
+    };
+    match unit {
+        None => format!("{words} {size} % too {side}"),
         Some(unit) => {
-            let [size, error] = with_error(change.abs(), error);
             let sign = if change < 0.0 { "−" } else { "+" };
             let space = if unit.is_empty() { "" } else { " " };
-            format!("{words} off by {sign}{size} ± {error}{space}{unit}")
+            match size.strip_prefix("about ") {
+                Some(size) => format!("{words} off by about {sign}{size}{space}{unit}"),
+                None => format!("{words} off by {sign}{size}{space}{unit}"),
+            }
         }
+    }
+}
+
+/// A size of which no error is known: `140`, `0.25`.
+fn two_digits(size: f64) -> String {
+    if !(size > 0.0 && size.is_finite()) {
+        return format!("{size}");
+    }
+    let place = crate::math::log10(size).floor() as i32 - 1;
+    if place > 0 {
+        let unit = crate::math::powu(10.0, place as u32);
+        format!("{:.0}", (size / unit).round() * unit)
+    } else {
+        format!("{size:.*}", (-place) as usize)
     }
 }
 
@@ -119,16 +152,22 @@ mod tests {
         );
         assert_eq!(share.in_words(-0.5, 0.2), "density 50 ± 20 % too small");
         assert_eq!(share.size_in_words(0.0163), "density 1.63 %");
-        let far = share.in_words(1.5, 0.2);
-        assert!(
-            far.starts_with("density 150 ± 20 % too large (about"),
-            "{far}"
+        assert_eq!(share.in_words(1.537, 0.2), "density about 150 % too large");
+        assert_eq!(
+            share.in_words(0.1, 0.06),
+            "density too large, by how much is not known"
         );
+        assert!(share.is_possible(-0.9) && !share.is_possible(-1.1));
         let pixels = sensitivity(Some("pixels"));
         assert_eq!(
             pixels.in_words(-0.25, 0.021),
             "density off by −0.250 ± 0.021 pixels"
         );
+        assert_eq!(
+            pixels.in_words(-2.31, 0.1),
+            "density off by about −2.3 pixels"
+        );
+        assert!(pixels.is_possible(-1.1));
         assert_eq!(
             sensitivity(Some("")).in_words(0.1, 0.02),
             "density off by +0.100 ± 0.020"

@@ -42,9 +42,13 @@ use hypothesis::Hypothesis;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-/// Sentence for a difference of which nothing could be measured.
+/// Sentence for a difference in which nothing stands out.
 const NOTHING_STANDS_OUT: &str = "no gain and no shift accounts for a fifth of the squared difference, \
     and no part of the image holds clearly more than its share of it";
+
+/// Sentence for a difference that is hardly beyond its own uncertainty.
+const UNDECIDABLE: &str =
+    "the difference is too close to the noise, or in too few places, to tell mistakes apart";
 
 /// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
 /// five of them fill most of a terminal of 24 lines.
@@ -164,7 +168,7 @@ pub(crate) fn likeness_with(
         let fit = fitted
             .entry(failed.index)
             .or_insert_with(|| failed.fitted_numbers(&clock));
-        fit.add(failed.fitted_step(&clock));
+        fit.or(failed.fitted_step(&clock));
         let is_explained = fit.is_explained;
         if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
             pair_searches += 1;
@@ -215,17 +219,13 @@ pub(crate) fn likeness_with(
         let result = &mut judged[failed.index].result;
         if result.looks_like.is_empty() {
             let fit = fitted.remove(&failed.index).unwrap_or_default();
-            result.difference = fit.sentences;
+            result.difference = fit.sentence.into_iter().collect();
             if !failed.is_decidable() && result.difference.is_empty() {
-                let is_named = result.changes.iter().any(|change| change.fits_best);
-                let sentence = if is_named {
-                    "beside the change that the verdict names, noise hides what else may be wrong"
-                } else {
-                    "the noise leaves open which mistake it is"
-                };
-                result.difference.push(sentence.to_owned());
+                result.difference.push(UNDECIDABLE.to_owned());
             }
-            result.difference.extend(failed.measured_difference());
+            let measured = failed.measured_difference();
+            let is_measured = measured.is_some();
+            result.difference.extend(measured.unwrap_or_default());
             let is_asked = result
                 .difference
                 .iter()
@@ -233,7 +233,7 @@ pub(crate) fn likeness_with(
             if !is_asked && failed.may_share_positions(&result.changes) {
                 result.difference.push(SHARED_POSITIONS.to_owned());
             }
-            if result.difference.is_empty() && !failed.is_simple() {
+            if result.difference.is_empty() && is_measured {
                 result.difference.push(NOTHING_STANDS_OUT.to_owned());
             }
             unexplained.push((result.name.clone(), result.difference.clone()));

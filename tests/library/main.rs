@@ -46,6 +46,7 @@ mod sampled;
 mod scores;
 mod self_test;
 mod sensitivity;
+mod sentences;
 mod stochastic;
 mod support;
 mod tracking;

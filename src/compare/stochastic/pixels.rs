@@ -101,6 +101,7 @@ impl PixelDifferences {
             least,
             considered,
             first,
+            together,
         } = self.black;
         metrics.push(("black_pixels", count as f64));
         // Half of that for the one that is least likely, half for their number.
@@ -109,14 +110,15 @@ impl PixelDifferences {
         (count > 0 && (is_unlikely || are_many)).then(|| {
             format!(
                 "{}, such as ({}, {}), though no sample that is 0 is likely there: chance makes \
-                 {expected:.1e}; possible causes are a NaN replaced by 0, or a pixel that was never \
-                 written",
+                 {expected:.1e}{}",
                 match count {
                     1 => "a pixel is black".to_owned(),
                     many => format!("{many} pixels are black"),
                 },
                 first[0],
-                first[1]
+                first[1],
+                // Where geometry is missing or moved, whole regions are black.
+                if together { "" } else { CAUSES }
             )
         })
     }
@@ -158,7 +160,12 @@ struct BlackPixels {
     least: f64,
     considered: u64,
     first: [usize; 2],
+    /// True if one of them has a black neighbour in its row and one in its column.
+    together: bool,
 }
+
+/// Causes of single black pixels, and of single rows and columns.
+const CAUSES: &str = "; possible causes are a NaN replaced by 0, or a pixel that was never written";
 
 /// Radius in pixels of the neighbourhood whose variance a black pixel may have.
 const REACH: usize = 2;
@@ -222,6 +229,13 @@ impl BlackPixels {
                     (black.least, black.first) = (likeliest, [x, y]);
                 }
                 black.count += 1;
+                let is_black = |at: usize| {
+                    golden.radiance()[at] != [0.0; 3] && test.radiance()[at] == [0.0; 3]
+                };
+                let across = x > 0 && is_black(index - 1) || x + 1 < width && is_black(index + 1);
+                let down =
+                    y > 0 && is_black(index - width) || y + 1 < height && is_black(index + width);
+                black.together |= across && down;
             }
         }
         Some(black)

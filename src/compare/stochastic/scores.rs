@@ -48,9 +48,15 @@ const MOST_FITTED: usize = 3;
 /// in one test of sixteen thousand.
 const BESIDE: f64 = 4.0;
 
-/// The share of the squared difference from which changes are said to be what the difference looks
-/// like. Others leave more than a tenth of it.
-const EXPLAINS: f64 = 0.9;
+/// Largest number of numbers of which together it is said.
+const MOST_AS_IF: usize = 2;
+
+/// Largest share of the squared difference that numbers leave if it is said to be as if they were off.
+const LEAVES: f64 = 0.1;
+
+/// Largest residual of a block, in standard errors, beside changes that the difference looks like:
+/// noise with rare events exceeds five in an image of many blocks.
+const LARGEST_LEFT: f64 = 8.0;
 
 /// The part of the largest score that the score of a number has which explains a difference as well:
 /// the noise of its derivative takes some of it.
@@ -286,7 +292,10 @@ impl<'s> Scores<'s> {
 
     /// The number with the largest score among those that can change so.
     fn largest_possible(&self) -> usize {
-        let can = |k: &usize| self.sensitivities[*k].can_change(self.tested[*k].score);
+        let can = |k: &usize| {
+            let change = self.tested[*k].score / self.tested[*k].information;
+            self.sensitivities[*k].is_possible(change)
+        };
         let possible = (0..self.count()).filter(can);
         let largest = possible.max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)));
         largest.unwrap_or(self.largest().0)
@@ -307,7 +316,7 @@ impl<'s> Scores<'s> {
             // Two that cannot be told apart make each other's error large.
             let is_doubtful = |it: &Fitted| {
                 let sensitivity = self.sensitivities[it.number];
-                it.change.abs() < BESIDE * it.error || !sensitivity.can_change(it.change)
+                it.change.abs() < BESIDE * it.error || !sensitivity.is_possible(it.change)
             };
             if more.iter().any(is_doubtful) {
                 chosen.pop();
@@ -331,7 +340,7 @@ impl<'s> Scores<'s> {
         let enough = alone.filter(|it| {
             let sensitivity = self.sensitivities[it.number];
             it.error.is_finite()
-                && sensitivity.can_change(it.change)
+                && sensitivity.is_possible(it.change)
                 && !sensitivity.is_far(it.change)
                 && self.next_beside(&[*it]).is_none()
         });
@@ -395,7 +404,7 @@ impl<'s> Scores<'s> {
         let is_alike = |&k: &usize| {
             let alone = self.fit(&[k])[0];
             alone.error.is_finite()
-                && self.sensitivities[k].can_change(alone.change)
+                && self.sensitivities[k].is_possible(alone.change)
                 && self.size(k) > ALIKE * of_first
                 && self.score_beside(first.number, &[alone]).abs() < BESIDE
         };
@@ -449,10 +458,10 @@ impl<'s> Scores<'s> {
         fitted.collect()
     }
 
-    /// The share of the squared difference, noise taken out, that the changes explain; `None` where
-    /// noise makes nearly all of the squares.
-    fn explained(&self, fitted: &[Fitted]) -> Option<f64> {
+    /// What the changes leave of the difference.
+    fn left(&self, fitted: &[Fitted]) -> Left {
         let (mut whole, mut left, mut squares) = (0.0, 0.0, 0.0);
+        let (mut squares_left, mut largest) = (0.0, 0.0_f64);
         for cell in &self.cells {
             let mut rest = cell.difference;
             let mut noise = cell.variance();
@@ -466,8 +475,14 @@ impl<'s> Scores<'s> {
                 noise += it.change * it.change * variance;
             }
             left += cell.weight * (rest * rest - noise);
+            squares_left += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
+            largest = largest.max((rest.abs() - cell.half_codes).max(0.0) / noise.sqrt());
         }
-        (whole > BESIDE * squares.sqrt()).then(|| (1.0 - left / whole).clamp(0.0, 1.0))
+        let is_known = whole > BESIDE * squares.sqrt();
+        Left {
+            share: is_known.then(|| (left / whole).clamp(0.0, 1.0)),
+            is_noise: left <= BESIDE * squares_left.sqrt() && largest <= LARGEST_LEFT,
+        }
     }
 
     /// The changes that fit best, and the numbers that cannot be told from them.
@@ -499,7 +514,21 @@ impl<'s> Scores<'s> {
         };
         all.map(change)
             .filter(|it| it.change.is_finite() && it.error.is_finite() && it.score.is_finite())
+            .filter(|it| self.can_be(it))
             .collect()
+    }
+
+    /// True if the number of a change can be changed so.
+    fn can_be(&self, it: &NumberChange) -> bool {
+        let mut named = self.sensitivities.iter();
+        let number = named.find(|number| number.name == it.name);
+        number.is_some_and(|number| number.unit.is_some() || it.change > -1.0)
+    }
+
+    /// True if these numbers can be changed so.
+    fn can_all_be(&self, fitted: &[Fitted]) -> bool {
+        let can = |it: &Fitted| self.sensitivities[it.number].is_possible(it.change);
+        fitted.iter().all(can)
     }
 
     /// Every number with the change of it that fits alone, where another size of blocks has what fits
@@ -543,37 +572,50 @@ impl<'s> Scores<'s> {
         let changes: Vec<String> = changes.collect();
         let changes = changes.join("; and ");
         let deviation = format!("{:.1} standard errors", self.size(best[0].number));
-        let share = self.explained(best);
-        let is_far = |it: &Fitted| self.sensitivities[it.number].is_far(it.change);
-        if let Some(share) = share.filter(|share| *share < EXPLAINS) {
-            let said = if best.iter().any(is_far) {
+        let left = self.left(best);
+        let is_far = best
+            .iter()
+            .any(|it| self.sensitivities[it.number].is_far(it.change));
+        // Only where derivatives hold, and leave noise, is it the same as a rendering with the change.
+        // Several numbers together come near what none of them made.
+        let is_found = left.is_noise && !is_far && best.len() == 1;
+        let may_be_as_if = best.len() <= MOST_AS_IF
+            && match left.share {
+                Some(share) => share <= LEAVES,
+                None => left.is_noise,
+            };
+        if !self.can_all_be(best) || !(is_found || may_be_as_if) {
+            return if is_far {
                 format!(
                     "the difference ({deviation}) is too large for derivatives to tell which number is off"
                 )
             } else {
                 format!("no number of the scene explains the difference ({deviation})")
             };
-            let percent = 100.0 * share;
-            return format!("{said}; the nearest, {changes}, explains {percent:.0} % of it");
         }
-        let mut text = if best.iter().any(is_far) {
+        let mut text = if is_found {
+            format!("the difference looks like this: {changes} ({deviation})")
+        } else {
             format!(
                 "the difference is as if this were so, or a mistake that looks like it: {changes} ({deviation})"
             )
-        } else {
-            format!("the difference looks like this: {changes} ({deviation})")
         };
-        if let Some(share) = share {
-            text.push_str(&format!("; that explains {:.0} % of it", 100.0 * share));
+        match left.share {
+            _ if is_found => text.push_str(", which leaves nothing beyond noise"),
+            Some(share) if !is_far => {
+                let share = crate::compare::left(share);
+                text.push_str(&format!("; that leaves {share} of its square"));
+            }
+            _ => {}
         }
         if best.len() == 1 {
             let names = alike.iter().map(|&k| {
                 let other = self.fit(&[k])[0];
                 self.sensitivities[k].in_words(other.change, other.error)
             });
-            let names: Vec<String> = names.take(3).collect();
+            let names: Vec<String> = names.collect();
             if names.is_empty() {
-                if self.next_beside(best).is_none() {
+                if is_found && self.next_beside(best).is_none() {
                     text.push_str(", and no other number is significant beside it");
                 }
             } else {
@@ -585,6 +627,15 @@ impl<'s> Scores<'s> {
         }
         text
     }
+}
+
+/// Residual of a difference after changes of numbers.
+struct Left {
+    /// Share of the squared difference, noise taken out; `None` where noise makes nearly all of the
+    /// squares.
+    share: Option<f64>,
+    /// True if it is no more than noise, in all blocks together and in each.
+    is_noise: bool,
 }
 
 /// The score at which one test rejects at `level`.

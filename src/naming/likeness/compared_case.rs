@@ -4,15 +4,15 @@ use super::clock::SearchClock;
 use super::distances::distances;
 use super::hypothesis::Hypothesis;
 use super::prediction::{
-    FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, pixels_of, predicted,
+    FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, indices_of, pixels_of, predicted,
 };
 use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
-use crate::compare::stochastic::BLOCK;
+use crate::compare::stochastic::{BLOCK, judge_at};
 use crate::compare::unexplained::{SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
 use crate::compare::{
     Conditions, Deterministic, Gate as _, NumberChange, Perceptual, Picture, Refinement, Seen,
-    WITHIN_A_PIXEL, change_with_step, judge, measured_difference,
+    WITHIN_A_PIXEL, change_with_step, judge, measured, place_of_rest,
 };
 use crate::film::{Film, Noise, Quantisation};
 use crate::judging::Judged;
@@ -38,6 +38,13 @@ const FEWEST_CELLS_FOR_PAIRS: f64 = 16.0;
 /// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
 /// pixels' has a standard error of a tenth even where one pixel in fifty differs.
 const FAR_OFF_ON_LATTICE: f64 = 0.75;
+
+/// Probability with which an image is said to disagree with a rendering with a changed number, though it
+/// has that change.
+const DISAGREES: f64 = 0.01;
+
+/// Seed of the renderings that decide, none of those that were fitted.
+const CLOSE_SEED: u64 = 7;
 
 /// A failed case.
 pub(super) struct ComparedCase {
@@ -262,23 +269,92 @@ impl ComparedCase {
         self.simple == Some(SimpleMap::Gain)
     }
 
-    /// Measurements of the difference as sentences, without those that the verdict states already.
-    pub fn measured_difference(&self) -> Vec<String> {
-        match &self.picture {
-            Picture::Radiance(test) if self.simple.is_none() => {
-                let volume = VolumeInView::of(&self.scene);
-                let seen = Seen {
-                    distances: distances(&self.scene),
-                    opacity: self.golden.opacity().map(<[f32]>::to_vec),
-                    border: volume.as_ref().and_then(VolumeInView::border),
-                    voxels: volume.as_ref().and_then(VolumeInView::voxels),
-                };
-                let golden = self.kept.film(&self.golden);
-                let mut said = measured_difference(&golden, test, &seen);
-                said.extend(change_with_step(&self.golden, &self.refined, &seen));
-                said
+    /// Measurements of the difference as sentences; nothing where none can be made, or the verdict says
+    /// how the image follows from the golden.
+    pub fn measured_difference(&self) -> Option<Vec<String>> {
+        let test = self.picture.radiance().filter(|_| self.simple.is_none())?;
+        let seen = self.seen();
+        let mut said = measured(&self.kept.film(&self.golden), test, &seen)?;
+        said.extend(change_with_step(&self.golden, &self.refined, &seen));
+        Some(said)
+    }
+
+    fn seen(&self) -> Seen {
+        let volume = VolumeInView::of(&self.scene);
+        Seen {
+            distances: distances(&self.scene),
+            opacity: self.golden.opacity().map(<[f32]>::to_vec),
+            border: volume.as_ref().and_then(VolumeInView::border),
+            voxels: volume.as_ref().and_then(VolumeInView::voxels),
+        }
+    }
+
+    /// Place of what `prediction`, as [`in_fit`](Self::in_fit) sees the image, leaves of the difference.
+    pub fn place_of_rest(&self, prediction: &Cells) -> Option<String> {
+        let [golden, test] = self.in_fit();
+        let squares = prediction.squares_left(test, golden);
+        let (width, height) = (self.golden.width(), self.golden.height());
+        let mut of_pixels = vec![0.0; width * height];
+        if self.is_sampled {
+            let edge = width / golden.columns;
+            for (i, of_pixel) in of_pixels.iter_mut().enumerate() {
+                let [x, y] = [i % width / edge, i / width / edge];
+                if x < golden.columns && y < golden.rows {
+                    *of_pixel = squares[x + golden.columns * y];
+                }
             }
-            _ => Vec::new(),
+        } else {
+            let pixels = indices_of([width, height], &self.widths, self.first.0);
+            for (i, square) in pixels.into_iter().zip(squares) {
+                of_pixels[i] = square;
+            }
+        }
+        place_of_rest(&self.golden, &self.seen(), &of_pixels)
+    }
+
+    /// True if `prediction` agrees with the image, as [`in_fit`](Self::in_fit) sees it, by the rule of the
+    /// gate: cells are judged as pixels.
+    pub fn agrees(&self, prediction: &Cells) -> bool {
+        let film = prediction.film();
+        let judgement = match &self.glimpse {
+            Some(glimpse) => judge(
+                &Deterministic,
+                &Picture::Radiance(film),
+                &Picture::Radiance(glimpse.test_film.clone()),
+                // A ray at an edge may go either way in one that is rendered after a fit.
+                &Conditions {
+                    in_single_precision: true,
+                    ..Conditions::default()
+                },
+            ),
+            None => judge_at(&film, &self.test_cells.film(), DISAGREES),
+        };
+        judgement.is_ok_and(|judgement| judgement.passed)
+    }
+
+    /// The image of `edited`, a change known as `label`, with so many samples that noise hides little;
+    /// in the cells of a [fit](Self::in_fit).
+    pub fn predicted_closely(
+        &self,
+        edited: &Scene,
+        label: &str,
+        clock: &SearchClock<'_>,
+    ) -> Option<Cells> {
+        let film = predicted(
+            &self.scene,
+            edited,
+            (label, CLOSE_SEED),
+            self.third(),
+            clock,
+        )?;
+        in_cells(&self.kept.film(&film), &self.golden_cells)
+    }
+
+    /// Pixels of a third look, and samples in each.
+    fn third(&self) -> (Detail, u32) {
+        match self.second.0 {
+            Detail::Whole => whole(THIRD_LOOK),
+            blocks => (blocks, THIRD_LOOK),
         }
     }
 
@@ -291,11 +367,6 @@ impl ComparedCase {
             change.fits_best && is_shift && change.change.abs() <= WITHIN_A_PIXEL
         };
         test.is_some_and(Noise::is_of_renderings) && changes.iter().any(is_small_shift)
-    }
-
-    /// True if the verdict states how the image follows from the golden.
-    pub fn is_simple(&self) -> bool {
-        self.simple.is_some()
     }
 
     /// The scene of the case.
@@ -471,11 +542,7 @@ impl ComparedCase {
         if !(self.is_sampled && is_of_the_scene && is_open) {
             return Some(misfit);
         }
-        let third = match self.second.0 {
-            Detail::Whole => whole(THIRD_LOOK),
-            blocks => (blocks, THIRD_LOOK),
-        };
-        let closer = self.predict(hypothesis, third, clock);
+        let closer = self.predict(hypothesis, self.third(), clock);
         closer.map_or(Some(misfit), |film| self.misfit(&film))
     }
 

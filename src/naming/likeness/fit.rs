@@ -5,8 +5,19 @@
 //! derivatives of the image: the columns of its Jacobian. The numbers whose derivatives lead
 //! nearest to the image are changed by the Gauss–Newton method, with an image rendered for every
 //! step and Broyden's update of the Jacobian (of one number alone: secants). Where that leaves
-//! much, a second number is changed beside the first, and a third. A fit is reported only if it
-//! explains most of the difference: a measurement, not a name.
+//! much, a second number is changed beside the first, and a third.
+//!
+//! A change is a finding only if the scene, rendered again with it, agrees with the image within the
+//! gate: one that merely lies near is "as if". Gains of the values and an offset, which no scene has among
+//! its numbers, compete with single numbers.
+//!
+//! # Errors in noise
+//!
+//! The noise of a prediction is in its derivatives as well as in the residual. Both together bias a fit,
+//! the more so the farther the change is, since the random numbers on both sides then have less in common;
+//! and no residual shows it. So the last steps take derivatives from one seed and residuals from another
+//! (an instrumental variable: Durbin 1954, "Errors in variables", Review of the International Statistical
+//! Institute 22, 23–32). Where these steps do not come to rest, no interval is stated.
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
@@ -28,6 +39,10 @@ const TRIED: usize = 4;
 /// Largest number of numbers fitted together: one image seldom tells more apart.
 const TOGETHER: usize = 3;
 
+/// Largest number of them that are said to be off, without that the scene agrees with the image: together
+/// they come near what none of them made.
+const MOST_AS_IF: usize = 2;
+
 /// Largest share of the previous residual that a fit with another number may leave.
 const WORTH_ANOTHER: f64 = 0.5;
 
@@ -44,6 +59,15 @@ const BESIDE: f64 = 4.0;
 /// more digits.
 const CLOSE: f64 = 0.002;
 
+/// Largest number of steps that correct a fit for the noise of its derivatives.
+const CORRECTIONS: usize = 4;
+
+/// Smallest square of a derivative, in its standard errors, by which such a step is made.
+const KNOWN: f64 = 4.0;
+
+/// Part of a last step that counts as an error: the derivative at the wrong place.
+const CURVED: f64 = 0.5;
+
 /// Range of the fit: shares down to a quarter and up to four times a number, others this many of
 /// their steps away.
 const SHARES: [f64; 2] = [-0.75, 3.0];
@@ -58,7 +82,7 @@ struct Fit {
     numbers: Vec<usize>,
     /// Change of each, in its unit.
     changes: Vec<f64>,
-    /// Standard errors of the changes.
+    /// Standard errors of the changes; infinite where they are not known.
     errors: Vec<f64>,
     predicted: Cells,
     /// Residual: share of the squared difference.
@@ -86,44 +110,80 @@ struct Fitting<'f> {
 /// Report on changes of numbers.
 #[derive(Debug, Default)]
 pub(super) struct Fitted {
-    /// One for each fit.
-    pub sentences: Vec<String>,
-    /// True if one of them explains the image as well as a mistake must.
+    /// The sentence that says most.
+    pub sentence: Option<String>,
+    /// True if the changes explain the image as well as a mistake must.
     pub is_explained: bool,
+    /// True if the image agrees with a rendering with them.
+    agrees: bool,
 }
 
 impl Fitted {
-    /// Adds a sentence, and whether what it says explains the image.
-    pub fn add(&mut self, found: Option<(String, bool)>) {
-        if let Some((sentence, is_explained)) = found {
-            self.sentences.push(sentence);
-            self.is_explained |= is_explained;
+    /// Takes another report in place of this one, if that says more.
+    pub fn or(&mut self, other: Fitted) {
+        let is_explained = self.is_explained || other.is_explained;
+        if other.agrees && !self.agrees || self.sentence.is_none() {
+            *self = other;
         }
+        self.is_explained = is_explained;
     }
+}
+
+/// Changes that may explain an image.
+pub(super) struct Candidate {
+    /// The changes: `density 10 % too large`.
+    pub words: String,
+    /// Share of the squared difference that they leave.
+    pub left: f64,
+    /// True if the scene, rendered with them, agrees with the image.
+    pub agrees: bool,
+    /// True if they explain the image as well as a mistake must.
+    pub is_explained: bool,
+    /// The image with them.
+    pub predicted: Cells,
 }
 
 impl ComparedCase {
     /// The changes of numbers that would explain the image.
     pub fn fitted_numbers(&self, clock: &SearchClock<'_>) -> Fitted {
-        let mut fitted = Fitted::default();
         let Some(fitting) = Fitting::new(self, clock) else {
-            return fitted;
+            return Fitted::default();
         };
-        for fit in fitting.best() {
-            // Where noise leaves it open how much is left, the verdict's own estimate is the better one.
-            if fitting.leaves(&fit, LEFT) {
-                let sentence = explained_but_for(&fitting.in_words(&fit), fit.left);
-                fitted.add(Some((sentence, fitting.leaves(&fit, self.may_leave()))));
-            }
-        }
-        fitted
+        self.report(fitting.candidates())
     }
-}
 
-/// The sentence that these words would explain all but a share of the squared difference.
-pub(super) fn explained_but_for(words: &str, share: f64) -> String {
-    let left = left(share);
-    format!("{words} would explain all but {left} of the squared difference")
+    /// One sentence on all changes that agree with the image, or on the one that lies nearest.
+    pub(super) fn report(&self, mut candidates: Vec<Candidate>) -> Fitted {
+        candidates.sort_by(|a, b| a.left.total_cmp(&b.left));
+        let agrees = candidates.iter().any(|it| it.agrees);
+        let is_said = |it: &Candidate| it.agrees || !agrees;
+        candidates.retain(is_said);
+        if !agrees {
+            candidates.truncate(1);
+        }
+        let Some(first) = candidates.first() else {
+            return Fitted::default();
+        };
+        let words: Vec<&str> = candidates.iter().map(|it| it.words.as_str()).collect();
+        let words = words.join(", or ");
+        let left = left(first.left);
+        let sentence = if agrees {
+            let with = match candidates.len() {
+                1 => "this change",
+                _ => "each of these changes",
+            };
+            format!("{words}: with {with} the scene agrees with the image")
+        } else {
+            let place = self.place_of_rest(&first.predicted);
+            let place = place.map_or(String::new(), |place| format!("; {place}"));
+            format!("as if {words}, which leaves {left} of the squared difference{place}")
+        };
+        Fitted {
+            sentence: Some(sentence),
+            is_explained: candidates.iter().any(|it| it.is_explained),
+            agrees,
+        }
+    }
 }
 
 impl<'f> Fitting<'f> {
@@ -165,6 +225,79 @@ impl<'f> Fitting<'f> {
         Some(fitting)
     }
 
+    /// Changes that explain most of the difference.
+    fn candidates(&self) -> Vec<Candidate> {
+        let mut candidates = Vec::new();
+        let mut nearest = f64::INFINITY;
+        for fit in self.best() {
+            let fit = if self.case.is_sampled() {
+                self.corrected(fit)
+            } else {
+                fit
+            };
+            // Where noise leaves it open how much is left, the verdict's own estimate is the better one.
+            if !self.leaves(&fit.predicted, LEFT) {
+                continue;
+            }
+            let agrees = self.agrees(&fit).unwrap_or(false);
+            if agrees || fit.numbers.len() <= MOST_AS_IF {
+                nearest = nearest.min(self.misfit(&fit.predicted).distance().at_most());
+                candidates.push(Candidate {
+                    words: self.in_words(&fit),
+                    left: fit.left,
+                    agrees,
+                    is_explained: self.leaves(&fit.predicted, self.case.may_leave()),
+                    predicted: fit.predicted,
+                });
+            }
+        }
+        let of_values = GAINS.iter().filter_map(|gain| self.of_values(gain));
+        candidates.extend(of_values.filter(|it| {
+            self.leaves(&it.predicted, LEFT)
+                && self.misfit(&it.predicted).distance().at_least() <= nearest
+        }));
+        candidates
+    }
+
+    /// The golden with the change of its values that is nearest to the image.
+    fn of_values(&self, gain: &Gain) -> Option<Candidate> {
+        let [golden, _] = self.case.in_fit();
+        let derivative = golden.mapped(|value, c| (gain.derivative(value, c), 0.0));
+        let derivative = derivative.values();
+        let rest = difference(&self.test, &self.golden);
+        let square = self.product(&derivative, &derivative);
+        let change = self.product(&derivative, &rest) / square;
+        let predicted = golden.mapped(|value, c| {
+            let slope = if gain.is_factor {
+                1.0 + change * gain.channels[c]
+            } else {
+                1.0
+            };
+            (value + change * gain.derivative(value, c), slope)
+        });
+        let left = self.share_left(&predicted).filter(|_| change.is_finite())?;
+        let errors = self.errors(&[derivative], &predicted);
+        let unit = (!gain.is_factor).then_some("");
+        Some(Candidate {
+            words: change_in_words(gain.words, unit, change, Some(errors[0])),
+            left: left.max(0.0),
+            agrees: self.case.agrees(&predicted),
+            is_explained: self.leaves(&predicted, self.case.may_leave()),
+            predicted,
+        })
+    }
+
+    /// True if the scene, rendered with the changes, agrees with the image; nothing if the time is over.
+    fn agrees(&self, fit: &Fit) -> Option<bool> {
+        if !self.case.is_sampled() {
+            return Some(self.case.agrees(&fit.predicted));
+        }
+        let changed = self.changed(&fit.numbers, &fit.changes)?;
+        let label = self.label(&fit.numbers, &fit.changes);
+        let close = self.case.predicted_closely(&changed, &label, self.clock)?;
+        Some(self.case.agrees(&close))
+    }
+
     /// The fits that explain most: one alone, or those of single numbers that explain it as well.
     fn best(&self) -> Vec<Fit> {
         let rest = difference(&self.test, &self.golden);
@@ -173,8 +306,9 @@ impl<'f> Fitting<'f> {
             .filter_map(|at| self.fitted(&[at], &[0.0], 1.0))
             .collect();
         alone.sort_by(|a, b| a.left.total_cmp(&b.left));
-        let is_enough =
-            |fit: &Fit| self.leaves(fit, self.case.may_leave()) || fit.numbers.len() == TOGETHER;
+        let is_enough = |fit: &Fit| {
+            self.leaves(&fit.predicted, self.case.may_leave()) || fit.numbers.len() == TOGETHER
+        };
         // Nothing need be near by itself for two to be.
         let mut together = None::<Fit>;
         loop {
@@ -192,16 +326,15 @@ impl<'f> Fitting<'f> {
             None => {
                 let least = alone.first().map(|fit| self.misfit(&fit.predicted));
                 let least = least.map_or(f64::INFINITY, |least| least.distance().at_most());
-                alone.retain(|fit| self.leaves(fit, LEFT) && !self.is_worse(fit, least));
+                alone.retain(|fit| self.leaves(&fit.predicted, LEFT) && !self.is_worse(fit, least));
                 alone
             }
         }
     }
 
-    /// True if `fit` leaves no more than this share, beyond doubt.
-    fn leaves(&self, fit: &Fit, share: f64) -> bool {
-        self.misfit(&fit.predicted)
-            .explains_together(&self.whole, share)
+    /// True if `predicted` leaves no more than this share, beyond doubt.
+    fn leaves(&self, predicted: &Cells, share: f64) -> bool {
+        self.misfit(predicted).explains_together(&self.whole, share)
     }
 
     /// True if `fit` leaves more than this distance, beyond doubt; without noise two numbers may
@@ -305,8 +438,14 @@ impl<'f> Fitting<'f> {
             }
             (changes, now, left) = (next, moved, next_left);
         }
+        // The last step was not made.
+        let last = chosen.iter().map(|&at| CLOSE * self.numbers[at].step);
+        let errors = self.errors(&derivatives, &now);
+        let errors = errors.iter().zip(last);
         (left < before).then(|| Fit {
-            errors: self.errors(chosen, &derivatives, &now),
+            errors: errors
+                .map(|(error, last)| (error * error + last * last).sqrt())
+                .collect(),
             numbers: chosen.to_vec(),
             changes,
             predicted: now,
@@ -370,28 +509,117 @@ impl<'f> Fitting<'f> {
     }
 
     /// Standard errors by what is left in each cell, whatever its cause (White 1980, Econometrica 48,
-    /// 817–838), and by the last step that was not made. The channels of a cell may share their noise.
-    fn errors(&self, chosen: &[usize], derivatives: &[Vector], now: &Cells) -> Vec<f64> {
+    /// 817–838). The channels of a cell may share their noise.
+    fn errors(&self, derivatives: &[Vector], now: &Cells) -> Vec<f64> {
         let rest = difference(&self.test, &now.values());
+        let inverse = self.squares(derivatives).inverse();
+        let variances = inverse * self.spread(derivatives, &rest) * inverse;
+        (0..derivatives.len())
+            .map(|i| variances.col(i)[i].sqrt())
+            .collect()
+    }
+
+    /// Sum over cells of the products of what the `rest` pulls along derivatives.
+    fn spread(&self, derivatives: &[Vector], rest: &Vector) -> DMat3 {
         let mut spread = DMat3::ZERO;
         for cell in 0..rest.len() / 3 {
-            let pull = |i: usize| -> f64 {
-                let of = 3 * cell..3 * cell + 3;
-                derivatives.get(i).map_or(0.0, |derivative| {
-                    of.map(|at| self.weights[at] * derivative[at] * rest[at])
-                        .sum()
-                })
+            let pull = |i: usize| {
+                derivatives
+                    .get(i)
+                    .map_or(0.0, |d| self.in_cell(cell, d, rest))
             };
             let pull = DVec3::from_array([0, 1, 2].map(pull));
             spread += DMat3::from_cols(pull * pull.x, pull * pull.y, pull * pull.z);
         }
-        let inverse = self.squares(derivatives).inverse();
-        let variances = inverse * spread * inverse;
-        let of = (0..chosen.len()).map(|i| {
-            let last = CLOSE * self.numbers[chosen[i]].step;
-            (variances.col(i)[i] + last * last).sqrt()
-        });
-        of.collect()
+        spread
+    }
+
+    /// `fit` by derivatives of one seed and residuals of the other, so that their noise has nothing in
+    /// common.
+    fn corrected(&self, mut fit: Fit) -> Fit {
+        let unknown = vec![f64::INFINITY; fit.numbers.len()];
+        for _ in 0..CORRECTIONS {
+            let Some((step, errors)) = self.correction(&fit) else {
+                break;
+            };
+            let changes = self.after(&fit.numbers, &fit.changes, step);
+            let Some(predicted) = self.predicted(&fit.numbers, &changes) else {
+                break;
+            };
+            let steps: Vec<f64> = changes
+                .iter()
+                .zip(&fit.changes)
+                .map(|(a, b)| a - b)
+                .collect();
+            fit.left = self.share_left(&predicted).unwrap_or(1.0).max(0.0);
+            (fit.changes, fit.predicted) = (changes, predicted);
+            if steps
+                .iter()
+                .zip(&errors)
+                .all(|(step, error)| step.abs() <= *error)
+            {
+                let with_step = |(error, step): (&f64, &f64)| {
+                    (error * error + CURVED * CURVED * step * step).sqrt()
+                };
+                fit.errors = errors.iter().zip(&steps).map(with_step).collect();
+                return fit;
+            }
+        }
+        fit.errors = unknown;
+        fit
+    }
+
+    /// A step from the changes of `fit`, and the standard errors where it leads; nothing where noise hides
+    /// the derivatives.
+    fn correction(&self, fit: &Fit) -> Option<(DVec3, Vec<f64>)> {
+        let now = self.predicted_by_seed(&fit.numbers, &fit.changes)?;
+        let [first, second] = &now[..] else {
+            return None;
+        };
+        let rest = [first, second].map(|now| difference(&self.test, now));
+        let mut derivatives = [Vec::new(), Vec::new()];
+        for (i, &at) in fit.numbers.iter().enumerate() {
+            let mut sides = [1.0, -1.0].into_iter();
+            let moved = sides.find_map(|side| {
+                let mut changes = fit.changes.clone();
+                changes[i] += side * self.numbers[at].step;
+                let moved = self.predicted_by_seed(&fit.numbers, &changes)?;
+                Some((side * self.numbers[at].step, moved))
+            });
+            let (step, moved) = moved?;
+            for ((of_seed, moved), now) in derivatives.iter_mut().zip(&moved).zip(&now) {
+                of_seed.push(scaled(&difference(moved, now), 1.0 / step));
+            }
+        }
+        let (mut squares, mut along) = (DMat3::IDENTITY, DVec3::ZERO);
+        let [a, b] = &derivatives;
+        for i in 0..a.len() {
+            let of_cells = (0..self.test.len() / 3).map(|cell| self.in_cell(cell, &a[i], &b[i]));
+            let (sum, spread) = of_cells.fold((0.0, 0.0), |(sum, spread), square| {
+                (sum + square, spread + square * square)
+            });
+            if sum <= KNOWN * spread.sqrt() {
+                return None;
+            }
+            along[i] = 0.5 * (self.product(&a[i], &rest[1]) + self.product(&b[i], &rest[0]));
+            for j in 0..a.len() {
+                squares.col_mut(j)[i] =
+                    0.5 * (self.product(&a[i], &b[j]) + self.product(&b[i], &a[j]));
+            }
+        }
+        let inverse = squares.inverse();
+        let step = inverse * along;
+        // Of the mean of both, which have the noise of the image in common.
+        let mean = |a: &[Vector], b: &[Vector]| -> Vec<Vector> {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| scaled(&sum_of(a, b), 0.5))
+                .collect()
+        };
+        let rest = scaled(&sum_of(&rest[0], &rest[1]), 0.5);
+        let variances = inverse * self.spread(&mean(a, b), &rest) * inverse.transpose();
+        let errors = (0..a.len()).map(|i| variances.col(i)[i].sqrt()).collect();
+        step.is_finite().then_some((step, errors))
     }
 
     /// The image with these changes: the golden, and what the changes make of the same random numbers.
@@ -400,16 +628,36 @@ impl<'f> Fitting<'f> {
         if changes.iter().all(|&change| change == 0.0) {
             return Some(golden.clone());
         }
+        let changed = self.rendered(chosen, changes)?;
+        Some(golden.moved(&self.unchanged, &changed))
+    }
+
+    /// The values of such an image by the random numbers of each seed.
+    fn predicted_by_seed(&self, chosen: &[usize], changes: &[f64]) -> Option<Vec<Vector>> {
+        let [golden, _] = self.case.in_fit();
+        let changed = self.rendered(chosen, changes)?;
+        let pairs = self.unchanged.chunks(1).zip(changed.chunks(1));
+        Some(
+            pairs
+                .map(|(before, after)| golden.moved(before, after).values())
+                .collect(),
+        )
+    }
+
+    /// The scene with these changes, once for each seed.
+    fn rendered(&self, chosen: &[usize], changes: &[f64]) -> Option<Vec<Cells>> {
         if self.clock.is_late() {
             return None;
         }
-        let mut label = String::new();
-        for (&at, change) in chosen.iter().zip(changes) {
-            label.push_str(&format!("{}={change} ", self.numbers[at].name()));
-        }
         let changed = self.changed(chosen, changes)?;
-        let changed = self.case.predicted_for_fit(&changed, &label, self.clock)?;
-        Some(golden.moved(&self.unchanged, &changed))
+        let label = self.label(chosen, changes);
+        self.case.predicted_for_fit(&changed, &label, self.clock)
+    }
+
+    fn label(&self, chosen: &[usize], changes: &[f64]) -> String {
+        let changes = chosen.iter().zip(changes);
+        let of = changes.map(|(&at, change)| format!("{}={change} ", self.numbers[at].name()));
+        of.collect()
     }
 
     fn changed(&self, chosen: &[usize], changes: &[f64]) -> Option<Scene> {
@@ -434,6 +682,12 @@ impl<'f> Fitting<'f> {
         seen.voxels_in_words(pixels)
     }
 
+    /// The part of a [`product`](Self::product) in one cell.
+    fn in_cell(&self, cell: usize, a: &Vector, b: &Vector) -> f64 {
+        let of = 3 * cell..3 * cell + 3;
+        of.map(|at| self.weights[at] * a[at] * b[at]).sum()
+    }
+
     fn product(&self, a: &Vector, b: &Vector) -> f64 {
         let terms = self.weights.iter().zip(a).zip(b);
         terms.map(|((weight, a), b)| weight * a * b).sum()
@@ -443,7 +697,8 @@ impl<'f> Fitting<'f> {
         let changes = fit.numbers.iter().enumerate().map(|(i, &at)| {
             let number = &self.numbers[at];
             let unit = number.quantity.unit.name();
-            let mut words = change_in_words(&number.words(), unit, fit.changes[i], fit.errors[i]);
+            let error = Some(fit.errors[i]).filter(|error| error.is_finite());
+            let mut words = change_in_words(&number.words(), unit, fit.changes[i], error);
             if number.name() == "camera.view"
                 && let Some(scene) = self.changed(&[at], &[fit.changes[i]])
                 && let Some(angle) = field_of_view(&scene)
@@ -457,6 +712,39 @@ impl<'f> Fitting<'f> {
         });
         let changes: Vec<String> = changes.collect();
         changes.join(" and ")
+    }
+}
+
+/// A factor on values, or an offset, which is fitted beside the numbers of a scene.
+struct Gain {
+    words: &'static str,
+    channels: [f64; 3],
+    is_factor: bool,
+}
+
+const GAINS: [Gain; 5] = [
+    Gain::factor("exposure", [1.0; 3]),
+    Gain::factor("gain of red", [1.0, 0.0, 0.0]),
+    Gain::factor("gain of green", [0.0, 1.0, 0.0]),
+    Gain::factor("gain of blue", [0.0, 0.0, 1.0]),
+    Gain {
+        is_factor: false,
+        ..Gain::factor("offset of all values", [1.0; 3])
+    },
+];
+
+impl Gain {
+    const fn factor(words: &'static str, channels: [f64; 3]) -> Gain {
+        Gain {
+            words,
+            channels,
+            is_factor: true,
+        }
+    }
+
+    /// Derivative of a value of channel `c` by the change.
+    fn derivative(&self, value: f64, c: usize) -> f64 {
+        self.channels[c] * if self.is_factor { value } else { 1.0 }
     }
 }
 

@@ -90,32 +90,39 @@ pub(super) fn predicted(
 /// The pixels of `film`, an image of panels of these widths, that are rendered with `detail`: the
 /// means over blocks are not among them.
 pub(crate) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
-    let mut columns = Vec::new();
-    let mut left = 0;
-    for &width in panels {
-        columns.extend(detail.columns(width).map(|column| left + column));
-        left += width;
-    }
-    let rows: Vec<usize> = detail.rows(film.height()).collect();
-    let indices = rows.iter().flat_map(|row| {
-        columns
-            .iter()
-            .map(move |column| column + row * film.width())
-    });
+    let indices = indices_of([film.width(), film.height()], panels, detail).into_iter();
+    let rows = detail.rows(film.height()).count();
+    let columns = indices.len() / rows;
     let pixels = match film.opacity() {
         Some(_) => {
             let pixels = indices.map(|index| film.pixel(index)).collect();
-            Film::with_opacity(columns.len(), rows.len(), pixels)
+            Film::with_opacity(columns, rows, pixels)
         }
         None => {
             let pixels = indices.map(|index| film.radiance()[index]).collect();
-            Film::new(columns.len(), rows.len(), pixels)
+            Film::new(columns, rows, pixels)
         }
     };
     match film.quantisation() {
         Some(quantisation) => pixels.quantised(quantisation),
         None => pixels,
     }
+}
+
+/// Indices of those pixels in an image of this size.
+pub(super) fn indices_of(
+    [width, height]: [usize; 2],
+    panels: &[usize],
+    detail: Detail,
+) -> Vec<usize> {
+    let mut columns = Vec::new();
+    let mut left = 0;
+    for &of_panel in panels {
+        columns.extend(detail.columns(of_panel).map(|column| left + column));
+        left += of_panel;
+    }
+    let of_row = |row: usize| columns.iter().map(move |column| column + row * width);
+    detail.rows(height).flat_map(of_row).collect()
 }
 
 #[cfg(test)]

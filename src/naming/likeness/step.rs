@@ -5,7 +5,7 @@
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
-use super::fit::{LEFT, explained_but_for};
+use super::fit::{Candidate, Fitted, LEFT};
 use crate::scene::Model;
 
 /// Factors that are tried: ratios of small numbers, and those of a wrong unit.
@@ -27,9 +27,13 @@ const FACTORS: [f64; 14] = [
 ];
 
 impl ComparedCase {
-    /// The best factor as a sentence, if it explains most of the difference, and whether it
-    /// explains the image as well as a mistake must.
-    pub fn fitted_step(&self, clock: &SearchClock<'_>) -> Option<(String, bool)> {
+    /// The best factor, if it explains most of the difference.
+    pub fn fitted_step(&self, clock: &SearchClock<'_>) -> Fitted {
+        let nearest = self.nearest_step(clock);
+        self.report(nearest.into_iter().collect())
+    }
+
+    fn nearest_step(&self, clock: &SearchClock<'_>) -> Option<Candidate> {
         let predicted = |factor: f64| {
             if clock.is_late() {
                 return None;
@@ -53,10 +57,14 @@ impl ComparedCase {
             let predicted = predicted(factor)?;
             Some((factor, self.share_left(&predicted)?, predicted))
         });
-        let (factor, left, nearest) = tried.min_by(|(_, a, _), (_, b, _)| a.total_cmp(b))?;
-        let worth_saying = self.is_explained_but_for(&nearest, LEFT)?;
-        let is_all = self.is_explained_but_for(&nearest, self.may_leave())?;
-        let words = format!("steps {factor:.2} times as long");
-        worth_saying.then(|| (explained_but_for(&words, left.max(0.0)), is_all))
+        let (factor, left, predicted) = tried.min_by(|(_, a, _), (_, b, _)| a.total_cmp(b))?;
+        let worth_saying = self.is_explained_but_for(&predicted, LEFT)?;
+        worth_saying.then_some(Candidate {
+            words: format!("steps {factor:.2} times as long"),
+            left: left.max(0.0),
+            agrees: self.agrees(&predicted),
+            is_explained: self.is_explained_but_for(&predicted, self.may_leave())?,
+            predicted,
+        })
     }
 }

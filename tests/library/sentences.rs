@@ -1,0 +1,561 @@
+//! Sentences of a verdict on a difference: for each an image of which it must be said, and one of which it
+//! must not.
+
+use crate::common::simulated::{Sampling, Shape, edited, replicates, sampled, scene, silent};
+use std::path::Path;
+use volref::compare::stochastic::{judge_at, judge_scores};
+use volref::compare::{
+    Conditions, Deterministic, Picture, Seen, Sensitivity, change_with_step, judge,
+    measured_difference,
+};
+use volref::film::Film;
+use volref::judging::validate;
+use volref::math;
+use volref::naming::{Predictions, Search, Stage, likeness};
+use volref::render::{Sampling as Rendering, Seed, plans, render};
+use volref::scene::{Model, Scene};
+use volref::suite::{Output, Suite};
+
+/// A sentence, and what is said of two images.
+struct Row {
+    sentence: &'static str,
+    of: String,
+    /// None of this one.
+    not_of: String,
+}
+
+fn row(sentence: &'static str, of: String, not_of: String) -> Row {
+    Row {
+        sentence,
+        of,
+        not_of,
+    }
+}
+
+fn check(rows: Vec<Row>) {
+    for Row {
+        sentence,
+        of,
+        not_of,
+    } in rows
+    {
+        assert!(of.contains(sentence), "{sentence:?} is not said: {of}");
+        assert!(!not_of.contains(sentence), "{sentence:?} is said: {not_of}");
+    }
+}
+
+const WIDTH: usize = 96;
+const HEIGHT: usize = 80;
+
+/// Hills of three colours, moved by so many pixels.
+fn hills([right, down]: [f64; 2]) -> Film {
+    let pixel = |i: usize| {
+        let [x, y] = [(i % WIDTH) as f64 - right, (i / WIDTH) as f64 - down];
+        let hill = |p: f64, q: f64| 0.6 + 0.4 * math::sin(p * x) * math::cos(q * y);
+        [hill(0.21, 0.17), hill(0.13, 0.25), hill(0.3, 0.1)].map(|x| x as f32)
+    };
+    Film::new(WIDTH, HEIGHT, (0..WIDTH * HEIGHT).map(pixel).collect())
+}
+
+/// Flat tiles of 20 pixels, each unlike its neighbours.
+fn tiles() -> Film {
+    let pixel = |i: usize| {
+        let [x, y] = [i % WIDTH / 20, i / WIDTH / 20];
+        [0.3 + 0.1 * ((3 * x + 5 * y) % 4) as f32; 3]
+    };
+    Film::new(WIDTH, HEIGHT, (0..WIDTH * HEIGHT).map(pixel).collect())
+}
+
+/// True on either side of the border of two tiles.
+fn is_edge(at: usize, length: usize) -> bool {
+    at.is_multiple_of(20) && at > 0 || at % 20 == 19 && at + 1 < length
+}
+
+/// The hills with other values: by value, channel and place.
+fn with(map: impl Fn(f32, usize, [usize; 2]) -> f32) -> Film {
+    edited(&hills([0.0; 2]), |x, y, pixel| {
+        [0, 1, 2].map(|c| map(pixel[c], c, [x, y]))
+    })
+}
+
+fn measured(golden: &Film, test: &Film) -> String {
+    measured_difference(golden, test, &Seen::default()).join("; ")
+}
+
+/// Of the hills.
+fn said(test: &Film) -> String {
+    measured(&hills([0.0; 2]), test)
+}
+
+/// A lamp, the same in all of its pixels, above the hills.
+fn lamp(radiance: f32, side: usize) -> Film {
+    with(move |x, c, [i, j]| {
+        if (40..40 + side).contains(&i) && j < side {
+            radiance / (1 + c) as f32
+        } else {
+            x
+        }
+    })
+}
+
+#[test]
+fn measurements_of_a_difference() {
+    let brighter = with(|x, _, _| 1.1 * x);
+    let corner =
+        |factor: f32| with(move |x, _, [i, j]| if i < 32 && j >= 40 { factor * x } else { x });
+    let sums = |film: &Film| -> Vec<f32> {
+        let pixels = film.radiance().iter();
+        pixels.map(|pixel| pixel.iter().sum()).collect()
+    };
+    let mut sorted = sums(&hills([0.0; 2]));
+    sorted.sort_by(f32::total_cmp);
+    let bright = sorted[sorted.len() * 92 / 100];
+    let brightest = edited(&hills([0.0; 2]), |_, _, pixel| {
+        let is_bright = pixel.iter().sum::<f32>() > bright;
+        pixel.map(|x| if is_bright { 1.1 * x } else { x })
+    });
+    let of_tiles = |at_edges: bool| {
+        let test = edited(&tiles(), |x, y, pixel| {
+            let is = is_edge(x, WIDTH) || is_edge(y, HEIGHT);
+            pixel.map(|value| if is == at_edges { value + 0.02 } else { value })
+        });
+        measured(&tiles(), &test)
+    };
+    check(vec![
+        row(
+            "no value is above 0.75",
+            said(&with(|x, _, _| x.min(0.75))),
+            // One lamp that is only darker, of many pixels or of few.
+            measured(&lamp(17.0, 12), &lamp(6.65, 12)),
+        ),
+        row(
+            "cut off",
+            said(&with(|x, _, _| x.min(0.75))),
+            // Eight of the brightest.
+            said(&with(|x, c, [i, j]| {
+                if c == 0 && j == 0 && i < 8 {
+                    1.0
+                } else {
+                    0.9 * x
+                }
+            })),
+        ),
+        row(
+            "of the squared difference is in green",
+            said(&with(|x, c, _| if c == 1 { 1.1 * x } else { x })),
+            said(&brighter),
+        ),
+        row(
+            "the golden times 1.1",
+            said(&brighter),
+            said(&with(|x, _, [i, _]| if i < 48 { 1.1 * x } else { 0.9 * x })),
+        ),
+        row(
+            "the golden moved by",
+            said(&hills([0.3, 0.0])),
+            said(&brighter),
+        ),
+        row(
+            "do all seeds share the positions",
+            measured(&noisy(&hills([0.0; 2]), 9), &seeds(&hills([0.4, 0.0]))),
+            measured(&noisy(&hills([0.0; 2]), 9), &seeds(&hills([0.9, 0.0]))),
+        ),
+        row("lies at edges", of_tiles(true), of_tiles(false)),
+        row(
+            "inside areas rather than at their edges",
+            of_tiles(false),
+            said(&brighter),
+        ),
+        row("in the brightest tenth", said(&brightest), said(&brighter)),
+        row(
+            "nearly all of the difference lies in columns 0 to 31 and rows 40 to 79",
+            said(&corner(0.5)),
+            said(&with(
+                |x, _, [i, j]| if i < 32 && j >= 40 { 0.5 * x } else { 0.9 * x },
+            )),
+        ),
+    ]);
+}
+
+/// With noise of a hundredth.
+fn noisy(film: &Film, seed: u64) -> Film {
+    let noise = uniform(seed);
+    let pixels = film.radiance().iter().zip(noise);
+    let pixels = pixels
+        .map(|(pixel, u)| pixel.map(|x| x + 0.01 * u))
+        .collect();
+    let variance = vec![[1e-4 / 12.0; 3]; WIDTH * HEIGHT];
+    Film::with_noise(WIDTH, HEIGHT, pixels, variance, 64)
+}
+
+fn uniform(seed: u64) -> impl Iterator<Item = f32> {
+    let mut bits = crate::common::simulated::Bits(seed);
+    std::iter::from_fn(move || Some(bits.word() as f32 / u64::MAX as f32 - 0.5))
+}
+
+/// The mean of four renderings that do not count their samples.
+fn seeds(film: &Film) -> Film {
+    let films: Vec<Film> = [1, 2, 3, 4].map(|seed| silent(&noisy(film, seed))).to_vec();
+    replicates(&films)
+}
+
+/// Parts that are known from the scene: opacity in three bands, the border between them, distances that
+/// grow to the right.
+#[test]
+fn places_that_the_scene_tells() {
+    let opacity = |i: usize| [0.1, 0.6, 1.0][i / WIDTH * 3 / HEIGHT];
+    let is_border = |i: usize| i / WIDTH % 27 == 26;
+    let seen = Seen {
+        opacity: Some((0..WIDTH * HEIGHT).map(opacity).collect()),
+        border: Some((0..WIDTH * HEIGHT).map(is_border).collect()),
+        distances: Some(
+            (0..WIDTH * HEIGHT)
+                .map(|i| 2.0 + (i % WIDTH) as f64)
+                .collect(),
+        ),
+        voxels: Some([[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]),
+    };
+    let said = |test: &Film| measured_difference(&hills([0.0; 2]), test, &seen).join("; ");
+    let where_ = |is: &dyn Fn(usize) -> bool| {
+        said(&with(
+            |x, _, [i, j]| if is(i + WIDTH * j) { 1.1 * x } else { x },
+        ))
+    };
+    let everywhere = || where_(&|_| true);
+    check(vec![
+        row(
+            "in faint parts",
+            where_(&|i| opacity(i) < 0.25),
+            everywhere(),
+        ),
+        row(
+            "in opaque parts",
+            where_(&|i| opacity(i) > 0.95),
+            everywhere(),
+        ),
+        row(
+            "at the border of the volume",
+            where_(&is_border),
+            everywhere(),
+        ),
+        row(
+            "in the nearer half",
+            where_(&|i| i % WIDTH < 40),
+            everywhere(),
+        ),
+        row(
+            "in the farther half",
+            where_(&|i| i % WIDTH > 56),
+            everywhere(),
+        ),
+        row("0.15 voxels", said(&hills([0.3, 0.0])), everywhere()),
+    ]);
+    let noise = |test: &dyn Fn(bool) -> f32| {
+        let film = hills([0.0; 2]);
+        let is_silent = |i: usize| i % WIDTH < 16;
+        let variance = (0..WIDTH * HEIGHT)
+            .map(|i| [if is_silent(i) { 0.0 } else { 1e-4 }; 3])
+            .collect();
+        let golden = Film::with_noise(WIDTH, HEIGHT, film.radiance().to_vec(), variance, 64);
+        let test = edited(&golden, |x, _, pixel| {
+            pixel.map(|value| value * test(x < 16))
+        });
+        measured(&golden, &test)
+    };
+    check(vec![row(
+        "in pixels without noise",
+        noise(&|is_silent| if is_silent { 1.5 } else { 1.0 }),
+        noise(&|is_silent| if is_silent { 1.0 } else { 1.5 }),
+    )]);
+}
+
+#[test]
+fn changes_with_the_step() {
+    let said = |size: &dyn Fn(f64) -> f64| {
+        let images = [1.0, 0.5, 0.25].map(|step| with(|x, _, _| x + size(step) as f32));
+        change_with_step(&hills([0.0; 2]), &images, &Seen::default()).unwrap()
+    };
+    let first = || said(&|step| 0.02 * step);
+    check(vec![
+        row(
+            "as at first order",
+            first(),
+            said(&|step| 0.02 * step * step),
+        ),
+        row(
+            "as at second order",
+            said(&|step| 0.02 * step * step),
+            first(),
+        ),
+        row(
+            "shrinks less than the step",
+            said(&|step| 0.02 * step.sqrt() * step.sqrt().sqrt().sqrt().sqrt().recip()),
+            first(),
+        ),
+        row("stays, whatever the step", said(&|_| 0.02), first()),
+        row("it grows", said(&|step| 0.02 / step), said(&|_| 0.02)),
+    ]);
+}
+
+fn by_tolerance(golden: &Film, test: &Film) -> String {
+    let [golden, test] = [golden, test].map(|film| Picture::Radiance(film.clone()));
+    let judgement = judge(&Deterministic, &golden, &test, &Conditions::default());
+    judgement.unwrap().reason
+}
+
+#[test]
+fn reasons_without_noise() {
+    // Dim, so that no pixel is far off.
+    let dim = with(|x, _, _| 0.02 * x);
+    let black = |side: usize| {
+        let test = edited(&dim, |x, y, pixel| {
+            let is = (40..40 + side).contains(&x) && (40..40 + side).contains(&y);
+            pixel.map(|value| if is { 0.0 } else { value })
+        });
+        by_tolerance(&dim, &test)
+    };
+    let biased = |far: f32| {
+        let test = with(move |x, _, at| if at == [9, 9] { far * x } else { 1.005 * x });
+        by_tolerance(&hills([0.0; 2]), &test)
+    };
+    check(vec![
+        row("a NaN replaced by 0", black(1), black(3)),
+        row("every pixel is close, but", biased(1.0), biased(1.1)),
+        row(
+            "all pixels but one are close, but",
+            biased(1.1),
+            biased(1.0),
+        ),
+    ]);
+}
+
+const SIDE: usize = 64;
+
+/// Of simulated images: the second with 64 samples.
+fn in_noise(edit: impl Fn(&Film, &Film) -> Film) -> String {
+    let shape = &Shape::all()[0];
+    let golden = sampled(Sampling::of(shape, SIDE, 256, 1), lit);
+    let test = sampled(Sampling::of(shape, SIDE, 64, 2), lit);
+    judge_at(&golden, &edit(&golden, &test), 1e-6)
+        .unwrap()
+        .reason
+}
+
+fn lit(x: f64, y: f64) -> [f64; 3] {
+    scene(x, y).map(|value| value + 0.3)
+}
+
+fn scaled(test: &Film, factor: impl Fn(usize, usize) -> f32) -> Film {
+    edited(test, |x, y, pixel| pixel.map(|value| value * factor(x, y)))
+}
+
+#[test]
+fn reasons_in_noise() {
+    let honest = || in_noise(|_, test| test.clone());
+    let block = || {
+        in_noise(|_, test| {
+            scaled(
+                test,
+                |x, y| if x / 8 == 3 && y / 8 == 3 { 1.3 } else { 1.0 },
+            )
+        })
+    };
+    let black = |is: fn(usize, usize) -> bool| {
+        in_noise(|_, test| scaled(test, |x, y| if is(x, y) { 0.0 } else { 1.0 }))
+    };
+    let copied = |rows: usize| {
+        in_noise(|golden, test| {
+            edited(test, |x, y, pixel| {
+                if y < rows {
+                    golden.radiance()[x + SIDE * y]
+                } else {
+                    pixel
+                }
+            })
+        })
+    };
+    check(vec![
+        row(
+            "the image is too bright overall",
+            in_noise(|_, test| scaled(test, |_, _| 1.05)),
+            honest(),
+        ),
+        row("blocks and channels differ beyond noise", block(), honest()),
+        row(
+            "a NaN replaced by 0",
+            black(|x, y| [x, y] == [20, 20] || [x, y] == [40, 50]),
+            // A corner that is open.
+            black(|x, y| x < 8 && y < 8),
+        ),
+        row("pixels are black", black(|x, y| x < 8 && y < 8), honest()),
+        row("it is the same image", copied(SIDE), copied(50)),
+        row("part of it is copied", copied(50), honest()),
+        row(
+            "pixels are off by more than 5 standard errors",
+            in_noise(|_, test| {
+                scaled(
+                    test,
+                    |x, y| if (x + y).is_multiple_of(2) { 1.5 } else { 0.5 },
+                )
+            }),
+            honest(),
+        ),
+    ]);
+}
+
+/// How the simulated scene changes with a number.
+fn change(x: f64, y: f64) -> [f64; 3] {
+    lit(x, y).map(|value| value * if x < 24.0 { -0.8 } else { 0.3 })
+}
+
+fn sensitivity(name: &str, step: f64, of: impl Fn(f64, f64) -> [f64; 3]) -> Sensitivity {
+    let blocks = SIDE / 8;
+    let mean = |at: usize| {
+        let mut mean = [0.0; 3];
+        for pixel in 0..64 {
+            let [x, y] = [at % blocks * 8 + pixel % 8, at / blocks * 8 + pixel / 8];
+            let of_pixel = of(x as f64, y as f64);
+            for c in 0..3 {
+                mean[c] += of_pixel[c] / 64.0;
+            }
+        }
+        mean.map(|x| x as f32)
+    };
+    let means = (0..blocks * blocks).map(mean).collect();
+    Sensitivity {
+        name: name.to_owned(),
+        words: name.to_owned(),
+        unit: None,
+        step,
+        can_be: [true; 2],
+        derivative: Film::with_noise(blocks, blocks, means, vec![[0.0; 3]; blocks * blocks], 16),
+    }
+}
+
+/// Of an image that differs by `size` times the change, and by more where `also` says so.
+fn by_numbers(size: f64, step: f64, others: &[Sensitivity], also: fn(f64, f64) -> f64) -> String {
+    let shape = &Shape::all()[0];
+    let golden = sampled(Sampling::of(shape, SIDE, 1024, 1), lit);
+    let test = sampled(Sampling::of(shape, SIDE, 256, 2), |x, y| {
+        let (light, change) = (lit(x, y), change(x, y));
+        [0, 1, 2].map(|c| (light[c] + size * change[c]) * also(x, y))
+    });
+    let all = [&[sensitivity("density", step, change)], others].concat();
+    judge_scores(&golden, &test, 1e-6, &all).unwrap().reason
+}
+
+/// Brighter and darker blocks.
+fn checked(x: f64, y: f64, by: f64) -> f64 {
+    let is_bright = (x as usize / 8 + y as usize / 8).is_multiple_of(2);
+    1.0 + if is_bright { by } else { -by }
+}
+
+#[test]
+fn reasons_by_numbers() {
+    let as_it_is: fn(f64, f64) -> f64 = |_, _| 1.0;
+    let little = || by_numbers(0.1, 0.5, &[], as_it_is);
+    let far = || by_numbers(0.3, 0.05, &[], as_it_is);
+    // A fault of which a change of density makes most.
+    let like_it = || by_numbers(0.3, 1.0, &[], |x, y| checked(x, y, 0.015));
+    // One of which it makes little.
+    let other = || by_numbers(0.1, 1.0, &[], |x, y| checked(x, y, 0.08));
+    let twin = sensitivity("strength", 0.5, |x, y| {
+        change(x, y).map(|value| -2.0 * value)
+    });
+    check(vec![
+        row("looks like this: density", little(), far()),
+        row("leaves nothing beyond noise", little(), like_it()),
+        row(
+            "as if this were so, or a mistake that looks like it",
+            like_it(),
+            little(),
+        ),
+        row("of its square", like_it(), little()),
+        row("about 3", far(), little()),
+        row(
+            "no other number is significant beside it",
+            little(),
+            like_it(),
+        ),
+        row(
+            "cannot tell it from",
+            by_numbers(0.1, 0.5, &[twin], as_it_is),
+            little(),
+        ),
+        row(
+            "no number of the scene explains the difference",
+            other(),
+            little(),
+        ),
+        // Nothing is as if less than no density.
+        row(
+            "density",
+            little(),
+            by_numbers(-1.3, f64::INFINITY, &[], as_it_is),
+        ),
+    ]);
+}
+
+/// What is said of the numbers of a scene, of an image of `case` with an edit of its scene and one of
+/// its pixels by column and row.
+fn of_scene(case: &str, edit: impl Fn(&mut Scene), map: impl Fn(usize, usize) -> f32) -> String {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let case = suite.select(&[case.to_owned()]).unwrap()[0];
+    let mut scene = case.load_scene().unwrap();
+    edit(&mut scene);
+    let sampling = Rendering {
+        samples: Some(64),
+        seed: Seed::Given(0x7365_6e74),
+    };
+    let film = render(&plans(&scene), sampling, &|| ()).unwrap().film;
+    let film = scaled(&film, map);
+    let output = Output::Picture(Box::new(Picture::Radiance(film)));
+    let mut judged = vec![validate(case, &suite.store(), output, None)];
+    let is_at_pairs = std::sync::atomic::AtomicBool::new(false);
+    let search = Search {
+        budget: None,
+        predictions: &Predictions::nowhere(),
+        interrupted: &|| is_at_pairs.load(std::sync::atomic::Ordering::Relaxed),
+        progress: &|step| {
+            let is = step.stage == Stage::Pairs;
+            is_at_pairs.fetch_or(is, std::sync::atomic::Ordering::Relaxed);
+        },
+    };
+    likeness(&[case], &[], None, &mut judged, &search);
+    judged[0].result.difference.join("; ")
+}
+
+#[test]
+fn numbers_of_a_scene() {
+    let make_denser = |scene: &mut Scene| {
+        if let Model::Classified(volume) = &mut scene.panels[0].model {
+            volume.transfer_function.reference_length /= 1.1;
+        }
+    };
+    let end_early = |scene: &mut Scene| {
+        if let Model::Classified(volume) = &mut scene.panels[0].model {
+            volume.end_rays_at(0.3);
+        }
+    };
+    let case = "sampled/trilinear-blocks";
+    let [denser, ended] = [
+        of_scene(case, make_denser, |_, _| 1.0),
+        of_scene(case, end_early, |_, _| 1.0),
+    ];
+    // Denser, and besides brighter below.
+    let besides = of_scene(case, make_denser, |_, y| if y < 40 { 1.0 } else { 1.025 });
+    check(vec![
+        row(
+            "extinction of the volume 9.9961 ± 0.0040 % too large",
+            denser.clone(),
+            ended.clone(),
+        ),
+        row(
+            "with this change the scene agrees with the image",
+            denser.clone(),
+            [ended, besides.clone()].join("; "),
+        ),
+        row("as if ", besides.clone(), denser.clone()),
+        row(", which leaves ", besides, denser),
+    ]);
+}
