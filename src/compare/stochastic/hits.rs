@@ -104,7 +104,8 @@ mod tests {
         ] {
             let moments: Moments = samples.into_iter().collect();
             let film = Film::of_moments([1, 1], &[[moments; 3]], 8);
-            assert!((numbers(&film)[0] - expected).abs() < 1e-5, "{samples:?}");
+            // A film keeps eight bits of a variance.
+            assert!((numbers(&film)[0] - expected).abs() < 0.01, "{samples:?}");
         }
         let moments: Moments = [0.0, 1.0, 2.0, 9.0].into_iter().collect();
         let film = Film::of_moments([1, 1], &[[moments; 3]], 4);

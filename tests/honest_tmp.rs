@@ -1,0 +1,2 @@
+#[path = "library/honest_images.rs"]
+mod honest_images;
