@@ -1,2 +1,0 @@
-#[path = "library/honest_images.rs"]
-mod honest_images;
