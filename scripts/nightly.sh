@@ -36,6 +36,8 @@ campaign "the same bits on aarch64" scripts/same-bits.sh --architecture aarch64
 campaign "the same bits on s390x, most significant byte first" scripts/same-bits.sh --architecture s390x
 campaign "the same bits on i686, words of 32 bits" scripts/same-bits.sh --architecture i686
 campaign "the gate: false alarms of 1000 suites, power" cargo test --release --test library gate:: -- --ignored --nocapture
+campaign "honest images in every format: no alarm" cargo test --release --test library honest_images:: -- \
+    --include-ignored --nocapture
 campaign "200,000 scenes, others every day" env VOLREF_SCENES=200000 "VOLREF_SCENES_SEED=$(date +%Y%m%d)" \
     cargo test --release --test library any_scene::
 campaign "a million inputs broken at random, others every day" env VOLREF_MUTANTS_COMMANDS=4 scripts/mutated-inputs.sh \

@@ -94,8 +94,10 @@ impl Bits {
                 ..found
             };
         }
-        // A mean of several roundings, for example, is no code.
-        let is_beyond = film.brightest() > 1.0;
+        // A mean of several roundings, for example, is no code. Pixels that all of them cut off have the largest.
+        let brightest = film.brightest();
+        let is_cut_off = (brightest * math::exp2(exposure) - 1.0).abs() < CUT_OFF;
+        let is_beyond = brightest > 1.0 || is_cut_off;
         Quantisation {
             encoding: self.encoding.unwrap_or(Encoding::Linear),
             exposure: if is_beyond { exposure } else { 0.0 },
@@ -151,6 +153,9 @@ const SINGLE_PRECISION: f64 = 0.001;
 /// Fewest different values of an image that is recognised: each of them is within
 /// [`OF_A_CODE`] of a code by chance once in five, all of them less than once in 10¹¹.
 const FEWEST_VALUES: usize = 16;
+
+/// Relative error of single precision of the largest code.
+const CUT_OFF: f64 = 1e-5;
 
 /// Largest distance of an 8-bit value from its code, in codes: half precision rounds to 2⁻¹²,
 /// which is 0.06 codes of 255.

@@ -22,6 +22,7 @@ mod flip_scale;
 mod gate;
 mod geometry_laws;
 mod hard_laws;
+mod honest_images;
 mod image_meaning;
 mod images;
 mod kernel_precision;

@@ -155,7 +155,7 @@ fn a_faint_change_is_seen_and_named() {
     let shapes = Shape::all();
     let pair = pair(3, &shapes[1], 64, |x, y| {
         let (light, change) = (scene(x, y), change(x, y));
-        [0, 1, 2].map(|c| light[c] + 0.06 * change[c])
+        [0, 1, 2].map(|c| light[c] + 0.05 * change[c])
     });
     let without = judged(&pair, &[], 1e-6);
     assert!(without.passed, "{}", without.reason);

@@ -276,6 +276,107 @@ fn a_black_pixel_is_no_noise() {
     assert!(!judgement.reason.contains("black"), "{}", judgement.reason);
 }
 
+/// A neighbour with a wild sample says nothing of what light a black pixel gets; the others do.
+#[test]
+fn a_wild_neighbour_does_not_hide_a_black_pixel() {
+    let reference = sampled(1, 512, even, truth);
+    let test = sampled(2, 64, even, truth);
+    let (black, wild) = (40 * SIDE + 40, 40 * SIDE + 41);
+    let noise = test.noise().unwrap();
+    let (mut means, mut variances) = (test.radiance().to_vec(), noise.variance().to_vec());
+    // One sample of 64 is 100 times as bright as all others together.
+    means[wild] = [50.0; 3];
+    variances[wild] = [2500.0; 3];
+    let film = |means| Film::with_noise(SIDE, SIDE, means, variances.clone(), 64);
+    let judgement = judged(&reference, &film(means.clone()));
+    assert!(judgement.passed, "{}", judgement.reason);
+    means[black] = [0.0; 3];
+    assert_test_rejected("black", &reference, &film(means), "a pixel is black");
+}
+
+/// Pixels at the edge of a lit wall, of which a twentieth shows it, are black by chance.
+#[test]
+fn an_edge_is_black_by_chance() {
+    let covered = |seed: u64, samples: u32| {
+        let pixel = |index: usize| {
+            let share = match index % SIDE {
+                0..24 => 1.0,
+                24 => 0.05,
+                _ => 0.0,
+            };
+            let mut moments = Moments::default();
+            for sample in 0..samples {
+                let stream = Stream::new(seed, index as u32, sample);
+                let [place, light] = [0, 1].map(|at| stream.uniform(at, Purpose::Camera, 0));
+                moments.add(if place < share { 0.5 + light } else { 0.0 });
+            }
+            [moments; 3]
+        };
+        let pixels: Vec<[Moments; 3]> = (0..SIDE * SIDE).map(pixel).collect();
+        Film::of_moments([SIDE, SIDE], &pixels, samples)
+    };
+    let reference = covered(1, 4096);
+    for seed in 2..12 {
+        let test = covered(seed, 16);
+        let is_black = |row: usize| test.radiance()[row * SIDE + 24] == [0.0; 3];
+        assert!((0..SIDE).filter(|row| is_black(*row)).count() > 5);
+        let judgement = judged(&reference, &test);
+        assert!(judgement.passed, "{}", judgement.reason);
+    }
+}
+
+/// A black row is an eighth of each block, less than the noise of one, and much of all together.
+#[test]
+fn a_lost_line_is_seen() {
+    let lit = |_: usize| [0.5; 3];
+    let reference = sampled(1, 4096, rare, lit);
+    let test = sampled(2, 64, rare, lit);
+    let lost = |is_lost: &dyn Fn(usize) -> bool| {
+        edited(&test, |i, pixel| if is_lost(i) { [0.0; 3] } else { pixel })
+    };
+    let row = lost(&|i| i / SIDE == 20);
+    assert_test_rejected(
+        "a row",
+        &reference,
+        &row,
+        "a region of 48 × 1 pixels from column 0 and row 20",
+    );
+    let column = lost(&|i| i % SIDE == 0);
+    assert_test_rejected("a column", &reference, &column, "a region of 1 × 48 pixels");
+}
+
+/// Columns that repeat the one before are no independent means; those of light that is either on or off are
+/// equal by chance.
+#[test]
+fn repeated_lines_are_seen() {
+    let reference = sampled(1, 512, exponential, truth);
+    let test = sampled(2, 64, exponential, truth);
+    let columns = edited(&test, |i, pixel| match i % SIDE {
+        12 | 36 => test.radiance()[i - 1],
+        _ => pixel,
+    });
+    assert_test_rejected("columns", &reference, &columns, "to those of column");
+    let rows = edited(&test, |i, pixel| match i / SIDE {
+        40 => test.radiance()[i - SIDE],
+        _ => pixel,
+    });
+    assert_test_rejected(
+        "a row",
+        &reference,
+        &rows,
+        "row 40 are bit-identical to those of row 39",
+    );
+    let coin = |u: f64| if u < 0.5 { 2.0 } else { 0.0 };
+    for shape in [rare, coin] {
+        let flat = |_: usize| [0.5; 3];
+        let reference = sampled(3, 4096, shape, flat);
+        for samples in [2, 4, 8, 16, 64] {
+            let judgement = judged(&reference, &sampled(4, samples, shape, flat));
+            assert!(judgement.passed, "{samples}: {}", judgement.reason);
+        }
+    }
+}
+
 /// The variance of the luminance in the place of each channel's.
 #[test]
 fn one_variance_for_three_channels_is_none() {

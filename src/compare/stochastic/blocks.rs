@@ -28,31 +28,71 @@ pub(super) struct Total {
 
 /// Relative rounding error of half precision, 11 significant bits.
 const HALF_ROUNDING: f64 = 1.0 / 2048.0;
-/// Smallest normal number of half precision: below it there are fewer bits.
-const SMALLEST_HALF: f64 = 1.0 / 16384.0;
+/// Absolute rounding error of text with six decimals, which `printf` writes unless told otherwise. Half
+/// precision has less, 2⁻²⁵ below its smallest normal number.
+const TEXT_ROUNDING: f64 = 5e-7;
+/// Relative error of a sum in single precision for each sample: an addition rounds by 2⁻²⁴ of the sum so
+/// far at most, half of the whole sum on average.
+const SUM_ROUNDING: f64 = 1.0 / 33_554_432.0;
+
+/// Rounding of the values of a test image, whatever the format that it went through.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rounding {
+    quantisation: Option<Quantisation>,
+    /// Share of a value.
+    relative: f64,
+    /// Renderings that were rounded each.
+    renderings: f64,
+}
+
+impl Rounding {
+    pub fn of(test: &Film) -> Rounding {
+        let samples = test.samples().map_or(0.0, |samples| samples as f64);
+        let renderings = f64::from(test.renderings().unwrap_or(1));
+        let in_sums = samples / renderings * SUM_ROUNDING;
+        Rounding {
+            quantisation: test.quantisation(),
+            // A sum that loses more than half precision is a fault.
+            relative: HALF_ROUNDING + in_sums.min(HALF_ROUNDING),
+            renderings,
+        }
+    }
+
+    /// Error that codes of 8 bits make of a pixel with the value `a` in the reference and `b` in the test image, which
+    /// states this variance: half a code, and what the [largest code cuts off](super::cut_off) of its noise.
+    fn of_codes(&self, a: f64, b: f64, variance: f64) -> f64 {
+        self.quantisation.map_or(0.0, |it| {
+            let below = it.largest() - a;
+            let of_rendering = variance * self.renderings;
+            let cut_off = 0.5 * ((of_rendering + below * below).sqrt() - below);
+            it.half_code(b) + cut_off
+        })
+    }
+}
 
 /// A sum of differences, test minus reference.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Difference {
     pub value: f64,
-    /// Part of it that rounding of the test image's means to 16 bits can explain, and to 8 where they are.
+    /// Part of it that [rounding](Rounding) of the test image's means can explain. Roundings of a smooth image
+    /// share their sign over whole regions, and those of pixels without noise are the same in each of them, so
+    /// that in sums they add up.
     pub rounding: f64,
-    /// Part of that which is rounding to 8 bits: half a code of each pixel. Roundings of a smooth image share
-    /// their sign over whole regions, so that in sums they add up.
+    /// Part of that which codes of 8 bits make: half a code of each pixel, and what is cut off of its noise.
     pub half_codes: f64,
 }
 
 impl Difference {
     /// Difference of one pixel with the value `a` in the reference and `b` in the test image, which has this
-    /// quantisation.
-    pub fn of(a: f64, b: f64, quantisation: Option<Quantisation>) -> Difference {
-        let half_codes = quantisation.map_or(0.0, |it| it.half_code(b));
+    /// rounding and states this variance.
+    pub fn of(a: f64, b: f64, variance: f64, rounding: Rounding) -> Difference {
+        let half_codes = rounding.of_codes(a, b, variance);
         Difference {
             value: b - a,
             half_codes,
-            // Most renderers write half precision unless asked for more: by 2⁻¹¹ of a value, or 2⁻²⁵
-            // of a very small one. References are of 32 bits, whose rounding is nothing beside.
-            rounding: half_codes + HALF_ROUNDING * a.abs().max(b.abs()).max(SMALLEST_HALF),
+            // Most renderers write half precision unless asked for more. References are of 32 bits, whose
+            // rounding is nothing beside.
+            rounding: half_codes + (rounding.relative * a.abs().max(b.abs())).max(TEXT_ROUNDING),
         }
     }
 
@@ -125,21 +165,23 @@ impl Block {
             channels: Default::default(),
         };
         let [reference, test] = films;
-        let quantisation = test.quantisation();
+        let rounding = Rounding::of(test);
         let mut spreads = [Moments::default(); 3];
         for index in block.indices(reference.width()) {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);
             for (c, channel) in block.channels.iter_mut().enumerate() {
-                let difference = Difference::of(f64::from(a[c]), f64::from(b[c]), quantisation);
+                let stated = films.map(|film| {
+                    let noise = film.noise();
+                    noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]))
+                });
+                let difference = Difference::of(a[c].into(), b[c].into(), stated[1], rounding);
                 let beyond = difference.beyond_rounding();
                 channel.radiance += f64::from(a[c]);
                 channel.squares += beyond * beyond;
                 channel.difference.add(difference);
                 spreads[c].add(difference.value);
-                for (image, film) in films.into_iter().enumerate() {
-                    let noise = film.noise();
-                    channel.stated[image] +=
-                        noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]));
+                for (sum, stated) in channel.stated.iter_mut().zip(stated) {
+                    *sum += stated;
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Two images compared block by block, with variances that are not stated filled in.
 
 use super::super::significance::deviation;
-use super::blocks::{BLOCK, Block, Total, Variance, parts_of};
+use super::blocks::{BLOCK, Block, Channel, Total, Variance, parts_of};
 use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 
@@ -19,6 +19,28 @@ pub(super) struct Comparison<'f> {
     pub level: f64,
     /// Pixels on a side of a block.
     edge: usize,
+}
+
+/// Direction of the lines of an image.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Axis {
+    Rows,
+    Columns,
+}
+
+/// Variance of a channel of a block by both estimates.
+fn variance(stated: [Stated; 2], shape: &NoiseShape, channel: &Channel) -> Variance {
+    Variance {
+        own: match unstated(stated) {
+            None => channel.stated,
+            Some(silent) => {
+                let mut own = channel.stated;
+                own[silent] = (channel.spread - own[1 - silent]).max(0.0);
+                own
+            }
+        },
+        guard: shape.guard(channel.stated, channel.radiance),
+    }
 }
 
 impl<'f> Comparison<'f> {
@@ -52,17 +74,7 @@ impl<'f> Comparison<'f> {
         let shape = NoiseShape::new(stated, &blocks, level, times);
         for block in &mut blocks {
             for channel in &mut block.channels {
-                channel.variance = Variance {
-                    own: match unstated(stated) {
-                        None => channel.stated,
-                        Some(silent) => {
-                            let mut own = channel.stated;
-                            own[silent] = (channel.spread - own[1 - silent]).max(0.0);
-                            own
-                        }
-                    },
-                    guard: shape.guard(channel.stated, channel.radiance),
-                };
+                channel.variance = variance(stated, &shape, channel);
             }
         }
         Comparison {
@@ -87,6 +99,23 @@ impl<'f> Comparison<'f> {
         let [of_reference, of_test] = self.stated;
         let stated = [of_reference, of_test.times(times)];
         Comparison::completed((self.films, self.edge), stated, blocks, self.level, times)
+    }
+
+    /// Rows or columns of a pixel, as blocks.
+    pub fn lines(&self, axis: Axis) -> Vec<Block> {
+        let [reference, _] = self.films;
+        let (width, height) = (reference.width(), reference.height());
+        let line = |columns, rows| {
+            let mut line = Block::new(self.films, columns, rows);
+            for channel in &mut line.channels {
+                channel.variance = variance(self.stated, &self.shape, channel);
+            }
+            line
+        };
+        match axis {
+            Axis::Rows => (0..height).map(|y| line(0..width, y..y + 1)).collect(),
+            Axis::Columns => (0..width).map(|x| line(x..x + 1, 0..height)).collect(),
+        }
     }
 
     /// Blocks in a row.

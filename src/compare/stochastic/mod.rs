@@ -6,8 +6,8 @@
 //! - *The image*: is the mean of a channel too bright or too dark?
 //! - *Blocks* of 8 × 8 pixels: is any of them, in any channel? A block has an eighth of the noise
 //!   of a pixel and is nearer to normal. Holm's procedure corrects for the number of tests.
-//! - *Squares of blocks* at every scale up to the image, where no block and no mean is off: see the
-//!   file `scales.rs`.
+//! - *Squares of blocks, rows and columns* at every scale up to the image, where no block and no mean is off:
+//!   see the file `scales.rs`.
 //! - *Numbers of the scene*: does the difference look like what an error of one of them makes, where
 //!   derivatives are known? See the file `scores.rs`.
 //! - *Pixels*: do too many lie beyond five standard errors? By Chebyshev's inequality a pixel
@@ -17,10 +17,12 @@
 //!   to a rounding. If all a samples of one are x and all b of the other y ≠ x, that had a
 //!   probability of `p^a · (1 − p)^b` at most, which is largest at p = a/(a + b).
 //! - *Black pixels*: a mean of samples that are not negative is 0 only if all are, which by Cantelli's
-//!   inequality has a small probability where light is steady. This finds a NaN that was replaced by
+//!   inequality has a small probability where light is steady, and by its neighbours where their samples are
+//!   seldom 0 (see the file `hits.rs`). This finds a NaN that was replaced by
 //!   0, of 64 samples even a single one. It has one share together with the pixels without noise. A
 //!   single pixel that is too bright is another matter: noise makes those.
-//! - *Copies*: more than half of the pixels that have noise are the same bit for bit.
+//! - *Copies*: more than half of the pixels that have noise are the same bit for bit as in the reference, or
+//!   as those of the row or column before. Both have one share.
 //! - *The amount of noise*: the squares of the differences should sum to the variances, block by
 //!   block (chi-square). Half as much is suspicious too: as if the images shared random numbers,
 //!   or one had been smoothed. Too much is looked for from 64 samples a pixel on.
@@ -69,11 +71,18 @@
 //! one that is too small widens it, so that the detectable bias grows, and with it the pass becomes
 //! inconclusive. `validate --run` notes a number that is not the one it asked for.
 //!
+//! # Rounding
+//!
+//! A test image may have been summed in single precision, rounded to half precision or printed with six decimals, and
+//! none of that is noise: pixels without noise are all rounded the same way. So in each sum, of a block, a line, the
+//! image or a score, counts of the differences what is beyond the sum of what rounding can be (see `blocks.rs`).
+//! Variances that half precision made equal or 0 are no statement either: the guard is there, and three equal ones
+//! count from four of its smallest steps on.
+//!
 //! # Images of 8 bits
 //!
 //! A [quantised](Film::quantised) test image is off by half a code at most where it is not cut off. That is
-//! allowed in each sum, of a block, of the image or of a score, as rounding to 16 bits is: of the sum of the
-//! differences counts what is beyond the sum of half the codes. (What is beyond half a code in each *pixel* is
+//! allowed for in the same way. (What is beyond half a code in each *pixel* is
 //! no mean of zero: of skewed noise, which is mostly a little too dark and rarely much too bright, rounding
 //! would take the former alone.) Pixels that the largest code may have cut off are left out: see the file
 //! `cut_off.rs`. Neighbours are compared only where noise dithers the rounding, and no pixel is too black.
@@ -110,6 +119,7 @@ mod amount;
 mod blocks;
 mod comparison;
 mod cut_off;
+mod hits;
 mod map;
 mod neighbours;
 mod numbers;

@@ -132,14 +132,14 @@ fn scales(comparison: &Comparison<'_>, unit: Unit) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// True if rounding to 8 bits may share its sign among neighbours: what makes bands of a slope. Noise whose
-/// standard deviation is half a code or more dithers it: of the mean of a rounded value it leaves
-/// exp(−2π²/4)/π codes, 0.2 % (Vanderkooy & Lipshitz 1984, J. Audio Eng. Soc. 32, 106–113). The rounding
+/// True if rounding may share its sign among neighbours: what makes bands of a slope. Noise whose
+/// standard deviation is half a code of 8 bits, or half a step of a half float, or more dithers it: of the mean of a
+/// rounded value it leaves exp(−2π²/4)/π codes, 0.2 % (Vanderkooy & Lipshitz 1984, J. Audio Eng. Soc. 32, 106–113). The rounding
 /// itself adds a twelfth of the square of a code to the variance, a third of that of half a code.
 fn is_banded(block: &Block, channel: &Channel) -> bool {
-    let half_code = channel.difference.half_codes / block.pixels() as f64;
+    let half_code = channel.difference.rounding / block.pixels() as f64;
     let variance = channel.spread / block.pixels() as f64;
-    half_code > 0.0 && variance < 4.0 / 3.0 * half_code * half_code
+    variance < 4.0 / 3.0 * half_code * half_code
 }
 
 fn is_flat(film: &Film, block: &Block, c: usize) -> bool {

@@ -1,29 +1,63 @@
-//! Tests of squares of blocks at every scale, for a bias too small for one block and too local for
-//! the mean of the image.
+//! Tests of squares of blocks, of rows and of columns at every scale, for a bias too small for one block and too
+//! local for the mean of the image.
+//!
+//! A renderer loses what it works on at a time: tiles, which are squares of blocks, or lines. Of a line of a pixel
+//! no block holds more than an eighth.
 
 use super::blocks::{Block, Channel};
-use super::comparison::Comparison;
+use super::comparison::{Axis, Comparison};
 use super::{means, probability, side};
 use crate::compare::significance::{deviation, holm};
 use crate::film::CHANNELS;
+use std::ops::Range;
 
-/// A channel of a square of blocks.
-struct Square {
-    /// First block.
-    corner: [usize; 2],
-    /// Blocks along an edge.
-    edge: usize,
+/// A channel of a region.
+struct Region {
+    columns: Range<usize>,
+    rows: Range<usize>,
     colour: usize,
     pixels: usize,
     sums: Channel,
     probability: f64,
 }
 
-/// Reason to reject, if any square of 2 × 2, 4 × 4 … blocks is off; both images state their noise.
+/// Reason to reject, if any square of 2 × 2, 4 × 4 … blocks is off, or 1, 2, 4 … rows or columns next to each other;
+/// both images state their noise.
 pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<String> {
     if comparison.numbers().contains(&None) {
         return None;
     }
+    let mut regions = squares(comparison);
+    for axis in [Axis::Rows, Axis::Columns] {
+        regions.extend(bands(comparison, axis));
+    }
+    let probabilities: Vec<f64> = regions.iter().map(|region| region.probability).collect();
+    let rejected = holm(&probabilities, level);
+    let worst = regions
+        .iter()
+        .min_by(|a, b| a.probability.total_cmp(&b.probability))?;
+    (rejected > 0).then(|| {
+        format!(
+            "a region of {} × {} pixels from column {} and row {} is too {} in {}: {}",
+            worst.columns.len(),
+            worst.rows.len(),
+            worst.columns.start,
+            worst.rows.start,
+            side(worst.sums.difference.value),
+            CHANNELS[worst.colour],
+            means(
+                worst.sums.radiance / worst.pixels as f64,
+                worst.sums.difference.value / worst.pixels as f64,
+                deviation(
+                    worst.sums.difference.beyond_rounding(),
+                    worst.sums.variance.largest()
+                )
+            ),
+        )
+    })
+}
+
+fn squares(comparison: &Comparison<'_>) -> Vec<Region> {
     let columns = comparison.columns();
     let rows = comparison.blocks.len() / columns;
     let mut squares = Vec::new();
@@ -31,49 +65,48 @@ pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<St
     while edge < columns.max(rows) {
         for row in (0..rows).step_by(edge) {
             for column in (0..columns).step_by(edge) {
-                for colour in 0..3 {
-                    let blocks = (row..(row + edge).min(rows)).flat_map(|row| {
-                        (column..(column + edge).min(columns))
-                            .map(move |column| &comparison.blocks[row * columns + column])
-                    });
-                    squares.push(Square::new(comparison, [column, row], edge, colour, blocks));
-                }
+                let blocks = (row..(row + edge).min(rows)).flat_map(|row| {
+                    (column..(column + edge).min(columns))
+                        .map(move |column| &comparison.blocks[row * columns + column])
+                });
+                squares.extend(Region::of(comparison, blocks));
             }
         }
         edge *= 2;
     }
-    let probabilities: Vec<f64> = squares.iter().map(|square| square.probability).collect();
-    let rejected = holm(&probabilities, level);
-    let worst = squares
-        .iter()
-        .min_by(|a, b| a.probability.total_cmp(&b.probability))?;
-    (rejected > 0).then(|| {
-        let first = &comparison.blocks[worst.corner[1] * columns + worst.corner[0]];
-        let pixels = worst.edge * super::BLOCK;
-        format!(
-            "a region of {pixels} × {pixels} pixels from column {} and row {} is too {} in {}: {}",
-            first.columns.start,
-            first.rows.start,
-            side(worst.sums.difference.value),
-            CHANNELS[worst.colour],
-            means(
-                worst.sums.radiance / worst.pixels as f64,
-                worst.sums.difference.value / worst.pixels as f64,
-                deviation(worst.sums.difference.value, worst.sums.variance.largest())
-            ),
-        )
-    })
+    squares
 }
 
-impl Square {
+/// Lines next to each other: 1, 2, 4 … but not all.
+fn bands(comparison: &Comparison<'_>, axis: Axis) -> Vec<Region> {
+    let lines = comparison.lines(axis);
+    let mut bands = Vec::new();
+    let mut width = 1;
+    while width < lines.len() {
+        for lines in lines.chunks(width) {
+            bands.extend(Region::of(comparison, lines.iter()));
+        }
+        width *= 2;
+    }
+    bands
+}
+
+impl Region {
+    /// The channels of a region of these blocks.
+    fn of<'b>(
+        comparison: &Comparison<'_>,
+        blocks: impl Iterator<Item = &'b Block> + Clone,
+    ) -> [Region; 3] {
+        [0, 1, 2].map(|colour| Region::new(comparison, colour, blocks.clone()))
+    }
+
     fn new<'b>(
         comparison: &Comparison<'_>,
-        corner: [usize; 2],
-        edge: usize,
         colour: usize,
         blocks: impl Iterator<Item = &'b Block>,
-    ) -> Square {
+    ) -> Region {
         let (mut sums, mut pixels, mut degrees) = (Channel::default(), 0, 0.0);
+        let (mut columns, mut rows) = (usize::MAX..0, usize::MAX..0);
         for block in blocks {
             let of = &block.channels[colour];
             pixels += block.pixels();
@@ -84,10 +117,15 @@ impl Square {
             // By the ratio of noise that is larger, of single blocks or where the image is brightest.
             let of_whole = comparison.shape.guard_of_whole(of.stated, of.radiance);
             sums.variance.guard[0] += of.variance.guard().max(of_whole);
+            let around = |all: &Range<usize>, one: &Range<usize>| {
+                all.start.min(one.start)..all.end.max(one.end)
+            };
+            columns = around(&columns, &block.columns);
+            rows = around(&rows, &block.rows);
         }
-        Square {
-            corner,
-            edge,
+        Region {
+            columns,
+            rows,
             colour,
             pixels,
             probability: probability(&sums, degrees),

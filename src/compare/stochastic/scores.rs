@@ -30,10 +30,11 @@
 //! Of several numbers the one with the largest score is fitted first, then the one with the largest
 //! in what is left, three at most.
 
-use super::blocks::BLOCK;
+use super::blocks::{BLOCK, Block};
 use super::comparison::Comparison;
 use crate::compare::judgement::{Detectable, FitMap, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
+use crate::compare::significance::deviation;
 use crate::math;
 use glam::{DMat3, DVec3};
 
@@ -78,8 +79,8 @@ pub(super) struct Scores<'s> {
 struct Cell {
     /// Sum of the differences over the block.
     difference: f64,
-    /// Part of it that rounding to 8 bits can explain.
-    half_codes: f64,
+    /// Part of it that rounding can explain.
+    rounding: f64,
     weight: f64,
     /// Variance of the difference, by both estimates.
     variances: [f64; 2],
@@ -103,7 +104,7 @@ impl Cell {
 #[derive(Clone, Copy, Debug)]
 struct Tested {
     score: f64,
-    /// Part of it that rounding to 8 bits may hide.
+    /// Part of it that rounding can explain.
     hidden: f64,
     /// Σ D²/v, the noise of D taken out.
     information: f64,
@@ -122,12 +123,12 @@ impl Tested {
         let of_block =
             |block: &[Cell]| -> f64 { block.iter().map(|cell| pull(cell) * cell.difference).sum() };
         let score: f64 = blocks().map(of_block).sum();
-        // Roundings to 8 bits may all have the sign of the derivative.
+        // Roundings may all have the sign of the derivative: those of pixels without noise are the same
+        // wherever the value is, such as in a sky.
         let hidden: f64 = cells
             .iter()
-            .map(|cell| pull(cell).abs() * cell.half_codes)
+            .map(|cell| pull(cell).abs() * cell.rounding)
             .sum();
-        let score = (score.abs() - hidden).max(0.0).copysign(score);
         let expected = [0, 1].map(|answer| -> f64 {
             let most = |block: &[Cell]| -> f64 {
                 let errors = block
@@ -163,12 +164,10 @@ impl Tested {
         }
     }
 
+    /// What rounding does not explain, in standard errors.
     fn deviation(&self) -> f64 {
-        if self.score == 0.0 {
-            0.0
-        } else {
-            self.score / self.variance.sqrt()
-        }
+        let beyond = (self.score.abs() - self.hidden).max(0.0);
+        deviation(beyond.copysign(self.score), self.variance)
     }
 }
 
@@ -382,7 +381,8 @@ impl<'s> Scores<'s> {
         }
         // Nor is what the fitted ones do out of proportion a score of this one.
         let curvature: f64 = fitted.iter().map(|it| self.curvature_along(k, it)).sum();
-        score.signum() * (score.abs() - curvature).max(0.0) / variance.sqrt()
+        let explained = curvature + self.tested[k].hidden;
+        score.signum() * (score.abs() - explained).max(0.0) / variance.sqrt()
     }
 
     /// Upper bound on the part of a score of number `k` that comes from the curvature of the image
@@ -449,10 +449,11 @@ impl<'s> Scores<'s> {
             });
             let variance = alone * widened.max(1.0) + part * part * of_derivative;
             let curvature = self.sensitivities[k].curvature(changes[i]);
+            let rounding = self.tested[k].hidden / information;
             Fitted {
                 number: k,
                 change: changes[i],
-                error: (variance + curvature * curvature).sqrt(),
+                error: (variance + curvature * curvature + rounding * rounding).sqrt(),
             }
         });
         fitted.collect()
@@ -647,7 +648,8 @@ fn critical(level: f64) -> f64 {
 fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cell> {
     let mut cells = Vec::with_capacity(comparison.asked());
     for (at, block) in comparison.blocks.iter().enumerate() {
-        let pixels = block.pixels() as f64;
+        // A derivative is that of all pixels of a block.
+        let pixels = block.pixels() as f64 * share_seen(comparison, block);
         for (c, channel) in block.channels.iter().enumerate() {
             let floor = FLOOR * block.floor(c);
             let derivatives = sensitivities.iter().map(|sensitivity| {
@@ -660,20 +662,31 @@ fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cel
                     variance * pixels * pixels,
                 ]
             });
-            // Half precision may have rounded all pixels of a block the same way.
-            let rounding = channel.difference.rounding * channel.difference.rounding;
             let [own, guard] = [channel.variance.own(), channel.variance.guard()];
             cells.push(Cell {
                 difference: channel.difference.value,
-                half_codes: channel.difference.half_codes,
+                rounding: channel.difference.rounding,
                 // Not by what the test image states of itself where it happens to be dark.
                 weight: 1.0 / (guard + floor * floor),
-                variances: [own + rounding, guard + rounding],
+                variances: [own, guard],
                 derivatives: derivatives.collect(),
             });
         }
     }
     cells
+}
+
+/// Share of the pixels of a block that an image of 8 bits does not cut off: those [left out](super::cut_off) are
+/// black in both images.
+fn share_seen(comparison: &Comparison<'_>, block: &Block) -> f64 {
+    let [reference, test] = comparison.films;
+    if test.quantisation().is_none() {
+        return 1.0;
+    }
+    let is_seen =
+        |i: &usize| reference.radiance()[*i] != [0.0; 3] || test.radiance()[*i] != [0.0; 3];
+    let seen = block.indices(reference.width()).filter(is_seen).count();
+    seen as f64 / block.pixels() as f64
 }
 
 /// Upper bound on the variance of a sum over blocks, whose channels each have this standard error:
