@@ -251,10 +251,12 @@ fn by_hand() -> Vec<Fault> {
         .number("grid.z", -0.5),
         places("half a pixel down", PLUME, ImagePlane([0.0, 0.5]))
             .named(&["half-a-pixel-down"])
-            .number("camera.down", 0.5),
+            .number("camera.down", 0.5)
+            .said(&["moved"]),
         places("half a pixel left", PLUME, ImagePlane([-0.5, 0.0]))
             .named(&["half-a-pixel-left"])
-            .number("camera.right", -0.5),
+            .number("camera.right", -0.5)
+            .said(&["moved"]),
         places("a third of a pixel right", PLUME, ImagePlane([0.3, 0.0]))
             .number("camera.right", 0.3)
             .said(&["moved"]),
@@ -453,7 +455,8 @@ fn by_hand() -> Vec<Fault> {
             ImagePlane([0.0, 0.5]),
         )
         .named(&["half-a-pixel-down"])
-        .number("camera.down", 0.5),
+        .number("camera.down", 0.5)
+        .said(&["moved"]),
         values("saturation of colours", ROOM, Image(|f| mixed(f, 1.2))),
         // Fog.
         number("g = 0.5", FOG, Edit::Number("g", -0.1)),

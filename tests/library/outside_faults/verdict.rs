@@ -42,6 +42,7 @@ pub const CLAIMS: &[(&str, &str)] = &[
     ("the image is moved by", "moved"),
     ("they are cut off", "cut off"),
     ("times as long would explain", "step"),
+    ("a NaN replaced by 0", "black"),
 ];
 
 /// Words of measurements, true of any image; where the label is in [`Truth::words`], they tell the fault.
@@ -50,7 +51,8 @@ const MEASUREMENTS: &[(&str, &str)] = &[
     ("of the squared difference is in", "channel"),
     ("the difference lies in columns", "place"),
     ("exactly 0 among neighbours", "black"),
-    ("black", "black"),
+    ("pixels are black", "black"),
+    ("pixel is black", "black"),
     ("noise that is stated", "noise"),
     ("stated variance", "noise"),
 ];
