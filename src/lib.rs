@@ -83,6 +83,7 @@ pub mod compare;
 pub mod conventions;
 pub mod cost;
 pub mod exchange;
+pub mod faulty_tracer;
 pub mod files;
 pub mod film;
 pub mod geometry;

@@ -19,6 +19,8 @@ pub enum Gradients {
     },
     /// The derivative of the interpolant.
     Derivative,
+    /// Differences of the interpolant over the components of the ray's step, undivided.
+    RayStep,
 }
 
 impl Gradients {
@@ -29,7 +31,9 @@ impl Gradients {
             Gradient::Central => relative_gradients(grid),
             Gradient::Forward => at_nodes(grid, FORWARD, None),
             Gradient::Sobel => at_nodes(grid, CENTRAL, Some(SMOOTH)),
+            Gradient::Backward => at_nodes(grid, BACKWARD, None),
             Gradient::Interpolant => return Gradients::Derivative,
+            Gradient::RayStep => return Gradients::RayStep,
             Gradient::Texture => {
                 let nodes = DVec3::from_array(grid.lattice().nodes().map(|nodes| nodes as f64));
                 // An axis with one node has no differences, whatever the reach.
@@ -40,11 +44,11 @@ impl Gradients {
         Gradients::Stored(rounded(scene, stored))
     }
 
-    /// The gradient at a sample, in any unit.
+    /// The gradient at a sample of a ray with a step in node coordinates, in any unit.
     pub fn at(
         &self,
         scene: &Classified,
-        point: NodePoint,
+        (point, step): (NodePoint, DVec3),
         cell: &Cell,
         work: &mut RayWork,
     ) -> DVec3 {
@@ -70,6 +74,11 @@ impl Gradients {
                 scene.interpolation.read(grid, cell)
             }
             Gradients::Differences { reach } => differences([point.0 - *reach, point.0 + *reach]),
+            Gradients::RayStep => {
+                // Undivided: not by the spacing either.
+                let spacing = lattice.spacing() / lattice.voxel();
+                differences([point.0 - step, point.0 + step]) * spacing
+            }
             // Within its cell the interpolant is linear along each axis.
             Gradients::Derivative => {
                 let last = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64 - 2.0));
@@ -84,6 +93,7 @@ impl Gradients {
 type Kernel = [f64; 3];
 
 const FORWARD: Kernel = [0.0, -1.0, 1.0];
+const BACKWARD: Kernel = [-1.0, 1.0, 0.0];
 const CENTRAL: Kernel = [-0.5, 0.0, 0.5];
 const SMOOTH: Kernel = [0.25, 0.5, 0.25];
 
@@ -174,6 +184,7 @@ mod tests {
         assert_eq!(at(CENTRAL, Some(SMOOTH)), exact);
         // A forward difference of x² is 2x + 1; the rest is linear along each axis.
         assert_eq!(at(FORWARD, None), exact + DVec3::X);
+        assert_eq!(at(BACKWARD, None), exact - DVec3::X);
     }
 
     /// Beyond the last node the field is constant.

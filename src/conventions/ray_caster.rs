@@ -199,7 +199,7 @@ impl<'s> RayCaster<'s> {
                     let (to_light, to_eye) = self.directions(point, node_point, ray);
                     let sample = ShadedSample {
                         colour: look.colour,
-                        gradient: self.gradient(gradients, looked_up, &cell, work),
+                        gradient: self.gradient(gradients, ray, looked_up, &cell, work),
                         to_light,
                         to_eye,
                     };
@@ -218,6 +218,11 @@ impl<'s> RayCaster<'s> {
             };
             let colour = if scene.conventions.clamped_samples {
                 colour.min(DVec3::ONE)
+            } else {
+                colour
+            };
+            let colour = if scene.conventions.own_transmittance {
+                colour * (1.0 - opacity)
             } else {
                 colour
             };
@@ -280,11 +285,13 @@ impl<'s> RayCaster<'s> {
     fn gradient(
         &self,
         gradients: &Gradients,
+        ray: &Ray,
         point: NodePoint,
         cell: &Cell,
         work: &mut RayWork,
     ) -> DVec3 {
-        let mut gradient = gradients.at(self.scene, point, cell, work);
+        let step = *ray.direction * self.scene.step / self.scene.grid.lattice().spacing();
+        let mut gradient = gradients.at(self.scene, (point, step), cell, work);
         if let Some(cells) = self.cells_per_spacing() {
             gradient *= cells;
         }

@@ -50,6 +50,9 @@ impl ShadedSample {
         let Some(to_light) = self.to_light else {
             return ambient_alone;
         };
+        if conventions.normals_to_eye && normal.cosine_to(self.to_eye) < 0.0 {
+            normal = -normal;
+        }
         if conventions.two_sided && normal.cosine_to(to_light) < 0.0 {
             normal = -normal;
         }

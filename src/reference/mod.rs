@@ -6,11 +6,11 @@
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
-mod media;
+pub(crate) mod media;
 pub mod path_tracer;
-mod random;
+pub(crate) mod random;
 pub mod ray_caster;
-mod vertex;
+pub(crate) mod vertex;
 
 use crate::film::Film;
 use crate::scene::{Conventions, Model, Sampling, Scene};

@@ -7,6 +7,7 @@ use super::footprint::{Footprint, footprint};
 use super::pixels::{Detail, Pixels};
 use super::plan::{Kernel, Plan};
 use super::progress::{Progress, steps_of};
+use super::radiative::faulty_paths;
 use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_features};
 use super::radiative::path_tracer::PathFault;
 use crate::film::Film;
@@ -251,15 +252,19 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             features,
             max_order,
         } => {
+            let seed = job.sampling.seed_of(scene);
             let task = ByPathTracing {
                 scene,
                 features,
                 max_order,
-                seed: job.sampling.seed_of(scene),
+                seed,
                 pixels: &pixels,
                 work: PhantomData,
             };
-            let (moments, work) = with_features(features, task);
+            let (moments, work) = match panel.fault {
+                None => with_features(features, task),
+                Some(fault) => faulty_paths::trace(scene, fault, seed, &pixels),
+            };
             let moments = part.without_faults(scene, part.finished(moments)?)?;
             let size = [part.width, part.height];
             (Film::of_moments(size, &moments, pixels.samples), work)

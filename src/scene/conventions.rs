@@ -409,13 +409,16 @@ conventions! {
     "gradient" = gradient: Gradient = words("central" of
         "central" = Gradient::Central,
         "forward" = Gradient::Forward,
+        "backward" = Gradient::Backward,
         "sobel" = Gradient::Sobel,
         "interpolant" = Gradient::Interpolant,
-        "texture" = Gradient::Texture
+        "texture" = Gradient::Texture,
+        "ray-step" = Gradient::RayStep
     ),
-    "Gradient for shading: central differences, forward differences or the 3 x 3 x 3 Sobel filter at the nodes, interpolated; the derivative of the trilinear interpolant; or central differences at the sample over 2 n/(n - 1) spacings, n the nodes of the axis, divided as if over two (texture): what steps of 1/(n - 1) in texture coordinates give.",
+    "Gradient for shading: central, forward or backward differences or the 3 x 3 x 3 Sobel filter at the nodes, interpolated; the derivative of the trilinear interpolant; or central differences at the sample over 2 n/(n - 1) spacings, n the nodes of the axis, divided as if over two (texture): what steps of 1/(n - 1) in texture coordinates give; or differences at the sample over twice the component of the ray's step along each axis, undivided (ray-step).",
     [
         other("takes forward differences for gradients", |it| it.gradient = Gradient::Forward),
+        other("takes backward differences for gradients", |it| it.gradient = Gradient::Backward),
         other("takes gradients by Sobel's filter", |it| it.gradient = Gradient::Sobel),
         other(
             "takes the derivative of the trilinear interpolant for the gradient",
@@ -425,6 +428,11 @@ conventions! {
             "takes differences over n/(n - 1) spacings at the sample for the gradient",
             |it| it.gradient = Gradient::Texture,
         ),
+        other(
+            "takes differences over the step of the ray for the gradient",
+            |it| it.gradient = Gradient::RayStep,
+        )
+        .beside_others(),
     ];
 
     "normals" = normalised_at_nodes: bool = words("interpolated" of "interpolated" = false, "normalised" = true),
@@ -559,6 +567,23 @@ conventions! {
         other("lights both sides of a surface", |it| it.two_sided = true),
     ];
 
+    "normals_to_eye" = normals_to_eye: bool = flag(false),
+    "Turns normals towards the eye.",
+    [
+        other("turns normals towards the eye", |it| it.normals_to_eye = true)
+            .instead_of("two_sided"),
+    ];
+
+    "own_transmittance" = own_transmittance: bool = flag(false),
+    "Dims the colour of each sample by its own transmittance, too, as where the transmittance is updated before the colour is added.",
+    [
+        other(
+            "dims each sample by its own transmittance",
+            |it| it.own_transmittance = true,
+        )
+        .beside_others(),
+    ];
+
     "clamped_samples" = clamped_samples: bool = flag(false),
     "Clamps the radiance of each sample, shaded, to 1 before it is composited.",
     [
@@ -680,6 +705,8 @@ pub enum Gradient {
     Central,
     /// Forward differences at the nodes.
     Forward,
+    /// Backward differences at the nodes.
+    Backward,
     /// The 3 × 3 × 3 Sobel filter at the nodes.
     Sobel,
     /// Derivative of the trilinear interpolant at the sample.
@@ -687,6 +714,9 @@ pub enum Gradient {
     /// Central differences at the sample over `2n/(n − 1)` spacings, `n` the nodes of an axis, divided
     /// as if over two.
     Texture,
+    /// Differences at the sample over twice the component of the ray's step along each axis,
+    /// undivided.
+    RayStep,
 }
 
 impl Gradient {
@@ -694,7 +724,7 @@ impl Gradient {
     pub fn is_stored(self) -> bool {
         matches!(
             self,
-            Gradient::Central | Gradient::Forward | Gradient::Sobel
+            Gradient::Central | Gradient::Forward | Gradient::Backward | Gradient::Sobel
         )
     }
 }

@@ -10,7 +10,7 @@ use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, SamplingTable};
 use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
-use super::{Classified, Curve, Radiative, SceneError, SceneResult};
+use super::{Classified, Curve, Radiative, SceneError, SceneResult, TransportFault};
 use crate::files::regular_file;
 use crate::geometry::Camera;
 use crate::math::powu;
@@ -83,6 +83,8 @@ pub struct Panel {
     pub height: usize,
     /// The model rendered.
     pub model: Model,
+    /// A mistake in its transport of light: no file states one.
+    pub fault: Option<TransportFault>,
     /// Its input files, in the order in which they are first named.
     pub inputs: Vec<InputFile>,
     /// Every key as read, defaults included, in a fixed order.
@@ -370,6 +372,7 @@ impl Panel {
             width,
             height,
             model,
+            fault: None,
             inputs: vec![],
             readings: vec![],
             key_lines: KeyLines::default(),
@@ -403,6 +406,7 @@ impl Panel {
             width,
             height,
             model,
+            fault: None,
             inputs: files.take_used(),
             readings: log.into_inner(),
             key_lines: KeyLines::of(lines, table.get_ref()),

@@ -17,6 +17,7 @@ pub mod reader;
 mod requested_sampling;
 mod sampling;
 mod transfer_function;
+mod transport_fault;
 mod volume;
 
 pub use classified::{Classified, Compositing, Shadow};
@@ -36,3 +37,4 @@ pub use radiative::{AreaLight, Body, Object, Radiative, Scattering};
 pub use reader::{Origin, Reading};
 pub use requested_sampling::{Sampling, Seed};
 pub use sampling::samples;
+pub use transport_fault::TransportFault;

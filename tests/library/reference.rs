@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use volref::compare::stochastic;
 use volref::conventions::ray_caster as conventional;
+use volref::faulty_tracer::FaultyTracer;
 use volref::film::Film;
 use volref::geometry::length_of;
 use volref::math::rng::philox4x32_10;
@@ -348,6 +349,32 @@ fn assert_agreement_in_rooms(lights: &[&str], media: &[&str]) {
         })
         .collect();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The double of the plain path tracer makes no mistake of its own.
+#[test]
+fn the_double_without_a_fault_is_the_reference_to_the_bit() {
+    for name in WITH_MISTAKES {
+        let path = format!("{}/fixtures/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let mut scene = small(Scene::load(Path::new(&path)).unwrap(), 12);
+        let panel = scene.panels.remove(0);
+        let Model::Radiative(radiative) = &panel.model else {
+            panic!("{name} is radiative");
+        };
+        let size = [panel.width, panel.height];
+        let tracer = FaultyTracer::new(radiative, None);
+        let pixels = (0..size[0] * size[1]).into_par_iter().map(|pixel| {
+            let place = [pixel % size[0], pixel / size[0]];
+            tracer.pixel(place, size, 1.0, (7, 4)).unwrap()
+        });
+        let film = Film::of_moments(size, &pixels.collect::<Vec<_>>(), 4);
+        let sampling = Sampling {
+            samples: Some(4),
+            seed: Seed::Given(7),
+        };
+        let plain = reference::path_tracer::render(radiative, size, sampling, false);
+        assert_eq!(Ok(film), plain, "{name}");
+    }
 }
 
 /// Scenes in which mistakes are made, with occasions for many.

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 /// Largest number of hypotheses with a mistake of the scene that get a second look. One takes up to
 /// 16 times the work of a first look, so that eight take as much as first looks at the whole
-/// catalogue of 126.
+/// catalogue of 149.
 const MOST_SECOND_LOOKS: usize = 8;
 
 /// Largest number of rendered pairs of mistakes of the scene: the most promising by the effect of

@@ -22,6 +22,7 @@ pub mod context;
 pub mod direct_light;
 pub mod effects;
 pub mod emission;
+pub(super) mod faulty_paths;
 pub mod free_flight;
 pub(super) mod kernels;
 pub mod line_of_sight;

@@ -3,11 +3,12 @@
 use super::densities::{
     cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x, half_a_voxel_back_along_y,
     half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x, half_a_voxel_on_along_y,
-    half_a_voxel_on_along_z, in_classified, upside_down, x_and_z_exchanged,
+    half_a_voxel_on_along_z, in_classified, rows_as_long_as_columns, upside_down,
+    x_and_y_exchanged, x_and_z_exchanged, y_and_z_exchanged,
 };
 use super::{Edit, Mistake, set};
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
-use crate::scene::{Classified, Shadow};
+use crate::scene::{Classified, Gradient, Shadow};
 use crate::volume::Interpolation;
 use glam::DVec3;
 
@@ -92,6 +93,20 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
+        name: "gradient-by-the-ray-step",
+        advice: "the normal follows the view: differences for the gradient are taken along each axis over a spacing of the grid, not over the components of the ray's step",
+        edit: Edit::Classified(|scene| {
+            scene.phong.is_some() && set(&mut scene.conventions.gradient, Gradient::RayStep)
+        }),
+    },
+    Mistake {
+        name: "transmittance-before-the-sum",
+        advice: "the transmittance is updated before the colour of a sample is added: a sample is seen through those before it, not through itself",
+        edit: Edit::Classified(|scene| {
+            !scene.is_continuous() && set(&mut scene.conventions.own_transmittance, true)
+        }),
+    },
+    Mistake {
         name: "light-at-the-eye",
         advice: "the light is at the eye: its position is given by the scene",
         edit: Edit::Classified(|scene| {
@@ -171,6 +186,21 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "volume-axes-exchanged",
         advice: "x and z of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
         edit: Edit::Classified(|scene| in_classified(scene, x_and_z_exchanged)),
+    },
+    Mistake {
+        name: "volume-x-and-y-exchanged",
+        advice: "x and y of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
+        edit: Edit::Classified(|scene| in_classified(scene, x_and_y_exchanged)),
+    },
+    Mistake {
+        name: "volume-y-and-z-exchanged",
+        advice: "y and z of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
+        edit: Edit::Classified(|scene| in_classified(scene, y_and_z_exchanged)),
+    },
+    Mistake {
+        name: "volume-rows-of-another-length",
+        advice: "rows of the volume are taken for as long as its columns: the index is x + nx (y + ny z), with nx where y is multiplied, not ny",
+        edit: Edit::Classified(|scene| in_classified(scene, rows_as_long_as_columns)),
     },
     Mistake {
         name: "volume-upside-down",

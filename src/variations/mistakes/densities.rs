@@ -70,6 +70,21 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Radiative(|scene| with_grids(scene, x_and_z_exchanged)),
     },
     Mistake {
+        name: "grid-x-and-y-exchanged",
+        advice: "x and y of the grid are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
+        edit: Edit::Radiative(|scene| with_grids(scene, x_and_y_exchanged)),
+    },
+    Mistake {
+        name: "grid-y-and-z-exchanged",
+        advice: "y and z of the grid are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
+        edit: Edit::Radiative(|scene| with_grids(scene, y_and_z_exchanged)),
+    },
+    Mistake {
+        name: "grid-rows-of-another-length",
+        advice: "rows of the grid are taken for as long as its columns: the index is x + nx (y + ny z), with nx where y is multiplied, not ny",
+        edit: Edit::Radiative(|scene| with_grids(scene, rows_as_long_as_columns)),
+    },
+    Mistake {
         name: "grid-upside-down",
         advice: "the grid is upside down: y must grow upwards",
         edit: Edit::Radiative(|scene| with_grids(scene, upside_down)),
@@ -194,6 +209,27 @@ fn on(lattice: Lattice, grid: &GridValues) -> Option<GridValues> {
 pub(super) fn x_and_z_exchanged(grid: &GridValues) -> Option<GridValues> {
     let [_, ny, nz] = grid.lattice().nodes();
     rearranged(grid, |[i, j, k]| k + nz * (j + ny * i))
+}
+
+/// Read as though y ran fastest.
+pub(super) fn x_and_y_exchanged(grid: &GridValues) -> Option<GridValues> {
+    let [nx, ny, _] = grid.lattice().nodes();
+    rearranged(grid, |[i, j, k]| j + ny * (i + nx * k))
+}
+
+/// Read as though z ran faster than y.
+pub(super) fn y_and_z_exchanged(grid: &GridValues) -> Option<GridValues> {
+    let [nx, _, nz] = grid.lattice().nodes();
+    rearranged(grid, |[i, j, k]| i + nx * (k + nz * j))
+}
+
+/// Read with the number of nodes along y as the length of a row; nothing of a grid with as many along x.
+pub(super) fn rows_as_long_as_columns(grid: &GridValues) -> Option<GridValues> {
+    let [nx, ny, _] = grid.lattice().nodes();
+    let count = grid.values().len();
+    (nx != ny)
+        .then(|| rearranged(grid, |[i, j, k]| (i + ny * j + nx * ny * k) % count))
+        .flatten()
 }
 
 /// Rows in the reverse order along y.

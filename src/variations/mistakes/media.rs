@@ -61,6 +61,16 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Radiative(|scene| limited(scene, Scattering::Multiple(Some(4)))),
     },
     Mistake {
+        name: "paths-cut-at-three",
+        advice: "paths end after three bounces: raise the depth limit and terminate paths with Russian roulette, which is unbiased",
+        edit: Edit::Radiative(|scene| limited(scene, Scattering::Multiple(Some(3)))),
+    },
+    Mistake {
+        name: "paths-cut-at-seven",
+        advice: "paths end after seven bounces: raise the depth limit and terminate paths with Russian roulette, which is unbiased",
+        edit: Edit::Radiative(|scene| limited(scene, Scattering::Multiple(Some(7)))),
+    },
+    Mistake {
         name: "extinction-doubled",
         advice: "media are twice as dense as they should be: is the optical depth counted twice, or a diameter taken for a radius?",
         edit: Edit::Medium(|medium| coefficients(medium, |a, s| (a * 2.0, s * 2.0))),

@@ -1,7 +1,7 @@
 //! The mistakes people make in volume renderers.
 //!
 //! Each is a small edit of the scene or of the image, with advice for its author. The renderer
-//! itself never changes. The catalogue has two uses: the [self-test](crate::judging::self_test) proves that
+//! itself never changes: mistakes in the transport of light are made by a [double](crate::faulty_tracer). The catalogue has two uses: the [self-test](crate::judging::self_test) proves that
 //! the suite rejects every mistake, and failing images are [compared with it](crate::naming::likeness) to
 //! name the mistake.
 
@@ -11,11 +11,12 @@ mod images;
 mod lights;
 mod media;
 mod surfaces;
+mod transport;
 
 use crate::film::Film;
 use crate::geometry::{Camera, Surface, length_of};
 use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
-use crate::scene::{Body, Classified, Curve, Model, Radiative, Scene};
+use crate::scene::{Body, Classified, Curve, Model, Radiative, Scene, TransportFault};
 use glam::DVec3;
 
 /// A mistake.
@@ -45,6 +46,8 @@ enum Edit {
     Light(fn(&mut Light)),
     /// Of the material of every surface.
     Material(fn(&mut Material)),
+    /// Of the transport of light.
+    Transport(TransportFault),
     /// Of the finished image, in each pixel by itself.
     Pixels(fn(&Film) -> Film),
     /// Of the finished image, in where its pixels are or in how they mix.
@@ -83,6 +86,12 @@ impl Mistake {
                 (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
                 (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
+                // Of two mistakes of one tracer there is no image.
+                (Edit::Transport(fault), Model::Radiative(radiative)) => {
+                    let occurs = panel.fault.is_none() && fault.has_occasion(radiative);
+                    panel.fault = panel.fault.or(occurs.then_some(*fault));
+                    occurs
+                }
                 (edit, Model::Radiative(radiative)) => {
                     let before = scattering_depth(radiative);
                     let occurs = in_radiative(edit, radiative);
@@ -180,6 +189,7 @@ pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
         densities::MISTAKES,
         lights::MISTAKES,
         surfaces::MISTAKES,
+        transport::MISTAKES,
     ]
     .into_iter()
     .flatten()

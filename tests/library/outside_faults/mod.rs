@@ -1,48 +1,33 @@
 //! Faults outside the catalogue of mistakes: a name is right, or there is none.
 //!
 //! Whoever is told the name of a mistake goes looking for it, so that a wrong name is worse than
-//! none. These [faults](faults::FAULTS) are none of the catalogue, or a size of one that the
-//! catalogue does not have; of each, what is said is counted.
+//! none. Most of these [faults](faults::faults) are none of the catalogue, or a size of one that the
+//! catalogue does not have; the truth stands beside each, and what is said is [judged](verdict::judge)
+//! by it.
 
 mod faults;
+mod images;
+mod tables;
+mod verdict;
 
-use faults::{Edit, FAULTS, Fault};
+use faults::{Edit, Fault, Kind, faults};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use verdict::{Judgement, Said, judge, table};
 use volref::compare::Picture;
+use volref::conventions::{CATALOGUE, under};
 use volref::film::Film;
 use volref::geometry::Camera;
-use volref::judging::{Judged, Verdict, validate};
+use volref::judging::{Judged, validate};
 use volref::math;
-use volref::naming::{Predictions, Search, Stage, likeness};
+use volref::naming::{ConventionSearch, Predictions, Search, Stage, likeness};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Model, Scene};
-use volref::sensitivity::numbers;
-use volref::suite::{Case, Output, Suite};
+use volref::sensitivity::{number, numbers};
+use volref::suite::{Output, Suite};
 use volref::variations::mistakes;
-
-/// What is said of an image with a fault.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Said {
-    /// It passed, or was too noisy.
-    NotRejected,
-    /// Rejected, without a name.
-    NoName,
-    /// The first name describes the fault.
-    RightName,
-    /// It does not.
-    WrongName,
-}
-
-struct Outcome {
-    said: Said,
-    /// The first name.
-    name: String,
-    /// The reason of the verdict, and what was measured.
-    reason: String,
-}
 
 /// The image of `scene` with the image plane moved, in pixels to the right and down, by an exact
 /// half, whole or one and a half in one axis: the image with more rows or columns of the same size,
@@ -109,42 +94,76 @@ fn rendered(scene: &Scene, samples: u32) -> Film {
     render(&plans(scene), sampling, &|| ()).unwrap().film
 }
 
-fn faulty(fault: &Fault, scene: &Scene, samples: u32) -> Film {
+/// The image of `scene` with `fault`; `None` where a number or a mistake has no occasion.
+fn faulty(fault: &Fault, scene: &Scene, samples: u32) -> Option<Film> {
     let mut scene = scene.clone();
-    match fault.edit {
-        Edit::Classified(edit) => {
-            for panel in &mut scene.panels {
-                if let Model::Classified(classified) = &mut panel.model {
-                    edit(classified);
+    let mut plane = None;
+    for edit in &fault.edits {
+        match *edit {
+            Edit::Classified(edit) => {
+                for panel in &mut scene.panels {
+                    if let Model::Classified(classified) = &mut panel.model {
+                        edit(classified);
+                    }
                 }
             }
-        }
-        Edit::Radiative(edit) => {
-            for panel in &mut scene.panels {
-                if let Model::Radiative(radiative) = &mut panel.model {
-                    edit(radiative);
+            Edit::Radiative(edit) => {
+                for panel in &mut scene.panels {
+                    if let Model::Radiative(radiative) = &mut panel.model {
+                        edit(radiative);
+                    }
                 }
             }
+            Edit::Number(name, change) => {
+                scene = number(&scene, name).unwrap().changed(&scene, change)?;
+            }
+            Edit::Mistake(name) => {
+                let mistake = mistakes::named(name).unwrap();
+                if !mistake.is_of_the_image() {
+                    scene = mistake.in_scene(&scene)?;
+                }
+            }
+            Edit::Convention(words) => {
+                let at = CATALOGUE.iter().position(|it| it.words == words).unwrap();
+                scene = under(&scene, &[at]);
+            }
+            Edit::ImagePlane(shift) => plane = Some(shift),
+            Edit::Film(_) => {}
         }
-        Edit::Film(edit) => return edit(&rendered(&scene, samples)),
-        Edit::ImagePlane(shift) if shift.iter().all(|x| (2.0 * x).fract() == 0.0) => {
-            return with_more_pixels(&scene, shift, samples);
-        }
-        Edit::ImagePlane(shift) => return with_camera_turned(&scene, shift, samples),
     }
-    rendered(&scene, samples)
+    let mut film = match plane {
+        None => rendered(&scene, samples),
+        Some(shift) if shift.iter().all(|x| (2.0 * x).fract() == 0.0) => {
+            with_more_pixels(&scene, shift, samples)
+        }
+        Some(shift) => with_camera_turned(&scene, shift, samples),
+    };
+    for edit in &fault.edits {
+        match *edit {
+            Edit::Film(edit) => film = edit(&film),
+            Edit::Mistake(name) => {
+                let mistake = mistakes::named(name).unwrap();
+                if mistake.is_of_the_image() {
+                    film = mistake.in_image(&film)?;
+                }
+            }
+            _ => {}
+        }
+    }
+    Some(film)
 }
 
-/// Judges the image with `fault`, and names it.
-fn outcome(
+/// The verdict on the image with `fault`: as `validate` has it, conventions first, then names.
+fn verdict(
     fault: &Fault,
-    case: &Case,
     suite: &Suite,
     samples: u32,
+    conventions: Option<f64>,
     search: &Search<'_>,
-) -> Outcome {
+) -> Judgement {
+    let case = suite.select(&[fault.case.to_owned()]).unwrap()[0];
     let scene = case.load_scene().unwrap();
-    let film = faulty(fault, &scene, samples);
+    let film = faulty(fault, &scene, samples).expect("the case has occasion for it");
     if let Some(folder) = std::env::var_os("VOLREF_FAULTS_KEEP") {
         // For another version of the program.
         let folder = Path::new(&folder).join(fault.name.replace([' ', '/'], "_"));
@@ -154,46 +173,59 @@ fn outcome(
     }
     let output = Output::Picture(Box::new(Picture::Radiance(film)));
     let mut judged: Vec<Judged> = vec![validate(case, &suite.store(), output, None)];
-    likeness(&[case], &[], None, &mut judged, search);
-    let result = &judged[0].result;
-    let said = match (result.verdict, result.looks_like.first()) {
-        (Verdict::Fail, None) => Said::NoName,
-        (Verdict::Fail, Some(name)) if fault.described_by.contains(&name.as_str()) => {
-            Said::RightName
-        }
-        (Verdict::Fail, Some(_)) => Said::WrongName,
-        _ => Said::NotRejected,
-    };
-    Outcome {
-        said,
-        name: result.looks_like.first().cloned().unwrap_or_default(),
-        reason: [std::slice::from_ref(&result.reason), &result.difference[..]]
-            .concat()
-            .join("\n        "),
+    if let Some(seconds) = conventions {
+        ConventionSearch::default().explain_mismatch(
+            case,
+            &suite.store(),
+            &mut judged[0],
+            seconds,
+            false,
+        );
     }
+    likeness(&[case], &[], None, &mut judged, search);
+    judge(fault, &scene, &judged[0].result)
 }
 
 /// Some of them, with what is said of each: part of a reason, or of what was measured. Pairs of
 /// mistakes, which take the most time, are not looked for.
-const IN_EVERY_RUN: [(&str, Said, &str); 6] = [
+const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 6] = [
     (
         "samples clamped at 3",
-        Said::NoName,
+        Said::Nothing,
+        Some(Said::Rightly),
         "no value is above 3, where",
     ),
-    ("field of view 39.8°", Said::NoName, "pixels up"),
+    (
+        "field of view 39.8°",
+        Said::Nothing,
+        // Its interval is too narrow.
+        None,
+        "pixels up",
+    ),
     (
         "opacity + 10 %",
-        Said::NoName,
+        Said::Nothing,
+        Some(Said::Rightly),
         "extinction of the volume 10.0000 ± 0.0040 % too large: with this change the scene agrees",
     ),
     (
         "diffuse 0.7, opacity + 10 %",
-        Said::NoName,
+        Said::Nothing,
+        Some(Said::Rightly),
         "diffuse reflection 30.00 ± 0.10 % too small and extinction of the volume 10.000",
     ),
-    ("clamped at 0.5", Said::NoName, "no value is above 0.5"),
-    ("half a voxel along x", Said::RightName, ""),
+    (
+        "clamped at 0.5",
+        Said::Nothing,
+        Some(Said::Rightly),
+        "no value is above 0.5",
+    ),
+    (
+        "half a voxel along x",
+        Said::Rightly,
+        Some(Said::Nothing),
+        "",
+    ),
 ];
 
 #[test]
@@ -201,7 +233,8 @@ fn a_name_is_right_or_there_is_none() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let predictions = Predictions::in_folder(folder.path());
-    for (name, said, words) in IN_EVERY_RUN {
+    let faults = faults();
+    for (name, named, described, words) in IN_EVERY_RUN {
         let is_at_pairs = AtomicBool::new(false);
         let search = Search {
             budget: None,
@@ -211,67 +244,101 @@ fn a_name_is_right_or_there_is_none() {
                 is_at_pairs.fetch_or(step.stage == Stage::Pairs, Ordering::Relaxed);
             },
         };
-        let fault = FAULTS.iter().find(|fault| fault.name == name).unwrap();
-        let cases = suite.select(&[fault.case.to_owned()]).unwrap();
-        let outcome = outcome(fault, cases[0], &suite, 16, &search);
-        assert_eq!(outcome.said, said, "{name}: {}", outcome.reason);
-        assert!(outcome.reason.contains(words), "{name}: {}", outcome.reason);
+        let fault = faults.iter().find(|fault| fault.name == name).unwrap();
+        let judged = verdict(fault, &suite, 16, None, &search);
+        assert!(judged.is_caught(), "{name}: {}", judged.text);
+        assert_eq!(judged.named, named, "{name}: {}", judged.text);
+        if let Some(described) = described {
+            assert_eq!(judged.described, described, "{name}: {}", judged.text);
+        }
+        assert!(judged.text.contains(words), "{name}: {}", judged.text);
     }
 }
 
 #[test]
 fn there_are_faults_enough_and_each_is_its_own() {
-    let names: BTreeSet<(&str, &str)> = FAULTS.iter().map(|f| (f.case, f.name)).collect();
-    assert_eq!(names.len(), FAULTS.len());
-    assert!(FAULTS.len() >= 40);
-    let names = FAULTS.iter().flat_map(|fault| fault.described_by);
-    for name in names.flat_map(|names| names.split(" + ")) {
-        assert!(mistakes::named(name).is_some(), "{name} is no mistake");
+    let faults = faults();
+    let names: BTreeSet<(&str, &str)> = faults.iter().map(|f| (f.case, &*f.name)).collect();
+    assert_eq!(names.len(), faults.len());
+    assert!(faults.len() >= 250, "{}", faults.len());
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    for fault in &faults {
+        let truth = &fault.truth;
+        for name in truth.names.iter().flat_map(|names| names.split(" + ")) {
+            assert!(mistakes::named(name).is_some(), "{name} is no mistake");
+        }
+        let case = suite.select(&[fault.case.to_owned()]).unwrap()[0];
+        let scene = case.load_scene().unwrap();
+        for edit in &fault.edits {
+            let is_possible = match *edit {
+                Edit::Number(name, change) => number(&scene, name)
+                    .unwrap_or_else(|error| panic!("{}: {error}", fault.case))
+                    .changed(&scene, change)
+                    .is_some(),
+                Edit::Mistake(name) => {
+                    let mistake = mistakes::named(name).unwrap_or_else(|| panic!("{name}"));
+                    mistake.is_of_the_image() || mistake.in_scene(&scene).is_some()
+                }
+                Edit::Convention(words) => CATALOGUE.iter().any(|it| it.words == words),
+                _ => true,
+            };
+            assert!(is_possible, "{}: {}", fault.case, fault.name);
+        }
     }
 }
 
+/// One table for all faults, or for those of which the name, the case or the kind contains a word of
+/// `VOLREF_FAULTS`; `scripts/verdicts.sh` runs it.
 #[test]
-#[ignore = "minutes: scripts/nightly.sh runs it"]
+#[ignore = "an hour: scripts/verdicts.sh runs it"]
 fn names_of_faults_outside_the_catalogue() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let predictions = Predictions::in_folder(folder.path());
+    let seconds = f64::from(given("VOLREF_EXPLAIN").unwrap_or(10));
     let search = Search {
-        budget: Some(Duration::from_secs_f64(f64::from(
-            number("VOLREF_EXPLAIN").unwrap_or(10),
-        ))),
+        budget: Some(Duration::from_secs_f64(seconds)),
         predictions: &predictions,
         interrupted: &|| false,
         progress: &|_| (),
     };
-    let samples = number("VOLREF_FAULT_SAMPLES").unwrap_or(16);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
-    let mut wrong = 0;
-    let mut failed = 0;
-    for fault in FAULTS.iter().filter(|fault| {
-        wanted.is_empty()
-            || wanted
-                .split(',')
-                .any(|word| fault.name.contains(word) || fault.case.contains(word))
-    }) {
-        let cases = suite.select(&[fault.case.to_owned()]).unwrap();
-        let outcome = outcome(fault, cases[0], &suite, samples, &search);
-        failed += usize::from(outcome.said != Said::NotRejected);
-        wrong += usize::from(outcome.said == Said::WrongName);
+    let is_wanted = |fault: &Fault| {
+        let kind = Kind::ALL.iter().find(|(kind, _)| *kind == fault.kind);
+        let texts = [
+            &*fault.name,
+            fault.case,
+            kind.map_or("", |(_, words)| words),
+        ];
+        let mut words = wanted.split(',');
+        wanted.is_empty() || words.any(|word| texts.iter().any(|text| text.contains(word)))
+    };
+    let mut judged = Vec::new();
+    for fault in faults().into_iter().filter(is_wanted) {
+        let samples = given("VOLREF_FAULT_SAMPLES").unwrap_or(fault.samples);
+        let begun = Instant::now();
+        let judgement = verdict(&fault, &suite, samples, Some(seconds), &search);
         println!(
-            "{:<26} {:<40} {:?} {}",
-            fault.case, fault.name, outcome.said, outcome.name
+            "{:<26} {:<44} {samples:>2} {:>4.0} s  {}",
+            fault.case,
+            fault.name,
+            begun.elapsed().as_secs_f64(),
+            judgement.in_words()
         );
-        println!("        {}", outcome.reason);
+        println!("        {}", judgement.text);
+        judged.push((fault.kind, judgement));
     }
-    println!("{wrong} wrong names in {failed} rejected images");
+    println!("\n{}", table(&judged));
+    let wrong = |it: &&(Kind, Judgement)| it.1.named == Said::Wrongly;
+    let wrong = judged.iter().filter(wrong).count();
+    let caught = judged.iter().filter(|it| it.1.is_caught()).count();
     assert!(
-        50 * wrong <= failed,
-        "{wrong} wrong names in {failed} rejected images"
+        50 * wrong <= caught,
+        "{wrong} wrong names in {caught} rejected images"
     );
 }
 
-fn number(variable: &str) -> Option<u32> {
+fn given(variable: &str) -> Option<u32> {
     std::env::var(variable).ok()?.parse().ok()
 }
 

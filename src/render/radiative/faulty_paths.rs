@@ -1,0 +1,27 @@
+//! Paths with a mistake, in place of those of the path tracer.
+
+use super::path_tracer::PathFault;
+use crate::faulty_tracer::{EndlessPath, FaultyTracer};
+use crate::math::Moments;
+use crate::render::counters::Work;
+use crate::render::pixels::{Pixels, rows};
+use crate::scene::{Radiative, TransportFault};
+
+/// The moments of the samples of each pixel, by channel, of a tracer that makes the mistake `fault`.
+pub(in crate::render) fn trace<W: Work>(
+    scene: &Radiative,
+    fault: TransportFault,
+    seed: u64,
+    pixels: &Pixels<'_>,
+) -> (Vec<Result<[Moments; 3], PathFault>>, W) {
+    let tracer = FaultyTracer::new(scene, Some(fault));
+    let (size, edge) = ([pixels.width, pixels.height], pixels.edge());
+    rows(
+        pixels,
+        || (),
+        |pixel, samples, (), _: &mut W| {
+            let moments = tracer.pixel(pixel, size, edge, (seed, samples));
+            moments.map_err(|EndlessPath| PathFault::Endless)
+        },
+    )
+}
