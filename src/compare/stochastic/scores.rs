@@ -477,7 +477,7 @@ impl<'s> Scores<'s> {
             }
             left += cell.weight * (rest * rest - noise);
             squares_left += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
-            largest = largest.max((rest.abs() - cell.half_codes).max(0.0) / noise.sqrt());
+            largest = largest.max((rest.abs() - cell.rounding).max(0.0) / noise.sqrt());
         }
         let is_known = whole > BESIDE * squares.sqrt();
         Left {
