@@ -852,10 +852,6 @@ fn film(scene: &Scene) -> Film {
     rendering.unwrap().film
 }
 
-fn radiance(picture: &Picture) -> Film {
-    picture.radiance().unwrap().clone()
-}
-
 /// Whether an image of `right` is one of `test`, by the deterministic gate.
 fn passes(right: &Scene, test: &Picture) -> bool {
     let (right, gate) = (picture(right), &volref::compare::Deterministic);

@@ -106,7 +106,11 @@ impl Region {
         blocks: impl Iterator<Item = &'b Block>,
     ) -> Region {
         let (mut sums, mut pixels, mut degrees) = (Channel::default(), 0, 0.0);
-        let (mut columns, mut rows) = (usize::MAX..0, usize::MAX..0);
+        let nothing = Range {
+            start: usize::MAX,
+            end: 0,
+        };
+        let (mut columns, mut rows) = (nothing.clone(), nothing);
         for block in blocks {
             let of = &block.channels[colour];
             pixels += block.pixels();
