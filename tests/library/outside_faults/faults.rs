@@ -411,7 +411,8 @@ fn by_hand() -> Vec<Fault> {
         // It only scatters, and nothing else does.
         geometry("white smoke missing", ROOM, Path(|s| _ = s.media.pop()))
             .named(&["scattering-left-out"]),
-        geometry("black smoke missing", ROOM, Path(|s| _ = s.media.remove(0))),
+        geometry("black smoke missing", ROOM, Path(|s| _ = s.media.remove(0)))
+            .named(&["absorption-left-out"]),
         geometry("back wall missing", ROOM, Path(|s| _ = s.objects.pop())),
         geometry(
             "grey sky",
@@ -505,6 +506,8 @@ fn by_hand() -> Vec<Fault> {
             STAIN,
             Path(|s| grids(s, DVec3::new(1.0, 0.0, 0.0))),
         )
+        // Under a plain sky the same as an eye that is moved.
+        .number("camera.x", -0.01)
         .said(&["moved"]),
         field("grid 2 % too large", STAIN, Path(|s| scaled(s, 1.02))).said(&["moved"]),
         number("sky of 0.9", STAIN, Edit::Number("environment", -0.1)).said(&["gain"]),

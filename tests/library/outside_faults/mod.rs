@@ -11,6 +11,7 @@ mod tables;
 mod verdict;
 
 use faults::{Edit, Fault, Kind, faults};
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -313,21 +314,22 @@ fn names_of_faults_outside_the_catalogue() {
         let mut words = wanted.split(',');
         wanted.is_empty() || words.any(|word| texts.iter().any(|text| text.contains(word)))
     };
-    let mut judged = Vec::new();
-    for fault in faults().into_iter().filter(is_wanted) {
+    let wanted: Vec<Fault> = faults().into_iter().filter(is_wanted).collect();
+    let judge = |fault: &Fault| {
         let samples = given("VOLREF_FAULT_SAMPLES").unwrap_or(fault.samples);
         let begun = Instant::now();
-        let judgement = verdict(&fault, &suite, samples, Some(seconds), &search);
+        let judgement = verdict(fault, &suite, samples, Some(seconds), &search);
         println!(
-            "{:<26} {:<44} {samples:>2} {:>4.0} s  {}",
+            "{:<26} {:<44} {samples:>2} {:>4.0} s  {}\n        {}",
             fault.case,
             fault.name,
             begun.elapsed().as_secs_f64(),
-            judgement.in_words()
+            judgement.in_words(),
+            judgement.text
         );
-        println!("        {}", judgement.text);
-        judged.push((fault.kind, judgement));
-    }
+        (fault.kind, judgement)
+    };
+    let judged: Vec<(Kind, Judgement)> = wanted.par_iter().with_max_len(1).map(judge).collect();
     println!("\n{}", table(&judged));
     let wrong = |it: &&(Kind, Judgement)| it.1.named == Said::Wrongly;
     let wrong = judged.iter().filter(wrong).count();

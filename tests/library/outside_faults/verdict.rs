@@ -33,6 +33,8 @@ pub struct Judgement {
     pub described: Said,
     /// Of intervals for numbers that are off, whether each holds the truth within two standard errors.
     pub intervals: Vec<bool>,
+    /// True if something was measured of the difference: its place, or what a change would leave of it.
+    pub is_measured: bool,
     /// Names, reason, measurements.
     pub text: String,
 }
@@ -43,6 +45,16 @@ pub const CLAIMS: &[(&str, &str)] = &[
     ("times as long", "step"),
     ("a NaN replaced by 0", "black"),
 ];
+
+/// Largest error of a change, as a share of it, with which a sentence still describes the fault; its interval is
+/// judged by itself.
+const NEAR: f64 = 0.1;
+
+/// Words of a map from the golden to the image, which the gate has found to hold.
+const MAP: &str = "the image is the golden";
+
+/// Sentences that say that nothing was measured.
+const NOTHING: [&str; 2] = ["no gain and no shift accounts", "too close to the noise"];
 
 /// Words of measurements, true of any image; where the label is in [`Truth::words`], they tell the fault.
 const MEASUREMENTS: &[(&str, &str)] = &[
@@ -195,11 +207,12 @@ pub fn judge(fault: &Fault, scene: &Scene, result: &CaseResult) -> Judgement {
     let (mut statements, mut intervals) = (Vec::new(), Vec::new());
     let mut of_numbers = |claims: &[Claim]| {
         let right = claims.iter().map(|claim| {
-            let holds = truth
-                .change(fault.case, &claim.number)
-                .map(|change| (change - claim.change).abs() <= 2.0 * claim.error);
-            intervals.extend(holds);
-            holds == Some(true)
+            let Some(change) = truth.change(fault.case, &claim.number) else {
+                return false;
+            };
+            let off = (change - claim.change).abs();
+            intervals.push(off <= 2.0 * claim.error);
+            off <= 2.0 * claim.error || off <= NEAR * change.abs()
         });
         let right: Vec<bool> = right.collect();
         right.into_iter().all(|right| right)
@@ -223,6 +236,7 @@ pub fn judge(fault: &Fault, scene: &Scene, result: &CaseResult) -> Judgement {
                 statements.push(right.contains(&true));
             }
         }
+        statements.extend(texts.iter().filter(|text| text.contains(MAP)).map(|_| true));
         let is_said = |words: &str| texts.iter().any(|text| text.contains(words));
         let claims = CLAIMS.iter().filter(|(words, _)| is_said(words));
         statements.extend(claims.map(|(_, label)| truth.words.contains(label)));
@@ -238,8 +252,10 @@ pub fn judge(fault: &Fault, scene: &Scene, result: &CaseResult) -> Judgement {
         &result.notes,
     ]
     .concat();
+    let is_nothing = |said: &&String| NOTHING.iter().any(|words| said.contains(words));
     Judgement {
         verdict: result.verdict,
+        is_measured: !result.difference.iter().all(|said| is_nothing(&said)),
         named: if is_caught {
             Said::of(&named)
         } else {
@@ -257,8 +273,18 @@ impl Judgement {
     }
 
     /// Neither a name nor a description.
-    pub fn is_silent(&self) -> bool {
+    fn is_open(&self) -> bool {
         self.is_caught() && self.named == Said::Nothing && self.described == Said::Nothing
+    }
+
+    /// Neither a name nor a description, but measurements that are true of the images.
+    pub fn is_measured_alone(&self) -> bool {
+        self.is_open() && self.is_measured
+    }
+
+    /// Nothing beyond the numbers of the gate.
+    pub fn is_silent(&self) -> bool {
+        self.is_open() && !self.is_measured
     }
 
     /// One line: verdict, name, description, intervals.
@@ -280,8 +306,8 @@ impl Judgement {
 /// The table in Markdown, by kind of fault.
 pub fn table(judged: &[(Kind, Judgement)]) -> String {
     let mut text = String::from(
-        "| fault | images | caught | passed | undecided | named rightly | wrongly | described rightly | wrongly | silent | intervals that hold |\n\
-         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        "| fault | images | caught | passed | undecided | named rightly | wrongly | described rightly | wrongly | measured | silent | intervals that hold |\n\
+         | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
     );
     let kinds = Kind::ALL.map(|(kind, words)| (Some(kind), words));
     for (kind, words) in kinds.into_iter().chain([(None, "all")]) {
@@ -308,6 +334,7 @@ pub fn table(judged: &[(Kind, Judgement)]) -> String {
             count(&|it| it.named == Said::Wrongly),
             count(&|it| it.described == Said::Rightly),
             count(&|it| it.described == Said::Wrongly),
+            count(&Judgement::is_measured_alone),
             count(&Judgement::is_silent),
         ];
         let cells: Vec<String> = counts.iter().map(usize::to_string).collect();
