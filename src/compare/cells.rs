@@ -39,6 +39,8 @@ pub(crate) struct Misfit {
     /// of golden and test. Where the golden is dark and the test bright, relative to the golden the rest stops
     /// to count.
     pub by_other_weights: [SquaredDistance; 2],
+    /// Squared distance of the test image from black, relative to the brighter of golden and test.
+    pub test_from_black: SquaredDistance,
     /// Standard error of the distance, were the images the same but for their noise.
     pub least_error: f64,
 }
@@ -68,11 +70,13 @@ impl Misfit {
 
     /// True if a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
     /// misfit of the golden: in the cells with noise and in all together, and not contradicted in those without
-    /// noise or by other weights. Where the golden has no noise the image may have some, and a prediction of it.
+    /// noise or by other weights. A dark image is not explained by any other dark one: as little of what it is
+    /// more than black may be left. Where the golden has no noise the image may have some, and a prediction of it.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
         let mut others = self.by_other_weights.iter().zip(&whole.by_other_weights);
         self.parts[0].is_explained(&whole.parts[0], share)
             && others.all(|(left, whole)| left.may_be_explained(whole, share))
+            && self.by_other_weights[1].may_be_explained(&self.test_from_black, share)
             && self.explains_together(whole, share)
     }
 
@@ -330,11 +334,13 @@ impl Cells {
         let mut in_noise = Sum::default();
         let mut sums = [PartSums::default(); 2];
         let mut by_other_weights = [PartSums::default(); 2];
+        let mut test_from_black = PartSums::default();
         let mut least_squares = Sum::default();
         for cell in 0..self.means.len() {
             let part = &mut sums[usize::from(golden.silent[cell])];
             let (mut square, mut noise_of_square, mut least) = (0.0, 0.0, 0.0);
             let mut others = [[0.0; 2]; 2];
+            let (mut from_black, mut noise_from_black) = (0.0, 0.0);
             for c in 0..3 {
                 let (a, b) = (self.means[cell][c], test.means[cell][c]);
                 let size = a.abs().max(b.abs());
@@ -372,7 +378,11 @@ impl Cells {
                     other[0] += weight * beyond_rounding;
                     other[1] += weight * spread.sqrt();
                 }
+                let (weight, noise) = (weight_of(brighter, due), test.variances[cell][c]);
+                from_black += weight * (b * b - noise);
+                noise_from_black += weight * (noise * (2.0 * noise + 4.0 * b * b)).sqrt();
             }
+            test_from_black.add(from_black, noise_from_black);
             least_squares.add(least * least);
             part.add(square, noise_of_square);
             for (sums, [square, noise]) in by_other_weights.iter_mut().zip(others) {
@@ -388,6 +398,7 @@ impl Cells {
                 sums[1].distance(cells, false),
             ],
             by_other_weights: by_other_weights.map(|sums| sums.distance(cells, has_noise)),
+            test_from_black: test_from_black.distance(cells, has_noise),
             least_error: least_squares.value().sqrt() / (3.0 * cells),
         }
     }

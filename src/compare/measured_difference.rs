@@ -13,6 +13,7 @@ use super::parts::{MOST_PARTS, Part, Seen, percent};
 use super::pixels::Pixels;
 use super::stochastic::BLOCK;
 use crate::film::{CHANNELS, Film};
+use std::ops::Range;
 
 /// Parts of the image for the jackknife, each of blocks from all over it.
 const PARTS: usize = 20;
@@ -258,33 +259,48 @@ fn decimals(value: f64, error: f64) -> String {
     format!("{value:.*}", places.unwrap_or(4) as usize)
 }
 
-/// Values that end at one number, which nearly all that should be above it have, whatever they
-/// should be.
+/// Values that end at one number, which nearly all that should be above it have, whatever they should be.
+/// A lamp, of one value in the golden, shows nothing of that: it may be darker as a whole.
 fn cut_off(pixels: &Pixels<'_>) -> Option<String> {
     let test = pixels.test.radiance();
     let most = test.as_flattened().iter().copied().fold(0.0, f32::max);
     let (mut cut, mut above, mut is_spread) = (0, 0, false);
     for c in 0..3 {
-        let (mut least, mut largest, mut of_channel) = (f64::INFINITY, 0.0_f64, 0);
-        for (i, pixel) in test.iter().enumerate() {
-            let value = pixels.value(i, c);
-            let beyond = value - 1.001 * f64::from(most);
-            if beyond <= SIGNIFICANT * pixels.variance(i, c).sqrt() {
-                continue;
-            }
-            above += 1;
-            if pixel[c] == most {
-                of_channel += 1;
-                (least, largest) = (least.min(value), largest.max(value));
-            }
-        }
-        cut += of_channel;
-        is_spread |= of_channel >= CUT_OFF && largest >= APART * least;
+        let mut values: Vec<(f64, bool)> = (0..test.len())
+            .map(|i| (i, pixels.value(i, c)))
+            .filter(|&(i, value)| {
+                let beyond = value - 1.001 * f64::from(most);
+                beyond > SIGNIFICANT * pixels.variance(i, c).sqrt()
+            })
+            .map(|(i, value)| (value, test[i][c] == most))
+            .collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let lamp = longest_run(&values);
+        let others = values[..lamp.start].iter().chain(&values[lamp.end..]);
+        let ends: Vec<f64> = others.clone().filter(|it| it.1).map(|it| it.0).collect();
+        above += others.count();
+        cut += ends.len();
+        let is_apart = || ends[ends.len() - 1] >= APART * ends[0];
+        is_spread |= ends.len() >= CUT_OFF && is_apart();
     }
     let is_cut = most > 0.0 && is_spread && cut as f64 >= MOST_CUT_OFF * above as f64;
     is_cut.then(|| {
         format!("no value is above {most}, where {cut} should be: they look cut off there")
     })
+}
+
+/// The longest run of equal values, to a thousandth, in values in order.
+fn longest_run(values: &[(f64, bool)]) -> Range<usize> {
+    let (mut longest, mut start) = (0..0, 0);
+    for end in 1..=values.len() {
+        while values[end - 1].0 > 1.001 * values[start].0 {
+            start += 1;
+        }
+        if end - start > longest.len() {
+            longest = start..end;
+        }
+    }
+    longest
 }
 
 fn in_one_channel(sums: &[PartSums; PARTS]) -> Option<String> {

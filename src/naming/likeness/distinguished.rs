@@ -136,6 +136,7 @@ mod tests {
                 SquaredDistance::default(),
             ],
             by_other_weights: [SquaredDistance::default(); 2],
+            test_from_black: SquaredDistance::default(),
             least_error: error,
         };
         Explanation {
