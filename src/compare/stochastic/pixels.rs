@@ -121,10 +121,15 @@ impl PixelDifferences {
                 },
                 first[0],
                 first[1],
-                if is_unlikely {
+                if is_unlikely && least < RARE {
+                    format!(
+                        "chance makes that one black less than once in {:.0e} images",
+                        1.0 / RARE
+                    )
+                } else if is_unlikely {
                     format!(
                         "chance makes that one black once in {:.0e} images",
-                        1.0 / least.max(f64::MIN_POSITIVE)
+                        1.0 / least
                     )
                 } else {
                     format!("chance makes {expected:.1e} of them")
@@ -188,6 +193,9 @@ struct BlackPixels {
 
 /// Causes of single black pixels, and of single rows and columns.
 const CAUSES: &str = "; possible causes are a NaN replaced by 0, or a pixel that was never written";
+
+/// Probability below which no digit of it means anything.
+const RARE: f64 = 1e-12;
 
 /// Radius in pixels of the neighbourhood whose variance a black pixel may have.
 const REACH: usize = 2;

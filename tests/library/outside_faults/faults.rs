@@ -122,6 +122,11 @@ impl Fault {
         self
     }
 
+    pub fn by_conventions(mut self, words: &[&'static str]) -> Fault {
+        self.truth.conventions.extend(words);
+        self
+    }
+
     pub fn number(mut self, name: &str, change: f64) -> Fault {
         self.truth.numbers.push((name.to_owned(), change));
         self
@@ -547,7 +552,11 @@ fn by_hand() -> Vec<Fault> {
                 s.step *= 2.0;
                 s.conventions.linear_opacity = true;
             }),
-        ),
+        )
+        .by_conventions(&[
+            "takes steps of twice the length",
+            "takes opacity in proportion to the step",
+        ]),
         ray_caster(
             "linear opacity, 90 % at most",
             SHADOWED,
