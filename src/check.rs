@@ -56,7 +56,8 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
     check_within(case, image, Search::BUDGET.into())
 }
 
-/// [`check`], with `seconds` for the search for mistakes, and as many for conventions.
+/// [`check`], with `seconds` for the search for mistakes, and as many for conventions; of an image of 8 bits, the
+/// profiles that volref brings are tried besides.
 ///
 /// # Errors
 ///

@@ -99,6 +99,11 @@ pub(crate) fn place_of_rest(golden: &Film, seen: &Seen, squares: &[f64]) -> Opti
             *sum += if part.pixels[i] { *square } else { 0.0 };
         }
     }
+    // Where the rest is noise it has no place.
+    let whole = Jackknife::of(&sums, |sums| sums.squares());
+    if whole.value <= 0.0 || golden.noise().is_some() && !whole.is_beyond(0.0) {
+        return None;
+    }
     parts.iter().enumerate().find_map(|(k, part)| {
         let share = share_of_part(&sums, k, part)?;
         Some(format!("{} of that lies {}", percent(share), part.words))
@@ -285,7 +290,7 @@ fn cut_off(pixels: &Pixels<'_>) -> Option<String> {
     }
     let is_cut = most > 0.0 && is_spread && cut as f64 >= MOST_CUT_OFF * above as f64;
     is_cut.then(|| {
-        format!("no value is above {most}, where {cut} should be: they look cut off there")
+        format!("no value is above {most}, where at least {cut} should be: they look cut off there")
     })
 }
 

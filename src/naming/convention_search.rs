@@ -131,7 +131,7 @@ impl ConventionSearch {
     /// `accepted`. The search takes at most `seconds`; one that takes longer is cut off, and a note says so.
     ///
     /// Of an image of 8 bits, the [profiles](Profile::shipped) that volref brings are tried as they are first:
-    /// they take less than a search, and the roundings that they state are no choices of one.
+    /// the roundings that they state are no choices of a search. They come on top of its time.
     pub fn explain_mismatch(
         &self,
         case: &Case,
@@ -200,7 +200,7 @@ impl ConventionSearch {
         let known = self.known.lock().expect("no panic holds it").clone();
         let from_before = known.into_iter().find_map(|set| {
             let agreement = attempt.agreement_if_near(&set)?;
-            if !attempt.is_explained(&set) {
+            if !attempt.is_explained(&set, agreement) {
                 return None;
             }
             Some((set, agreement))

@@ -44,11 +44,11 @@ use std::collections::BTreeMap;
 
 /// Sentence for a difference in which nothing stands out.
 const NOTHING_STANDS_OUT: &str = "no gain and no shift accounts for a fifth of the squared difference, \
-    and no part of the image holds clearly more than its share of it";
+    and it is in no channel, box or part that is looked for";
 
-/// Sentence for a difference that is hardly beyond its own uncertainty.
+/// Sentence for a difference of which noise would hide whether even the right mistake explains it.
 const UNDECIDABLE: &str =
-    "the difference is too close to the noise, or in too few places, to tell mistakes apart";
+    "at this noise no mistake can be shown to explain the difference: more samples would tell";
 
 /// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
 /// five of them fill most of a terminal of 24 lines.

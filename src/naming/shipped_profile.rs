@@ -14,14 +14,14 @@ use crate::suite::{Case, Output, Store};
 /// A profile that volref brings, by its name.
 pub type NamedProfile = (&'static str, Profile);
 
-/// Largest number of samples of all profiles that are tried: some ten seconds of work.
-const MOST_SAMPLES: f64 = 2e9;
+/// Largest number of samples for which a profile is tried: some seconds of work.
+const MOST_SAMPLES: f64 = 1e9;
 
 /// Images of a profile with random places of the samples: one for each of 33.
 const IMAGES_OF_RANDOM_PLACES: f64 = 33.0;
 
 /// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
-/// pass. Their work is counted, so that no verdict depends on the machine.
+/// pass. The work of each is counted, so that no verdict depends on the machine or on other cases.
 pub fn passing(
     names: impl Iterator<Item = &'static str>,
     case: &Case,
@@ -29,14 +29,14 @@ pub fn passing(
     judged: &Judged,
 ) -> Option<NamedProfile> {
     let scene = case.load_scene().ok()?;
-    let mut samples = 0.0;
+    // With half the step, a quarter and so on.
+    let steps = ((1_u64 << judged.evidence.refined.len().clamp(1, 32)) - 1) as f64;
     let mut profiles = names.filter_map(|name| Some((name, Profile::named(name).ok()?)));
     profiles.find(|(_, profile)| {
         let Some(output) = output_of(judged, profile, case.exposure) else {
             return false;
         };
-        samples += samples_under(profile, &scene);
-        if samples > MOST_SAMPLES {
+        if steps * samples_under(profile, &scene) > MOST_SAMPLES {
             return false;
         }
         let under_profile = validate(case, store, output, Some(profile));

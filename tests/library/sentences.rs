@@ -483,7 +483,7 @@ fn reasons_by_numbers() {
             little(),
         ),
         row(
-            "no number of the scene explains the difference",
+            "no small change of a number of the scene explains the difference",
             other(),
             little(),
         ),

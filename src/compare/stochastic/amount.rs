@@ -82,7 +82,8 @@ pub(super) fn judge_amount(
     let (amount, count) = mean_ratio(blocks, guarded)?;
     (a.min(b) >= ENOUGH && amount > AMOUNT && probability(amount, count) <= level).then(|| {
         format!(
-            "too much noise: squared differences are {amount:.2} times the variance given in the images"
+            "squared differences are {amount:.2} times the variance given in the images, more than such noise \
+             makes"
         )
     })
 }

@@ -17,6 +17,8 @@ pub(super) struct Comparison<'f> {
     pub shape: NoiseShape,
     /// Probability with which noise that is not stated may be underestimated.
     pub level: f64,
+    /// Pixels of the images that were left out: black in both.
+    pub left_out: Option<&'f [bool]>,
     /// Pixels on a side of a block.
     edge: usize,
 }
@@ -83,6 +85,7 @@ impl<'f> Comparison<'f> {
             stated,
             shape,
             level,
+            left_out: None,
             edge,
         }
     }

@@ -21,6 +21,7 @@ const DEVIATIONS: f64 = 4.0;
 pub(super) struct WithinCodes {
     pub reference: Film,
     pub test: Film,
+    pub left_out: Vec<bool>,
     pub share_left_out: f64,
 }
 
@@ -55,6 +56,7 @@ impl WithinCodes {
             reference: reference.without(&left_out),
             test: test.without(&left_out),
             share_left_out: count_left_out as f64 / count as f64,
+            left_out,
         })
     }
 }

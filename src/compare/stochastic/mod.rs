@@ -367,7 +367,8 @@ fn judge_with(
         let comparison = Comparison::new(reference, test, share);
         return Ok(judgement(&comparison, share, promise, sensitivities));
     };
-    let comparison = Comparison::new(&seen.reference, &seen.test, share);
+    let mut comparison = Comparison::new(&seen.reference, &seen.test, share);
+    comparison.left_out = Some(&seen.left_out);
     let mut judgement = judgement(&comparison, share, promise, sensitivities);
     judgement
         .metrics

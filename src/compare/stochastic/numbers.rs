@@ -40,7 +40,8 @@ pub(super) fn judge_numbers(
         .iter()
         .any(|it| it.derivative.radiance().len() == pixels)
     {
-        let fine = Comparison::in_blocks(comparison.films, FINE_BLOCK, comparison.level);
+        let mut fine = Comparison::in_blocks(comparison.films, FINE_BLOCK, comparison.level);
+        fine.left_out = comparison.left_out;
         all.extend(Scores::new(&fine, FINE_BLOCK, &sensitivities));
     }
     let mut findings = NumberFindings::default();

@@ -114,7 +114,7 @@ impl PixelDifferences {
         let are_many = many_by_chance(count, expected) <= 0.125 * level;
         (count > 0 && (is_unlikely || are_many)).then(|| {
             format!(
-                "{}, such as ({}, {}), though no sample that is 0 is likely there: {}{}",
+                "{}, such as ({}, {}): {}{}",
                 match count {
                     1 => "a pixel is black".to_owned(),
                     many => format!("{many} pixels are black"),
@@ -123,16 +123,16 @@ impl PixelDifferences {
                 first[1],
                 if is_unlikely && least < RARE {
                     format!(
-                        "chance makes that one black less than once in {:.0e} images",
+                        "by the light around it, chance makes that one black less than once in {:.0e} images",
                         1.0 / RARE
                     )
                 } else if is_unlikely {
                     format!(
-                        "chance makes that one black once in {:.0e} images",
+                        "by the light around it, chance makes that one black once in {:.0e} images",
                         1.0 / least
                     )
                 } else {
-                    format!("chance makes {expected:.1e} of them")
+                    format!("chance would make some {expected:.0} black")
                 },
                 // Where geometry is missing or moved, whole regions are black.
                 if together { "" } else { CAUSES }

@@ -32,6 +32,7 @@
 
 use super::blocks::{BLOCK, Block};
 use super::comparison::Comparison;
+use super::values;
 use crate::compare::judgement::{Detectable, FitMap, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 use crate::compare::significance::deviation;
@@ -588,10 +589,12 @@ impl<'s> Scores<'s> {
         if !self.can_all_be(best) || !(is_found || may_be_as_if) {
             return if is_far {
                 format!(
-                    "the difference ({deviation}) is too large for derivatives to tell which number is off"
+                    "the difference ({deviation}) is too large for derivatives to tell if a number is off, and which"
                 )
             } else {
-                format!("no number of the scene explains the difference ({deviation})")
+                format!(
+                    "no small change of a number of the scene explains the difference ({deviation})"
+                )
             };
         }
         let mut text = if is_found {
@@ -648,12 +651,15 @@ fn critical(level: f64) -> f64 {
 fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cell> {
     let mut cells = Vec::with_capacity(comparison.asked());
     for (at, block) in comparison.blocks.iter().enumerate() {
-        // A derivative is that of all pixels of a block.
-        let pixels = block.pixels() as f64 * share_seen(comparison, block);
+        let (pixels, share_seen) = (block.pixels() as f64, share_seen(comparison, block));
         for (c, channel) in block.channels.iter().enumerate() {
             let floor = FLOOR * block.floor(c);
             let derivatives = sensitivities.iter().map(|sensitivity| {
                 let film = &sensitivity.derivative;
+                // A derivative by a number of the scene is that of all pixels of a block, one by values of what
+                // is seen.
+                let is_of_seen = values::is_of_seen(&sensitivity.name);
+                let pixels = pixels * if is_of_seen { 1.0 } else { share_seen };
                 let variance = film
                     .noise()
                     .map_or(0.0, |noise| noise.variance()[at][c].into());
@@ -676,16 +682,13 @@ fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cel
     cells
 }
 
-/// Share of the pixels of a block that an image of 8 bits does not cut off: those [left out](super::cut_off) are
-/// black in both images.
+/// Share of the pixels of a block that an image of 8 bits does not [cut off](super::cut_off).
 fn share_seen(comparison: &Comparison<'_>, block: &Block) -> f64 {
-    let [reference, test] = comparison.films;
-    if test.quantisation().is_none() {
+    let Some(left_out) = comparison.left_out else {
         return 1.0;
-    }
-    let is_seen =
-        |i: &usize| reference.radiance()[*i] != [0.0; 3] || test.radiance()[*i] != [0.0; 3];
-    let seen = block.indices(reference.width()).filter(is_seen).count();
+    };
+    let indices = block.indices(comparison.films[0].width());
+    let seen = indices.filter(|&index| !left_out[index]).count();
     seen as f64 / block.pixels() as f64
 }
 

@@ -183,12 +183,13 @@ impl<'a> Attempt<'a> {
     /// The conventions under which the images agree, none of them without need.
     pub fn search(&self) -> Option<(ConventionSet, Agreement)> {
         let found = self.backward_elimination(self.best_first()?)?;
-        self.is_explained(&found.0).then_some(found)
+        self.is_explained(&found.0, found.1).then_some(found)
     }
 
     /// True if the images under the conventions of `set` differ from those under volref's own by more than the
-    /// gate allows, and leave no more of the pixels outside of the tolerance than [`LEFT_BY_ROUNDING`].
-    pub fn is_explained(&self, set: &[usize]) -> bool {
+    /// gate allows, and pass under the `agreement` or leave no more of the pixels outside of the tolerance than
+    /// [`LEFT_BY_ROUNDING`].
+    pub fn is_explained(&self, set: &[usize], agreement: Agreement) -> bool {
         let (mut differs, mut before, mut left) = (false, 0.0_f64, 0.0_f64);
         for (halvings, test) in self.tests.iter().enumerate() {
             let images = [&[], set].map(|set| self.image(set, halvings, Detail::Whole));
@@ -199,7 +200,7 @@ impl<'a> Attempt<'a> {
             left = left.max(Misfit::of(&under, test).outside);
             differs |= !self.passes(&own, &under);
         }
-        differs && left <= LEFT_BY_ROUNDING * before
+        differs && (agreement == Agreement::Full || left <= LEFT_BY_ROUNDING * before)
     }
 
     fn passes(&self, right: &Film, test: &Film) -> bool {

@@ -296,7 +296,7 @@ impl ComparedCase {
         let (width, height) = (self.golden.width(), self.golden.height());
         let mut of_pixels = vec![0.0; width * height];
         if self.is_sampled {
-            let edge = width / golden.columns;
+            let edge = if golden.columns == width { 1 } else { BLOCK };
             for (i, of_pixel) in of_pixels.iter_mut().enumerate() {
                 let [x, y] = [i % width / edge, i / width / edge];
                 if x < golden.columns && y < golden.rows {

@@ -239,7 +239,14 @@ impl<'f> Fitting<'f> {
             if !self.leaves(&fit.predicted, LEFT) {
                 continue;
             }
-            let agrees = self.agrees(&fit).unwrap_or(false);
+            // Where the time is over nothing is known of it.
+            let Some(agrees) = self.agrees(&fit) else {
+                continue;
+            };
+            // At an end of its range a fit was stopped, not found.
+            if !agrees && self.is_at_an_end(&fit) {
+                continue;
+            }
             if agrees || fit.numbers.len() <= MOST_AS_IF {
                 nearest = nearest.min(self.misfit(&fit.predicted).distance().at_most());
                 candidates.push(Candidate {
@@ -275,7 +282,9 @@ impl<'f> Fitting<'f> {
             };
             (value + change * gain.derivative(value, c), slope)
         });
-        let left = self.share_left(&predicted).filter(|_| change.is_finite())?;
+        let left = self
+            .share_left(&predicted)
+            .filter(|_| change.is_finite() && !(gain.is_factor && change <= -1.0))?;
         let errors = self.errors(&[derivative], &predicted);
         let unit = (!gain.is_factor).then_some("");
         Some(Candidate {
@@ -285,6 +294,12 @@ impl<'f> Fitting<'f> {
             is_explained: self.leaves(&predicted, self.case.may_leave()),
             predicted,
         })
+    }
+
+    /// True if a number of `fit` has the least or the largest change that is tried.
+    fn is_at_an_end(&self, fit: &Fit) -> bool {
+        let mut changes = fit.numbers.iter().zip(&fit.changes);
+        changes.any(|(&at, change)| range(&self.numbers[at]).contains(change))
     }
 
     /// True if the scene, rendered with the changes, agrees with the image; nothing if the time is over.

@@ -703,7 +703,9 @@ fn by_hand() -> Vec<Fault> {
             "grid of media a voxel along z",
             COLOURED,
             Path(|s| grids(s, DVec3::new(0.0, 0.0, 1.0))),
-        ),
+        )
+        // Under a sky and a sun the same as an eye that is moved.
+        .number("camera.z", -0.01),
         field(
             "noise with one octave more",
             NOISE,

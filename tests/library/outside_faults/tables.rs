@@ -394,12 +394,15 @@ const IMAGES: &[OfImage] = &[
         },
         &[ROOM, PLUME],
     ),
-    places(
-        "two rows lower",
-        &["moved"],
-        |f| from_elsewhere(f, |[x, y], _| Some([x, y.saturating_sub(2)])),
-        &[PLUME, ROOM, HEAD],
-    ),
+    OfImage {
+        number: Some(("camera.down", 2.0)),
+        ..places(
+            "two rows lower",
+            &["moved"],
+            |f| from_elsewhere(f, |[x, y], _| Some([x, y.saturating_sub(2)])),
+            &[PLUME, ROOM, HEAD],
+        )
+    },
     places(
         "left half mirrored to the right",
         &["place"],

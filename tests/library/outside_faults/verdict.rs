@@ -57,7 +57,7 @@ const ROUGH: f64 = 0.5;
 const MAP: &str = "the image is the golden";
 
 /// Sentences that say that nothing was measured.
-const NOTHING: [&str; 2] = ["no gain and no shift accounts", "too close to the noise"];
+const NOTHING: [&str; 2] = ["no gain and no shift accounts", "at this noise no mistake"];
 
 /// Words of measurements, true of any image; where the label is in [`Truth::words`], they tell the fault.
 const MEASUREMENTS: &[(&str, &str)] = &[
@@ -76,7 +76,7 @@ const MEASUREMENTS: &[(&str, &str)] = &[
 const HEDGES: &[&str] = &[
     "as if",
     "too large for derivatives",
-    "no number of the scene explains",
+    "no small change of a number",
 ];
 
 /// Numbers of a case that change its image alike: of its only source of light, of its only medium that
