@@ -10,9 +10,10 @@ use crate::math::Moments;
 use crate::math::sampling::{Equiangular, LightOnRay, free_flight, power_heuristic};
 use crate::optics::{Light, Material, Sides, reflected, split};
 use crate::reference::media::{Segment, extinction, global_majorant, hull};
+use crate::reference::path_tracer::{Target, pdf_of_point, pick};
 use crate::reference::random::Random;
 use crate::reference::vertex::{Scattered, Scatterer, Vertex};
-use crate::scene::{AreaLight, Body, Object, Radiative, TransportFault};
+use crate::scene::{AreaLight, Body, Radiative, TransportFault};
 use glam::DVec3;
 
 /// Distance from the ends of a shadow ray within which bounds of media do not block it, over the size of
@@ -41,12 +42,6 @@ struct Path {
     radiance: DVec3,
     /// The limit on bounces allows another.
     may_bounce: bool,
-}
-
-/// The object or the light that a ray hits.
-enum Target<'s> {
-    Object(&'s Object),
-    Light(&'s AreaLight),
 }
 
 impl<'s> FaultyTracer<'s> {
@@ -404,18 +399,6 @@ impl<'s> FaultyTracer<'s> {
     }
 }
 
-/// Index of the weight that `left`, from 0 up to the sum of all, falls on; `None` if all are 0.
-fn pick(weights: &[f64], mut left: f64) -> Option<usize> {
-    let mut picked = None;
-    for (index, &weight) in weights.iter().enumerate() {
-        if weight > 0.0 && left >= 0.0 {
-            picked = Some(index); // the last, if roundings leave a rest
-            left -= weight;
-        }
-    }
-    picked
-}
-
 /// True if `ray` meets a bound of a medium before `end`. A vertex, or a light, on a bound does not count.
 fn crosses_bounds(ray: &Ray, end: f64, media: &[Body]) -> bool {
     let mut shapes = media.iter().filter_map(|body| body.boundary.as_ref());
@@ -425,9 +408,4 @@ fn crosses_bounds(ray: &Ray, end: f64, media: &[Body]) -> bool {
         let mut spans = shape.spans(ray).into_iter();
         spans.any(|span| is_between(span.near) || is_between(span.far))
     })
-}
-
-/// Probability density of a point sampled on `light`, per steradian, as seen from `distance`.
-fn pdf_of_point(light: &AreaLight, distance: f64, cosine: f64) -> f64 {
-    light.shape.pdf() * distance * distance / cosine.abs()
 }

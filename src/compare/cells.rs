@@ -354,7 +354,10 @@ impl Cells {
                     difference / guarded
                 };
                 in_noise.add(ratio.min(FAR));
-                let weight = golden.weight(cell, c, noise_over_golden);
+                let due = golden.due_variance(cell, c, noise_over_golden);
+                let bright = golden.means[cell][c].abs();
+                let [weight, absolute, of_brighter] =
+                    [bright, mean_brightness, bright.max(b.abs())].map(|it| weight_of(it, due));
                 let stated = self.variances[cell][c] + test.variances[cell][c];
                 let stated = stated + rounding * rounding;
                 let coarse = if golden.silent[cell] && golden.samples.is_some() {
@@ -371,16 +374,13 @@ impl Cells {
                 // The channels of a cell may share their noise: their errors add up.
                 noise_of_square += weight * spread.sqrt();
                 least += weight * std::f64::consts::SQRT_2 * guarded;
-                let due = golden.due_variance(cell, c, noise_over_golden);
-                let brighter = golden.means[cell][c].abs().max(b.abs());
-                for (other, bright) in others.iter_mut().zip([mean_brightness, brighter]) {
-                    let weight = weight_of(bright, due);
+                for (other, weight) in others.iter_mut().zip([absolute, of_brighter]) {
                     other[0] += weight * beyond_rounding;
                     other[1] += weight * spread.sqrt();
                 }
-                let (weight, noise) = (weight_of(brighter, due), test.variances[cell][c]);
-                from_black += weight * (b * b - noise);
-                noise_from_black += weight * (noise * (2.0 * noise + 4.0 * b * b)).sqrt();
+                let noise = test.variances[cell][c];
+                from_black += of_brighter * (b * b - noise);
+                noise_from_black += of_brighter * (noise * (2.0 * noise + 4.0 * b * b)).sqrt();
             }
             test_from_black.add(from_black, noise_from_black);
             least_squares.add(least * least);

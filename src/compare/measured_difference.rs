@@ -105,8 +105,9 @@ pub(crate) fn place_of_rest(golden: &Film, seen: &Seen, squares: &[f64]) -> Opti
         return None;
     }
     parts.iter().enumerate().find_map(|(k, part)| {
-        let share = share_of_part(&sums, k, part)?;
-        Some(format!("{} of that lies {}", percent(share), part.words))
+        let share = share_of_part(&sums, k);
+        let words = || format!("{} of that lies {}", percent(share.value), part.words);
+        is_clearly_in(part, &share).then(words)
     })
 }
 
@@ -411,15 +412,15 @@ impl Shift {
 fn in_parts(sums: &[PartSums; PARTS], parts: &[Part]) -> Vec<String> {
     let mut sentences = Vec::new();
     for (k, part) in parts.iter().enumerate() {
-        if let Some(share) = share_of_part(sums, k, part) {
-            let percent = percent(share);
+        let share = share_of_part(sums, k);
+        if is_clearly_in(part, &share) {
+            let percent = percent(share.value);
             sentences.push(format!(
                 "{percent} of the squared difference lies {}",
                 part.words
             ));
         }
         let is_edge = k == 0;
-        let share = Jackknife::of(sums, |sums| sums.parts[k] / sums.squares());
         if is_edge && share.value + SIGNIFICANT * share.error <= INSIDE * part.due {
             let words = "the difference lies inside areas rather than at their edges";
             sentences.push(words.to_owned());
@@ -428,11 +429,14 @@ fn in_parts(sums: &[PartSums; PARTS], parts: &[Part]) -> Vec<String> {
     sentences
 }
 
-/// The share of the squared difference in the `part` of number `k`, if that holds clearly more than its
-/// share of the pixels.
-fn share_of_part(sums: &[PartSums; PARTS], k: usize, part: &Part) -> Option<f64> {
-    let share = Jackknife::of(sums, |sums| sums.parts[k] / sums.squares());
-    (part.holds(share.value) && share.is_beyond(part.due)).then_some(share.value)
+/// The share of the squared difference in the part of number `k`.
+fn share_of_part(sums: &[PartSums; PARTS], k: usize) -> Jackknife {
+    Jackknife::of(sums, |sums| sums.parts[k] / sums.squares())
+}
+
+/// True if `part` holds this share, clearly more than its share of the pixels.
+fn is_clearly_in(part: &Part, share: &Jackknife) -> bool {
+    part.holds(share.value) && share.is_beyond(part.due)
 }
 
 /// The box of blocks that holds all but a few per cent of the squared difference.

@@ -62,7 +62,7 @@ impl<'f> Pixels<'f> {
         let noise = self.golden.noise();
         match noise {
             Some(noise) if noise.is_known() => self.value(i, c).abs(),
-            noise => noise.map_or(0.0, |noise| f64::from(noise.variance()[i][c])),
+            _ => self.golden.variance_at(i, c),
         }
     }
 
@@ -76,10 +76,7 @@ impl<'f> Pixels<'f> {
 
     /// Variance of the difference.
     pub fn variance(&self, i: usize, c: usize) -> f64 {
-        let of = |film: &Film| {
-            let noise = film.noise();
-            noise.map_or(0.0, |noise| f64::from(noise.variance()[i][c]))
-        };
+        let of = |film: &Film| film.variance_at(i, c);
         match self.noise_over_golden {
             Some(ratios) => ratios[c] * self.shape_of_noise(i, c),
             None => of(self.golden) + of(self.test),

@@ -50,7 +50,12 @@ impl Sensitivity {
 
     /// True if the number can be changed by this: a share of itself no further than to 0.
     pub fn is_possible(&self, change: f64) -> bool {
-        self.can_change(change) && (self.unit.is_some() || change > -1.0)
+        self.can_change(change) && self.stays_positive(change)
+    }
+
+    /// True if the number stays positive, where the change is a share of it.
+    pub fn stays_positive(&self, change: f64) -> bool {
+        self.unit.is_some() || change > -1.0
     }
 
     /// A size without a sign in words: `density 1.6 %`.

@@ -5,7 +5,7 @@ use crate::film::Film;
 use crate::scene::{Panel, Scene};
 
 /// Places of the first sample, at equal distances, the first and the last a whole step apart.
-const PLACES: u32 = 33;
+pub const PLACES: u32 = 33;
 
 /// Least and largest value and mean of each channel over all places of the first sample.
 ///

@@ -19,7 +19,7 @@ mod steps;
 mod work;
 
 pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
-pub use first_samples::{FirstSamples, images_of_first_samples};
+pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;
 pub use work::RayWork;

@@ -343,6 +343,12 @@ impl Film {
         self.noise.as_ref()
     }
 
+    /// Variance of the mean of a channel of the pixel `index`, radiance squared; 0 where the image states none.
+    pub fn variance_at(&self, index: usize, channel: usize) -> f64 {
+        let noise = self.noise.as_ref();
+        noise.map_or(0.0, |noise| noise.variance()[index][channel].into())
+    }
+
     /// The first pixel whose radiance or opacity is negative or not finite: [column, row] and its
     /// value. If there is none, the first such pixel by variance: its variances and opacity.
     pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {

@@ -262,6 +262,12 @@ impl Quantisation {
             .collect()
     }
 
+    /// `film`, of these codes, with them taken for those of another curve.
+    pub fn read_as(self, encoding: Encoding, film: &Film) -> Film {
+        let other = Quantisation { encoding, ..self };
+        other.decoded(film.width(), film.height(), &self.codes(film))
+    }
+
     /// `film` rounded to these codes, without its noise.
     pub fn rounded(self, film: &Film) -> Film {
         self.decoded(film.width(), film.height(), &self.codes(film))

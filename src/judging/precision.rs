@@ -55,9 +55,7 @@ pub(super) fn read_otherwise(case: &Case, picture: &Picture) -> Option<(Film, Bi
         encoding: Some(encoding),
         blended: quantisation.blended,
     };
-    let codes = quantisation.codes(&film);
-    let other = bits.of_png(case.exposure);
-    Some((other.decoded(film.width(), film.height(), &codes), bits))
+    Some((quantisation.read_as(encoding, &film), bits))
 }
 
 /// An image of `case` with what is known of its precision. A PNG is judged by how it looks, but for a case without

@@ -151,10 +151,7 @@ impl ConventionSearch {
             return;
         }
         let searches = seconds > 0.0;
-        if let Some(found) = searches
-            .then(|| self.profile(case, store, judged))
-            .flatten()
-        {
+        if searches && let Some(found) = self.profile(case, store, &scene, judged) {
             return explain_by_profile(&found, &mut judged.result, accepted);
         }
         let end = Instant::now().checked_add(Duration::from_secs_f64(seconds));
@@ -172,11 +169,17 @@ impl ConventionSearch {
 
     /// The profile that volref brings under which an image of 8 bits agrees; first the one that explained
     /// another.
-    fn profile(&self, case: &Case, store: &Store, judged: &Judged) -> Option<NamedProfile> {
+    fn profile(
+        &self,
+        case: &Case,
+        store: &Store,
+        scene: &Scene,
+        judged: &Judged,
+    ) -> Option<NamedProfile> {
         let known = *self.known_profile.lock().expect("no panic holds it");
         let others = Profile::shipped().filter(|name| Some(*name) != known);
         let names = known.into_iter().chain(others);
-        let found = shipped_profile::passing(names, case, store, judged)?;
+        let found = shipped_profile::passing(names, case, store, scene, judged)?;
         *self.known_profile.lock().expect("no panic holds it") = Some(found.0);
         Some(found)
     }

@@ -4,8 +4,8 @@
 //! places its samples in ways that are no choices of the search, and only its profile as a whole states them.
 
 use crate::compare::{Conditions, Deterministic, Picture, judge};
-use crate::conventions::Profile;
-use crate::film::{Encoding, Film, Origin, Quantisation};
+use crate::conventions::{PLACES, Profile};
+use crate::film::{Origin, Quantisation};
 use crate::geometry::length_of;
 use crate::judging::{Judged, Verdict, radiance, validate};
 use crate::scene::{Panel, Scene};
@@ -17,18 +17,15 @@ pub type NamedProfile = (&'static str, Profile);
 /// Largest number of samples for which a profile is tried: some seconds of work.
 const MOST_SAMPLES: f64 = 1e9;
 
-/// Images of a profile with random places of the samples: one for each of 33.
-const IMAGES_OF_RANDOM_PLACES: f64 = 33.0;
-
 /// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
 /// pass. The work of each is counted, so that no verdict depends on the machine or on other cases.
 pub fn passing(
     names: impl Iterator<Item = &'static str>,
     case: &Case,
     store: &Store,
+    scene: &Scene,
     judged: &Judged,
 ) -> Option<NamedProfile> {
-    let scene = case.load_scene().ok()?;
     // With half the step, a quarter and so on.
     let steps = ((1_u64 << judged.evidence.refined.len().clamp(1, 32)) - 1) as f64;
     let mut profiles = names.filter_map(|name| Some((name, Profile::named(name).ok()?)));
@@ -36,7 +33,7 @@ pub fn passing(
         let Some(output) = output_of(judged, profile, case.exposure) else {
             return false;
         };
-        if steps * samples_under(profile, &scene) > MOST_SAMPLES {
+        if steps * samples_under(profile, scene) > MOST_SAMPLES {
             return false;
         }
         let under_profile = validate(case, store, output, Some(profile));
@@ -51,7 +48,7 @@ fn samples_under(profile: &Profile, scene: &Scene) -> f64 {
         let volume = panel.classified()?;
         let across = length_of(volume.grid.lattice().bounds().size());
         let images = if volume.conventions.is_random() {
-            IMAGES_OF_RANDOM_PLACES
+            f64::from(PLACES)
         } else {
             1.0
         };
@@ -95,7 +92,7 @@ fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option
         Some(known) if of_codes(known) => known,
         // Codes of a PNG were read as sRGB where nobody said which curve they have.
         Some(known) if known.origin == Origin::Png => {
-            let film = read_as(&film, known, bits.encoding?);
+            let film = known.read_as(bits.encoding?, &film);
             return in_precision_of(profile, Picture::Radiance(film), exposure);
         }
         Some(_) => return None,
@@ -109,11 +106,4 @@ fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option
         ..quantisation
     };
     Some(Picture::Radiance(film.quantised(quantisation)))
-}
-
-/// `film`, of the codes of a PNG, with these taken for those of another curve.
-fn read_as(film: &Film, known: Quantisation, encoding: Encoding) -> Film {
-    let codes = known.codes(film);
-    let other = Quantisation { encoding, ..known };
-    other.decoded(film.width(), film.height(), &codes)
 }

@@ -110,7 +110,7 @@ struct Path {
 }
 
 /// The object or the light that a ray hits.
-enum Target<'s> {
+pub(crate) enum Target<'s> {
     Object(&'s Object),
     Light(&'s AreaLight),
 }
@@ -368,7 +368,7 @@ impl<'s> PathTracer<'s> {
 }
 
 /// Index of the weight that `left`, from 0 up to the sum of all, falls on; `None` if all are 0.
-fn pick(weights: &[f64], mut left: f64) -> Option<usize> {
+pub(crate) fn pick(weights: &[f64], mut left: f64) -> Option<usize> {
     let mut picked = None;
     for (index, &weight) in weights.iter().enumerate() {
         if weight > 0.0 && left >= 0.0 {
@@ -390,6 +390,6 @@ fn weighted_emission(light: &AreaLight, hit: &Hit, path: &Path) -> DVec3 {
 }
 
 /// Probability density of a point sampled on `light`, per steradian, as seen from `distance`.
-fn pdf_of_point(light: &AreaLight, distance: f64, cosine: f64) -> f64 {
+pub(crate) fn pdf_of_point(light: &AreaLight, distance: f64, cosine: f64) -> f64 {
     light.shape.pdf() * distance * distance / cosine.abs()
 }

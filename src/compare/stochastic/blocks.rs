@@ -170,10 +170,7 @@ impl Block {
         for index in block.indices(reference.width()) {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);
             for (c, channel) in block.channels.iter_mut().enumerate() {
-                let stated = films.map(|film| {
-                    let noise = film.noise();
-                    noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]))
-                });
+                let stated = films.map(|film| film.variance_at(index, c));
                 let difference = Difference::of(a[c].into(), b[c].into(), stated[1], rounding);
                 let beyond = difference.beyond_rounding();
                 channel.radiance += f64::from(a[c]);

@@ -42,10 +42,7 @@ impl WithinCodes {
         for (index, is_left_out) in left_out.iter_mut().enumerate() {
             for c in 0..3 {
                 let radiance = f64::from(reference.radiance()[index][c]);
-                let stated = [reference, test].map(|film| {
-                    let noise = film.noise();
-                    noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]))
-                });
+                let stated = [reference, test].map(|film| film.variance_at(index, c));
                 let [_, guard] = comparison.shape.guard(stated, radiance);
                 let error = (guard * renderings).sqrt();
                 *is_left_out |= error > 0.0 && radiance + DEVIATIONS * error > largest;

@@ -23,7 +23,7 @@ pub(super) struct Hits {
     width: usize,
     height: usize,
     /// Their number in the test image, at least.
-    of_test: Vec<f64>,
+    pub of_test: Vec<f64>,
     /// Their number in the reference, at least.
     of_reference: Vec<f64>,
     /// Brightness of the reference.
@@ -72,7 +72,7 @@ impl Hits {
 }
 
 /// Least number of samples of each pixel that are not 0 in its best channel; 0 without a statement of noise.
-pub(super) fn numbers(film: &Film) -> Vec<f64> {
+fn numbers(film: &Film) -> Vec<f64> {
     let Some(noise) = film.noise() else {
         return vec![0.0; film.radiance().len()];
     };

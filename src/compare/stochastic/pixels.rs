@@ -5,7 +5,7 @@ use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
 use super::blocks::{DARK, Difference, Rounding};
 use super::comparison::{Axis, Comparison};
-use super::hits::{Hits, numbers};
+use super::hits::Hits;
 use super::variance::Stated;
 use crate::math;
 
@@ -40,10 +40,7 @@ impl PixelDifferences {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);
             let mut is_noisy = false;
             for c in 0..3 {
-                let stated = comparison.films.map(|film| {
-                    let noise = film.noise();
-                    noise.map_or(0.0, |noise| f64::from(noise.variance()[index][c]))
-                });
+                let stated = comparison.films.map(|film| film.variance_at(index, c));
                 let difference = Difference::of(a[c].into(), b[c].into(), stated[1], rounding);
                 let [guard_a, guard_b] = comparison.shape.guard(stated, f64::from(a[c]));
                 let variance = (stated[0] + stated[1]).max(guard_a + guard_b);
@@ -56,8 +53,9 @@ impl PixelDifferences {
             pixels.noisy += u64::from(is_noisy);
             pixels.copied += u64::from(is_noisy && a == b);
         }
-        pixels.black = BlackPixels::of(comparison).unwrap_or_default();
-        pixels.repeated = Repeated::of(comparison);
+        let hits = Hits::of(reference, test);
+        pixels.black = BlackPixels::of(comparison, &hits).unwrap_or_default();
+        pixels.repeated = Repeated::of(comparison, &hits);
         pixels
     }
 
@@ -202,7 +200,7 @@ const REACH: usize = 2;
 
 impl BlackPixels {
     /// Black pixels of a comparison; `None` where the samples of an image are unknown.
-    fn of(comparison: &Comparison<'_>) -> Option<BlackPixels> {
+    fn of(comparison: &Comparison<'_>, hits: &Hits) -> Option<BlackPixels> {
         let (of_golden, of_test) = match comparison.stated {
             [Stated::Samples(of_golden), Stated::Samples(of_test)] => (of_golden, of_test),
             // It has no noise; of a sample of the test image the guard says more.
@@ -216,7 +214,6 @@ impl BlackPixels {
         }
         let (width, height) = (golden.width(), golden.height());
         let [golden_noise, test_noise] = [golden.noise()?, test.noise()?];
-        let hits = Hits::of(golden, test);
         let mut black = BlackPixels::default();
         for index in 0..width * height {
             let [x, y] = [index % width, index / width];
@@ -292,19 +289,21 @@ struct Repeated {
 }
 
 impl Repeated {
-    fn of(comparison: &Comparison<'_>) -> Option<Repeated> {
+    fn of(comparison: &Comparison<'_>, hits: &Hits) -> Option<Repeated> {
         let [_, test] = comparison.films;
         let noise = test.noise().filter(|_| test.quantisation().is_none())?;
         let samples = f64::from(noise.samples());
         let rounding = Rounding::of(test);
-        let hits = numbers(test);
-        let is_varied = |i: usize| hits[i] >= VARIED && samples - hits[i] >= VARIED;
+        let is_varied = |i: usize| {
+            let hits = hits.of_test[i];
+            hits >= VARIED && samples - hits >= VARIED
+        };
         // Beyond a rounding to either side.
         let is_noisy = |i: usize| {
             (0..3).any(|c| {
                 let value = f64::from(test.radiance()[i][c]);
                 let step = 2.0 * Difference::of(value, value, 0.0, rounding).rounding;
-                f64::from(noise.variance()[i][c]) > step * step
+                test.variance_at(i, c) > step * step
             })
         };
         let (width, height) = (test.width(), test.height());

@@ -165,7 +165,7 @@ impl Tested {
         }
     }
 
-    /// What rounding does not explain, in standard errors.
+    /// Difference beyond rounding, in standard errors.
     fn deviation(&self) -> f64 {
         let beyond = (self.score.abs() - self.hidden).max(0.0);
         deviation(beyond.copysign(self.score), self.variance)
@@ -460,7 +460,7 @@ impl<'s> Scores<'s> {
         fitted.collect()
     }
 
-    /// What the changes leave of the difference.
+    /// Residual of the difference after the changes.
     fn left(&self, fitted: &[Fitted]) -> Left {
         let (mut whole, mut left, mut squares) = (0.0, 0.0, 0.0);
         let (mut squares_left, mut largest) = (0.0, 0.0_f64);
@@ -514,17 +514,12 @@ impl<'s> Scores<'s> {
             fits_best,
             alike: alike.contains(&it.number),
         };
-        all.map(change)
+        let can_be =
+            |(it, _): &(Fitted, bool)| self.sensitivities[it.number].stays_positive(it.change);
+        all.filter(can_be)
+            .map(change)
             .filter(|it| it.change.is_finite() && it.error.is_finite() && it.score.is_finite())
-            .filter(|it| self.can_be(it))
             .collect()
-    }
-
-    /// True if the number of a change can be changed so.
-    fn can_be(&self, it: &NumberChange) -> bool {
-        let mut named = self.sensitivities.iter();
-        let number = named.find(|number| number.name == it.name);
-        number.is_some_and(|number| number.unit.is_some() || it.change > -1.0)
     }
 
     /// True if these numbers can be changed so.
@@ -660,9 +655,7 @@ fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cel
                 // is seen.
                 let is_of_seen = values::is_of_seen(&sensitivity.name);
                 let pixels = pixels * if is_of_seen { 1.0 } else { share_seen };
-                let variance = film
-                    .noise()
-                    .map_or(0.0, |noise| noise.variance()[at][c].into());
+                let variance = film.variance_at(at, c);
                 [
                     f64::from(film.radiance()[at][c]) * pixels,
                     variance * pixels * pixels,
