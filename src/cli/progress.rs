@@ -144,8 +144,8 @@ pub fn mistakes(failed: usize, seconds: f64) -> Bar {
         let cases = if failed == 1 { "case" } else { "cases" };
         let _ = writeln!(
             std::io::stderr(),
-            "volref: looking for the mistake in {failed} failing {cases}, at most {seconds} s for \
-             each (change with --explain SECONDS; 0 skips the search)"
+            "volref: looking for the mistake in {failed} failing {cases}, at most {seconds} s \
+             of work for each (change with --explain SECONDS; 0 skips the search)"
         );
     }
     Bar::begin(0, ProgressText::of("looking for the mistake"))

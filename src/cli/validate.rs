@@ -79,7 +79,8 @@ pub struct Arguments {
     /// Accept images that are right under other conventions than the golden's, and say which
     #[arg(long)]
     accept_conventions: bool,
-    /// Time limit for finding the mistake behind each failing image; 0 for no search
+    /// Limit for finding the mistake behind each failing image: work that two cores do in these seconds, so that
+    /// the result is the same on every machine; 0 for no search
     #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = search_time)]
     explain: f64,
     #[command(flatten)]

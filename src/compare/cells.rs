@@ -250,6 +250,14 @@ impl Cells {
         guarded
     }
 
+    /// These cells as noisy as `other` ones.
+    pub fn with_noise_of(&self, other: &Cells) -> Cells {
+        Cells {
+            means: self.means.clone(),
+            ..other.clone()
+        }
+    }
+
     /// This golden with the noise of `renderings`, all of one size, added: cells in which
     /// predictions are uncertain weigh little.
     pub fn beside_noise_of(&self, renderings: &[Cells]) -> Cells {

@@ -125,26 +125,28 @@ pub(crate) fn likeness_with(
     let mut open = Vec::new();
     let mut fitted: BTreeMap<usize, Fitted> = BTreeMap::new();
     for (at, failed) in failing.iter().enumerate() {
-        let mut clock = SearchClock::start(search, &failed.name, singles());
-        if failed.has_suspects_first() {
-            clock.report();
-            fitted.insert(failed.index, failed.fitted_numbers(&clock));
-        }
-        if !failed.is_decidable() {
-            continue;
-        }
+        let clock = SearchClock::start(search, &failed.name, singles());
         clock.report();
         let mut found: hunt::Explaining = known
             .iter()
             .filter_map(|hypothesis| Some((*hypothesis, failed.test(hypothesis, &clock)?)))
-            .filter(|(_, misfit)| failed.explained_by(misfit))
+            .filter(|(hypothesis, misfit)| failed.is_explained_by(hypothesis, misfit, &clock))
             .collect();
         if found.is_empty() {
             let (singles, looks) = failed.search(&clock);
             found = singles;
+            let is_beyond_doubt = found.iter().any(|(_, misfit)| failed.explained_by(misfit));
+            if !is_beyond_doubt && !failed.suspects.is_empty() {
+                let fit = failed.fitted_numbers(&clock);
+                // A number that agrees as well is as likely as a mistake that noise leaves possible.
+                let is_nearer =
+                    |misfit: &Misfit| fit.in_noise.is_none_or(|it| misfit.in_noise < it);
+                found.retain(|(_, misfit)| is_nearer(misfit));
+                fitted.insert(failed.index, fit);
+            }
             explain(&failing[..at], &found, &clock, &mut known, &mut fits);
-            if found.is_empty() && failed.simple.is_none() && !clock.is_late() {
-                clock.pause();
+            let goes_on = failed.is_decidable() && failed.simple.is_none();
+            if found.is_empty() && goes_on && !clock.is_late() {
                 open.push((at, looks, clock));
             } else {
                 unfinished.extend(clock.unfinished());
@@ -237,6 +239,11 @@ pub(crate) fn likeness_with(
                 result.difference.push(NOTHING_STANDS_OUT.to_owned());
             }
             unexplained.push((result.name.clone(), result.difference.clone()));
+        } else if let Some(fit) = fitted.remove(&failed.index)
+            && fit.agrees
+        {
+            // Noise leaves both possible.
+            result.difference = fit.sentence.into_iter().collect();
         }
     }
     let mut likely: Vec<Likeness> = ranked
@@ -286,9 +293,8 @@ fn explain<'c>(
         }
         known.push(*hypothesis);
         for other in others.clone() {
-            if other.is_decidable()
-                && let Some(misfit) = other.test(hypothesis, clock)
-                && other.explained_by(&misfit)
+            if let Some(misfit) = other.test(hypothesis, clock)
+                && other.is_explained_by(hypothesis, &misfit, clock)
             {
                 let of = fits.entry(*hypothesis).or_default();
                 of.insert(other.index, misfit);

@@ -15,7 +15,7 @@ use crate::suite::{Case, Output, Store};
 pub type NamedProfile = (&'static str, Profile);
 
 /// Largest number of samples for which a profile is tried: some seconds of work.
-const MOST_SAMPLES: f64 = 1e9;
+const MOST_SAMPLES: f64 = 2.5e9;
 
 /// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
 /// pass. The work of each is counted, so that no verdict depends on the machine or on other cases.

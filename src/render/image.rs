@@ -91,6 +91,19 @@ pub fn render_coarse(
     render_with::<Uncounted>(plans, &job).map(|(film, _, _)| film)
 }
 
+/// The work of a coarse image, by panel.
+pub fn render_coarse_counted(
+    plans: &[Plan<'_>],
+    sampling: Sampling,
+    detail: Detail,
+) -> Result<Vec<Counters>, RenderError> {
+    let job = Job {
+        detail,
+        ..Job::whole(sampling, &|| ())
+    };
+    render_with::<Counters>(plans, &job).map(|(_, work, _)| work)
+}
+
 /// The part of an image to be rendered, and its samples.
 struct Job<'e> {
     sampling: Sampling,

@@ -42,7 +42,9 @@ pub use crate::scene::{Sampling, Seed};
 pub use counters::{Counters, Event};
 pub use error::RenderError;
 pub use footprint::{Footprint, footprint};
-pub use image::{Rendering, render, render_coarse, render_counted, render_part};
+pub use image::{
+    Rendering, render, render_coarse, render_coarse_counted, render_counted, render_part,
+};
 pub use pixels::Detail;
 pub use plan::{Effect, Plan, State, plans};
 pub use predicted_work::{Amount, Bound, Memory, PredictedWork};

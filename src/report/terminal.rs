@@ -219,7 +219,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         let why = if was_cut_short {
             "was interrupted".to_owned()
         } else {
-            format!("reached its limit of {seconds} s")
+            format!("reached its limit of {seconds} s of work")
         };
         let name = |of: &SearchStep| {
             let (case, stage) = (&of.case, of.stage.name());

@@ -1,12 +1,13 @@
-//! Time limit and progress of the search for a mistake.
+//! Limit of work and progress of the search for a mistake.
 
 use super::kept::Predictions;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// Options of the search for a mistake.
 pub struct Search<'s> {
-    /// Time limit for each failed case; `None` for no limit. One rendered row may exceed it.
+    /// Limit of the work for each failed case, as the time that it takes on two cores; `None` for no limit. One
+    /// rendered image may exceed it.
     pub budget: Option<Duration>,
     /// Predictions kept from run to run.
     pub predictions: &'s Predictions,
@@ -17,11 +18,11 @@ pub struct Search<'s> {
 }
 
 impl Search<'_> {
-    /// Default time limit for each case, seconds: about as long as people wait for an answer.
+    /// Default limit for each case, seconds: about as long as people wait for an answer.
     pub const BUDGET: u32 = 10;
 }
 
-/// Share of the time for first looks. A second look takes up to 16 times the work of a first one,
+/// Share of the work for first looks. A second look takes up to 16 times the work of a first one,
 /// and there are [eight](crate::naming::likeness::hunt) at most, where first looks are hundreds.
 const FIRST_LOOKS: f64 = 0.75;
 
@@ -59,52 +60,52 @@ impl Stage {
     }
 }
 
-/// The time of one case.
+/// Work that is done in a second on two cores, in [events](crate::render::Event) of kernels, for which limits in
+/// seconds stand.
+const WORK_PER_SECOND: f64 = 1e8;
+
+/// Longest time of a search, in those seconds: work is counted, so that a verdict depends on no machine's load, but
+/// nobody waits forever.
+const SLOWEST: u32 = 6;
+
+/// The work of one case.
 pub(super) struct SearchClock<'s> {
     search: &'s Search<'s>,
     case: &'s str,
+    /// Work done, and its limits, of all looks and of first looks, which leave some for second looks at what
+    /// they found; no limits where there is no budget.
+    work: AtomicU64,
+    limits: Option<[u64; 2]>,
+    /// Latest end.
     end: Option<Instant>,
-    /// End of the first looks, which leaves time for second looks at what they found.
-    late: Option<Instant>,
     /// True if the search was ended early.
     was_ended: AtomicBool,
     stage: Stage,
     done: AtomicUsize,
     of: usize,
-    /// Time left until `end` and `late`, while the clock is paused.
-    left: [Option<Duration>; 2],
 }
 
 impl<'s> SearchClock<'s> {
     /// Starts the clock, with `of` single mistakes to try.
     pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> SearchClock<'s> {
-        let now = Instant::now();
-        // A budget beyond the end of time is none.
-        let after = |share| now.checked_add(search.budget?.mul_f64(share));
+        let limit =
+            |share: f64| Some((share * WORK_PER_SECOND * search.budget?.as_secs_f64()) as u64);
         SearchClock {
             search,
             case,
-            end: after(1.0),
-            late: after(FIRST_LOOKS),
+            work: AtomicU64::new(0),
+            limits: limit(1.0).zip(limit(FIRST_LOOKS)).map(<[u64; 2]>::from),
+            end: latest_end(search),
             was_ended: AtomicBool::new(false),
             stage: Stage::Singles,
             done: AtomicUsize::new(0),
             of,
-            left: [None; 2],
         }
     }
 
-    /// Pauses the clock, while another case is searched.
-    pub fn pause(&mut self) {
-        let now = Instant::now();
-        let until = |end: Option<Instant>| Some(end?.saturating_duration_since(now));
-        self.left = [until(self.end), until(self.late)];
-    }
-
-    /// Continues after a pause.
+    /// Continues after another case was searched.
     pub fn resume(&mut self) {
-        let now = Instant::now();
-        [self.end, self.late] = self.left.map(|left| now.checked_add(left?));
+        self.end = latest_end(self.search);
     }
 
     /// Continues with `of` pairs.
@@ -118,19 +119,37 @@ impl<'s> SearchClock<'s> {
         self.search.predictions
     }
 
+    /// Counts `work` that is about to be done; false, and none of it is to be done, if the search of this case is
+    /// to end.
+    pub fn spend(&self, work: u64) -> bool {
+        !self.is_over() && {
+            self.work.fetch_add(work, Ordering::Relaxed);
+            true
+        }
+    }
+
     /// True if the search of this case is to end.
     pub fn is_over(&self) -> bool {
-        self.is_after(self.end)
+        self.is_beyond(self.limits.map(|[all, _]| all)) || self.is_stopped()
     }
 
     /// True when no further hypothesis is to be tried, and those that were found get their second
     /// look.
     pub fn is_late(&self) -> bool {
-        self.is_after(self.late)
+        self.is_beyond(self.limits.map(|[_, first]| first)) || self.is_stopped()
     }
 
-    fn is_after(&self, end: Option<Instant>) -> bool {
-        let is = end.is_some_and(|end| Instant::now() >= end) || (self.search.interrupted)();
+    /// True if work that has begun is to end.
+    pub fn is_stopped(&self) -> bool {
+        let is_late = self.end.is_some_and(|end| Instant::now() >= end);
+        self.ended_if(is_late || (self.search.interrupted)())
+    }
+
+    fn is_beyond(&self, limit: Option<u64>) -> bool {
+        self.ended_if(limit.is_some_and(|limit| self.work.load(Ordering::Relaxed) >= limit))
+    }
+
+    fn ended_if(&self, is: bool) -> bool {
         if is {
             self.was_ended.store(true, Ordering::Relaxed);
         }
@@ -155,13 +174,19 @@ impl<'s> SearchClock<'s> {
     }
 
     fn step(&self) -> SearchStep {
-        let left = |end: Instant| end.saturating_duration_since(Instant::now());
+        let done = self.work.load(Ordering::Relaxed);
+        let left = |[limit, _]: [u64; 2]| limit.saturating_sub(done) as f64 / WORK_PER_SECOND;
         SearchStep {
             case: self.case.to_owned(),
             stage: self.stage,
             done: self.done.load(Ordering::Relaxed).min(self.of),
             of: self.of,
-            left: self.end.map(left),
+            left: self.limits.map(left).map(Duration::from_secs_f64),
         }
     }
+}
+
+fn latest_end(search: &Search<'_>) -> Option<Instant> {
+    // A budget beyond the end of time is none.
+    Instant::now().checked_add(search.budget?.checked_mul(SLOWEST)?)
 }

@@ -5,6 +5,7 @@ use super::distances::distances;
 use super::hypothesis::Hypothesis;
 use super::prediction::{
     FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, indices_of, pixels_of, predicted,
+    rays, work_of_a_ray,
 };
 use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
@@ -20,7 +21,6 @@ use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
 use crate::math;
 use crate::render::Detail;
 use crate::scene::Scene;
-use crate::sensitivity::{Dependence, Number, numbers};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 
@@ -43,6 +43,15 @@ const FAR_OFF_ON_LATTICE: f64 = 0.75;
 /// has that change.
 const DISAGREES: f64 = 0.01;
 
+/// Largest share of the squared difference that a mistake with which the scene agrees with the image may leave,
+/// beyond doubt: what is as far from the image as from the golden says nothing of the difference. Less than the
+/// half that a wrong one in the right direction, of a random size, leaves.
+const MOST_IN_NOISE: f64 = 0.4;
+
+/// Smallest mean squared difference, in variances and beyond the one that noise makes, of which a share is known:
+/// in 200 cells noise moves the mean by a tenth, √(2/200).
+const LEAST_EXCESS: f64 = 0.5;
+
 /// Seed of the renderings that decide, none of those that were fitted.
 const CLOSE_SEED: u64 = 7;
 
@@ -64,8 +73,6 @@ pub(super) struct ComparedCase {
     pub golden: Film,
     /// Numbers of the scene that the verdict names; none where it names none.
     pub suspects: Vec<String>,
-    /// True if one of them is off by more than derivatives hold for.
-    suspects_far: bool,
     /// The image with the step of the scene, with half of it and so on, if they are judged by their
     /// limit.
     refined: Vec<Film>,
@@ -80,11 +87,13 @@ pub(super) struct ComparedCase {
     golden_cells: Cells,
     test_cells: Cells,
     /// Misfit of the golden to the image: a mistake has to do better.
-    from_golden: Misfit,
+    pub from_golden: Misfit,
     /// Pixels of a first look, and samples in each.
     first: (Detail, u32),
     /// Pixels of a second look, and samples in each.
     second: (Detail, u32),
+    /// Work of a ray from the eye, in events.
+    work_of_a_ray: f64,
     /// Without noise: golden and image as a first look sees them.
     glimpse: Option<Glimpse>,
 }
@@ -94,7 +103,7 @@ struct Glimpse {
     golden: Cells,
     test: Cells,
     test_film: Film,
-    from_golden: Misfit,
+    pub from_golden: Misfit,
 }
 
 /// The part of the largest score from which a number is suspected: far from the golden, where
@@ -157,7 +166,6 @@ impl ComparedCase {
             is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,
             suspects: suspects(judged),
-            suspects_far: suspects_far(judged, &scene),
             refined: if judged.result.gate.name() == Refinement.name() {
                 judged.evidence.refined.clone()
             } else {
@@ -165,6 +173,7 @@ impl ComparedCase {
             },
             from_golden: golden_cells.misfit(&test_cells, &golden_cells),
             golden,
+            work_of_a_ray: work_of_a_ray(&scene, first),
             scene,
             widths,
             exposure: case.exposure,
@@ -221,13 +230,6 @@ impl ComparedCase {
             in_noise: if is_noise { 1.0 } else { f64::INFINITY },
             ..misfit
         })
-    }
-
-    /// True if the verdict names numbers of the scene that are fitted before mistakes are tried. One
-    /// that is far off is not: derivatives do not hold there, and a mistake may look the same.
-    pub fn has_suspects_first(&self) -> bool {
-        let is_far_and_open = self.suspects_far && self.is_decidable();
-        !self.suspects.is_empty() && !is_far_and_open
     }
 
     /// True if golden and image are means of samples.
@@ -332,6 +334,47 @@ impl ComparedCase {
         judgement.is_ok_and(|judgement| judgement.passed)
     }
 
+    /// Mean squared difference of `prediction` from the image, as [`in_fit`](Self::in_fit) sees it, in variances.
+    pub fn in_noise(&self, prediction: &Cells) -> f64 {
+        let [golden, test] = self.in_fit();
+        prediction.misfit(test, golden).in_noise
+    }
+
+    /// True if `hypothesis`, with this misfit, explains the image: beyond doubt, or as far as its noise tells.
+    pub fn is_explained_by(
+        &self,
+        hypothesis: &Hypothesis,
+        misfit: &Misfit,
+        clock: &SearchClock<'_>,
+    ) -> bool {
+        self.explained_by(misfit) || self.agrees_with(hypothesis, misfit, clock)
+    }
+
+    /// True if the scene, rendered with the one mistake of `hypothesis`, agrees with the image by the rule of
+    /// the gate, by which the golden would not, were it as noisy, and leaves at most [`MOST_IN_NOISE`] of the
+    /// difference: of the squares, or of what they are in variances, where rare bright paths make the squares. Of
+    /// thousands of pairs some agree by chance.
+    fn agrees_with(
+        &self,
+        hypothesis: &Hypothesis,
+        misfit: &Misfit,
+        clock: &SearchClock<'_>,
+    ) -> bool {
+        if !self.is_sampled || !matches!(hypothesis, Hypothesis::One(_)) {
+            return false;
+        }
+        let prediction = self.predict(hypothesis, self.third(), clock);
+        let prediction =
+            prediction.and_then(|film| in_cells(&self.kept.film(&film), &self.golden_cells));
+        prediction.is_some_and(|prediction| {
+            let noisy = self.golden_cells.with_noise_of(&prediction);
+            let excess = self.in_noise(&noisy) - 1.0;
+            let is_nearer = misfit.explains(&self.from_golden, MOST_IN_NOISE)
+                || excess > LEAST_EXCESS && misfit.in_noise - 1.0 <= MOST_IN_NOISE * excess;
+            is_nearer && !self.agrees(&noisy) && self.agrees(&prediction)
+        })
+    }
+
     /// The image of `edited`, a change known as `label`, with so many samples that noise hides little;
     /// in the cells of a [fit](Self::in_fit).
     pub fn predicted_closely(
@@ -340,13 +383,7 @@ impl ComparedCase {
         label: &str,
         clock: &SearchClock<'_>,
     ) -> Option<Cells> {
-        let film = predicted(
-            &self.scene,
-            edited,
-            (label, CLOSE_SEED),
-            self.third(),
-            clock,
-        )?;
+        let film = self.rendered(edited, (label, CLOSE_SEED), self.third(), clock)?;
         in_cells(&self.kept.film(&film), &self.golden_cells)
     }
 
@@ -397,7 +434,7 @@ impl ComparedCase {
         } else {
             self.first
         };
-        let film = predicted(&self.scene, edited, (label, seed), look, clock)?;
+        let film = self.rendered(edited, (label, seed), look, clock)?;
         let film = self.kept.film(&film);
         if self.is_sampled {
             return in_cells(&film, &self.golden_cells);
@@ -459,10 +496,9 @@ impl ComparedCase {
     /// find that they agree.
     pub fn promise(&self, look: &Film) -> Option<Misfit> {
         if self.is_sampled {
-            let misfit = self.misfit(look)?;
-            return misfit
-                .may_explain(&self.from_golden, self.may_leave())
-                .then_some(misfit);
+            return self
+                .misfit(look)
+                .filter(|misfit| self.may_be_explained_by(misfit));
         }
         if self.sees_all_at_once() {
             return self.misfit(look).filter(|misfit| self.explained_by(misfit));
@@ -531,14 +567,24 @@ impl ComparedCase {
         }
     }
 
+    /// Misfit of `hypothesis` on a second look, if a third one may show that it explains the image.
+    pub fn second_look(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
+        let film = self.predict(hypothesis, self.second, clock)?;
+        let misfit = self.misfit(&film)?;
+        self.may_be_explained_by(&misfit).then_some(misfit)
+    }
+
+    fn may_be_explained_by(&self, misfit: &Misfit) -> bool {
+        misfit.may_explain(&self.from_golden, self.may_leave())
+    }
+
     /// Misfit of `hypothesis` to the image, closely looked at: once more where noise leaves open
     /// whether it explains the image.
     pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
         let film = self.predict(hypothesis, self.second, clock)?;
         let misfit = self.misfit(&film)?;
         let is_of_the_scene = hypothesis.mistakes().iter().any(|m| !m.is_of_the_image());
-        let is_open =
-            misfit.may_explain(&self.from_golden, self.may_leave()) && !self.explained_by(&misfit);
+        let is_open = self.may_be_explained_by(&misfit) && !self.explained_by(&misfit);
         if !(self.is_sampled && is_of_the_scene && is_open) {
             return Some(misfit);
         }
@@ -576,8 +622,22 @@ impl ComparedCase {
         Some(judgement.is_ok_and(|judgement| !judgement.passed))
     }
 
+    /// The [predicted] image of `edited`, if the search is to go on. Work is counted as if nothing were kept from
+    /// other runs, so that the same search always gets as far.
+    fn rendered(
+        &self,
+        edited: &Scene,
+        label: (&str, u64),
+        look: (Detail, u32),
+        clock: &SearchClock<'_>,
+    ) -> Option<Film> {
+        let work = self.work_of_a_ray * rays(&self.scene, look) as f64;
+        clock.spend(work as u64).then_some(())?;
+        predicted(&self.scene, edited, label, look, clock)
+    }
+
     /// The image that `hypothesis` would make, or nothing where it has no occasion, or where the
-    /// time is over.
+    /// search is to end.
     fn predict(
         &self,
         hypothesis: &Hypothesis,
@@ -598,7 +658,7 @@ impl ComparedCase {
             Some(scene) => {
                 let of_the_scene = mistakes.iter().filter(|m| !m.is_of_the_image());
                 let names: Vec<&str> = of_the_scene.map(|mistake| mistake.name).collect();
-                predicted(&self.scene, &scene, (&names.join(" + "), 0), look, clock)?
+                self.rendered(&scene, (&names.join(" + "), 0), look, clock)?
             }
             None => self.golden.clone(),
         };
@@ -633,19 +693,6 @@ fn suspects(judged: &Judged) -> Vec<String> {
     };
     let named = changes.iter().filter(is_suspect);
     named.map(|change| change.name.clone()).collect()
-}
-
-/// True if a number that the difference looks like is off by more than the step of its derivative.
-fn suspects_far(judged: &Judged, scene: &Scene) -> bool {
-    let numbers = numbers(scene);
-    judged.result.changes.iter().any(|change| {
-        let is_it = |number: &&Number| number.name() == change.name;
-        let number = numbers.iter().find(is_it);
-        let is_far = |number: &Number| {
-            number.dependence == Dependence::Smooth && change.change.abs() > number.step
-        };
-        change.fits_best && number.is_some_and(is_far)
-    })
 }
 
 /// The whole image, with the samples of its blocks.

@@ -115,7 +115,9 @@ pub(super) struct Fitted {
     /// True if the changes explain the image as well as a mistake must.
     pub is_explained: bool,
     /// True if the image agrees with a rendering with them.
-    agrees: bool,
+    pub agrees: bool,
+    /// The least mean squared difference from such a rendering, in variances.
+    pub in_noise: Option<f64>,
 }
 
 impl Fitted {
@@ -137,6 +139,8 @@ pub(super) struct Candidate {
     pub left: f64,
     /// True if the scene, rendered with them, agrees with the image.
     pub agrees: bool,
+    /// Mean squared difference from that rendering, in variances.
+    pub in_noise: f64,
     /// True if they explain the image as well as a mistake must.
     pub is_explained: bool,
     /// The image with them.
@@ -182,6 +186,11 @@ impl ComparedCase {
             sentence: Some(sentence),
             is_explained: candidates.iter().any(|it| it.is_explained),
             agrees,
+            in_noise: candidates
+                .iter()
+                .filter(|it| it.agrees)
+                .map(|it| it.in_noise)
+                .min_by(f64::total_cmp),
         }
     }
 }
@@ -240,9 +249,10 @@ impl<'f> Fitting<'f> {
                 continue;
             }
             // Where the time is over nothing is known of it.
-            let Some(agrees) = self.agrees(&fit) else {
+            let Some(closely) = self.closely(&fit) else {
                 continue;
             };
+            let agrees = self.case.agrees(&closely);
             // At an end of its range a fit was stopped, not found.
             if !agrees && self.is_at_an_end(&fit) {
                 continue;
@@ -253,6 +263,7 @@ impl<'f> Fitting<'f> {
                     words: self.in_words(&fit),
                     left: fit.left,
                     agrees,
+                    in_noise: self.case.in_noise(&closely),
                     is_explained: self.leaves(&fit.predicted, self.case.may_leave()),
                     predicted: fit.predicted,
                 });
@@ -291,6 +302,7 @@ impl<'f> Fitting<'f> {
             words: change_in_words(gain.words, unit, change, Some(errors[0])),
             left: left.max(0.0),
             agrees: self.case.agrees(&predicted),
+            in_noise: self.case.in_noise(&predicted),
             is_explained: self.leaves(&predicted, self.case.may_leave()),
             predicted,
         })
@@ -302,15 +314,14 @@ impl<'f> Fitting<'f> {
         changes.any(|(&at, change)| range(&self.numbers[at]).contains(change))
     }
 
-    /// True if the scene, rendered with the changes, agrees with the image; nothing if the time is over.
-    fn agrees(&self, fit: &Fit) -> Option<bool> {
+    /// The scene rendered with the changes, in noise anew; nothing if the time is over.
+    fn closely(&self, fit: &Fit) -> Option<Cells> {
         if !self.case.is_sampled() {
-            return Some(self.case.agrees(&fit.predicted));
+            return Some(fit.predicted.clone());
         }
         let changed = self.changed(&fit.numbers, &fit.changes)?;
         let label = self.label(&fit.numbers, &fit.changes);
-        let close = self.case.predicted_closely(&changed, &label, self.clock)?;
-        Some(self.case.agrees(&close))
+        self.case.predicted_closely(&changed, &label, self.clock)
     }
 
     /// The fits that explain most: one alone, or those of single numbers that explain it as well.

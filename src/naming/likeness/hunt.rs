@@ -5,6 +5,7 @@ use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
 use super::hypothesis::{Hypothesis, mistake};
 use crate::compare::cells::Misfit;
+use crate::compare::unexplained::UNEXPLAINED;
 use crate::film::Film;
 use crate::variations::mistakes;
 use rayon::prelude::*;
@@ -15,6 +16,10 @@ use std::collections::BTreeMap;
 /// 16 times the work of a first look, so that eight take as much as first looks at the whole
 /// catalogue of 149.
 const MOST_SECOND_LOOKS: usize = 8;
+
+/// Likewise where there is noise, of which a first look has so much that the right mistake may seem far: half as
+/// much work again as that of the second looks and the third ones at eight of them.
+const MOST_NOISY_LOOKS: usize = 32;
 
 /// Largest number of rendered pairs of mistakes of the scene: the most promising by the effect of
 /// each mistake alone. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
@@ -34,6 +39,13 @@ const USUAL_PAIRS: [[&str; 2]; 4] = [
 /// takes less is a stray.
 const WORTH_A_SECOND: f64 = 0.5;
 
+/// Share of the squared difference that a pair may leave, where there is no noise: a quarter of what one mistake may. Of
+/// thousands of pairs some come near by chance, as half a voxel and a pixel do to a shift by two pixels.
+const LEFT_BY_PAIRS: f64 = 0.25 * UNEXPLAINED;
+
+/// Events of kernels that take as long as an edit and a comparison of one pixel.
+const EVENTS_OF_AN_EDIT: usize = 8;
+
 /// Hypotheses that explain an image, with their misfits.
 pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
@@ -50,6 +62,11 @@ pub(super) fn singles() -> usize {
     mistakes::catalogue().count()
 }
 
+/// Work of an edit of `film` and of its comparison, as much as that many [events](crate::render::Event) take.
+fn work_on(film: &Film) -> u64 {
+    (EVENTS_OF_AN_EDIT * film.width() * film.height()) as u64
+}
+
 impl ComparedCase {
     /// The single mistakes that explain the image, nearest first, and the first looks at mistakes
     /// of the scene. Mistakes of the image, which take no rendering, are tried first.
@@ -60,7 +77,7 @@ impl ComparedCase {
         let (of_the_image, of_the_scene): (Vec<usize>, Vec<usize>) =
             (0..singles()).partition(|&index| mistake(index).is_of_the_image());
         for index in of_the_image {
-            if clock.is_late() {
+            if clock.is_late() || !clock.spend(work_on(&self.golden)) {
                 break;
             }
             if !(self.is_gain() && mistake(index).is_curve())
@@ -172,11 +189,12 @@ impl ComparedCase {
             .iter()
             .flat_map(|first| seconds.iter().map(move |&second| (first, second)))
             .filter(|(first, second)| first.0 != *second)
+            .take_while(|((_, film), _)| !clock.is_late() && clock.spend(work_on(film)))
             .collect();
         pairs
             .into_par_iter()
             .filter_map(|((first, film), second)| {
-                if clock.is_late() {
+                if clock.is_stopped() {
                     return None;
                 }
                 let edited = mistake(second).in_image(film);
@@ -193,12 +211,13 @@ impl ComparedCase {
         let pairs: Vec<(usize, usize)> = (0..seen.len())
             // Which is made first matters little.
             .flat_map(|second| (0..second).map(move |first| (first, second)))
+            .take_while(|(first, _)| !clock.is_late() && clock.spend(work_on(seen[*first].1)))
             .collect();
         let mut pairs: Vec<(f64, Hypothesis)> = pairs
             .into_par_iter()
             .filter_map(|(first, second)| {
                 let ((a, first), (b, second)) = (seen[first], seen[second]);
-                if clock.is_late() {
+                if clock.is_stopped() {
                     return None;
                 }
                 let distance = self.distance_of_both(first, second)?;
@@ -222,13 +241,17 @@ impl ComparedCase {
 
     /// Hypotheses among the nearest that explain the image on a second look, nearest first.
     fn look_closer(&self, mut promising: Explaining, clock: &SearchClock<'_>) -> Explaining {
-        promising.sort_by(|(_, a), (_, b)| a.distance().value.total_cmp(&b.distance().value));
+        if self.is_sampled() {
+            promising = self.second_looks(promising, clock);
+        } else {
+            promising.sort_by(|(_, a), (_, b)| a.distance().value.total_cmp(&b.distance().value));
+        }
         promising.truncate(MOST_SECOND_LOOKS);
         if !self.sees_all_at_once() {
             promising.retain_mut(|(hypothesis, misfit)| {
                 let closer = self
                     .test(hypothesis, clock)
-                    .filter(|m| self.explained_by(m));
+                    .filter(|m| self.is_explained_by(hypothesis, m, clock));
                 *misfit = closer.unwrap_or(*misfit);
                 closer.is_some()
             });
@@ -238,8 +261,26 @@ impl ComparedCase {
         promising
     }
 
+    /// Hypotheses that may explain a noisy image on a second look, the least different from it first.
+    fn second_looks(&self, mut promising: Explaining, clock: &SearchClock<'_>) -> Explaining {
+        let by_noise =
+            |(_, a): &(_, Misfit), (_, b): &(_, Misfit)| a.in_noise.total_cmp(&b.in_noise);
+        promising.sort_by(by_noise);
+        promising.truncate(MOST_NOISY_LOOKS);
+        // What leaves more than noise does not agree, and what leaves much is not nearly it.
+        let most = self.may_leave() * self.from_golden.distance().value;
+        let is_near = |misfit: &Misfit| misfit.is_noise() || misfit.distance().value <= most;
+        let closer = promising.into_iter().filter_map(|(hypothesis, _)| {
+            let misfit = self.second_look(&hypothesis, clock).filter(is_near)?;
+            Some((hypothesis, misfit))
+        });
+        let mut promising: Explaining = closer.collect();
+        promising.sort_by(by_noise);
+        promising
+    }
+
     /// True of one mistake, and of a pair that leaves less than [`WORTH_A_SECOND`] of what either of the
-    /// two leaves alone.
+    /// two leaves alone, and without noise no more than [`LEFT_BY_PAIRS`].
     fn needs_both(
         &self,
         hypothesis: &Hypothesis,
@@ -250,6 +291,9 @@ impl ComparedCase {
             return true;
         };
         let left = misfit.distance().value;
+        if !self.is_sampled() && !misfit.explains(&self.from_golden, LEFT_BY_PAIRS) {
+            return false;
+        }
         [first, second].into_iter().all(|one| {
             let alone = self.test(&Hypothesis::One(one), clock);
             alone.is_none_or(|alone| left <= WORTH_A_SECOND * alone.distance().value)

@@ -3,7 +3,9 @@
 use super::clock::SearchClock;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
-use crate::render::{Detail, Plan, Sampling, Seed, plans, render_coarse};
+use crate::render::{
+    Counters, Detail, Event, Plan, Sampling, Seed, plans, render_coarse, render_coarse_counted,
+};
 use crate::scene::{Panel, Scene};
 use crate::suite::golden::input_hashes;
 
@@ -49,9 +51,36 @@ pub(super) fn blocks(scene: &Scene) -> Option<Detail> {
     can.then_some(Detail::Blocks(BLOCK))
 }
 
+/// Number of rays from the eye in one look at `scene`.
+pub(super) fn rays(scene: &Scene, (detail, samples): (Detail, u32)) -> u64 {
+    let columns = |panel: &Panel| detail.columns(panel.width).count();
+    let columns: usize = scene.panels.iter().map(columns).sum();
+    let samples = if plans(scene).iter().any(Plan::is_sampled) {
+        samples
+    } else {
+        1
+    };
+    (columns * detail.rows(scene.height()).count()) as u64 * u64::from(samples)
+}
+
+/// Work of a ray from the eye in `scene`, in events, by one look.
+pub(super) fn work_of_a_ray(scene: &Scene, look: (Detail, u32)) -> f64 {
+    let sampling = Sampling {
+        samples: Some(look.1),
+        seed: Seed::Given(SEED),
+    };
+    let counted = render_coarse_counted(&plans(scene), sampling, look.0);
+    let events = counted.map_or(0, |of_panels| {
+        let of_panel = |work: &Counters| Event::ALL.iter().map(|&event| work[event]).sum::<u64>();
+        of_panels.iter().map(of_panel).sum()
+    });
+    // A ray that meets nothing takes a little as well.
+    1.0 + events as f64 / rays(scene, look) as f64
+}
+
 /// The image of `edited`, which is `scene` with a change known as `label` (the names of mistakes, or
 /// of changed numbers), from the random numbers of a `seed` from 0, with `samples` in each pixel that is rendered, if it is sampled. Nothing where it
-/// cannot be rendered, or where the time is over.
+/// cannot be rendered, or where the search was stopped.
 pub(super) fn predicted(
     scene: &Scene,
     edited: &Scene,
@@ -80,7 +109,7 @@ pub(super) fn predicted(
         samples: Some(samples),
         seed: Seed::Given(SEED + seed),
     };
-    let film = render_coarse(&plans(edited), sampling, detail, &|| clock.is_over()).ok()?;
+    let film = render_coarse(&plans(edited), sampling, detail, &|| clock.is_stopped()).ok()?;
     if let Some(key) = key {
         clock.predictions().put(&key, &film);
     }

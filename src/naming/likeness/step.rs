@@ -63,6 +63,7 @@ impl ComparedCase {
             words: format!("steps {factor:.2} times as long"),
             left: left.max(0.0),
             agrees: self.agrees(&predicted),
+            in_noise: self.in_noise(&predicted),
             is_explained: self.is_explained_but_for(&predicted, self.may_leave())?,
             predicted,
         })

@@ -25,7 +25,7 @@ use volref::judging::{Judged, validate};
 use volref::math;
 use volref::naming::{ConventionSearch, Predictions, Search, Stage, likeness};
 use volref::render::{Sampling, Seed, plans, render};
-use volref::scene::{Model, Scene};
+use volref::scene::{Model, Scattering, Scene};
 use volref::sensitivity::{number, numbers};
 use volref::suite::{Output, Suite};
 use volref::variations::mistakes;
@@ -286,6 +286,41 @@ fn there_are_faults_enough_and_each_is_its_own() {
             assert!(is_possible, "{}: {}", fault.case, fault.name);
         }
     }
+}
+
+/// A search that is cut off gets as far whether predictions have to be rendered or are kept.
+#[test]
+fn a_limit_of_a_search_counts_work_and_not_time() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let case = suite.select(&["smoke/cornell".to_owned()]).unwrap()[0];
+    let mut scene = case.load_scene().unwrap();
+    for panel in &mut scene.panels {
+        if let Model::Radiative(radiative) = &mut panel.model {
+            radiative.scattering = Scattering::Multiple(Some(2));
+        }
+    }
+    let output = || Output::Picture(Box::new(Picture::Radiance(rendered(&scene, 4))));
+    let found = || {
+        let mut judged = [validate(case, &suite.store(), output(), None)];
+        let search = Search {
+            budget: Some(Duration::from_millis(100)),
+            predictions: &Predictions::in_folder(folder.path()),
+            interrupted: &|| false,
+            progress: &|_| (),
+        };
+        let found = likeness(&[case], &[], None, &mut judged, &search);
+        let [judged] = judged;
+        (found, judged.result.looks_like, judged.result.difference)
+    };
+    let first = found();
+    let done = first.0.unfinished.first().map(|step| step.done);
+    assert!(
+        done.is_some_and(|done| done > 20),
+        "{:?}",
+        first.0.unfinished
+    );
+    assert_eq!(found(), first);
 }
 
 /// One table for all faults, or for those of which the name, the case or the kind contains a word of

@@ -5,6 +5,7 @@ use super::faults::{
     ROOM, SHADOWED, SPOT, STAIN,
 };
 use super::images::{self, by_place, by_value, channels, from_elsewhere, is_one_of_twenty, times};
+use std::f64::consts::{FRAC_1_PI, LN_2, LN_10};
 use volref::film::Film;
 use volref::math;
 
@@ -170,6 +171,25 @@ const NUMBERS: &[(&str, &[(&str, f64)])] = &[
         NOISE,
         &[("density", 0.1), ("light", -0.05), ("environment", 0.2)],
     ),
+];
+
+/// Mistakes of the catalogue that are a change of a number.
+const SAME: [(&str, f64, &str); 4] = [
+    ("density", -0.5, "opacity-halved"),
+    ("emission", -0.5, "bright-halved"),
+    ("camera.right", 1.0, "one-pixel-right"),
+    ("camera.down", 1.0, "one-pixel-down"),
+];
+
+/// Changes of a number that mistakes of [`MISTAKES`] are, where there is one medium, or one light.
+const NUMBERS_OF_MISTAKES: [(&str, &str, f64); 7] = [
+    ("emitter-over-pi", "lamp", FRAC_1_PI - 1.0),
+    ("environment-doubled", "environment", 1.0),
+    ("extinction-base-ten", "density", LN_10 - 1.0),
+    ("extinction-base-two", "density", LN_2 - 1.0),
+    ("extinction-doubled", "density", 1.0),
+    ("one-pixel-up", "camera.down", -1.0),
+    ("diffuse-over-pi", "reflectance", FRAC_1_PI - 1.0),
 ];
 
 /// A fault of an image, with its label if it has one, and the number that is off.
@@ -814,6 +834,9 @@ pub fn faults() -> Vec<Fault> {
                 case,
                 &[Edit::Number(number, change)],
             );
+            let same = SAME.iter().filter(|it| (it.0, it.1) == (number, change));
+            let same: Vec<&str> = same.map(|it| it.2).collect();
+            let fault = fault.named(&same);
             let is_light = ["lamp", "light", "environment", "emission"].contains(&number);
             fault.said(match number.split_once('.') {
                 Some(("camera" | "grid", _)) => &["moved"],
@@ -846,7 +869,14 @@ pub fn faults() -> Vec<Fault> {
             } else {
                 ""
             };
-            Fault::new(kind, format!("{name}{again}"), case, &[Edit::Mistake(name)])
+            let fault = Fault::new(kind, format!("{name}{again}"), case, &[Edit::Mistake(name)]);
+            let is_of_all = *name == "emitter-over-pi";
+            let fault = fault.named(if is_of_all { &["bright-over-pi"] } else { &[] });
+            let mut numbers = NUMBERS_OF_MISTAKES.iter().filter(|it| it.0 == *name);
+            match numbers.next() {
+                Some((_, number, change)) => fault.number(number, *change),
+                None => fault,
+            }
         });
         all.extend(at_both_rates(faults));
     }
