@@ -28,19 +28,18 @@ pub(super) struct Total {
 
 /// Relative rounding error of half precision, 11 significant bits.
 const HALF_ROUNDING: f64 = 1.0 / 2048.0;
-/// Absolute rounding error of text with six decimals, which `printf` writes unless told otherwise. Half
-/// precision has less, 2⁻²⁵ below its smallest normal number.
-const TEXT_ROUNDING: f64 = 5e-7;
 /// Relative error of a sum in single precision for each sample: an addition rounds by 2⁻²⁴ of the sum so
 /// far at most, half of the whole sum on average.
 const SUM_ROUNDING: f64 = 1.0 / 33_554_432.0;
 
-/// Rounding of the values of a test image, whatever the format that it went through.
+/// Rounding of the values of a test image, in the formats that it may have gone through.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rounding {
     quantisation: Option<Quantisation>,
     /// Share of a value.
     relative: f64,
+    /// Of the decimals of a text, and of half precision near 0.
+    absolute: f64,
     /// Renderings that were rounded each.
     renderings: f64,
 }
@@ -54,6 +53,7 @@ impl Rounding {
             quantisation: test.quantisation(),
             // A sum that loses more than half precision is a fault.
             relative: HALF_ROUNDING + in_sums.min(HALF_ROUNDING),
+            absolute: test.absolute_rounding(),
             renderings,
         }
     }
@@ -92,7 +92,8 @@ impl Difference {
             half_codes,
             // Most renderers write half precision unless asked for more. References are of 32 bits, whose
             // rounding is nothing beside.
-            rounding: half_codes + (rounding.relative * a.abs().max(b.abs())).max(TEXT_ROUNDING),
+            rounding: half_codes
+                + (rounding.relative * a.abs().max(b.abs())).max(rounding.absolute),
         }
     }
 
@@ -158,14 +159,18 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub fn new(films: [&Film; 2], columns: Range<usize>, rows: Range<usize>) -> Block {
+    pub fn new(
+        films: [&Film; 2],
+        rounding: Rounding,
+        columns: Range<usize>,
+        rows: Range<usize>,
+    ) -> Block {
         let mut block = Block {
             columns,
             rows,
             channels: Default::default(),
         };
         let [reference, test] = films;
-        let rounding = Rounding::of(test);
         let mut spreads = [Moments::default(); 3];
         for index in block.indices(reference.width()) {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);

@@ -367,8 +367,8 @@ fn judge_with(
         let comparison = Comparison::new(reference, test, share);
         return Ok(judgement(&comparison, share, promise, sensitivities));
     };
-    let mut comparison = Comparison::new(&seen.reference, &seen.test, share);
-    comparison.left_out = Some(&seen.left_out);
+    let films = [&seen.reference, &seen.test];
+    let comparison = Comparison::without(films, Some(&seen.left_out), share);
     let mut judgement = judgement(&comparison, share, promise, sensitivities);
     judgement
         .metrics

@@ -40,9 +40,7 @@ pub(super) fn judge_numbers(
         .iter()
         .any(|it| it.derivative.radiance().len() == pixels)
     {
-        let mut fine = Comparison::in_blocks(comparison.films, FINE_BLOCK, comparison.level);
-        fine.left_out = comparison.left_out;
-        all.extend(Scores::new(&fine, FINE_BLOCK, &sensitivities));
+        all.extend(Scores::new(&comparison.fine(), FINE_BLOCK, &sensitivities));
     }
     let mut findings = NumberFindings::default();
     // The one with the largest score comes first.
