@@ -141,7 +141,7 @@ fn measurements_of_a_difference() {
             })),
         ),
         row(
-            "of the squared difference is in green",
+            "of the squared relative difference is in green",
             said(&with(|x, c, _| if c == 1 { 1.1 * x } else { x })),
             said(&brighter),
         ),
@@ -168,7 +168,7 @@ fn measurements_of_a_difference() {
         ),
         row("in the brightest tenth", said(&brightest), said(&brighter)),
         row(
-            "nearly all of the difference lies in columns 0 to 31 and rows 40 to 79",
+            "nearly all of the relative difference lies in columns 0 to 31 and rows 40 to 79",
             said(&corner(0.5)),
             said(&with(
                 |x, _, [i, j]| if i < 32 && j >= 40 { 0.5 * x } else { 0.9 * x },
@@ -454,6 +454,7 @@ fn checked(x: f64, y: f64, by: f64) -> f64 {
 fn reasons_by_numbers() {
     let as_it_is: fn(f64, f64) -> f64 = |_, _| 1.0;
     let little = || by_numbers(0.1, 0.5, &[], as_it_is);
+    let faint = || by_numbers(0.01, 0.5, &[], as_it_is);
     let far = || by_numbers(0.3, 0.05, &[], as_it_is);
     // A fault of which a change of density makes most.
     let like_it = || by_numbers(0.3, 1.0, &[], |x, y| checked(x, y, 0.015));
@@ -464,13 +465,19 @@ fn reasons_by_numbers() {
     });
     check(vec![
         row("looks like this: density", little(), far()),
+        row(
+            "as far as the noise tells, the difference looks like this: density",
+            faint(),
+            little(),
+        ),
+        row("or more, may have another cause", faint(), little()),
         row("leaves nothing beyond noise", little(), like_it()),
         row(
             "as if this were so, or a mistake that looks like it",
             like_it(),
             little(),
         ),
-        row("of its square", like_it(), little()),
+        row("of its square, weighed by noise", like_it(), little()),
         row("about 3", far(), little()),
         row(
             "no other number is significant beside it",

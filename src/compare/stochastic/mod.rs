@@ -404,6 +404,7 @@ fn judgement(
     let is_biased = !faults.is_empty();
     let deviations = limits.deviations();
     let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
+    let as_if = numbers.fault.clone().filter(|_| numbers.is_as_if);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
@@ -484,6 +485,7 @@ fn judgement(
     }
     Judgement {
         undecided,
+        as_if,
         changes: numbers.changes,
         detectable: numbers.detectable,
         fit: numbers.fit,

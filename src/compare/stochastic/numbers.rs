@@ -13,6 +13,8 @@ use crate::compare::sensitivity::Sensitivity;
 pub(super) struct NumberFindings {
     /// Reason to reject: the changes that the difference looks like.
     pub fault: Option<String>,
+    /// True if that says no more than "as if".
+    pub is_as_if: bool,
     /// Changes that fit, for a rejected image.
     pub changes: Vec<NumberChange>,
     pub detectable: Vec<Detectable>,
@@ -63,7 +65,8 @@ pub(super) fn judge_numbers(
         return findings;
     }
     let explanation = scores.explanation();
-    findings.fault = Some(scores.in_words(&explanation));
+    let (fault, is_as_if) = scores.in_words(&explanation);
+    (findings.fault, findings.is_as_if) = (Some(fault), is_as_if);
     findings.changes = scores.changes(&explanation);
     findings.fit = Some(Box::new(scores.map(&explanation)));
     for others in &all[1..] {
