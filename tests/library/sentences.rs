@@ -503,6 +503,41 @@ fn reasons_by_numbers() {
     ]);
 }
 
+/// Beside the factors that make the image of the golden, two gains are not said to be as if they were off.
+#[test]
+fn no_as_if_beside_a_finding() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let case = suite.select(&["fog/rate-0.1".to_owned()]).unwrap()[0];
+    let sampling = Rendering {
+        samples: Some(64),
+        seed: Seed::Given(0x6173_6966),
+    };
+    let film = render(&plans(&case.load_scene().unwrap()), sampling, &|| ())
+        .unwrap()
+        .film;
+    let variance = film.noise().unwrap().variance();
+    let tinted = |factors: [f32; 3]| {
+        let times = |pixel: &[f32; 3], factors: [f32; 3]| [0, 1, 2].map(|c| pixel[c] * factors[c]);
+        let means = film.radiance().iter().map(|pixel| times(pixel, factors));
+        let squares = factors.map(|factor| factor * factor);
+        let variance = variance.iter().map(|pixel| times(pixel, squares));
+        let (width, height) = (film.width(), film.height());
+        let film = Film::with_noise(width, height, means.collect(), variance.collect(), 64);
+        let output = Output::Picture(Box::new(Picture::Radiance(film)));
+        validate(case, &suite.store(), output, None).result
+    };
+    let result = tinted([1.5, 1.0, 0.6]);
+    let fitting = result.changes.iter().filter(|change| change.fits_best);
+    assert_eq!(fitting.count(), 2, "{}", result.reason);
+    let is_said = |words: &str| result.reason.contains(words);
+    assert!(
+        is_said("the image is the golden × 1.5"),
+        "{}",
+        result.reason
+    );
+    assert!(!is_said("as if"), "{}", result.reason);
+}
+
 /// What is said of the numbers of a scene, of an image of `case` with an edit of its scene and one of
 /// its pixels by column and row.
 fn of_scene(case: &str, edit: impl Fn(&mut Scene), map: impl Fn(usize, usize) -> f32) -> String {

@@ -78,6 +78,8 @@ pub(super) struct Difference {
     /// share their sign over whole regions, and those of pixels without noise are the same in each of them, so
     /// that in sums they add up.
     pub rounding: f64,
+    /// Sum of the squares of these parts, by pixel.
+    pub rounding_squares: f64,
     /// Part of that which codes of 8 bits make: half a code of each pixel, and what is cut off of its noise.
     pub half_codes: f64,
 }
@@ -87,13 +89,15 @@ impl Difference {
     /// rounding and states this variance.
     pub fn of(a: f64, b: f64, variance: f64, rounding: Rounding) -> Difference {
         let half_codes = rounding.of_codes(a, b, variance);
+        // Most renderers write half precision unless asked for more. References are of 32 bits, whose
+        // rounding is nothing beside.
+        let of_format = (rounding.relative * a.abs().max(b.abs())).max(rounding.absolute);
+        let rounding = half_codes + of_format;
         Difference {
             value: b - a,
+            rounding,
+            rounding_squares: rounding * rounding,
             half_codes,
-            // Most renderers write half precision unless asked for more. References are of 32 bits, whose
-            // rounding is nothing beside.
-            rounding: half_codes
-                + (rounding.relative * a.abs().max(b.abs())).max(rounding.absolute),
         }
     }
 
@@ -106,6 +110,7 @@ impl Difference {
     pub fn add(&mut self, other: Difference) {
         self.value += other.value;
         self.rounding += other.rounding;
+        self.rounding_squares += other.rounding_squares;
         self.half_codes += other.half_codes;
     }
 }

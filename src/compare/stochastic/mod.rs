@@ -73,7 +73,7 @@
 //!
 //! # Rounding
 //!
-//! A test image may have been summed in single precision, rounded to half precision or printed with six decimals, and
+//! A test image may have been summed in single precision, rounded to half precision or printed with some decimals, and
 //! none of that is noise: pixels without noise are all rounded the same way. So in each sum, of a block, a line, the
 //! image or a score, counts of the differences what is beyond the sum of what rounding can be (see `blocks.rs`).
 //! Variances that half precision made equal or 0 are no statement either: the guard is there, and three equal ones
