@@ -21,6 +21,8 @@ pub struct Judgement {
     /// [bias](super::Conditions::promise): the verdict is *inconclusive*, and this would
     /// decide.
     pub undecided: Option<Undecided>,
+    /// The part of the reason that says no more than "as if".
+    pub as_if: Option<String>,
     /// Changes of numbers of the scene that fit the difference, the most significant first; for
     /// images that differ, where [sensitivities](super::Conditions::sensitivities) are known.
     pub changes: Vec<NumberChange>,
@@ -102,6 +104,7 @@ impl Judgement {
             metrics,
             reason,
             undecided: None,
+            as_if: None,
             changes: Vec::new(),
             detectable: Vec::new(),
             fit: None,

@@ -6,6 +6,9 @@
 //! the image at a time (the jackknife), and where it accounts for a good part of the squared
 //! difference, noise taken out.
 //!
+//! Differences are relative to the brightness of the golden plus its mean, and each sentence says so: a lamp
+//! may hold most of the absolute difference and little of the relative one.
+//!
 //! Sources: Efron & Stein 1981, Annals of Statistics 9, 586–596 (jackknife); Lucas & Kanade 1981,
 //! "An iterative image registration technique" (shift below a pixel).
 
@@ -316,7 +319,10 @@ fn in_one_channel(sums: &[PartSums; PARTS]) -> Option<String> {
         let is_most = share.value >= MOST && share.is_at_least(0.5);
         is_most.then(|| {
             let part = percent(share.value);
-            format!("{part} of the squared difference is in {}", CHANNELS[c])
+            format!(
+                "{part} of the squared relative difference is in {}",
+                CHANNELS[c]
+            )
         })
     })
 }
@@ -335,7 +341,7 @@ fn gain(sums: &[PartSums; PARTS]) -> Option<String> {
         format!("{r} in red, {g} in green and {b} in blue,")
     };
     Some(format!(
-        "the golden times {factors} over all pixels, would leave {} of the squared difference",
+        "the golden times {factors} over all pixels, would leave {} of the squared relative difference",
         left(1.0 - share.value)
     ))
 }
@@ -394,7 +400,7 @@ impl Shift {
         let known: Vec<String> = known.map(along).collect();
         let voxels = seen.voxels_in_words(self.known());
         format!(
-            "the golden moved by {}{}, by its slopes, would account for {} of the squared difference",
+            "the golden moved by {}{}, by its slopes, would account for {} of the squared relative difference",
             known.join(" and "),
             voxels.map_or(String::new(), |voxels| format!(" ({voxels})")),
             percent(self.share)
@@ -416,13 +422,13 @@ fn in_parts(sums: &[PartSums; PARTS], parts: &[Part]) -> Vec<String> {
         if is_clearly_in(part, &share) {
             let percent = percent(share.value);
             sentences.push(format!(
-                "{percent} of the squared difference lies {}",
+                "{percent} of the squared relative difference lies {}",
                 part.words
             ));
         }
         let is_edge = k == 0;
         if is_edge && share.value + SIGNIFICANT * share.error <= INSIDE * part.due {
-            let words = "the difference lies inside areas rather than at their edges";
+            let words = "the relative difference lies inside areas rather than at their edges";
             sentences.push(words.to_owned());
         }
     }
@@ -473,7 +479,7 @@ fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
     let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
     (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
         format!(
-            "nearly all of the difference lies in columns {} to {} and rows {} to {}, {} of the image",
+            "nearly all of the relative difference lies in columns {} to {} and rows {} to {}, {} of the image",
             columns.start,
             columns.end - 1,
             rows.start,
@@ -563,7 +569,7 @@ mod tests {
     fn where_it_lies_is_said() {
         let text = said(&edited(|x, c, _| if c == 1 { 1.1 * x } else { x }));
         assert!(
-            text.contains("all of the squared difference is in green"),
+            text.contains("all of the squared relative difference is in green"),
             "{text}"
         );
         let text = said(&edited(
@@ -605,8 +611,7 @@ mod tests {
         let said = |test: &Film| said_of(test, &distances);
         // 96 columns from 2 on, 0.1 apart: the 48th is half of them.
         let far = said(&faded(7.0, 100.0));
-        let words =
-            "all of the squared difference lies in the farther half of what is seen, beyond 6.7";
+        let words = "all of the squared relative difference lies in the farther half of what is seen, beyond 6.7";
         assert!(far.contains(words), "{far}");
         let near = said(&faded(0.0, 6.0));
         assert!(

@@ -1,5 +1,6 @@
 //! Linear radiance on a grid of pixels, and the readers and writers of image files.
 
+mod decimals;
 mod error;
 mod exr_completeness;
 mod exr_file;

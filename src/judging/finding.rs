@@ -54,6 +54,8 @@ pub struct CaseFinding {
     pub detectable: Vec<Detectable>,
     /// The changes that fit best, as a picture.
     pub fit: Option<Box<FitMap>>,
+    /// The part of the reason that says no more than "as if".
+    pub as_if: Option<String>,
 }
 
 impl CaseFinding {
@@ -67,6 +69,7 @@ impl CaseFinding {
             changes: Vec::new(),
             detectable: Vec::new(),
             fit: None,
+            as_if: None,
         }
     }
 
@@ -94,6 +97,7 @@ impl CaseFinding {
             changes: self.changes,
             detectable: self.detectable,
             fit: self.fit,
+            as_if: self.as_if,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,
@@ -113,6 +117,7 @@ impl From<Judgement> for CaseFinding {
             changes: judgement.changes,
             detectable: judgement.detectable,
             fit: judgement.fit,
+            as_if: judgement.as_if,
             ..CaseFinding::new(verdict, cause, judgement.reason)
         }
     }

@@ -114,6 +114,9 @@ pub struct CaseResult {
     /// The changes that fit best, as a picture for a report.
     #[serde(skip)]
     pub fit: Option<Box<FitMap>>,
+    /// The part of the reason that says no more than "as if".
+    #[serde(skip)]
+    pub as_if: Option<String>,
     /// Wall time, for information.
     pub seconds: f64,
     /// Units of work by name, where they were counted.
@@ -121,6 +124,23 @@ pub struct CaseResult {
     /// Cause of the verdict.
     #[serde(skip)]
     pub cause: Cause,
+}
+
+impl CaseResult {
+    /// Takes out of the reason what says no more than "as if", beside a finding.
+    pub fn drop_as_if(&mut self) {
+        drop_as_if(&mut self.reason, &mut self.as_if);
+    }
+}
+
+/// Takes the part `as_if`, if there is one, out of a `reason`.
+pub(super) fn drop_as_if(reason: &mut String, as_if: &mut Option<String>) {
+    let Some(part) = as_if.take() else { return };
+    *reason = if reason.starts_with(&part) {
+        reason.replacen(&part, "the images differ beyond noise", 1)
+    } else {
+        reason.replacen(&format!("; {part}"), "", 1)
+    };
 }
 
 /// Number of cases by verdict.
@@ -181,4 +201,30 @@ pub fn metric_meaning(name: &str) -> &'static str {
     meaning
         .or_else(|| compare::metric_meaning(name))
         .unwrap_or("")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_if_is_dropped_wherever_it_stands() {
+        let part = "the difference is as if this were so: a; that leaves b";
+        for (reason, left) in [
+            (format!("too dark; {part}; more"), "too dark; more"),
+            (format!("too dark; {part}"), "too dark"),
+            (
+                format!("{part}; more"),
+                "the images differ beyond noise; more",
+            ),
+            (part.to_owned(), "the images differ beyond noise"),
+        ] {
+            let (mut reason, mut as_if) = (reason, Some(part.to_owned()));
+            drop_as_if(&mut reason, &mut as_if);
+            assert_eq!(reason, left);
+            // Once.
+            drop_as_if(&mut reason, &mut as_if);
+            assert_eq!(reason, left);
+        }
+    }
 }

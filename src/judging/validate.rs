@@ -4,6 +4,7 @@ use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
 use super::precision::{known, known_radiance, read_otherwise};
+use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::{
     Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
@@ -239,6 +240,9 @@ fn with_words(
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
         said.extend(other_encoding(case, checked, picture));
+        if !said.is_empty() {
+            drop_as_if(&mut finding.reason, &mut finding.as_if);
+        }
         said.push(finding.reason);
         finding.reason = said.join("; ");
     }

@@ -98,6 +98,7 @@ mod tests {
             profile: None,
             changes: Vec::new(),
             fit: None,
+            as_if: None,
             detectable: Vec::new(),
             looks_like: vec![text.to_owned()],
             difference: Vec::new(),

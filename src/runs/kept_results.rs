@@ -145,6 +145,8 @@ struct Found {
     result: CaseResult,
     cause: Cause,
     fit: Option<Box<FitMap>>,
+    #[serde(default)]
+    as_if: Option<String>,
     evidence: Evidence,
 }
 
@@ -248,6 +250,7 @@ impl ResultFolder {
             result: judged.result.clone(),
             cause: judged.result.cause,
             fit: judged.result.fit.clone(),
+            as_if: judged.result.as_if.clone(),
             evidence: Evidence {
                 golden: None,
                 test: None,
@@ -336,6 +339,7 @@ impl ResultFolder {
                 result: CaseResult {
                     cause: of_case.cause,
                     fit: of_case.fit,
+                    as_if: of_case.as_if,
                     ..of_case.result
                 },
                 evidence: of_case.evidence,

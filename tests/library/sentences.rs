@@ -141,7 +141,7 @@ fn measurements_of_a_difference() {
             })),
         ),
         row(
-            "of the squared difference is in green",
+            "of the squared relative difference is in green",
             said(&with(|x, c, _| if c == 1 { 1.1 * x } else { x })),
             said(&brighter),
         ),
@@ -168,7 +168,7 @@ fn measurements_of_a_difference() {
         ),
         row("in the brightest tenth", said(&brightest), said(&brighter)),
         row(
-            "nearly all of the difference lies in columns 0 to 31 and rows 40 to 79",
+            "nearly all of the relative difference lies in columns 0 to 31 and rows 40 to 79",
             said(&corner(0.5)),
             said(&with(
                 |x, _, [i, j]| if i < 32 && j >= 40 { 0.5 * x } else { 0.9 * x },
@@ -454,6 +454,7 @@ fn checked(x: f64, y: f64, by: f64) -> f64 {
 fn reasons_by_numbers() {
     let as_it_is: fn(f64, f64) -> f64 = |_, _| 1.0;
     let little = || by_numbers(0.1, 0.5, &[], as_it_is);
+    let faint = || by_numbers(0.01, 0.5, &[], as_it_is);
     let far = || by_numbers(0.3, 0.05, &[], as_it_is);
     // A fault of which a change of density makes most.
     let like_it = || by_numbers(0.3, 1.0, &[], |x, y| checked(x, y, 0.015));
@@ -464,13 +465,19 @@ fn reasons_by_numbers() {
     });
     check(vec![
         row("looks like this: density", little(), far()),
+        row(
+            "as far as the noise tells, the difference looks like this: density",
+            faint(),
+            little(),
+        ),
+        row("or more, may have another cause", faint(), little()),
         row("leaves nothing beyond noise", little(), like_it()),
         row(
             "as if this were so, or a mistake that looks like it",
             like_it(),
             little(),
         ),
-        row("of its square", like_it(), little()),
+        row("of its square, weighed by noise", like_it(), little()),
         row("about 3", far(), little()),
         row(
             "no other number is significant beside it",
@@ -494,6 +501,41 @@ fn reasons_by_numbers() {
             by_numbers(-1.3, f64::INFINITY, &[], as_it_is),
         ),
     ]);
+}
+
+/// Beside the factors that make the image of the golden, two gains are not said to be as if they were off.
+#[test]
+fn no_as_if_beside_a_finding() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let case = suite.select(&["fog/rate-0.1".to_owned()]).unwrap()[0];
+    let sampling = Rendering {
+        samples: Some(64),
+        seed: Seed::Given(0x6173_6966),
+    };
+    let film = render(&plans(&case.load_scene().unwrap()), sampling, &|| ())
+        .unwrap()
+        .film;
+    let variance = film.noise().unwrap().variance();
+    let tinted = |factors: [f32; 3]| {
+        let times = |pixel: &[f32; 3], factors: [f32; 3]| [0, 1, 2].map(|c| pixel[c] * factors[c]);
+        let means = film.radiance().iter().map(|pixel| times(pixel, factors));
+        let squares = factors.map(|factor| factor * factor);
+        let variance = variance.iter().map(|pixel| times(pixel, squares));
+        let (width, height) = (film.width(), film.height());
+        let film = Film::with_noise(width, height, means.collect(), variance.collect(), 64);
+        let output = Output::Picture(Box::new(Picture::Radiance(film)));
+        validate(case, &suite.store(), output, None).result
+    };
+    let result = tinted([1.5, 1.0, 0.6]);
+    let fitting = result.changes.iter().filter(|change| change.fits_best);
+    assert_eq!(fitting.count(), 2, "{}", result.reason);
+    let is_said = |words: &str| result.reason.contains(words);
+    assert!(
+        is_said("the image is the golden × 1.5"),
+        "{}",
+        result.reason
+    );
+    assert!(!is_said("as if"), "{}", result.reason);
 }
 
 /// What is said of the numbers of a scene, of an image of `case` with an edit of its scene and one of

@@ -5,7 +5,7 @@ use volref::compare::{
     self, Advice, Conditions, Judgement, Picture, PictureError, Promise, Stochastic, Undecided,
     metric_meaning,
 };
-use volref::film::Film;
+use volref::film::{Encoding, Film, Origin, Quantisation};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Moments, ln};
 
@@ -84,6 +84,54 @@ fn edited(film: &Film, edit: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Film {
         variance,
         noise.samples(),
     )
+}
+
+/// Codes of 8 bits, with the noise that is stated.
+fn in_codes(film: &Film) -> Film {
+    let codes = Quantisation {
+        encoding: Encoding::Linear,
+        exposure: 0.0,
+        origin: Origin::Declared,
+        blended: false,
+    };
+    let noise = film.noise().unwrap();
+    let variance = Film::new(SIDE, SIDE, noise.variance().to_vec());
+    let rounded = codes.rounded(film);
+    rounded
+        .with_variance_of(&variance, noise.samples())
+        .unwrap()
+}
+
+/// An image of 8 bits with more samples than its reference, near the largest code.
+#[test]
+fn what_a_finer_image_cuts_off_is_left_out() {
+    let slope = |index: usize| {
+        let x = (index % SIDE) as f64 / SIDE as f64;
+        [0.2 + 0.9 * x, 0.5, 0.2 + 0.5 * x]
+    };
+    for shape in [even, exponential] {
+        for seed in 0..8 {
+            let reference = sampled(100 + seed, 64, shape, slope);
+            for samples in [128, 1024] {
+                let test = in_codes(&sampled(seed, samples, shape, slope));
+                let judgement = judged(&reference, &test);
+                assert!(judgement.passed, "{samples}: {}", judgement.reason);
+                assert!(judgement.metrics["share_cut_off"] > 0.05);
+            }
+        }
+    }
+    // A lamp that the largest code would hold.
+    let lamp = |radiance: f64| {
+        move |index: usize| match [index % SIDE, index / SIDE] {
+            [8..16, 8..16] => [radiance; 3],
+            _ => [0.4; 3],
+        }
+    };
+    let reference = sampled(1, 64, even, lamp(3.0));
+    let [right, dim] = [3.0, 0.5].map(|radiance| sampled(2, 1024, even, lamp(radiance)));
+    let judgement = judged(&reference, &in_codes(&right));
+    assert!(judgement.passed, "{}", judgement.reason);
+    assert_test_rejected("dim", &reference, &in_codes(&dim), "too dark");
 }
 
 fn judged(reference: &Film, test: &Film) -> Judgement {
@@ -323,6 +371,86 @@ fn an_edge_is_black_by_chance() {
         let judgement = judged(&reference, &test);
         assert!(judgement.passed, "{}", judgement.reason);
     }
+}
+
+/// A floor seen through fog of few and bright paths, and in one pixel of 25 a glint in its place, as bright and as
+/// noisy, of which many pixels have no sample.
+fn glints(seed: u64, samples: u32) -> Film {
+    let pixel = |index: usize| {
+        let is_glint = index % SIDE % 5 == 2 && index / SIDE % 5 == 2;
+        let mut moments = Moments::default();
+        for sample in 0..samples {
+            let stream = Stream::new(seed, index as u32, sample);
+            let u = stream.uniform(0, Purpose::Camera, 0);
+            moments.add(match is_glint {
+                true if u < 0.01 => 100.0,
+                true => 0.0,
+                false if u < 0.002 => 250.0,
+                false => 0.5,
+            });
+        }
+        [moments; 3]
+    };
+    let pixels: Vec<[Moments; 3]> = (0..SIDE * SIDE).map(pixel).collect();
+    Film::of_moments([SIDE, SIDE], &pixels, samples)
+}
+
+/// Of two hundred images none is rejected, though a tenth of the glints and more are black.
+#[test]
+fn a_glint_is_black_by_chance() {
+    let reference = glints(1, 4096);
+    for samples in [16, 64] {
+        for seed in 2..102 {
+            let test = glints(seed, samples);
+            let black = test.radiance().iter().filter(|pixel| **pixel == [0.0; 3]);
+            assert!(black.count() > 30);
+            let judgement = judged(&reference, &test);
+            assert!(judgement.passed, "{samples}: {}", judgement.reason);
+        }
+    }
+}
+
+/// Wherever it lies in steady light, at its edges too, one black pixel is seen.
+#[test]
+fn a_black_pixel_is_seen_everywhere() {
+    let lit = |index: usize| {
+        if index % SIDE < 24 {
+            [0.6, 0.5, 0.3]
+        } else {
+            [0.2; 3]
+        }
+    };
+    let reference = sampled(1, 1024, even, lit);
+    let test = sampled(2, 64, even, lit);
+    for index in (0..SIDE * SIDE).step_by(97) {
+        let lost = edited(&test, |i, pixel| if i == index { [0.0; 3] } else { pixel });
+        assert_test_rejected("lost", &reference, &lost, "a pixel is black");
+    }
+}
+
+/// A radiance of 10⁻⁵ that is 3 % off, in a file of floats; in a text of six decimals all is rounded.
+#[test]
+fn a_dim_image_is_seen_in_floats() {
+    let dim = |factor: f64| move |index: usize| truth(index).map(|x| 1e-5 * factor * (0.5 + x));
+    let reference = sampled(1, 1024, even, dim(1.0));
+    let read = |film: &Film| Film::from_exr(&film.to_exr().unwrap()).unwrap();
+    let [honest, off] = [1.0, 1.03].map(|factor| sampled(2, 256, even, dim(factor)));
+    let judgement = judged(&reference, &read(&honest));
+    assert!(judgement.passed, "{}", judgement.reason);
+    assert_test_rejected("3 %", &reference, &read(&off), "too bright overall");
+    let written = |film: &Film, places: usize| {
+        read(&edited(film, |_, pixel| {
+            pixel.map(|x| format!("{x:.places$}").parse().unwrap())
+        }))
+    };
+    for places in [6, 7, 9] {
+        for film in [written(&honest, places), silent(&written(&honest, places))] {
+            let judgement = judged(&reference, &film);
+            assert!(judgement.passed, "{places}: {}", judgement.reason);
+        }
+    }
+    // Of nine decimals the last two tell.
+    assert_test_rejected("text", &reference, &written(&off, 9), "too bright overall");
 }
 
 /// A black row is an eighth of each block, less than the noise of one, and much of all together.

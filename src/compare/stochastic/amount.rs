@@ -27,9 +27,8 @@ fn mean_ratio(blocks: &[Block], ratio: impl Fn(&Channel) -> (f64, f64)) -> Optio
     for block in blocks {
         for channel in &block.channels {
             let (squares, variance) = ratio(channel);
-            // As if all pixels were as bright as their mean.
-            let rounding = channel.difference.rounding * channel.difference.rounding;
-            let hidden = HIDDEN * rounding / block.pixels() as f64;
+            // A wild sample that 8 bits cut off holds most of both.
+            let hidden = HIDDEN * channel.difference.rounding_squares;
             if variance > hidden && squares.is_finite() {
                 sum += squares / variance * block.pixels() as f64;
                 count += block.pixels() as f64;

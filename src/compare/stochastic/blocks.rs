@@ -28,19 +28,18 @@ pub(super) struct Total {
 
 /// Relative rounding error of half precision, 11 significant bits.
 const HALF_ROUNDING: f64 = 1.0 / 2048.0;
-/// Absolute rounding error of text with six decimals, which `printf` writes unless told otherwise. Half
-/// precision has less, 2⁻²⁵ below its smallest normal number.
-const TEXT_ROUNDING: f64 = 5e-7;
 /// Relative error of a sum in single precision for each sample: an addition rounds by 2⁻²⁴ of the sum so
 /// far at most, half of the whole sum on average.
 const SUM_ROUNDING: f64 = 1.0 / 33_554_432.0;
 
-/// Rounding of the values of a test image, whatever the format that it went through.
+/// Rounding of the values of a test image, in the formats that it may have gone through.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rounding {
     quantisation: Option<Quantisation>,
     /// Share of a value.
     relative: f64,
+    /// Of the decimals of a text, and of half precision near 0.
+    absolute: f64,
     /// Renderings that were rounded each.
     renderings: f64,
 }
@@ -54,6 +53,7 @@ impl Rounding {
             quantisation: test.quantisation(),
             // A sum that loses more than half precision is a fault.
             relative: HALF_ROUNDING + in_sums.min(HALF_ROUNDING),
+            absolute: test.absolute_rounding(),
             renderings,
         }
     }
@@ -78,6 +78,8 @@ pub(super) struct Difference {
     /// share their sign over whole regions, and those of pixels without noise are the same in each of them, so
     /// that in sums they add up.
     pub rounding: f64,
+    /// Sum of the squares of these parts, by pixel.
+    pub rounding_squares: f64,
     /// Part of that which codes of 8 bits make: half a code of each pixel, and what is cut off of its noise.
     pub half_codes: f64,
 }
@@ -87,12 +89,15 @@ impl Difference {
     /// rounding and states this variance.
     pub fn of(a: f64, b: f64, variance: f64, rounding: Rounding) -> Difference {
         let half_codes = rounding.of_codes(a, b, variance);
+        // Most renderers write half precision unless asked for more. References are of 32 bits, whose
+        // rounding is nothing beside.
+        let of_format = (rounding.relative * a.abs().max(b.abs())).max(rounding.absolute);
+        let rounding = half_codes + of_format;
         Difference {
             value: b - a,
+            rounding,
+            rounding_squares: rounding * rounding,
             half_codes,
-            // Most renderers write half precision unless asked for more. References are of 32 bits, whose
-            // rounding is nothing beside.
-            rounding: half_codes + (rounding.relative * a.abs().max(b.abs())).max(TEXT_ROUNDING),
         }
     }
 
@@ -105,6 +110,7 @@ impl Difference {
     pub fn add(&mut self, other: Difference) {
         self.value += other.value;
         self.rounding += other.rounding;
+        self.rounding_squares += other.rounding_squares;
         self.half_codes += other.half_codes;
     }
 }
@@ -158,14 +164,18 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub fn new(films: [&Film; 2], columns: Range<usize>, rows: Range<usize>) -> Block {
+    pub fn new(
+        films: [&Film; 2],
+        rounding: Rounding,
+        columns: Range<usize>,
+        rows: Range<usize>,
+    ) -> Block {
         let mut block = Block {
             columns,
             rows,
             channels: Default::default(),
         };
         let [reference, test] = films;
-        let rounding = Rounding::of(test);
         let mut spreads = [Moments::default(); 3];
         for index in block.indices(reference.width()) {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);

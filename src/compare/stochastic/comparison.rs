@@ -1,11 +1,12 @@
 //! Two images compared block by block, with variances that are not stated filled in.
 
 use super::super::significance::deviation;
-use super::blocks::{BLOCK, Block, Channel, Total, Variance, parts_of};
+use super::blocks::{BLOCK, Block, Channel, FINE_BLOCK, Rounding, Total, Variance, parts_of};
 use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 
 /// Two images of one size, at least one of which states its noise.
+#[derive(Clone)]
 pub(super) struct Comparison<'f> {
     /// Reference and test image.
     pub films: [&'f Film; 2],
@@ -19,6 +20,8 @@ pub(super) struct Comparison<'f> {
     pub level: f64,
     /// Pixels of the images that were left out: black in both.
     pub left_out: Option<&'f [bool]>,
+    /// Rounding of the values of the test image.
+    pub rounding: Rounding,
     /// Pixels on a side of a block.
     edge: usize,
 }
@@ -49,59 +52,73 @@ impl<'f> Comparison<'f> {
     /// `level` is the probability with which the noise of an image that does not state it may be
     /// underestimated.
     pub fn new(reference: &'f Film, test: &'f Film, level: f64) -> Comparison<'f> {
-        Comparison::in_blocks([reference, test], BLOCK, level)
+        Comparison::without([reference, test], None, level)
     }
 
-    /// [`Comparison::new`] in blocks of another size.
-    pub fn in_blocks(films: [&'f Film; 2], edge: usize, level: f64) -> Comparison<'f> {
+    /// [`Comparison::new`] of films in which pixels are left out.
+    pub fn without(
+        films: [&'f Film; 2],
+        left_out: Option<&'f [bool]>,
+        level: f64,
+    ) -> Comparison<'f> {
+        let rounding = Rounding::of(films[1]);
+        Comparison::in_blocks(films, left_out, rounding, BLOCK, level)
+    }
+
+    /// This comparison in the smallest blocks.
+    pub fn fine(&self) -> Comparison<'f> {
+        let (left_out, rounding) = (self.left_out, self.rounding);
+        Comparison::in_blocks(self.films, left_out, rounding, FINE_BLOCK, self.level)
+    }
+
+    fn in_blocks(
+        films: [&'f Film; 2],
+        left_out: Option<&'f [bool]>,
+        rounding: Rounding,
+        edge: usize,
+        level: f64,
+    ) -> Comparison<'f> {
         let [reference, _] = films;
-        let mut blocks = Vec::new();
+        let mut comparison = Comparison {
+            films,
+            blocks: Vec::new(),
+            stated: films.map(Stated::by),
+            shape: NoiseShape::default(),
+            level,
+            left_out,
+            rounding,
+            edge,
+        };
         for rows in parts_of(reference.height(), edge) {
             for columns in parts_of(reference.width(), edge) {
-                blocks.push(Block::new(films, columns, rows.clone()));
+                let block = Block::new(films, rounding, columns, rows.clone());
+                comparison.blocks.push(block);
             }
         }
-        Comparison::completed((films, edge), films.map(Stated::by), blocks, level, 1.0)
+        comparison.completed(1.0)
     }
 
-    /// Completes the variances of `blocks` from statements and from the spread of differences, for
-    /// a test image with `times` its samples.
-    fn completed(
-        (films, edge): ([&'f Film; 2], usize),
-        stated: [Stated; 2],
-        mut blocks: Vec<Block>,
-        level: f64,
-        times: f64,
-    ) -> Comparison<'f> {
-        let shape = NoiseShape::new(stated, &blocks, level, times);
-        for block in &mut blocks {
-            for channel in &mut block.channels {
-                channel.variance = variance(stated, &shape, channel);
-            }
+    /// Completes variances from statements and from the spread of differences, for a test image with
+    /// `times` its samples.
+    fn completed(mut self, times: f64) -> Comparison<'f> {
+        self.shape = NoiseShape::new(self.stated, &self.blocks, self.level, times);
+        for channel in self.blocks.iter_mut().flat_map(|block| &mut block.channels) {
+            channel.variance = variance(self.stated, &self.shape, channel);
         }
-        Comparison {
-            films,
-            blocks,
-            stated,
-            shape,
-            level,
-            left_out: None,
-            edge,
-        }
+        self
     }
 
     /// This comparison with the variances for `times` the samples in the test image: its noise is
     /// that much smaller, that of the reference unchanged.
     pub fn with_samples(&self, times: f64) -> Comparison<'f> {
         let reference = self.shape.share_of_reference;
-        let mut blocks = self.blocks.clone();
-        for channel in blocks.iter_mut().flat_map(|block| &mut block.channels) {
+        let mut more = self.clone();
+        for channel in more.blocks.iter_mut().flat_map(|block| &mut block.channels) {
             channel.stated[1] /= times;
             channel.spread *= reference + (1.0 - reference) / times;
         }
-        let [of_reference, of_test] = self.stated;
-        let stated = [of_reference, of_test.times(times)];
-        Comparison::completed((self.films, self.edge), stated, blocks, self.level, times)
+        more.stated[1] = more.stated[1].times(times);
+        more.completed(times)
     }
 
     /// Rows or columns of a pixel, as blocks.
@@ -109,7 +126,7 @@ impl<'f> Comparison<'f> {
         let [reference, _] = self.films;
         let (width, height) = (reference.width(), reference.height());
         let line = |columns, rows| {
-            let mut line = Block::new(self.films, columns, rows);
+            let mut line = Block::new(self.films, self.rounding, columns, rows);
             for channel in &mut line.channels {
                 channel.variance = variance(self.stated, &self.shape, channel);
             }

@@ -4,13 +4,15 @@
 //! Of n numbers with the mean m, whose mean has the estimated variance v, at least `n/(1 + (n − 1)·v/m²)` are not 0:
 //! by Cauchy and Schwarz `(Σx)² ≤ k·Σx²`.
 //!
-//! If a sample is not 0 as often in a pixel as in m others, and K samples of all are not, then none of these lies in
-//! the pixel with a probability of `(m/(m + 1))^K` at most, whatever the numbers are (the test of Fisher 1935, "The
-//! Logic of Inductive Inference", J. Royal Statistical Society 98, 39–82). If it is so only f times as often, of
-//! `(m/(m + f))^K`. The pixel is compared with each of the four squares of 3 × 3 pixels of which it is a corner: at an
-//! edge, what it shows is a mixture of what some of them show. How much less often light arrives there than in the
-//! square is the reference's to say, by the same bound on its samples and by its brightness, to which a renderer may
-//! fit the probability with which it goes on with a path.
+//! A pixel has no such sample in the test image although it has r of them in the reference, where others next to it
+//! have K in the test image and R in the reference. If light arrives there as many times more or less often in the one
+//! image as in the other, this has a probability of `(1 − r/(r + R + K))^K` at most, given all counts but how they are
+//! divided (the exact test of Fisher 1935, "The Logic of Inductive Inference", J. Royal Statistical Society 98, 39–82).
+//! It falls with r and with K, of which there are lower bounds, and grows with R, which is all samples of the reference
+//! at most: a lower bound in its place would be too small where samples that are not 0 vary most. To the
+//! brightness of pixels a renderer may fit the probability with which it goes on with a path, so that r/R is not taken
+//! to be larger than the ratio of their brightness. The pixel is compared with each of the four squares of 3 × 3 pixels
+//! of which it is a corner: at an edge, what it shows is a mixture of what some of them show.
 
 use crate::film::Film;
 use crate::math;
@@ -26,6 +28,8 @@ pub(super) struct Hits {
     pub of_test: Vec<f64>,
     /// Their number in the reference, at least.
     of_reference: Vec<f64>,
+    /// Samples of a pixel of the reference.
+    samples: f64,
     /// Brightness of the reference.
     brightness: Vec<f64>,
 }
@@ -38,6 +42,9 @@ impl Hits {
             height: reference.height(),
             of_test: numbers(test),
             of_reference: numbers(reference),
+            samples: reference
+                .noise()
+                .map_or(0.0, |noise| noise.samples().into()),
             brightness: reference.radiance().iter().map(brightness).collect(),
         }
     }
@@ -47,22 +54,22 @@ impl Hits {
         let before = |at: usize| (at + 1).checked_sub(SIDE).map(|first| first..at + 1);
         let after = |at: usize, length: usize| (at + SIDE <= length).then_some(at..at + SIDE);
         let (mut likeliest, mut squares) = (0.0_f64, 0);
+        let here = x + self.width * y;
         for columns in [before(x), after(x, self.width)].into_iter().flatten() {
             for rows in [before(y), after(y, self.height)].into_iter().flatten() {
-                let (mut hits, mut most, mut brightest) = (0.0, 0.0_f64, 0.0_f64);
+                let (mut hits, mut brightest) = (0.0, 0.0_f64);
                 for row in rows.clone() {
                     for other in columns.clone().map(|column| column + self.width * row) {
                         hits += self.of_test[other];
-                        most = most.max(self.of_reference[other]);
                         brightest = brightest.max(self.brightness[other]);
                     }
                 }
-                let here = x + self.width * y;
                 hits -= self.of_test[here];
                 let others = (SIDE * SIDE - 1) as f64;
-                let as_often =
-                    (self.of_reference[here] / most).min(self.brightness[here] / brightest);
-                let none = math::exp(-hits * math::ln_1p(as_often / others));
+                let by_brightness = self.brightness[here] / brightest;
+                let as_often = by_brightness.min(self.of_reference[here] / self.samples);
+                let share = as_often / (as_often + others + hits / self.samples);
+                let none = math::exp(hits * math::ln_1p(-share));
                 likeliest = likeliest.max(if none.is_finite() { none } else { 1.0 });
                 squares += 1;
             }

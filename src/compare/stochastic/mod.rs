@@ -73,7 +73,7 @@
 //!
 //! # Rounding
 //!
-//! A test image may have been summed in single precision, rounded to half precision or printed with six decimals, and
+//! A test image may have been summed in single precision, rounded to half precision or printed with some decimals, and
 //! none of that is noise: pixels without noise are all rounded the same way. So in each sum, of a block, a line, the
 //! image or a score, counts of the differences what is beyond the sum of what rounding can be (see `blocks.rs`).
 //! Variances that half precision made equal or 0 are no statement either: the guard is there, and three equal ones
@@ -367,8 +367,8 @@ fn judge_with(
         let comparison = Comparison::new(reference, test, share);
         return Ok(judgement(&comparison, share, promise, sensitivities));
     };
-    let mut comparison = Comparison::new(&seen.reference, &seen.test, share);
-    comparison.left_out = Some(&seen.left_out);
+    let films = [&seen.reference, &seen.test];
+    let comparison = Comparison::without(films, Some(&seen.left_out), share);
     let mut judgement = judgement(&comparison, share, promise, sensitivities);
     judgement
         .metrics
@@ -404,6 +404,7 @@ fn judgement(
     let is_biased = !faults.is_empty();
     let deviations = limits.deviations();
     let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
+    let as_if = numbers.fault.clone().filter(|_| numbers.is_as_if);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
@@ -484,6 +485,7 @@ fn judgement(
     }
     Judgement {
         undecided,
+        as_if,
         changes: numbers.changes,
         detectable: numbers.detectable,
         fit: numbers.fit,

@@ -13,6 +13,8 @@ use crate::compare::sensitivity::Sensitivity;
 pub(super) struct NumberFindings {
     /// Reason to reject: the changes that the difference looks like.
     pub fault: Option<String>,
+    /// True if that says no more than "as if".
+    pub is_as_if: bool,
     /// Changes that fit, for a rejected image.
     pub changes: Vec<NumberChange>,
     pub detectable: Vec<Detectable>,
@@ -40,9 +42,7 @@ pub(super) fn judge_numbers(
         .iter()
         .any(|it| it.derivative.radiance().len() == pixels)
     {
-        let mut fine = Comparison::in_blocks(comparison.films, FINE_BLOCK, comparison.level);
-        fine.left_out = comparison.left_out;
-        all.extend(Scores::new(&fine, FINE_BLOCK, &sensitivities));
+        all.extend(Scores::new(&comparison.fine(), FINE_BLOCK, &sensitivities));
     }
     let mut findings = NumberFindings::default();
     // The one with the largest score comes first.
@@ -65,7 +65,8 @@ pub(super) fn judge_numbers(
         return findings;
     }
     let explanation = scores.explanation();
-    findings.fault = Some(scores.in_words(&explanation));
+    let (fault, is_as_if) = scores.in_words(&explanation);
+    (findings.fault, findings.is_as_if) = (Some(fault), is_as_if);
     findings.changes = scores.changes(&explanation);
     findings.fit = Some(Box::new(scores.map(&explanation)));
     for others in &all[1..] {

@@ -3,7 +3,7 @@
 
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
-use super::blocks::{DARK, Difference, Rounding};
+use super::blocks::{DARK, Difference};
 use super::comparison::{Axis, Comparison};
 use super::hits::Hits;
 use super::variance::Stated;
@@ -35,7 +35,7 @@ impl PixelDifferences {
     pub fn new(comparison: &Comparison<'_>) -> PixelDifferences {
         let [reference, test] = comparison.films;
         let mut pixels = PixelDifferences::default();
-        let rounding = Rounding::of(test);
+        let rounding = comparison.rounding;
         for index in 0..reference.radiance().len() {
             let (a, b) = (reference.radiance()[index], test.radiance()[index]);
             let mut is_noisy = false;
@@ -293,7 +293,7 @@ impl Repeated {
         let [_, test] = comparison.films;
         let noise = test.noise().filter(|_| test.quantisation().is_none())?;
         let samples = f64::from(noise.samples());
-        let rounding = Rounding::of(test);
+        let rounding = comparison.rounding;
         let is_varied = |i: usize| {
             let hits = hits.of_test[i];
             hits >= VARIED && samples - hits >= VARIED

@@ -29,6 +29,15 @@
 //! the average by its variance, which is taken off; without that, sizes would come out too small.
 //! Of several numbers the one with the largest score is fitted first, then the one with the largest
 //! in what is left, three at most.
+//!
+//! # What noise hides
+//!
+//! That a change leaves no more than noise shows little where the whole difference is hardly more. Of n squares in
+//! units of their variance a remainder of `h = 4·√(6n) + k` goes unseen: four standard errors of their sum, where the
+//! three channels share their noise, and a square for each of the k numbers of which the best was chosen. A change c of
+//! the number makes `c²·G` of the squares, which is `S²/G`. Only from the score on at which a remainder of h is less than
+//! [a tenth](LEAVES) of the whole is the difference said to look like the change; of a smaller one, as far as the noise
+//! tells.
 
 use super::blocks::{BLOCK, Block};
 use super::comparison::Comparison;
@@ -460,6 +469,14 @@ impl<'s> Scores<'s> {
         fitted.collect()
     }
 
+    /// The score of number `k`, in standard errors, from which noise hides no more than [`LEAVES`] of a squared
+    /// difference of which a change of that number leaves this.
+    fn telling(&self, k: usize, left: &Left) -> f64 {
+        let hidden = left.hidden + self.count() as f64;
+        let squares = (1.0 / LEAVES - 1.0) * hidden;
+        (squares * self.tested[k].information / self.tested[k].expected_variance).sqrt()
+    }
+
     /// Residual of the difference after the changes.
     fn left(&self, fitted: &[Fitted]) -> Left {
         let (mut whole, mut left, mut squares) = (0.0, 0.0, 0.0);
@@ -481,9 +498,11 @@ impl<'s> Scores<'s> {
             largest = largest.max((rest.abs() - cell.rounding).max(0.0) / noise.sqrt());
         }
         let is_known = whole > BESIDE * squares.sqrt();
+        let hidden = BESIDE * squares_left.sqrt();
         Left {
             share: is_known.then(|| (left / whole).clamp(0.0, 1.0)),
-            is_noise: left <= BESIDE * squares_left.sqrt() && largest <= LARGEST_LEFT,
+            is_noise: left <= hidden && largest <= LARGEST_LEFT,
+            hidden,
         }
     }
 
@@ -561,8 +580,8 @@ impl<'s> Scores<'s> {
         }
     }
 
-    /// Sentence on what the difference looks like.
-    pub fn in_words(&self, Explanation { best, alike }: &Explanation) -> String {
+    /// Sentence on what the difference looks like, and whether it says no more than "as if".
+    pub fn in_words(&self, Explanation { best, alike }: &Explanation) -> (String, bool) {
         let changes = best
             .iter()
             .map(|it| self.sensitivities[it.number].in_words(it.change, it.error));
@@ -582,7 +601,7 @@ impl<'s> Scores<'s> {
                 None => left.is_noise,
             };
         if !self.can_all_be(best) || !(is_found || may_be_as_if) {
-            return if is_far {
+            let text = if is_far {
                 format!(
                     "the difference ({deviation}) is too large for derivatives to tell if a number is off, and which"
                 )
@@ -591,9 +610,17 @@ impl<'s> Scores<'s> {
                     "no small change of a number of the scene explains the difference ({deviation})"
                 )
             };
+            return (text, false);
         }
-        let mut text = if is_found {
+        let telling = self.telling(best[0].number, &left);
+        let is_told = self.size(best[0].number) >= telling;
+        let mut text = if is_found && is_told {
             format!("the difference looks like this: {changes} ({deviation})")
+        } else if is_found {
+            format!(
+                "as far as the noise tells, the difference looks like this: {changes} ({deviation}; below {telling:.0} a \
+                 tenth of its square, or more, may have another cause)"
+            )
         } else {
             format!(
                 "the difference is as if this were so, or a mistake that looks like it: {changes} ({deviation})"
@@ -603,7 +630,9 @@ impl<'s> Scores<'s> {
             _ if is_found => text.push_str(", which leaves nothing beyond noise"),
             Some(share) if !is_far => {
                 let share = crate::compare::left(share);
-                text.push_str(&format!("; that leaves {share} of its square"));
+                text.push_str(&format!(
+                    "; that leaves {share} of its square, weighed by noise"
+                ));
             }
             _ => {}
         }
@@ -624,7 +653,7 @@ impl<'s> Scores<'s> {
                 ));
             }
         }
-        text
+        (text, !is_found)
     }
 }
 
@@ -635,6 +664,8 @@ struct Left {
     share: Option<f64>,
     /// True if it is no more than noise, in all blocks together and in each.
     is_noise: bool,
+    /// Squares that noise makes by chance, or hides.
+    hidden: f64,
 }
 
 /// The score at which one test rejects at `level`.

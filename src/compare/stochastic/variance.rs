@@ -44,7 +44,7 @@ impl Stated {
 /// Where the reference is known, the finer image has none. The noise of the test image is then taken
 /// to be spread as that of light that arrives or does not: a sample is 0 or the same number
 /// everywhere, so that variances are in proportion to the radiance.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NoiseShape {
     /// 0: the reference is the finer image, 1: the test image.
     pub fine: usize,

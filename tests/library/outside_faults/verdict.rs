@@ -63,8 +63,8 @@ const NOTHING: [&str; 2] = ["no gain and no shift accounts", "at this noise no m
 const MEASUREMENTS: &[(&str, &str)] = &[
     ("the golden times", "gain"),
     ("the golden moved by", "moved"),
-    ("of the squared difference is in", "channel"),
-    ("the difference lies in columns", "place"),
+    ("of the squared relative difference is in", "channel"),
+    ("relative difference lies in columns", "place"),
     ("exactly 0 among neighbours", "black"),
     ("pixels are black", "black"),
     ("pixel is black", "black"),
@@ -72,9 +72,13 @@ const MEASUREMENTS: &[(&str, &str)] = &[
     ("stated variance", "noise"),
 ];
 
+/// Words of a change that leaves no more than noise, in images of too much of it to tell if it is the cause.
+const IN_NOISE: &str = "as far as the noise tells";
+
 /// Words of a sentence that asserts nothing of what follows them.
 const HEDGES: &[&str] = &[
     "as if",
+    IN_NOISE,
     "too large for derivatives",
     "no small change of a number",
 ];
@@ -267,9 +271,10 @@ pub fn judge(fault: &Fault, scene: &Scene, result: &CaseResult) -> Judgement {
     ]
     .concat();
     let is_nothing = |said: &&String| NOTHING.iter().any(|words| said.contains(words));
+    let is_measured_by_gate = result.reason.contains(IN_NOISE);
     Judgement {
         verdict: result.verdict,
-        is_measured: !result.difference.iter().all(|said| is_nothing(&said)),
+        is_measured: is_measured_by_gate || !result.difference.iter().all(|said| is_nothing(&said)),
         named: if is_caught {
             Said::of(&named)
         } else {

@@ -67,6 +67,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
     CaseResult {
         changes: Vec::new(),
         fit: None,
+        as_if: None,
         detectable: Vec::new(),
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),
