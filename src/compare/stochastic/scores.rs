@@ -411,9 +411,11 @@ impl<'s> Scores<'s> {
     fn alike(&self, first: &Fitted) -> Vec<usize> {
         let others = (0..self.count()).filter(|&k| k != first.number);
         let of_first = self.size(first.number);
+        let leaves_noise = self.left(std::slice::from_ref(first)).is_noise;
         let is_alike = |&k: &usize| {
             let alone = self.fit(&[k])[0];
             alone.error.is_finite()
+                && (!leaves_noise || self.left(&[alone]).is_noise)
                 && self.sensitivities[k].is_possible(alone.change)
                 && self.size(k) > ALIKE * of_first
                 && self.score_beside(first.number, &[alone]).abs() < BESIDE
