@@ -304,7 +304,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
     let found = || {
         let mut judged = [validate(case, &suite.store(), output(), None)];
         let search = Search {
-            budget: Some(Duration::from_millis(100)),
+            budget: Some(Duration::from_millis(300)),
             predictions: &Predictions::in_folder(folder.path()),
             interrupted: &|| false,
             progress: &|_| (),
