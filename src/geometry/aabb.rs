@@ -118,6 +118,8 @@ impl Aabb {
     /// Entry and exit of the whole line, `t < 0` included.
     ///
     /// There is no tolerance: a line that only touches an edge has a segment of length 0 at most.
+    // Never: compiled into the loop along a ray, it takes registers from it.
+    #[inline(never)]
     pub(super) fn crossings(&self, line: Line) -> Option<[FaceCrossing; 2]> {
         let mut near = FaceCrossing {
             t: f64::NEG_INFINITY,
