@@ -187,13 +187,13 @@ fn with_visibility<
                 bounds,
                 transfer_function: &scene.transfer_function,
             };
-            with_space(
-                scene, features, task, bounds, field, order, shading, visibility,
-            )
+            let light = (shading, visibility);
+            with_space(scene, features, task, bounds, field, order, light)
         }
-        None => with_space(
-            scene, features, task, bounds, field, order, shading, Unshadowed,
-        ),
+        None => {
+            let light = (shading, Unshadowed);
+            with_space(scene, features, task, bounds, field, order, light)
+        }
     }
 }
 
@@ -211,19 +211,14 @@ fn with_space<
     bounds: B,
     field: F,
     order: O,
-    shading: S,
-    visibility: V,
+    light: (S, V),
 ) -> T::Output {
     // A constant field is transparent as a whole, or nowhere.
     if features.skip_empty && !F::IS_CONSTANT {
         let skipping = EmptySpace::of(&*scene.grid, &scene.transfer_function);
-        with_all(
-            scene, task, bounds, field, order, shading, visibility, skipping,
-        )
+        with_all(scene, task, bounds, field, order, light, skipping)
     } else {
-        with_all(
-            scene, task, bounds, field, order, shading, visibility, NoSkipping,
-        )
+        with_all(scene, task, bounds, field, order, light, NoSkipping)
     }
 }
 
@@ -241,10 +236,10 @@ fn with_all<
     bounds: B,
     field: F,
     order: O,
-    shading: S,
-    visibility: V,
+    light: (S, V),
     skipping: E,
 ) -> T::Output {
+    let (shading, visibility) = light;
     task.with(RayCaster {
         field,
         order,
