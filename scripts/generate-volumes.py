@@ -116,7 +116,11 @@ header_bytes = 2
 
 def placed(kind, nodes, spacing, first, comment):
     """The first lines of an NRRD along the axes: its samples, and where they lie."""
-    axes = ((spacing[0], 0, 0), (0, spacing[1], 0), (0, 0, spacing[2]))
+    return directed(kind, nodes, ((spacing[0], 0, 0), (0, spacing[1], 0), (0, 0, spacing[2])), first, comment)
+
+
+def directed(kind, nodes, axes, first, comment):
+    """The same with axes that lead anywhere."""
     return [
         "NRRD0004",
         f"# {comment}",
@@ -365,6 +369,16 @@ def small_grids():
         ("slope.nrrd", (6, 5, 9), (0.25,) * 3, lambda i, j, k: 15 + 12 * i + 15 * j + 15 * k, "a slope along all axes"),
     ):
         sampled(name, spacing, at_indices(nodes, value), comment)
+
+    nodes, spacing = (16, 14, 12), (0.15, 0.15, 0.2)
+    values = at_nodes(nodes, spacing, rings)
+    axes = ((0.12, 0.09, 0), (0.09, -0.12, 0.03), (0, 0.04, 0.2))
+    first = [-0.5 * sum(a[row] * (n - 1) for a, n in zip(axes, nodes)) for row in range(3)]
+    header = directed("uchar", nodes, axes, [round(x, 6) for x in first], "two rings, on oblique left-handed axes")
+    header += ["encoding: gzip", "", ""]
+    bytes_of = bytes(value for layer in values for row in layer for value in row)
+    (VOLUMES / "placed").mkdir(parents=True, exist_ok=True)
+    (VOLUMES / "placed" / "oblique.nrrd").write_bytes("\n".join(header).encode() + zipped(bytes_of))
 
 
 main()

@@ -51,10 +51,17 @@ def transparency(density, floor):
     return np.clip((np.exp(-(density**2)) - floor) / (1 - floor), 0, 1)
 
 
+def into(grid):
+    """From the world into a grid: the inverse of its matrix, if it has one, and what is subtracted before."""
+    matrix = np.array(grid.get("matrix", np.eye(3, 4)))
+    return np.linalg.inv(matrix[:, :3]), matrix[:, 3:]
+
+
 class Field:
     """Numbers or vectors at the nodes of a grid, and what lies between the nodes."""
 
     def __init__(self, grid, method, values):
+        self.inverse, self.offset = into(grid)
         self.first, self.spacing = column(grid["first_node"]), column(grid["spacing"])
         nx, ny, nz = grid["nodes"]
         self.last = np.array([[nx - 1], [ny - 1], [nz - 1]])
@@ -63,7 +70,7 @@ class Field:
         self.values = values
 
     def at(self, points):
-        u = (points - self.first) / self.spacing
+        u = (self.inverse @ (points - self.offset) - self.first) / self.spacing
         if mistake == "half-voxel":
             u = u + 0.5
         if self.method == "nearest":
@@ -96,13 +103,15 @@ class Volume:
         if panel["phong"]:
             if min(values.shape) < 3:
                 sys.exit("this renderer takes gradients of grids of 3 nodes or more on each axis")
-            gradient = central_differences(values, self.grid["spacing"])
-            self.gradient = Field(self.grid, method, gradient.reshape(3, -1))
+            gradient = central_differences(values, self.grid["spacing"]).reshape(3, -1)
+            self.gradient = Field(self.grid, method, into(self.grid)[0].T @ gradient)
         if panel["light"]:
             self.light = column(panel["light"]["position"])
 
     def span(self, origins, directions):
         """Where rays enter and leave the box; those that miss it leave before they enter."""
+        inverse, offset = into(self.grid)
+        origins, directions = inverse @ (origins - offset), inverse @ directions
         with np.errstate(divide="ignore"):
             a = (column(self.grid["box_min"]) - origins) / directions
             b = (column(self.grid["box_max"]) - origins) / directions

@@ -52,6 +52,8 @@ def obstacles(panel):
         found.append("a table with a jump (VTK's runs in straight lines)")
     if panel["compositing"]["method"] == "continuous" and panel["sampling"] is None:
         found.append("a continuous integral without a step")
+    if "matrix" in panel["grid"]:
+        found.append("a volume placed by a matrix")
     if panel["shadow"]:
         found.append("the volume shadow (VTK scatters light by a model of its own)")
     return found

@@ -61,6 +61,9 @@ struct Info {
     min: [f64; 3],
     max: [f64; 3],
     centring: &'static str,
+    /// Rows of the map of the grid into the world, of oblique axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    to_world: Option<[[f64; 4]; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     space: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -143,6 +146,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         }),
         non_finite: NonFinite::Kept,
         detached_anywhere: arguments.detached_anywhere,
+        orientation: Orientation::Oblique,
         ..LoadOptions::default()
     };
     options.splatting.resolution = arguments.resolution.map(|nodes| nodes as usize);
@@ -189,6 +193,7 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
             Centring::Nodes => NODES,
             Centring::Cells => CELLS,
         },
+        to_world: loaded.to_world.map(|map| map.rows()),
         space,
         cloud,
         stored,
@@ -309,6 +314,10 @@ fn describe(info: &Info) -> String {
     row("first node", vector(info.first));
     let bounds = between(info.min, info.max);
     row("box", format!("{bounds}, centred on {}", info.centring));
+    for (index, numbers) in info.to_world.iter().flatten().enumerate() {
+        let name = if index == 0 { "to world" } else { "" };
+        row(name, numbers.map(digits).join(", "));
+    }
     if let Some(space) = info.space {
         row("space", space.to_owned());
     }

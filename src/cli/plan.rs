@@ -128,6 +128,9 @@ struct VolumeJson {
     voxel: f64,
     min: [f64; 3],
     max: [f64; 3],
+    /// Rows of the map of the grid into the world.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    to_world: Option<[[f64; 4]; 3]>,
 }
 
 fn volume(panel: &Panel) -> Option<VolumeJson> {
@@ -135,12 +138,13 @@ fn volume(panel: &Panel) -> Option<VolumeJson> {
         return None;
     };
     let lattice = classified.grid.lattice();
-    let bounds = lattice.bounds();
+    let bounds = classified.extent().world_bounds();
     Some(VolumeJson {
         nodes: lattice.nodes(),
-        voxel: lattice.voxel(),
+        voxel: classified.voxel(),
         min: bounds.min.to_array(),
         max: bounds.max.to_array(),
+        to_world: classified.to_world.map(|map| map.rows()),
     })
 }
 

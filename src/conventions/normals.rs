@@ -2,7 +2,7 @@
 
 use super::work::RayWork;
 use crate::geometry::Direction;
-use crate::scene::{Classified, Gradient};
+use crate::scene::{Classified, Conventions, Gradient};
 use crate::volume::{Cell, Grid, Lattice, NodePoint, Reconstruction as _, relative_gradients};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,6 +11,8 @@ use rayon::prelude::*;
 pub enum Gradients {
     /// Stored at the nodes.
     Stored(Grid<[f32; 3]>),
+    /// Stored at the nodes, of the world, in which a map places the volume.
+    World(Grid<[f32; 3]>),
     /// Differences of the interpolant at the sample, over `2 · reach` in node coordinates, divided by
     /// as many spacings along each axis.
     Differences {
@@ -27,6 +29,9 @@ impl Gradients {
     /// The gradients of `scene`, by its conventions.
     pub fn of(scene: &Classified) -> Gradients {
         let grid = &*scene.grid;
+        if scene.to_world.is_some() && takes_volrefs(&scene.conventions) {
+            return Gradients::World(scene.gradients());
+        }
         let stored = match scene.conventions.gradient {
             Gradient::Central => relative_gradients(grid),
             Gradient::Forward => at_nodes(grid, FORWARD, None),
@@ -42,6 +47,11 @@ impl Gradients {
             }
         };
         Gradients::Stored(rounded(scene, stored))
+    }
+
+    /// Whether they are of the world, and not of the coordinates of the volume.
+    pub fn are_of_the_world(&self) -> bool {
+        matches!(self, Gradients::World(_))
     }
 
     /// The gradient at a sample of a ray with a step in node coordinates, in any unit.
@@ -69,7 +79,7 @@ impl Gradients {
             gradient
         };
         match self {
-            Gradients::Stored(grid) => {
+            Gradients::Stored(grid) | Gradients::World(grid) => {
                 work.gradient_lookups += 1;
                 scene.interpolation.read(grid, cell)
             }
@@ -87,6 +97,17 @@ impl Gradients {
             }
         }
     }
+}
+
+/// Whether volref's own gradients are taken, as they are.
+fn takes_volrefs(conventions: &Conventions) -> bool {
+    let volrefs = Conventions::default();
+    conventions.gradient == volrefs.gradient
+        && conventions.normalised_at_nodes == volrefs.normalised_at_nodes
+        && conventions.normal_bits == volrefs.normal_bits
+        && conventions.cell_centred == volrefs.cell_centred
+        && conventions.box_space_normals == volrefs.box_space_normals
+        && conventions.vector_normals == volrefs.vector_normals
 }
 
 /// Weights of a node's neighbours and of itself along an axis.

@@ -16,12 +16,14 @@ use super::shading::ShadedSample;
 use super::steps::{StepRule, Steps, step_in_world};
 use super::work::RayWork;
 use crate::film::Film;
-use crate::geometry::{Aabb, Direction, Ray, Span, length_of};
+use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
 use crate::scene::{Classified, Compositing, Precision, Scene};
-use crate::volume::{Cell, Centring, NodeLine, NodePoint, Reconstruction as _};
+use crate::volume::{
+    Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _, VolumeBox as _,
+};
 use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;
@@ -53,7 +55,7 @@ pub struct RayCaster<'s> {
     classifier: Classifier<'s>,
     correction: Correction,
     /// The box that the volume fills.
-    bounds: Aabb,
+    extent: PlacedBox,
     shading: Option<(Phong, Gradients)>,
 }
 
@@ -111,7 +113,10 @@ impl<'s> RayCaster<'s> {
             scene,
             classifier: Classifier::of(scene),
             correction: Correction::of(scene),
-            bounds: bounds(scene),
+            extent: PlacedBox {
+                bounds: bounds(scene),
+                to_world: scene.to_world,
+            },
             shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
         }
     }
@@ -119,7 +124,9 @@ impl<'s> RayCaster<'s> {
     /// Number of gradients computed for the nodes.
     pub fn gradients_computed(&self) -> u64 {
         match &self.shading {
-            Some((_, Gradients::Stored(grid))) => grid.lattice().node_count() as u64,
+            Some((_, Gradients::Stored(grid) | Gradients::World(grid))) => {
+                grid.lattice().node_count() as u64
+            }
             _ => 0,
         }
     }
@@ -159,13 +166,17 @@ impl<'s> RayCaster<'s> {
     fn cast(&self, ray: &Ray, rule: StepRule, work: &mut RayWork) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
-        let Some(span) = self.bounds.span(ray) else {
+        let Some(span) = self.extent.span(ray) else {
             return seen;
         };
-        let line = NodeLine::new(ray, lattice);
+        let inside = self.extent.line(ray);
+        let line = NodeLine::new(inside, lattice);
         let measure = scene.conventions.step_length;
-        let sizes = [lattice.spacing(), self.bounds.size()];
-        let step = step_in_world(scene.step, measure, *ray.direction, sizes);
+        let sizes = [lattice.spacing(), self.extent.bounds.size()];
+        let longest = self.extent.edges().map(length_of);
+        let longest = longest.into_iter().fold(0.0, f64::max);
+        let lengths = [scene.voxel(), longest];
+        let step = step_in_world(scene.step, measure, inside.direction, sizes, lengths);
         let steps = Steps::new(span, step, rule);
         let reversed = scene.compositing == Compositing::BackToFront;
         for done in 0..steps.count {
@@ -199,7 +210,7 @@ impl<'s> RayCaster<'s> {
                     let (to_light, to_eye) = self.directions(point, node_point, ray);
                     let sample = ShadedSample {
                         colour: look.colour,
-                        gradient: self.gradient(gradients, ray, looked_up, &cell, work),
+                        gradient: self.gradient(gradients, inside, looked_up, &cell, work),
                         to_light,
                         to_eye,
                     };
@@ -285,20 +296,23 @@ impl<'s> RayCaster<'s> {
     fn gradient(
         &self,
         gradients: &Gradients,
-        ray: &Ray,
+        line: Line,
         point: NodePoint,
         cell: &Cell,
         work: &mut RayWork,
     ) -> DVec3 {
-        let step = *ray.direction * self.scene.step / self.scene.grid.lattice().spacing();
+        let step = line.direction * self.scene.step / self.scene.grid.lattice().spacing();
         let mut gradient = gradients.at(self.scene, (point, step), cell, work);
         if let Some(cells) = self.cells_per_spacing() {
             gradient *= cells;
         }
-        if self.scene.conventions.box_space_normals {
-            gradient * self.scene.grid.lattice().bounds().size()
-        } else {
-            gradient
+        match &self.scene.to_world {
+            _ if self.scene.conventions.box_space_normals => {
+                gradient * self.scene.grid.lattice().bounds().size()
+            }
+            Some(map) if self.scene.conventions.vector_normals => map.vector(gradient),
+            Some(map) if !gradients.are_of_the_world() => map.gradient_map() * gradient,
+            _ => gradient,
         }
     }
 
@@ -316,6 +330,7 @@ impl<'s> RayCaster<'s> {
         let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
         let bounds = lattice.bounds();
         let point = bounds.min + (node_point.0 + 0.5) / nodes * bounds.size();
+        let point = self.extent.in_world(point);
         let to_eye = Direction::of(ray.origin - point);
         (
             Direction::of(self.to_light(point)),
@@ -331,10 +346,15 @@ impl<'s> RayCaster<'s> {
             self.scene.light
         };
         if self.scene.conventions.parallel_light {
-            light - self.bounds.centre()
+            light - self.centre()
         } else {
             light - point
         }
+    }
+
+    /// The centre of the volume in the world.
+    fn centre(&self) -> DVec3 {
+        self.extent.in_world(self.extent.bounds.centre())
     }
 
     /// Visibility of the light from `point`; 1 where the scene has no shadow.
@@ -342,14 +362,14 @@ impl<'s> RayCaster<'s> {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let is_parallel = scene.conventions.parallel_light;
         let to_light = if is_parallel {
-            scene.light - self.bounds.centre()
+            scene.light - self.centre()
         } else {
             scene.light - point
         };
         let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
             return 1.0;
         };
-        let Some(inside) = self.bounds.span(&ray) else {
+        let Some(inside) = self.extent.span(&ray) else {
             return 1.0;
         };
         work.shadow_rays += 1;
@@ -360,7 +380,7 @@ impl<'s> RayCaster<'s> {
         };
         let span = Span::new(0.0, inside.far.min(light));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
-        let line = NodeLine::from(node_point, *ray.direction, lattice);
+        let line = NodeLine::from(node_point, self.extent.line(&ray).direction, lattice);
         let rule = StepRule::at(scene.conventions.shadow_sample);
         let steps = Steps::new(span, shadow.step, rule);
         let samples = (0..steps.count).map(|index| {

@@ -28,7 +28,7 @@ pub fn bounds_of_rounded_places(scene: &Scene) -> Option<[Film; 2]> {
     let images = [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
     let images = images.map(|[first, each]| {
         render_with(scene, |volume| {
-            let steps = volume.grid.lattice().bounds().size().length() / volume.step;
+            let steps = volume.extent().world_bounds().size().length() / volume.step;
             // Places that are sums of steps gather a rounding with each of them.
             let gathered = HALF_UNIT * steps * steps;
             volume.conventions.first_sample += first * gathered.clamp(LEAST, 0.5);

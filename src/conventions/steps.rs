@@ -48,20 +48,23 @@ impl StepRule {
 }
 
 /// Length in the world of steps of length `step` by `measure`, along `direction`, through a volume with
-/// this distance between nodes and of this size.
+/// this distance between nodes and of this size, all in the coordinates of the volume; `voxel` and `longest`
+/// are the lengths of a voxel and of the longest side in the world.
 pub fn step_in_world(
     step: f64,
     measure: StepLength,
     direction: DVec3,
     [spacing, size]: [DVec3; 2],
+    [voxel, longest]: [f64; 2],
 ) -> f64 {
     let nodes = direction / spacing;
-    let voxels = step / spacing.min_element();
+    let voxels = step / voxel;
     match measure {
         StepLength::World => step,
         StepLength::Voxels => voxels / nodes.length(),
         StepLength::MainAxis => voxels / nodes.abs().max_element(),
-        StepLength::Texture => step / size.max_element() / (direction / size).length(),
+        StepLength::Texture => step / longest / (direction / size).length(),
+        StepLength::Volume => step / direction.length(),
     }
 }
 
@@ -254,7 +257,9 @@ mod tests {
     fn steps_in_voxels() {
         let direction = DVec3::new(0.6, 0.8, 0.0);
         let (spacing, size) = (DVec3::new(0.25, 0.5, 8.0), DVec3::new(2.0, 4.0, 8.0));
-        let step = |measure| step_in_world(0.5, measure, direction, [spacing, size]);
+        let (voxel, longest) = (spacing.min_element(), size.max_element());
+        let step =
+            |measure| step_in_world(0.5, measure, direction, [spacing, size], [voxel, longest]);
         assert_eq!(step(StepLength::World), 0.5);
         // (2.4, 1.6, 0) nodes and (0.3, 0.2, 0) of the sides of the volume per unit.
         let root = 13_f64.sqrt();

@@ -42,7 +42,7 @@ struct SceneSettings {
 impl SceneSettings {
     fn of(panel: &Panel, sweep: &Sweep) -> SceneSettings {
         let (setting, value) = match &panel.model {
-            Model::Classified(scene) => (in_voxels(scene.step, scene.grid.lattice()), scene.step),
+            Model::Classified(scene) => (in_voxels(scene.step, scene.voxel()), scene.step),
             Model::Radiative(scene) => {
                 let samples = scene.samples;
                 (format!("{samples} samples"), f64::from(samples))

@@ -1,6 +1,6 @@
 //! A classified volume prepared for all compositing schemes.
 
-use crate::geometry::{Aabb, Ray, Span};
+use crate::geometry::{Line, Ray, Span};
 use crate::math::exp;
 use crate::optics::Appearance;
 use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
@@ -14,7 +14,7 @@ use crate::render::classified::steps::{SamplePoint, Steps};
 use crate::render::classified::volume_shadow::{Visibility, VolumeShadow, shadow_ray};
 use crate::render::counters::{Event, Work};
 use crate::scene::{Classified, Shadow};
-use crate::volume::{DensityField, GridDensity, Interpolation, relative_gradients};
+use crate::volume::{DensityField, GridDensity, Interpolation, PlacedBox, VolumeBox as _};
 use glam::DVec3;
 
 /// Lighting of the samples.
@@ -46,6 +46,7 @@ type Caster<'s> = RayCaster<
     Option<Shaded>,
     AnyVisibility<'s>,
     EmptySpace,
+    PlacedBox,
 >;
 
 impl<'s> ShadedVolume<'s> {
@@ -68,7 +69,7 @@ impl<'s> ShadedVolume<'s> {
 
     /// The span of `ray` in the volume.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        self.scene.grid.lattice().bounds().span(ray)
+        self.scene.extent().span(ray)
     }
 
     /// Radiance along `ray` by volref's ray caster, with this step.
@@ -116,7 +117,8 @@ impl<'s> ShadedVolume<'s> {
     /// The value of the field alone, at distance `t`.
     pub fn value(&self, ray: &Ray, t: f64, work: &mut Counters) -> f64 {
         work.count(Event::DensityLookup);
-        self.density.density(ray.at(t))
+        self.density
+            .density(self.scene.extent().to_volume(ray.at(t)))
     }
 
     /// Radiance along `ray` in the limit of small steps, with each element of the integral accurate
@@ -138,7 +140,10 @@ impl<'s> ShadedVolume<'s> {
         // a table may be narrower than what lies between an element's points.
         let knots = self.scene.transfer_function.knots();
         let (mut cuts, mut places) = (Vec::new(), Vec::new());
-        for segment in self.density.cubic_segments(ray, span) {
+        for segment in self
+            .density
+            .cubic_segments(self.scene.extent().line(ray), span)
+        {
             places.clear();
             segment.cut_at(&knots, &mut places);
             cuts.extend(places.iter().map(|&u| segment.distance(u)));
@@ -198,7 +203,7 @@ pub fn has_jumps(scene: &Classified) -> bool {
 }
 
 fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
-    let bounds = scene.grid.lattice().bounds();
+    let bounds = scene.extent();
     let sampled = |shadow: Shadow| VolumeShadow {
         shadow,
         light: scene.light,
@@ -220,7 +225,7 @@ fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
     };
     let shading = scene.phong.map(|phong| Shaded {
         phong,
-        gradients: relative_gradients(&*scene.grid),
+        gradients: scene.gradients(),
         light: scene.light,
     });
     RayCaster {
@@ -256,7 +261,7 @@ impl Shading for Option<Shaded> {
 /// Shadow of any kind.
 enum AnyVisibility<'c> {
     All,
-    Sampled(VolumeShadow<'c>),
+    Sampled(VolumeShadow<'c, PlacedBox>),
     Exact(ExactShadow),
 }
 
@@ -281,7 +286,7 @@ impl Visibility for AnyVisibility<'_> {
 struct ExactShadow {
     light: DVec3,
     reference_step: f64,
-    bounds: Aabb,
+    bounds: PlacedBox,
     density: GridDensity,
 }
 
@@ -298,7 +303,7 @@ impl Visibility for ExactShadow {
         };
         work.count(Event::ShadowRay);
         let mut lookups = 0;
-        let (origin, direction) = (ray.origin, *ray.direction);
+        let Line { origin, direction } = self.bounds.line(&ray);
         let sum = self.density.integral(origin, direction, span, &mut lookups);
         work.count_times(Event::DensityLookup, lookups);
         exp(-(sum / self.reference_step) / 100.0).min(1.0)

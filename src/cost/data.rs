@@ -205,13 +205,13 @@ pub fn study(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Stud
     let rays = Rays::against(&plain, Shade::None, size, |subject, ray| {
         (exact(subject, ray).0, true)
     });
-    let voxel = scene.grid.lattice().voxel();
+    let voxel = scene.voxel();
     let sweeps = interpolations(scene.interpolation).map(|(interpolation, is_own, spacings)| {
         let grids = spacings.into_iter();
         let grids = grids.filter_map(|factor| coarsened(&scene.grid, factor));
         let mut scenes: Vec<(f64, Classified)> = grids
             .map(|grid| {
-                let factor = grid.lattice().voxel() / voxel;
+                let factor = grid.lattice().voxel() / scene.grid.lattice().voxel();
                 let coarse = Classified {
                     grid: Arc::new(grid),
                     interpolation,

@@ -17,7 +17,7 @@ use crate::render::Counters;
 use crate::render::classified::preintegration::Preintegrated;
 use crate::render::classified::steps::Steps;
 use crate::scene::Classified;
-use crate::volume::{Interpolation, Lattice};
+use crate::volume::Interpolation;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -74,7 +74,7 @@ impl<'s> Rays<'s> {
             Shade::AsGiven
         };
         let collocation = Collocation::new();
-        let steepest = OPAQUE / scene.grid.lattice().voxel();
+        let steepest = OPAQUE / scene.voxel();
         let size = thumbnail::thumbnail(size, most);
         let rays = Rays::against(scene, shade, size, |subject, ray| {
             let (light, met) = subject.exact(&collocation, ray, tolerance);
@@ -147,7 +147,7 @@ impl<'s> Rays<'s> {
             None => &STEPS,
             Some(_) => &STEPS_WITH_SHADOW,
         };
-        let voxel = self.scene.grid.lattice().voxel();
+        let voxel = self.scene.voxel();
         let setting = |voxels: &f64| {
             let step = voxels * voxel;
             Setting::new(in_words(*voxels), step, run(step))
@@ -346,7 +346,7 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
     if !ShadedVolume::has_exact_shadow(scene) {
         return None;
     }
-    let voxel = scene.grid.lattice().voxel();
+    let voxel = scene.voxel();
     // One step for all: what is compared is the shadow.
     let step = voxel;
     let size = thumbnail::thumbnail(size, SIDE_WITH_SHADOW);
@@ -389,7 +389,7 @@ pub fn shadow_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Opti
 
 /// Signed errors of three steps, the scene's own among them, on the same rays.
 fn pictures(rays: &Rays<'_>) -> Vec<ErrorPicture> {
-    let voxel = rays.scene.grid.lattice().voxel();
+    let voxel = rays.scene.voxel();
     let own = rays.scene.step / voxel;
     let picture = |voxels: f64| {
         let step = voxels * voxel;
@@ -436,7 +436,7 @@ fn worst_ray(rays: &Rays<'_>) -> RayTrace {
     let (column, row) = (worst % width, worst / width);
     RayTrace {
         ray: format!("pixel ({column}, {row}) of {width} × {height}"),
-        setting: format!("midpoint, {}", in_voxels(scene.step, scene.grid.lattice())),
+        setting: format!("midpoint, {}", in_voxels(scene.step, scene.voxel())),
         extinction,
         samples,
         value: value.element_sum() / 3.0,
@@ -445,9 +445,9 @@ fn worst_ray(rays: &Rays<'_>) -> RayTrace {
 }
 
 /// A length in voxels, in words.
-pub fn in_voxels(length: f64, lattice: &Lattice) -> String {
+pub fn in_voxels(length: f64, voxel: f64) -> String {
     // Six digits: the length was a product, and would show the rounding of it.
-    in_words((length / lattice.voxel() * 1e6).round() / 1e6)
+    in_words((length / voxel * 1e6).round() / 1e6)
 }
 
 /// A number of voxels, in words.

@@ -43,7 +43,7 @@ pub use mesh_error::{FaceName, MeshError};
 pub use obj_text::ObjFault;
 pub(crate) use obj_text::{Skipped, Statements, Word};
 pub use placed::Placed;
-pub use ray::{Ray, Span, length_of};
+pub use ray::{Line, Ray, Span, length_of};
 pub use rectangle::Rectangle;
 pub use shape::{Boundary, ConvexBoundary, Luminous, Shape};
 pub use shape_error::ShapeError;

@@ -24,6 +24,26 @@ impl Ray {
     }
 }
 
+/// A straight line `origin + t·direction`, the direction of any length: a ray in the coordinates of an
+/// object, with `t` still a distance in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Position at `t = 0`.
+    pub origin: DVec3,
+    /// Change of the position by `t`.
+    pub direction: DVec3,
+}
+
+impl From<&Ray> for Line {
+    #[inline]
+    fn from(ray: &Ray) -> Line {
+        Line {
+            origin: ray.origin,
+            direction: *ray.direction,
+        }
+    }
+}
+
 /// A segment of a ray, from `near` to `far ≥ near`, in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {

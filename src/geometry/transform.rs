@@ -1,6 +1,6 @@
 //! Affine maps between object space and the world.
 
-use super::{Aabb, Direction, Ray};
+use super::{Aabb, Direction, Line, Ray};
 use crate::math;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
@@ -136,6 +136,15 @@ impl Transform {
         }
     }
 
+    /// This map about the point `centre` in place of the origin.
+    pub fn about(&self, centre: DVec3) -> Result<Transform, TransformError> {
+        let (to_origin, back) = (
+            Transform::translation(-centre)?,
+            Transform::translation(centre)?,
+        );
+        Ok(to_origin.then(self).then(&back))
+    }
+
     /// The inverse map.
     pub fn inverse(&self) -> Transform {
         Transform {
@@ -144,6 +153,49 @@ impl Transform {
             inverse_linear: self.linear,
             inverse_offset: self.offset,
         }
+    }
+
+    /// A world ray in object space, its direction not renormalised: distances along it stay those of the
+    /// world.
+    pub fn line_to_object(&self, ray: &Ray) -> Line {
+        Line {
+            origin: self.point_to_object(ray.origin),
+            direction: self.inverse_linear * *ray.direction,
+        }
+    }
+
+    /// A world point in object space. Relative to the offset first, so that an object far from the
+    /// world's origin loses no digits.
+    pub fn point_to_object(&self, p: DVec3) -> DVec3 {
+        self.inverse_linear * (p - self.offset)
+    }
+
+    /// The map of gradients of a field, which is the inverse transpose, over a power of two that makes
+    /// no component of an image larger than that of its gradient: for directions.
+    pub fn gradient_map(&self) -> DMat3 {
+        let map = self.inverse_linear.transpose();
+        map * (0.5 / math::power_of_two_below(norm(&map)))
+    }
+
+    /// The condition number of the linear part: how many times larger, as a share, the image of an
+    /// error can be than the error; in the norm of the largest coordinate.
+    pub fn condition(&self) -> f64 {
+        norm(&self.linear) * norm(&self.inverse_linear)
+    }
+
+    /// The matrix of 3 × 4, row by row: the last column is the offset.
+    pub fn rows(&self) -> [[f64; 4]; 3] {
+        let linear = self.linear.transpose();
+        [0, 1, 2].map(|row| {
+            let [x, y, z] = linear.col(row).to_array();
+            [x, y, z, self.offset[row]]
+        })
+    }
+
+    /// The map with these [rows](Transform::rows).
+    pub fn from_rows(rows: [[f64; 4]; 3]) -> Result<Transform, TransformError> {
+        let column = |column: usize| DVec3::from_array(rows.map(|row| row[column]));
+        Transform::from_matrix(DMat3::from_cols(column(0), column(1), column(2)), column(3))
     }
 
     /// Image of the point `p`.

@@ -257,6 +257,7 @@ pub fn classified(grid: Arc<Grid<f32>>, transfer_function: TransferFunction) -> 
     Classified {
         step: 0.5 * grid.lattice().voxel(),
         grid,
+        to_world: None,
         interpolation: Interpolation::Trilinear,
         continuous: false,
         compositing: Compositing::FrontToBack,

@@ -46,7 +46,7 @@ pub fn passing(
 fn samples_under(profile: &Profile, scene: &Scene) -> f64 {
     let of_panel = |panel: &Panel| {
         let volume = panel.classified()?;
-        let across = length_of(volume.grid.lattice().bounds().size());
+        let across = length_of(volume.extent().world_bounds().size());
         let images = if volume.conventions.is_random() {
             f64::from(PLACES)
         } else {

@@ -1,6 +1,7 @@
 //! The two reference renderers, to be read first, from top to bottom.
 //!
-//! [`ray_caster`] renders classified volumes, in one file; [`path_tracer`] surfaces, media and lights,
+//! [`ray_caster`] renders classified volumes, in one file, with a short one beside it for those that a map
+//! places; [`path_tracer`] surfaces, media and lights,
 //! with three short files beside it: media along a ray, vertices, random numbers. They are
 //! the most direct implementation, following the method line by line with no optimisations:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
@@ -8,6 +9,7 @@
 
 pub(crate) mod media;
 pub mod path_tracer;
+mod placement;
 pub(crate) mod random;
 pub mod ray_caster;
 pub(crate) mod vertex;

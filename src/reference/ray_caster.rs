@@ -34,25 +34,28 @@
 //! which the volume becomes fully opaque, and `S = Σ d h′/h₀′` is not the optical depth of `σ`. The
 //! shadow has a step `h′` and a reference length `h₀′` of its own, and `a′` is the opacity over them.
 //!
+//! A volume may be placed in the world by an affine map ([`placement`]): what follows is as without one.
+//!
 //! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
 //! by the loop of [`conventions::ray_caster`](crate::conventions::ray_caster).
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
 
+use super::placement;
 use crate::film::Film;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, over_length};
 use crate::scene::{Classified, Compositing};
-use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _, relative_gradients};
+use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// The image of `scene`: radiance, background included, and the opacity of the volume in front of
 /// it; one ray through the centre of each pixel.
 pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
-    let gradients = relative_gradients(&*scene.grid);
+    let gradients = placement::gradients(scene);
     let caster = RayCaster { scene, gradients };
     let pixels: Vec<[f32; 4]> = (0..width * height)
         .into_par_iter()
@@ -108,10 +111,11 @@ impl RayCaster<'_> {
     fn cast(&self, ray: &Ray) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
-        let Some(span) = lattice.bounds().span(ray) else {
+        let inside = placement::in_volume(scene, ray);
+        let Some(span) = lattice.bounds().span_of(inside) else {
             return seen;
         };
-        let line = NodeLine::new(ray, lattice);
+        let line = NodeLine::new(inside, lattice);
         let count = step_count(span, scene.step);
         let reversed = scene.compositing == Compositing::BackToFront;
         for done in 0..count {
@@ -164,12 +168,13 @@ impl RayCaster<'_> {
         let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
             return 1.0;
         };
-        let Some(inside) = lattice.bounds().span(&ray) else {
+        let inside = placement::in_volume(scene, &ray);
+        let Some(span) = lattice.bounds().span_of(inside) else {
             return 1.0;
         };
-        let span = Span::new(0.0, inside.far.min(length_of(to_light)));
+        let span = Span::new(0.0, span.far.min(length_of(to_light)));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
-        let line = NodeLine::from(node_point, *ray.direction, lattice);
+        let line = NodeLine::from(node_point, inside.direction, lattice);
         let count = step_count(span, shadow.step);
         let samples = (0..count).map(|index| {
             let (t, length) = midpoint(span, shadow.step, count, index);

@@ -14,7 +14,7 @@
 //!
 //! | family | kernels | compiled for | uncounted, KiB | counted | either | of all code |
 //! |---|---|---|---|---|---|---|
-//! | ray caster | 40 | field (3), order (2), shading, shadow, empty-space skipping | 261 | 271 | 0 | 4.5 % |
+//! | ray caster | 80 | field (3), order (2), shading, shadow, empty-space skipping, placement by a map | 261 | 271 | 0 | 4.5 % |
 //! | path tracer | 26 | media, surfaces, emission, colour, anisotropy, heterogeneity | 218 | 218 | 0 | 3.7 % |
 //! | line of sight | 22 | media, surfaces, emission, colour, anisotropy, heterogeneity | 164 | 167 | 15 | 2.9 % |
 //! | shared by the latter two | – | the same | 327 | 334 | 145 | 6.8 % |

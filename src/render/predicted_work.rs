@@ -12,7 +12,7 @@ use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::optics::{Density, Field};
 use crate::scene::{Classified, Compositing, Panel, Radiative, Sampling};
-use crate::volume::{GridDensity, Interpolation};
+use crate::volume::{GridDensity, Interpolation, VolumeBox as _};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
@@ -283,10 +283,11 @@ fn of_casting(
 
 fn of_integrals(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
     let field = GridDensity::new(scene.grid.clone(), scene.interpolation);
-    let bounds = field.bounds();
+    let extent = scene.extent();
     let cells = |ray: &Ray| {
-        let span = bounds.span(ray);
-        let cells = span.map_or(0, |span| field.cubic_segments(ray, span).count());
+        let line = extent.line(ray);
+        let span = extent.span(ray);
+        let cells = span.map_or(0, |span| field.cubic_segments(line, span).count());
         [cells as u64, 0]
     };
     let (part, [cells, _]) = over_rays(panel, scene.camera, cells);
@@ -345,7 +346,7 @@ fn of_lines(
 
 /// Samples of the eye's ray.
 fn samples(scene: &Classified, ray: &Ray) -> u64 {
-    let span = scene.grid.lattice().bounds().span(ray);
+    let span = scene.extent().span(ray);
     span.map_or(0, |span| Steps::over(span, scene.step).count() as u64)
 }
 
@@ -354,18 +355,21 @@ fn shadow_steps(scene: &Classified, ray: &Ray) -> u64 {
     let Some(shadow) = scene.shadow else {
         return 0;
     };
-    let bounds = scene.grid.lattice().bounds();
-    let Some(span) = bounds.span(ray) else {
+    let extent = scene.extent();
+    let Some(span) = extent.span(ray) else {
         return 0;
     };
     let steps = Steps::over(span, scene.step);
     if steps.count() as u64 > MOST_SAMPLES / MOST_RAYS as u64 {
-        let longest = Steps::over(Span::new(0.0, length_of(bounds.size())), shadow.step);
+        let longest = Steps::over(
+            Span::new(0.0, length_of(extent.world_bounds().size())),
+            shadow.step,
+        );
         return (steps.count() as u64).saturating_mul(longest.count() as u64);
     }
     let of_sample = |index| {
         let sample = ray.at(steps.sample(index).0);
-        shadow_ray(sample, scene.light, &bounds)
+        shadow_ray(sample, scene.light, &extent)
             .map_or(0, |(_, span)| Steps::over(span, shadow.step).count() as u64)
     };
     (0..steps.count()).map(of_sample).sum()

@@ -50,7 +50,7 @@ impl<'t> Call<'t> {
             ("exposure", case.exposure.to_string()),
         ]);
         let volume = scene.panels.iter().find_map(Panel::classified);
-        let step = volume.map(|volume| [volume.step, volume.grid.lattice().voxel()]);
+        let step = volume.map(|volume| [volume.step, volume.voxel()]);
         if template.takes_step() && step.is_none() {
             let fault =
                 "not rendered: the command takes a step, and the scene has no classified volume";

@@ -5,17 +5,20 @@ use super::camera::View;
 use super::conventions::{CONVENTIONS, Conventions};
 use super::format::{Key, Kind, Range, Table};
 use super::length::Length;
+use super::placement::PlacedGrid;
 use super::reader::Reader;
-use super::volume::VOLUME;
-use crate::geometry::{Camera, length_of};
+use super::volume::PLACED_VOLUME;
+use crate::geometry::{Camera, Transform, length_of};
 use crate::optics::{Appearance, Phong, TransferFunction};
-use crate::volume::{Grid, Interpolation, Lattice};
+use crate::volume::{
+    Grid, Interpolation, PlacedBox, cell_edges, placed_gradients, relative_gradients, voxel,
+};
 use glam::DVec3;
 use std::sync::Arc;
 
 /// The declaration of `[classified]`.
 pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities are mapped to colour and opacity and composited along the ray.").keys(&[
-    Key::required("volume", Kind::Table(&VOLUME))
+    Key::required("volume", Kind::Table(&PLACED_VOLUME))
         .doc("The densities."),
     Key::or("interpolation", Kind::Choice(&["trilinear", "nearest"]), "'trilinear'")
         .doc("Interpolation of densities and gradients between nodes."),
@@ -93,6 +96,8 @@ pub struct Shadow {
 pub struct Classified {
     /// Values of the field: finite, and not negative where the formula maps them.
     pub grid: Arc<Grid<f32>>,
+    /// The map of the grid into the world; none where they are the same, to the bit.
+    pub to_world: Option<Transform>,
     /// Reconstruction between the nodes.
     pub interpolation: Interpolation,
     /// The image is the integral itself, without samples.
@@ -129,11 +134,12 @@ impl Classified {
     pub(super) fn read(
         reader: &Reader,
         camera_reader: &Reader,
-        grid: Arc<Grid<f32>>,
+        placed: PlacedGrid,
         transfer_function: TransferFunction,
         aspect: f64,
     ) -> SceneResult<Classified> {
-        let lattice = *grid.lattice();
+        let (voxel, bounds) = (placed.voxel(), placed.extent().world_bounds());
+        let lengths = [voxel, length_of(bounds.size())];
         let interpolation = match reader.text("interpolation")?.as_str() {
             "nearest" => Interpolation::Nearest,
             _ => Interpolation::Trilinear,
@@ -144,10 +150,10 @@ impl Classified {
             without_samples(reader, interpolation)?;
         }
         let compositing = read_compositing(reader, &order)?;
-        let step = step_length(reader, "step", &lattice)?;
+        let step = step_length(reader, "step", lengths)?;
         let background = reader.vector("background")?;
 
-        let View { camera, target } = View::framing(camera_reader, &lattice.bounds(), aspect)?;
+        let View { camera, target } = View::framing(camera_reader, &bounds, aspect)?;
         let light = read_light(reader, camera_reader, &camera, target)?;
 
         let phong = reader
@@ -156,14 +162,15 @@ impl Classified {
             .transpose()?;
         let shadow = reader
             .table("shadow")?
-            .map(|reader| read_shadow(&reader, &lattice, &transfer_function));
+            .map(|reader| read_shadow(&reader, lengths, &transfer_function));
         let conventions = reader.table("conventions")?;
         let conventions = conventions
             .map(|reader| Conventions::read(&reader))
             .transpose()?;
         let conventions = conventions.unwrap_or_default();
         let scene = Classified {
-            grid,
+            grid: placed.grid,
+            to_world: placed.to_world,
             interpolation,
             continuous,
             compositing,
@@ -252,6 +259,32 @@ impl Classified {
         self.continuous
     }
 
+    /// The box of the volume, wherever it is in the world.
+    pub fn extent(&self) -> PlacedBox {
+        PlacedBox {
+            bounds: self.grid.lattice().bounds(),
+            to_world: self.to_world,
+        }
+    }
+
+    /// Edges of a cell in the world.
+    pub fn cell_edges(&self) -> [DVec3; 3] {
+        cell_edges(self.grid.lattice(), self.to_world.as_ref())
+    }
+
+    /// The length called *one voxel*: that of the shortest edge of a cell in the world.
+    pub fn voxel(&self) -> f64 {
+        voxel(self.grid.lattice(), self.to_world.as_ref())
+    }
+
+    /// Gradients of the world at the nodes, for shading: in any unit.
+    pub fn gradients(&self) -> Grid<[f32; 3]> {
+        match &self.to_world {
+            None => relative_gradients(&*self.grid),
+            Some(to_world) => placed_gradients(&*self.grid, to_world),
+        }
+    }
+
     /// Replaces an integral by samples, [`Classified::step`] apart, front to back.
     pub fn sample(&mut self) {
         self.continuous = false;
@@ -260,7 +293,10 @@ impl Classified {
     /// Replaces the distance between samples; fails if rays would have too many of them.
     pub fn set_step(&mut self, step: Length) -> Result<(), String> {
         let before = self.step;
-        self.step = checked_step(step, self.grid.lattice())?;
+        self.step = checked_step(
+            step,
+            [self.voxel(), length_of(self.extent().world_bounds().size())],
+        )?;
         self.check_eye()
             .and_then(|()| self.check_shadow_samples())
             .inspect_err(|_| self.step = before)
@@ -270,7 +306,7 @@ impl Classified {
     /// ray has no samples that could be told apart, and no number of them that has a bound: the
     /// length of its way through the volume is all rounding.
     fn check_eye(&self) -> Result<(), String> {
-        let bounds = self.grid.lattice().bounds();
+        let bounds = self.extent().world_bounds();
         let to_centre = length_of(self.camera.eye() - bounds.centre());
         let beside = self.camera.orthographic_height().unwrap_or(0.0);
         let farthest = to_centre + length_of(bounds.size()) + beside;
@@ -291,7 +327,7 @@ impl Classified {
         let Some(shadow) = self.shadow else {
             return Ok(());
         };
-        let diagonal = length_of(self.grid.lattice().bounds().size());
+        let diagonal = length_of(self.extent().world_bounds().size());
         let samples = (diagonal / self.step).max(1.0) * (diagonal / shadow.step).max(1.0);
         if samples <= MOST_SAMPLES_WITH_SHADOW {
             return Ok(());
@@ -354,9 +390,9 @@ fn above(camera: &Camera, target: DVec3) -> DVec3 {
     camera.eye() + camera.upright() * length_of(target - camera.eye())
 }
 
-fn checked_step(step: Length, lattice: &Lattice) -> Result<f64, String> {
-    let length = step.in_world_units(lattice.voxel())?;
-    let diagonal = length_of(lattice.bounds().size());
+/// The step in world units, given those of a voxel and of the diagonal of the volume.
+fn checked_step(step: Length, [voxel, diagonal]: [f64; 2]) -> Result<f64, String> {
+    let length = step.in_world_units(voxel)?;
     if diagonal / length > MOST_SAMPLES_PER_RAY {
         return Err(format!(
             "a step of {length:e} world units means up to {:.1e} samples on a ray through a \
@@ -367,9 +403,9 @@ fn checked_step(step: Length, lattice: &Lattice) -> Result<f64, String> {
     Ok(length)
 }
 
-fn step_length(reader: &Reader, name: &str, lattice: &Lattice) -> SceneResult<f64> {
+fn step_length(reader: &Reader, name: &str, lengths: [f64; 2]) -> SceneResult<f64> {
     let step = reader.length(name)?;
-    checked_step(step, lattice).map_err(|message| reader.error(name, message))
+    checked_step(step, lengths).map_err(|message| reader.error(name, message))
 }
 
 /// The order of compositing named `order`, and its early termination.
@@ -419,13 +455,13 @@ fn read_phong(reader: &Reader) -> SceneResult<Phong> {
 
 fn read_shadow(
     reader: &Reader,
-    lattice: &Lattice,
+    lengths: [f64; 2],
     transfer_function: &TransferFunction,
 ) -> SceneResult<Shadow> {
     let given = reader.optional_length("reference_step")?;
     let reference_step = match (given, &transfer_function.appearance) {
         (Some(length), _) => length
-            .in_world_units(lattice.voxel())
+            .in_world_units(lengths[0])
             .map_err(|message| reader.error("reference_step", message))?,
         (None, Appearance::Points(_)) => {
             let length = transfer_function.reference_length;
@@ -438,7 +474,7 @@ fn read_shadow(
         }
     };
     Ok(Shadow {
-        step: step_length(reader, "step", lattice)?,
+        step: step_length(reader, "step", lengths)?,
         reference_step,
     })
 }

@@ -145,9 +145,10 @@ conventions! {
         "world" = StepLength::World,
         "voxels" = StepLength::Voxels,
         "main-axis" = StepLength::MainAxis,
-        "texture" = StepLength::Texture
+        "texture" = StepLength::Texture,
+        "volume" = StepLength::Volume
     ),
-    "Length of a step: that of the scene in the world; as many spacings of the grid as it has voxels, along the ray in node coordinates (voxels), or along the axis on which the ray passes nodes fastest (main-axis); or the part of the cube of texture coordinates that it is of the longest side of the volume (texture).",
+    "Length of a step: that of the scene in the world; as many spacings of the grid as it has voxels, along the ray in node coordinates (voxels), or along the axis on which the ray passes nodes fastest (main-axis); or the part of the cube of texture coordinates that it is of the longest side of the volume (texture); or as long in the coordinates of the volume, before a map places it, as stated in the world (volume).",
     [
         other(
             "takes steps of a length in voxels, not in the world",
@@ -460,6 +461,10 @@ conventions! {
         ),
     ];
 
+    "normal_transform" = vector_normals: bool = words("gradient" of "gradient" = false, "vector" = true),
+    "Map of gradients of a volume that a map places: by its inverse transpose, as gradients are; or by itself, as vectors are (vector).",
+    [];
+
     "shading_point" = texture_shading_point: bool = words("sample" of "sample" = false, "texture" = true),
     "Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis.",
     [
@@ -683,6 +688,8 @@ pub enum StepLength {
     MainAxis,
     /// In texture coordinates, [0, 1] along each side of the volume.
     Texture,
+    /// As stated, in the coordinates of the volume, before a map places it in the world.
+    Volume,
 }
 
 /// Steps stretched to fill a ray.

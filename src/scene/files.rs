@@ -1,5 +1,6 @@
 //! The files that scenes name: each is read once and recorded with its hash.
 
+use super::placement::PlacedGrid;
 use super::reader::Reader;
 use super::volume::VolumeRequest;
 use super::{SceneError, SceneResult};
@@ -22,7 +23,7 @@ pub struct InputFile {
 }
 
 /// A grid, how it was asked for, and the files it came from.
-type LoadedGrid = (VolumeRequest, Arc<Grid<f32>>, Vec<InputFile>);
+type LoadedGrid = (VolumeRequest, PlacedGrid, Vec<InputFile>);
 
 /// Longest text read.
 const MOST_TEXT_BYTES: u64 = 1 << 20;
@@ -62,17 +63,32 @@ impl<'p> Files<'p> {
     /// The densities that a table of [volume keys](super::volume::VOLUME) asks for: finite and
     /// not negative. `help` is for those who have others.
     pub(super) fn densities(&mut self, reader: &Reader, help: &str) -> SceneResult<Arc<Grid<f32>>> {
-        let grid = self.values(reader)?;
-        grid.check_densities().map_err(|error| {
-            let path = self.folder.join(reader.text("file").unwrap_or_default());
-            reader.mistake("file", format!("{}: {error}", path.display()), help)
-        })?;
+        let request = VolumeRequest::read(reader, false)?;
+        let PlacedGrid { grid, .. } = self.loaded(reader, request)?;
+        self.check_densities(reader, &grid, help)?;
         Ok(grid)
     }
 
-    /// The values that a table of [volume keys](super::volume::VOLUME) asks for: finite.
-    pub(super) fn values(&mut self, reader: &Reader) -> SceneResult<Arc<Grid<f32>>> {
-        let request = VolumeRequest::read(reader)?;
+    /// Refuses values that are no densities. `help` is for those who have others.
+    pub(super) fn check_densities(
+        &self,
+        reader: &Reader,
+        grid: &Grid<f32>,
+        help: &str,
+    ) -> SceneResult<()> {
+        grid.check_densities().map_err(|error| {
+            let path = self.folder.join(reader.text("file").unwrap_or_default());
+            reader.mistake("file", format!("{}: {error}", path.display()), help)
+        })
+    }
+
+    /// The values that a table of [placed volumes](super::volume::PLACED_VOLUME) asks for: finite.
+    pub(super) fn placed_values(&mut self, reader: &Reader) -> SceneResult<PlacedGrid> {
+        let request = VolumeRequest::read(reader, true)?;
+        self.loaded(reader, request)?.moved(reader)
+    }
+
+    fn loaded(&mut self, reader: &Reader, request: VolumeRequest) -> SceneResult<PlacedGrid> {
         let known = self.grids.iter().find(|(other, ..)| *other == request);
         if let Some((_, grid, inputs)) = known.cloned() {
             inputs.iter().for_each(|input| self.note(input));
@@ -93,7 +109,10 @@ impl<'p> Files<'p> {
         let mut inputs: Vec<InputFile> = loaded.files.into_iter().map(input).collect();
         inputs[0].name.clone_from(&request.file);
         inputs.iter().for_each(|input| self.note(input));
-        let grid = Arc::new(loaded.grid);
+        let grid = PlacedGrid {
+            grid: Arc::new(loaded.grid),
+            to_world: loaded.to_world,
+        };
         self.grids.push((request, grid.clone(), inputs));
         Ok(grid)
     }

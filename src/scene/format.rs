@@ -53,7 +53,7 @@ pub enum Rule {
 }
 
 /// A key of a table.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// As written in the file.
     pub name: &'static str,
@@ -110,6 +110,8 @@ pub enum Kind {
     Number(Range),
     /// Three finite numbers x, y, z.
     Vector,
+    /// An affine map: three rows of four finite numbers.
+    Matrix,
     /// Three finite numbers red, green, blue, each in a range; one number means all three.
     Colour(Range),
     /// A positive length: world units, or voxels as in `"0.5 voxels"`.
@@ -227,6 +229,9 @@ impl Kind {
             Kind::Count(low, high) => format!("a whole number from {low} to {high}"),
             Kind::Number(_) => "a number".into(),
             Kind::Vector => "three numbers, such as [0, 1, 0]".into(),
+            Kind::Matrix => {
+                "three rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]".into()
+            }
             Kind::Colour(_) => {
                 "a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three"
                     .into()
@@ -359,12 +364,13 @@ fn number_schema(range: Range) -> Value {
 }
 
 fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
-    let three =
-        |item: Value| json!({ "type": "array", "items": item, "minItems": 3, "maxItems": 3 });
+    let several = |count: usize, item: Value| json!({ "type": "array", "items": item, "minItems": count, "maxItems": count });
+    let three = |item: Value| several(3, item);
     let mut schema = match key.kind {
         Kind::Count(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
         Kind::Number(range) => number_schema(range),
         Kind::Vector => three(json!({ "type": "number" })),
+        Kind::Matrix => three(several(4, json!({ "type": "number" }))),
         Kind::Colour(range) => {
             let one = number_schema(range);
             json!({ "anyOf": [one, three(one.clone())] })

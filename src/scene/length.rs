@@ -7,7 +7,8 @@ use std::fmt::Display;
 pub enum Length {
     /// World units.
     World(f64),
-    /// Multiples of the smallest node spacing of the grid.
+    /// Multiples of the shortest edge of a cell of the grid in the world, however a map shears it; without a
+    /// map that is the smallest node spacing.
     Voxels(f64),
 }
 

@@ -427,21 +427,22 @@ fn read_classified(
         "a classified volume is rendered without random numbers",
     )?;
     let volume = reader.table("volume")?.expect("required");
-    let grid = match opacity {
-        OpacityByValue::Points(_) => files.values(&volume)?,
-        OpacityByValue::Formula(_) => files.densities(
+    let placed = files.placed_values(&volume)?;
+    if matches!(opacity, OpacityByValue::Formula(_)) {
+        files.check_densities(
             &volume,
+            &placed.grid,
             "for other values, give [[transfer_function.point]] with `value`, `colour` and \
              `opacity`, once for each point of a table",
-        )?,
-    };
-    if let Some(nodes) = grid.lattice().nodes().iter().max() {
+        )?;
+    }
+    if let Some(nodes) = placed.grid.lattice().nodes().iter().max() {
         volume.resolved("resolution", nodes);
     }
-    let lattice = grid.lattice();
-    let transfer_function = read_transfer_function(&transfer_function, opacity, lattice)?;
+    let voxel = placed.voxel();
+    let transfer_function = read_transfer_function(&transfer_function, opacity, voxel)?;
     let camera = root.table_or_default("camera")?;
-    Classified::read(reader, &camera, grid, transfer_function, aspect)
+    Classified::read(reader, &camera, placed, transfer_function, aspect)
 }
 
 fn read_radiative(root: &Reader, reader: &Reader, files: &mut Files) -> SceneResult<Radiative> {

@@ -11,6 +11,7 @@ pub mod format;
 mod key_lines;
 mod length;
 mod load;
+mod placement;
 mod procedural_xml;
 mod radiative;
 pub mod reader;

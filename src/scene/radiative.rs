@@ -5,7 +5,7 @@ mod densities;
 mod lights;
 mod media;
 mod phases;
-mod shape_transform;
+pub(in crate::scene) mod shape_transform;
 mod shapes;
 mod surfaces;
 

@@ -6,7 +6,6 @@ use super::reader::Reader;
 use crate::optics::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
-use crate::volume::Lattice;
 
 /// The declaration of `[transfer_function]`.
 pub(super) const TRANSFER_FUNCTION: Table = Table::new("Opacity over the reference length and colour, by density. Either transparency T(d) = (exp(−d²) − floor)/(1 − floor), clamped to [0, 1], with a colour by name; or a table of points, for values of any kind.").keys(&[
@@ -71,11 +70,11 @@ fn read_points(reader: &Reader) -> SceneResult<TransferPoints> {
 pub(super) fn read_transfer_function(
     reader: &Reader,
     opacity: OpacityByValue,
-    lattice: &Lattice,
+    voxel: f64,
 ) -> SceneResult<TransferFunction> {
     let reference_length = reader
         .length("reference_length")?
-        .in_world_units(lattice.voxel())
+        .in_world_units(voxel)
         .map_err(|message| reader.error("reference_length", message))?;
     let appearance = match opacity {
         OpacityByValue::Points(points) => Appearance::Points(points),

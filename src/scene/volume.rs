@@ -1,13 +1,32 @@
 //! The file of a grid, and its options.
 
 use super::SceneResult;
-use super::format::{Key, Kind, Range, Table};
+use super::format::{Key, Kind, Range, Rule, Table};
+use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
 use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_format};
 use std::path::Path;
 
 /// The declaration of a table that names a volume file.
-pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&[
+pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&KEYS);
+
+/// The same with a map that places the volume in the world.
+pub(super) const PLACED_VOLUME: Table =
+    Table::new(VOLUME.doc)
+        .keys(&PLACED_KEYS)
+        .rules(&[Rule::Apart([
+            &["transform"],
+            &["scale", "rotate", "translate"],
+        ])]);
+
+const PLACED_KEYS: [Key; 11] = {
+    let [a, b, c, d, e, f, g] = KEYS;
+    let f = f.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged.");
+    let [scale, rotate, translate] = STEPS;
+    [a, b, c, d, e, f, g, TRANSFORM, scale, rotate, translate]
+};
+
+const KEYS: [Key; 7] = [
     Key::required("file", Kind::Text)
         .doc("Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene."),
     Key::derived("resolution", Kind::Count(2, 4096), "one point per voxel, on average")
@@ -22,7 +41,7 @@ pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes 
         .doc("Grids only: \"world\" (default) permutes and flips the axes of the file to match the world axes and rejects oblique ones; \"as-stored\" uses them as x, y and z unchanged."),
     Key::optional("detached_anywhere", Kind::Flag)
         .doc("Grids only: whether a header may name a data file outside its own folder, directly or through a symbolic link. Default: false."),
-]);
+];
 
 /// The request of a table that names a volume file.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +53,8 @@ pub(super) struct VolumeRequest {
 }
 
 impl VolumeRequest {
-    pub(super) fn read(reader: &Reader) -> SceneResult<VolumeRequest> {
+    /// The request of a table; `oblique` says whether axes may point anywhere.
+    pub(super) fn read(reader: &Reader, oblique: bool) -> SceneResult<VolumeRequest> {
         let file = reader.text("file")?;
         let format = volume_format(Path::new(&file));
         let without = |keys: &[&'static str], what: &str| {
@@ -79,6 +99,8 @@ impl VolumeRequest {
         }
         if reader.optional_text("orientation")?.as_deref() == Some("as-stored") {
             options.orientation = Orientation::AsStored;
+        } else if oblique {
+            options.orientation = Orientation::Oblique;
         }
         options.detached_anywhere = reader.flag("detached_anywhere")?;
         Ok(VolumeRequest { file, options })

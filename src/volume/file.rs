@@ -12,6 +12,7 @@ use super::other_formats::{misnamed, remedy};
 use super::point_cloud::POINT_CLOUD;
 use super::raw_volume::BARE_SAMPLES;
 use super::source::{FileRead, VolumeSource, ends_in};
+use crate::geometry::Transform;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -34,6 +35,8 @@ pub struct Loaded {
     /// The grid. Values are finite unless [`NonFinite::Kept`](super::NonFinite::Kept) was
     /// requested, and may be negative: see [`Grid::check_densities`].
     pub grid: Grid<f32>,
+    /// The map of the grid into the world, of [oblique](super::Orientation::Oblique) axes.
+    pub to_world: Option<Transform>,
     /// The files read: the volume, and its detached data if any.
     pub files: Vec<FileRead>,
     /// Name of the format of the files.
@@ -84,8 +87,16 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         Some(misnamed) => source.error(misnamed),
         None => source.error(fault),
     })?;
+    let to_world = match &stored {
+        Stored::Samples(layout) => {
+            let placement = layout.axes.placement(options.centring, options.orientation);
+            placement.ok().and_then(|placement| placement.to_world)
+        }
+        Stored::Cloud { .. } => None,
+    };
     Ok(Loaded {
         grid,
+        to_world,
         files: source.finish()?,
         format: format.name,
         stored,

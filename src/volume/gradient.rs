@@ -1,6 +1,7 @@
 //! Gradients of a scalar grid, computed once and stored at its nodes.
 
 use super::{Grid, Lattice, Scalar};
+use crate::geometry::Transform;
 use crate::math::power_of_two_below;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 /// most quadratic along each axis, but for the rounding of the stored numbers. Gradients are
 /// stored in the precision of the grid.
 pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
-    gradients_over(grid, 1.0)
+    gradients_over(grid, 1.0, |gradient| gradient)
 }
 
 /// [`gradients`] for use as directions only: per length of the power of two at or below the
@@ -22,11 +23,23 @@ pub fn gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
 /// overflow `f32` and those of a large one underflow. Here none exceeds half the largest density,
 /// and scaling the volume by a power of two changes no bit.
 pub fn relative_gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
-    gradients_over(grid, power_of_two_below(grid.lattice().voxel()))
+    gradients_over(grid, power_of_two_below(grid.lattice().voxel()), |it| it)
 }
 
-/// Gradients per `unit` of length, a power of two.
-fn gradients_over<T: Scalar>(grid: &Grid<T>, unit: f64) -> Grid<[T; 3]> {
+/// [`relative_gradients`] of a grid that `to_world` places, in the world: those of the grid by the
+/// [inverse transpose](Transform::gradient_map), before they are rounded.
+pub fn placed_gradients<T: Scalar>(grid: &Grid<T>, to_world: &Transform) -> Grid<[T; 3]> {
+    let unit = power_of_two_below(grid.lattice().voxel());
+    let map = to_world.gradient_map();
+    gradients_over(grid, unit, |gradient| map * gradient)
+}
+
+/// Gradients per `unit` of length, a power of two, changed by `map`.
+fn gradients_over<T: Scalar>(
+    grid: &Grid<T>,
+    unit: f64,
+    map: impl Fn(DVec3) -> DVec3 + Sync,
+) -> Grid<[T; 3]> {
     let spacing = grid.lattice().spacing() / unit;
     let lattice = *grid.lattice();
     let mut values = vec![[T::rounded(0.0); 3]; lattice.node_count()];
@@ -36,7 +49,7 @@ fn gradients_over<T: Scalar>(grid: &Grid<T>, unit: f64) -> Grid<[T; 3]> {
         for (j, row) in plane.chunks_mut(nx).enumerate() {
             for (i, gradient) in row.iter_mut().enumerate() {
                 let inner = inner(&lattice, [i, j, k]);
-                *gradient = central_difference(grid, spacing, inner)
+                *gradient = map(central_difference(grid, spacing, inner))
                     .to_array()
                     .map(T::rounded);
             }
@@ -56,6 +69,8 @@ fn inner(lattice: &Lattice, node: [usize; 3]) -> [usize; 3] {
     inner
 }
 
+// Always: as a call it took more than its work.
+#[inline(always)]
 fn central_difference<T: Scalar>(grid: &Grid<T>, spacing: DVec3, node: [usize; 3]) -> DVec3 {
     let (lattice, values) = (grid.lattice(), grid.values());
     let nodes = lattice.nodes();

@@ -4,7 +4,7 @@ use super::{
     Blocks, Cell, Centring, CubicSegment, DensityField, DensityRange, Grid, Interpolation,
     NodeLine, Walk,
 };
-use crate::geometry::{Aabb, Ray, Span};
+use crate::geometry::{Aabb, Line, Span};
 use crate::math::Sum;
 use crate::math::quadrature::cubic_integral;
 use glam::DVec3;
@@ -118,10 +118,14 @@ impl GridDensity {
         self.pieces(line, span)
     }
 
-    /// The field along `ray`, segment by segment.
-    pub fn cubic_segments(&self, ray: &Ray, span: Span) -> impl Iterator<Item = CubicSegment> {
+    /// The field along a ray, segment by segment.
+    pub fn cubic_segments(
+        &self,
+        line: impl Into<Line>,
+        span: Span,
+    ) -> impl Iterator<Item = CubicSegment> {
         let lattice = self.grid.lattice();
-        let line = NodeLine::new(ray, lattice);
+        let line = NodeLine::new(line, lattice);
         self.pieces(line, span).map(move |span| {
             let half = 0.5 * span.length();
             let middle = Cell::around(lattice, line.at(span.near + half));

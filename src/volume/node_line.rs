@@ -1,7 +1,7 @@
 //! A line through a lattice.
 
 use super::{Lattice, NodePoint, NodePoints};
-use crate::geometry::Ray;
+use crate::geometry::Line;
 use glam::DVec3;
 
 /// A line in node coordinates, parametrised by distance in world units.
@@ -17,10 +17,11 @@ pub struct NodeLine {
 }
 
 impl NodeLine {
-    /// The line of `ray` over `lattice`.
+    /// The line of a ray over `lattice`.
     #[inline]
-    pub fn new(ray: &Ray, lattice: &Lattice) -> NodeLine {
-        NodeLine::from(lattice.to_nodes(ray.origin), *ray.direction, lattice)
+    pub fn new(line: impl Into<Line>, lattice: &Lattice) -> NodeLine {
+        let line = line.into();
+        NodeLine::from(lattice.to_nodes(line.origin), line.direction, lattice)
     }
 
     /// The line from `origin` along `direction`, a world vector.

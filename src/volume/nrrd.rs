@@ -11,6 +11,7 @@
 //! - `axis mins` and `axis maxs` are positions of the outermost samples where the axis is centred
 //!   on nodes, and of the faces beyond them where it is centred on cells.
 //! - `spacings` alone put the first sample at the origin.
+//! - A negative spacing, and a minimum above the maximum, is an axis that runs backwards from its first sample.
 //! - Without any of them the spacing is 1.
 //!
 //! A file with the wrong `endian` cannot be told apart from one with unusual values.
@@ -543,15 +544,11 @@ mod tests {
         for (lines, expected) in [
             (
                 "spacings: 0 1 1\n",
-                "6: `spacings` must be a positive, finite number for each axis, or NaN if unknown",
-            ),
-            (
-                "spacings: 1 -1 nan\n",
-                "6: `spacings` must be a positive, finite number",
+                "6: `spacings` must be a finite, non-zero number for each axis, or NaN if unknown",
             ),
             (
                 "spacings: 1 x 1\n",
-                "6: `spacings` must be a positive, finite number",
+                "6: `spacings` must be a finite, non-zero number",
             ),
             (
                 "spacings: 1 1 1\naxis mins: 0 -inf 0\n",
@@ -563,7 +560,7 @@ mod tests {
             ),
             (
                 "axis mins: 0 1 0\naxis maxs: 1 1 1\n",
-                "along axis 2 `axis mins` is 1 and `axis maxs` 1, which must be greater",
+                "along axis 2 `axis mins` and `axis maxs` are both 1, and must differ",
             ),
             (
                 "space origin: (0,nan,0)\n",

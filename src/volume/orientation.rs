@@ -2,9 +2,9 @@
 
 use super::error::{VolumeFault, refused};
 use super::{Centring, Lattice, LatticeError};
-use crate::geometry::{length_of, longest_axis};
+use crate::geometry::{Transform, length_of, longest_axis};
 use crate::math::atan2;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// The treatment of axes other than x, y and z.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub enum Orientation {
     /// all others are an error.
     #[default]
     World,
+    /// As [`Orientation::World`], and axes that point elsewhere are kept: a map places the grid.
+    Oblique,
     /// The stored axes are used as x, y and z, with the lengths of their steps as spacing. The
     /// position of the first sample is unchanged.
     AsStored,
@@ -45,6 +47,8 @@ pub enum AxisSteps {
 pub(super) struct Placement {
     /// Positions of the nodes.
     pub lattice: Lattice,
+    /// The map of those positions into the world, of oblique axes.
+    pub to_world: Option<Transform>,
     /// For each axis of the world, the stored axis that runs along it; true if backwards.
     from: [(usize, bool); 3],
 }
@@ -68,6 +72,7 @@ impl Axes {
             let lattice = Lattice::new(self.sizes, spacing, self.first)?;
             Ok(Placement {
                 lattice: lattice.with_centring(centring)?,
+                to_world: None,
                 from: [(0, false), (1, false), (2, false)],
             })
         };
@@ -88,14 +93,17 @@ impl Axes {
             let along = longest_axis(direction.abs());
             let mut off = direction;
             off[along] = 0.0;
+            if length_of(off) > OFF_AXIS && orientation == Orientation::Oblique {
+                return self.oblique(steps, lengths, centring);
+            }
             if length_of(off) > OFF_AXIS {
                 let axis = stored + 1;
                 let degrees = atan2(length_of(off), direction[along].abs()).to_degrees();
                 return refused(format!(
                     "axis {axis} of the file is rotated by {degrees:.4} degrees from the nearest \
-                    axis of the world: resample the volume along x, y and z, or use its axes as \
-                    stored: `orientation = \"as-stored\"` beside `file` in the scene (`--as-stored` \
-                    for `volref info`)"
+                    axis of the world, and only classified volumes stand obliquely: resample the volume \
+                    along x, y and z, or use its axes as stored: `orientation = \"as-stored\"` beside \
+                    `file` in the scene"
                 ));
             }
             if let Some((other, _)) = from[along] {
@@ -121,7 +129,32 @@ impl Axes {
             }
         }
         let lattice = Lattice::new(nodes, spacing, first)?.with_centring(centring)?;
-        Ok(Placement { lattice, from })
+        Ok(Placement {
+            lattice,
+            to_world: None,
+            from,
+        })
+    }
+
+    /// The stored axes with the lengths of their steps as spacing, from the origin on, and the map
+    /// that turns them to where they are.
+    fn oblique(
+        &self,
+        steps: [DVec3; 3],
+        lengths: DVec3,
+        centring: Centring,
+    ) -> Result<Placement, VolumeFault> {
+        let lattice = Lattice::new(self.sizes, lengths, DVec3::ZERO)?;
+        let [x, y, z] = [0, 1, 2].map(|axis| steps[axis] / lengths[axis]);
+        let to_world = Transform::from_matrix(DMat3::from_cols(x, y, z), self.first);
+        let to_world = to_world.map_err(|_| {
+            "the axes of the file lie in one plane of the world: the header is wrong".to_owned()
+        })?;
+        Ok(Placement {
+            lattice: lattice.with_centring(centring)?,
+            to_world: Some(to_world),
+            from: [(0, false), (1, false), (2, false)],
+        })
     }
 }
 
@@ -233,10 +266,9 @@ mod tests {
         let turned = DVec3::new(0.6, 0.8, 0.0);
         assert_eq!(
             error([turned, DVec3::new(-0.8, 0.6, 0.0), DVec3::Z]),
-            "axis 1 of the file is rotated by 36.8699 degrees from the nearest axis of the world: \
-            resample the volume along x, y and z, or use its axes as stored: \
-            `orientation = \"as-stored\"` beside `file` in the scene (`--as-stored` for `volref \
-            info`)"
+            "axis 1 of the file is rotated by 36.8699 degrees from the nearest axis of the world, \
+            and only classified volumes stand obliquely: resample the volume along x, y and z, or use its axes \
+            as stored: `orientation = \"as-stored\"` beside `file` in the scene"
         );
         assert_eq!(
             error([DVec3::X, -DVec3::X, DVec3::Z]),

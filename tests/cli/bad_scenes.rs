@@ -584,3 +584,76 @@ fn a_file_of_panels() {
     let run = folder.volref(&["plan", "panels.toml"]);
     run.expect(2, &["1600000 panels are too many"]);
 }
+
+/// Maps that place no volume, each with its line, and a remedy.
+#[test]
+fn impossible_placements() {
+    let singular = "[[1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]]";
+    for (keys, line, pieces) in [
+        (
+            "transform = [[1, 0, 0, 0], [0, 1, 0, 0]]".to_owned(),
+            14,
+            ["`transform` must be three rows of four numbers", "help"],
+        ),
+        (
+            "transform = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]".to_owned(),
+            14,
+            ["`transform` must be three rows of four numbers", "help"],
+        ),
+        (
+            "transform = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]".to_owned(),
+            14,
+            ["`transform` must be finite, got nan", "help"],
+        ),
+        (
+            format!("transform = {singular}"),
+            14,
+            ["maps space onto a plane", "three independent columns"],
+        ),
+        (
+            "transform = [[1e-9, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]".to_owned(),
+            14,
+            ["has the condition 1.0e9", "stretch and shear less"],
+        ),
+        (
+            "scale = [1, 1, 1e-12]".to_owned(),
+            14,
+            ["has the condition 1.0e12", "stretch and shear less"],
+        ),
+        (
+            "translate = [1, 0, 0]\nscale = 2".to_owned(),
+            15,
+            ["`scale` must be three numbers", "help"],
+        ),
+        (
+            "translate = [1.7e308, 0, 0]\nscale = [1e308, 1e308, 1e308]".to_owned(),
+            15,
+            ["out of the range of numbers", "numbers near 1"],
+        ),
+        (
+            "scale = [1, 0, 1]".to_owned(),
+            14,
+            ["flattens the object", "factor other than 0"],
+        ),
+        (
+            "rotate = { axis = [0, 0, 0], angle = 1 }".to_owned(),
+            14,
+            ["an axis other than the zero vector", "help"],
+        ),
+        (
+            "translate = [0, 0, 0]\ntransform = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]"
+                .to_owned(),
+            15,
+            [
+                "[classified.volume] mixes `transform` with `translate`",
+                "give either `transform`, or `scale`, `rotate`, `translate`",
+            ],
+        ),
+    ] {
+        let said = after("padding = 1", &format!("padding = 1\n{keys}"));
+        assert!(said.starts_with(&format!("scene.toml:{line}:")), "{said}");
+        for piece in pieces {
+            assert!(said.contains(piece), "{piece}: {said}");
+        }
+    }
+}

@@ -300,6 +300,33 @@ fn the_student_passes_figure_5_and_fails_without_its_shadow() {
     assert!(!deterministic(&right, &wrong).passed);
 }
 
+/// A volume that a map shears: the matrix of the bundle, and what its formula says, are enough.
+#[test]
+fn the_student_places_a_volume() {
+    let placed = "file = \"../../volumes/smoke.obj\"\n\
+                  transform = [[1, 0.5, 0, 0.1], [0, 0.6, -0.3, 0], [0.2, 0, 1.3, 0]]";
+    let edits = [
+        ("width = 256", "width = 64"),
+        ("height = 256", "height = 64"),
+        ("file = \"../../volumes/smoke.obj\"", placed),
+    ];
+    let scene = figure_with("figure-3", &edits);
+    let bundle = description(&bundle(&scene, "placed").unwrap());
+    let grid = &bundle["panels"][0]["grid"];
+    let rows = [
+        [1.0, 0.5, 0.0, 0.1],
+        [0.0, 0.6, -0.3, 0.0],
+        [0.2, 0.0, 1.3, 0.0],
+    ];
+    assert_eq!(grid["matrix"], serde_json::json!(rows));
+    assert!(grid["placement"].as_str().unwrap().contains("M*q + o"));
+    if !python() {
+        return;
+    }
+    let judgement = deterministic(&film(&scene), &student_film(&scene, &[]));
+    assert!(judgement.passed, "{}", judgement.reason);
+}
+
 /// Every other mistake that the script offers makes an image that fails.
 #[test]
 fn the_students_mistakes_are_seen() {

@@ -11,6 +11,7 @@ use volref::conventions::{
     ray_caster::RayCaster, under,
 };
 use volref::film::{Bits, Film};
+use volref::geometry::Transform;
 use volref::judging::{Verdict, validate};
 use volref::math::{pow, rng::philox4x32_10};
 use volref::naming::{Agreement, ConventionSearch};
@@ -607,7 +608,14 @@ fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
     // A step longer than any chord.
     let mut coarse = uneven.clone();
     coarse.step = 3.0;
-    let mut scenes = vec![bright, shadowed, flat, ended, coarse];
+    let mut sheared = uneven.clone();
+    let rows = [
+        [1.0, 0.6, 0.0, 0.0],
+        [0.0, 0.5, 0.2, 0.0],
+        [0.0, 0.0, 1.4, 0.0],
+    ];
+    sheared.to_world = Some(Transform::from_rows(rows).unwrap());
+    let mut scenes = vec![bright, shadowed, flat, ended, coarse, sheared];
     for corner in 0..8 {
         let side = |axis: usize| if corner >> axis & 1 == 1 { 4.0 } else { -3.0 };
         for mut scene in [uneven.clone(), long.clone()] {

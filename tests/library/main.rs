@@ -37,6 +37,7 @@ mod mesh_files;
 mod meshes;
 mod outside_faults;
 mod pinned_crates;
+mod placement;
 mod precision;
 mod preintegration;
 mod radiative_scenes;

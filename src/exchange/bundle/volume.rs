@@ -5,7 +5,7 @@ use super::points;
 use crate::geometry::Camera;
 use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::scene::{Classified, Compositing, Shadow};
-use crate::volume::{Centring, Interpolation, Lattice};
+use crate::volume::{Centring, Interpolation};
 use glam::DVec3;
 
 /// All that is computed for a picture of `scene`, whose values stand in `file`.
@@ -25,7 +25,7 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     let mut entries = vec![
         ("shows", "volume".into()),
         ("ray", Json::Object(ray(&scene.camera))),
-        ("grid", Json::Object(grid(scene.grid.lattice(), file))),
+        ("grid", Json::Object(grid(scene, file))),
         ("interpolation", interpolation(scene.interpolation)),
         ("sampling", Json::Object(sampling)),
         (
@@ -85,7 +85,8 @@ fn ray(camera: &Camera) -> Entries {
     entries
 }
 
-fn grid(lattice: &Lattice, file: String) -> Entries {
+fn grid(scene: &Classified, file: String) -> Entries {
+    let lattice = scene.grid.lattice();
     let bounds = lattice.bounds();
     let format = "bare float32, little endian, x fastest: with [nx, ny, nz] = nodes, the value of \
                   node (i, j, k) is number (k*ny + j)*nx + i, from 0";
@@ -100,7 +101,7 @@ fn grid(lattice: &Lattice, file: String) -> Entries {
             "the volume fills the box, whose faces lie half a spacing beyond the outermost nodes"
         }
     };
-    vec![
+    let mut entries = vec![
         ("file", file.into()),
         ("format", format.into()),
         ("nodes", lattice.nodes().into()),
@@ -110,8 +111,22 @@ fn grid(lattice: &Lattice, file: String) -> Entries {
         ("box_min", bounds.min.to_array().into()),
         ("box_max", bounds.max.to_array().into()),
         ("faces", faces.into()),
-    ]
+    ];
+    if let Some(to_world) = &scene.to_world {
+        let rows = to_world.rows().map(Vec::from);
+        entries.extend([
+            ("matrix", Json::List(rows.map(Json::from).into())),
+            ("placement", PLACEMENT.into()),
+        ]);
+    }
+    entries
 }
+
+const PLACEMENT: &str = "the matrix has three rows of four numbers: with M its first three columns and o the \
+    last, the point q of the grid stands at p = M*q + o in the world. Nodes, box and values are in \
+    coordinates q. A ray is q(t) = M^-1*(p(t) - o) in them: it enters and leaves the box at the t of that line, \
+    and is not made a line of unit direction: t, steps and lengths are of the world. Gradients of the \
+    world are the transpose of M^-1, times those of the grid; eye, light and shading are of the world";
 
 fn interpolation(interpolation: Interpolation) -> Json {
     match interpolation {

@@ -3,7 +3,7 @@
 use crate::geometry::{Ray, Surface};
 use crate::math::exp_m1;
 use crate::scene::{Classified, Model, Panel, Radiative, Scene};
-use crate::volume::{Cell, Reconstruction as _};
+use crate::volume::{Cell, NodeLine, Reconstruction as _, VolumeBox as _};
 
 /// Samples along a ray through a classified volume: enough to tell near from far.
 const SAMPLES: usize = 64;
@@ -42,15 +42,16 @@ pub(super) fn distances(scene: &Scene) -> Option<Vec<f64>> {
 /// Distance at which a ray has half of the opacity that it has in the end.
 fn half_seen(volume: &Classified, ray: &Ray) -> f64 {
     let lattice = volume.grid.lattice();
-    let Some(span) = lattice.bounds().span(ray) else {
+    let Some(span) = volume.extent().span(ray) else {
         return f64::INFINITY;
     };
+    let line = NodeLine::new(volume.extent().line(ray), lattice);
     let step = span.length() / SAMPLES as f64;
     let mut depth = 0.0;
     let samples: Vec<(f64, f64)> = (0..SAMPLES)
         .map(|sample| {
             let t = span.near + (sample as f64 + 0.5) * step;
-            let cell = Cell::around(lattice, lattice.to_nodes(ray.at(t)));
+            let cell = Cell::around(lattice, line.at(t));
             let value = volume.interpolation.read(&volume.grid, &cell);
             depth += volume.transfer_function.extinction(value) * step;
             (t, -exp_m1(-depth))
@@ -111,7 +112,7 @@ mod tests {
         let Model::Classified(volume) = &scene.panels[0].model else {
             panic!("a classified volume");
         };
-        let to_centre = (volume.camera.eye() - volume.grid.lattice().bounds().centre()).length();
+        let to_centre = (volume.camera.eye() - volume.extent().world_bounds().centre()).length();
         let (width, height) = (scene.panels[0].width, scene.height());
         let middle = found[width * (height / 2) + width / 2];
         assert!(

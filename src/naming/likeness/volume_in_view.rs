@@ -1,9 +1,9 @@
 //! The volume of a scene as its pixels see it: their size in voxels, and the silhouette of its box.
 
-use crate::geometry::{Aabb, Camera, Ray, Span, Surface as _, length_of};
+use crate::geometry::{Camera, Ray, Span, Surface as _, length_of};
 use crate::optics::{Density, Field};
 use crate::scene::{Model, Panel, Scene};
-use crate::volume::Lattice;
+use crate::volume::{Lattice, PlacedBox, VolumeBox as _};
 use glam::DVec3;
 
 /// Largest width of the border, in pixels.
@@ -13,8 +13,8 @@ const WIDEST: usize = 8;
 pub(super) struct VolumeInView<'s> {
     camera: &'s Camera,
     size: [usize; 2],
-    /// The box of a classified volume, or of a medium.
-    bounds: Aabb,
+    /// The box of a classified volume, wherever it is, or of a medium.
+    extent: PlacedBox,
     lattice: &'s Lattice,
     /// Place of the grid of a medium in the world.
     density: Option<&'s Density>,
@@ -31,7 +31,7 @@ impl<'s> VolumeInView<'s> {
             Model::Classified(volume) => Some(VolumeInView {
                 camera: &volume.camera,
                 size,
-                bounds: volume.grid.lattice().bounds(),
+                extent: volume.extent(),
                 lattice: volume.grid.lattice(),
                 density: None,
             }),
@@ -44,7 +44,10 @@ impl<'s> VolumeInView<'s> {
                     Some(VolumeInView {
                         camera: &scene.camera,
                         size,
-                        bounds: body.boundary.as_ref()?.bounds(),
+                        extent: PlacedBox {
+                            bounds: body.boundary.as_ref()?.bounds(),
+                            to_world: None,
+                        },
                         lattice: grid.shared().lattice(),
                         density: Some(density),
                     })
@@ -59,7 +62,7 @@ impl<'s> VolumeInView<'s> {
     /// Width of a pixel at the centre of the volume, to the right and down, in voxels along the axes of
     /// the grid; none where the centre lies behind the eye.
     pub fn voxels(&self) -> Option<[[f64; 3]; 2]> {
-        let centre = self.bounds.centre();
+        let centre = self.extent.world_bounds().centre();
         let (right, up) = (self.camera.half_right(), self.camera.half_up());
         let distance = if self.camera.is_orthographic() {
             1.0
@@ -77,7 +80,7 @@ impl<'s> VolumeInView<'s> {
     /// A short way in the world, at the centre of the volume, in voxels.
     fn in_voxels(&self, centre: DVec3, way: DVec3) -> Option<[f64; 3]> {
         let way = match self.density {
-            None => way,
+            None => self.extent.vector_to_volume(way),
             Some(density) => {
                 let length = length_of(way);
                 let ray = Ray::new(centre, way)?;
@@ -96,7 +99,7 @@ impl<'s> VolumeInView<'s> {
         let [width, height] = self.size;
         let sees = |i: usize| {
             let ray = self.camera.ray([i % width, i / width], self.size);
-            self.bounds.span(&ray).is_some()
+            self.extent.span(&ray).is_some()
         };
         let sees: Vec<bool> = (0..width * height).map(sees).collect();
         let around =

@@ -18,14 +18,14 @@
 //!
 //! Source: Max 1995, "Optical models for direct volume rendering".
 
-use crate::geometry::{Aabb, Ray};
+use crate::geometry::Ray;
 use crate::math::exp_m1;
 use crate::optics::TransferFunction;
 use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
-use crate::volume::{CubicSegment, GridDensity};
+use crate::volume::{CubicSegment, GridDensity, PlacedBox, VolumeBox as _};
 use glam::DVec3;
 
 /// Error of a pixel that is aimed at, relative to the brightest radiance of the scene: a tenth of
@@ -53,7 +53,7 @@ pub struct RayIntegrator<'s> {
     field: GridDensity,
     /// The value of a field that has but one.
     constant: Option<f64>,
-    bounds: Aabb,
+    extent: PlacedBox,
     background: DVec3,
     /// No radiance of the scene is above this.
     brightest: f64,
@@ -69,7 +69,7 @@ impl<'s> RayIntegrator<'s> {
             transfer_function: &scene.transfer_function,
             knots: scene.transfer_function.knots(),
             field: GridDensity::new(scene.grid.clone(), scene.interpolation),
-            bounds: scene.grid.lattice().bounds(),
+            extent: scene.extent(),
             background: scene.background,
             brightest: scene.brightest(),
             collocation: Collocation::new(),
@@ -85,7 +85,7 @@ impl<'s> RayIntegrator<'s> {
             },
             ..RayIntegral::default()
         };
-        let Some(span) = self.bounds.span(ray) else {
+        let Some(span) = self.extent.span(ray) else {
             return result;
         };
         let segments = if let Some(value) = self.constant {
@@ -94,7 +94,10 @@ impl<'s> RayIntegrator<'s> {
                 coefficients: [value, 0.0, 0.0, 0.0],
             }]
         } else {
-            let segments: Vec<_> = self.field.cubic_segments(ray, span).collect();
+            let segments: Vec<_> = self
+                .field
+                .cubic_segments(self.extent.line(ray), span)
+                .collect();
             result.cells = segments.len() as u64;
             segments
         };

@@ -47,7 +47,7 @@ impl Shading for Unshaded {
 pub struct Shaded {
     /// Weights of the reflection model.
     pub phong: Phong,
-    /// Gradients at the nodes, in any unit: only directions matter.
+    /// Gradients at the nodes, of the world, in any unit: only directions matter.
     pub gradients: Grid<[f32; 3]>,
     /// World position of the light.
     pub light: DVec3,

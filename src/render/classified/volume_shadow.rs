@@ -8,7 +8,7 @@ use crate::math;
 use crate::optics::{Appearance, TransferFunction, over_length};
 use crate::render::counters::{Event, Work};
 use crate::scene::Shadow;
-use crate::volume::NodeLine;
+use crate::volume::{NodeLine, VolumeBox};
 use glam::DVec3;
 
 /// Visibility of the light from samples.
@@ -26,7 +26,7 @@ pub trait Visibility: Sync {
 /// The ray from a world point towards `light`, and its span inside the volume; `None` where it has no
 /// direction or misses the volume.
 #[inline]
-pub fn shadow_ray(point: DVec3, light: DVec3, bounds: &Aabb) -> Option<(Ray, Span)> {
+pub fn shadow_ray(point: DVec3, light: DVec3, bounds: &impl VolumeBox) -> Option<(Ray, Span)> {
     let to_light = light - point;
     let ray = Ray::new(point, to_light)?;
     let inside = bounds.span(&ray)?;
@@ -61,18 +61,18 @@ impl Visibility for Unshadowed {
 /// makes them transparent. With a table the visibility is the transmittance of the opacities, each
 /// stated over `reference_step`: `Π (1 − a)^(step/reference_step)`.
 #[derive(Clone, Copy, Debug)]
-pub struct VolumeShadow<'c> {
+pub struct VolumeShadow<'c, B = Aabb> {
     /// Steps of the shadow ray.
     pub shadow: Shadow,
     /// World position of the light.
     pub light: DVec3,
     /// Extent of the volume.
-    pub bounds: Aabb,
+    pub bounds: B,
     /// Opacity by value.
     pub transfer_function: &'c TransferFunction,
 }
 
-impl Visibility for VolumeShadow<'_> {
+impl<B: VolumeBox> Visibility for VolumeShadow<'_, B> {
     fn at<F: ScalarField, S: Skipping, W: Work>(
         &self,
         sample: SamplePoint,
@@ -85,7 +85,11 @@ impl Visibility for VolumeShadow<'_> {
         };
         work.count(Event::ShadowRay);
         let steps = Steps::over(span, self.shadow.step);
-        let line = NodeLine::from(sample.nodes, *ray.direction, field.lattice());
+        let line = NodeLine::from(
+            sample.nodes,
+            self.bounds.line(&ray).direction,
+            field.lattice(),
+        );
         let reach = line.reach(self.shadow.step);
         let reference = self.shadow.reference_step;
         let (mut sum, mut transmittance) = (0.0, 1.0);

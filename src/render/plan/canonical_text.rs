@@ -51,10 +51,12 @@ fn of_ray_caster(features: RayCasterFeatures, newer: &str) -> String {
         shading,
         shadow,
         skip_empty,
+        placed,
     } = features;
+    let placed = if placed { ", placed: true" } else { "" };
     format!(
         "RayCaster {{ field: {field:?}, compositing: {compositing:?}, shading: {shading}, \
-         shadow: {shadow}, skip_empty: {skip_empty}{newer} }}"
+         shadow: {shadow}, skip_empty: {skip_empty}{placed}{newer} }}"
     )
 }
 

@@ -206,6 +206,7 @@ impl<'s> Contents<'s> {
             skip_empty: !self.is_transparent
                 && !self.is_constant
                 && transfer_function.may_be_transparent_between(least, most),
+            placed: self.scene.to_world.is_some(),
         }
     }
 }

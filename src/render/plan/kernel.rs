@@ -55,6 +55,8 @@ pub struct RayCasterFeatures {
     pub shadow: bool,
     /// Empty-space skipping: samples in transparent blocks are not taken.
     pub skip_empty: bool,
+    /// A map that places the volume in the world.
+    pub placed: bool,
 }
 
 impl RayCasterFeatures {
@@ -69,6 +71,7 @@ impl RayCasterFeatures {
             shading: scene.phong.is_some(),
             shadow: scene.shadow.is_some(),
             skip_empty: false,
+            placed: scene.to_world.is_some(),
         }
     }
 }
@@ -188,6 +191,7 @@ impl fmt::Display for RayCasterFeatures {
                 "every sample"
             },
         ];
-        write!(f, ", {}", words.join(", "))
+        write!(f, ", {}", words.join(", "))?;
+        f.write_str(if self.placed { ", placed by a map" } else { "" })
     }
 }

@@ -7,20 +7,20 @@ use crate::scene::reader::Reader;
 use glam::DVec3;
 
 /// The keys that move a shape.
-pub(super) const KEYS: [&str; 3] = ["scale", "rotate", "translate"];
+pub(in crate::scene) const KEYS: [&str; 3] = ["scale", "rotate", "translate"];
 
 /// Factors along the axes.
-pub(super) const SCALE: Key = Key::optional("scale", Kind::Vector)
+pub(in crate::scene) const SCALE: Key = Key::optional("scale", Kind::Vector)
     .doc("Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.");
 
 /// A turn about an axis.
-pub(super) const ROTATE: Key = Key::optional("rotate", Kind::Table(&ROTATION)).doc(
+pub(in crate::scene) const ROTATE: Key = Key::optional("rotate", Kind::Table(&ROTATION)).doc(
     "Rotates the shape about an axis through the origin, after its scaling and before its \
     translation.",
 );
 
 /// A displacement.
-pub(super) const TRANSLATE: Key = Key::optional("translate", Kind::Vector)
+pub(in crate::scene) const TRANSLATE: Key = Key::optional("translate", Kind::Vector)
     .doc("Translates the shape, after its scaling and rotation, world units.");
 
 const ROTATION: Table = Table::new("A rotation about an axis through the origin.").keys(&[
@@ -36,7 +36,7 @@ const ROTATION: Table = Table::new("A rotation about an axis through the origin.
 ]);
 
 /// The transform of a shape.
-pub(super) struct ShapeTransform {
+pub(in crate::scene) struct ShapeTransform {
     /// The map to the world; none for a shape that stays, to the bit, where it is given.
     pub to_world: Option<Transform>,
     /// The factors of its scaling.
@@ -44,7 +44,7 @@ pub(super) struct ShapeTransform {
 }
 
 impl ShapeTransform {
-    pub(super) fn read(reader: &Reader) -> SceneResult<ShapeTransform> {
+    pub(in crate::scene) fn read(reader: &Reader) -> SceneResult<ShapeTransform> {
         let mut transform = Transform::IDENTITY;
         let mut scale = DVec3::ONE;
         if let Some(factors) = reader.optional_vector("scale")? {
@@ -70,7 +70,7 @@ impl ShapeTransform {
     }
 
     /// The common factor of a scaling that stretches nothing more than anything else.
-    pub(super) fn uniform_scale(&self) -> Option<f64> {
+    pub(in crate::scene) fn uniform_scale(&self) -> Option<f64> {
         let [x, y, z] = self.scale.abs().to_array();
         (x == y && y == z).then_some(x)
     }

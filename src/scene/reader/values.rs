@@ -70,6 +70,24 @@ impl<'d, 's> Reader<'d, 's> {
         Ok(DVec3::from_array(numbers))
     }
 
+    /// A declared [`Kind::Matrix`] that may be left out, row by row.
+    pub fn optional_matrix(&self, name: &str) -> SceneResult<Option<[[f64; 4]; 3]>> {
+        let read = |value: &Spanned<DeValue>| {
+            let expected = self.declared(name).kind.expected();
+            let wrong = || self.error(name, format!("`{name}` must be {expected}"));
+            let mut rows = [[0.0; 4]; 3];
+            let items = array(value).filter(|items| items.len() == 3);
+            for (row, item) in rows.iter_mut().zip(items.ok_or_else(wrong)?) {
+                let numbers = array(item).filter(|numbers| numbers.len() == 4);
+                for (number, item) in row.iter_mut().zip(numbers.ok_or_else(wrong)?) {
+                    *number = self.float(name, item)?;
+                }
+            }
+            Ok(rows)
+        };
+        self.present(name, read, |rows| format!("{rows:?}"))
+    }
+
     /// Three channels, or one number for all of them.
     fn colour(&self, name: &str, value: &Spanned<DeValue>, range: &Range) -> SceneResult<DVec3> {
         let colour = match value.get_ref() {
@@ -296,5 +314,13 @@ impl<'d, 's> Reader<'d, 's> {
             Kind::Table(declaration) => declaration,
             _ => panic!("{name} is not a table"),
         }
+    }
+}
+
+/// The items of a list.
+fn array<'v, 's>(value: &'v Spanned<DeValue<'s>>) -> Option<&'v [Spanned<DeValue<'s>>]> {
+    match value.get_ref() {
+        DeValue::Array(items) => Some(items),
+        _ => None,
     }
 }

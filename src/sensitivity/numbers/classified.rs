@@ -1,6 +1,7 @@
 //! Numbers of classified volumes.
 
 use super::{Number, Quantity, in_classified};
+use crate::geometry::{Transform, TransformError};
 use crate::optics::Phong;
 use crate::scene::{Classified, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
@@ -25,6 +26,22 @@ static LIGHT: [Quantity; 3] = Quantity::place(
     "volume",
     "world units",
 );
+
+static TURN: [Quantity; 3] = Quantity::place(
+    ["turn.x", "turn.y", "turn.z"],
+    [
+        "turn of the volume about x",
+        "turn of the volume about y",
+        "turn of the volume about z",
+    ],
+    "volume",
+    "degrees",
+);
+static SIZE: [Quantity; 3] = [
+    Quantity::share("size.x", "size of the volume along its own x", "volume"),
+    Quantity::share("size.y", "size of the volume along its own y", "volume"),
+    Quantity::share("size.z", "size of the volume along its own z", "volume"),
+];
 
 /// Strength of a part of the Phong reflection.
 type Strength = fn(&mut Phong) -> &mut f64;
@@ -77,11 +94,11 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
             scene.step *= 1.0 + change
         });
     }
-    let voxel = scene.grid.lattice().spacing();
+    let edges = scene.cell_edges();
     for (axis, quantity) in GRID.iter().enumerate() {
         // The grid moves one way where eye and light move the other.
         let edit = move |scene: &mut Scene, change: f64| {
-            let offset = DVec3::AXES[axis] * (-change * voxel[axis]);
+            let offset = edges[axis] * -change;
             in_classified(scene, |volume| {
                 volume.light += offset;
                 volume.camera = volume.camera.with_eye_moved(offset);
@@ -90,8 +107,16 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
         };
         numbers.push(Number::new(quantity, 0.05, Smooth, edit));
     }
+    if scene.to_world.is_some() {
+        for (axis, (turn, size)) in TURN.iter().zip(&SIZE).enumerate() {
+            let turned = move |change| Transform::rotation(DVec3::AXES[axis], change);
+            numbers.push(Number::new(turn, 0.2, Smooth, placed(turned, false)));
+            let scaled = move |change| Transform::scale(DVec3::ONE + DVec3::AXES[axis] * change);
+            numbers.push(Number::new(size, 0.01, Smooth, placed(scaled, true)));
+        }
+    }
     if scene.phong.is_some() || scene.shadow.is_some() {
-        let step = 0.01 * (scene.light - scene.grid.lattice().bounds().centre()).length();
+        let step = 0.01 * (scene.light - scene.extent().world_bounds().centre()).length();
         for (axis, quantity) in LIGHT.iter().enumerate() {
             let edit = move |scene: &mut Scene, change: f64| {
                 in_classified(scene, |volume| volume.light += DVec3::AXES[axis] * change);
@@ -101,6 +126,29 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
         }
     }
     numbers
+}
+
+/// A map about the centre of the volume by `change`: before the one that places it, or after.
+fn placed(
+    map: impl Fn(f64) -> Result<Transform, TransformError> + Send + Sync,
+    before: bool,
+) -> impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync {
+    move |scene, change| {
+        let map = map(change).ok()?;
+        in_classified(scene, |volume| {
+            let (extent, Some(to_world)) = (volume.extent(), volume.to_world) else {
+                return;
+            };
+            let centre = extent.bounds.centre();
+            let about = |centre: DVec3| map.about(centre).ok();
+            volume.to_world = if before {
+                about(centre).map(|map| map.then(&to_world))
+            } else {
+                about(extent.in_world(centre)).map(|map| to_world.then(&map))
+            };
+        });
+        Some(())
+    }
 }
 
 fn volumes(

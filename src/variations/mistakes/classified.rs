@@ -8,7 +8,7 @@ use super::densities::{
 };
 use super::{Edit, Mistake, set};
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
-use crate::scene::{Classified, Gradient, Shadow};
+use crate::scene::{Classified, Gradient, Shadow, StepLength};
 use crate::volume::Interpolation;
 use glam::DVec3;
 
@@ -206,6 +206,38 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "volume-upside-down",
         advice: "the volume is upside down: y grows upwards",
         edit: Edit::Classified(|scene| in_classified(scene, upside_down)),
+    },
+    Mistake {
+        name: "transform-ignored",
+        advice: "the volume stands where its grid would be without a map: apply the transform of the scene, after that of the file",
+        edit: Edit::Classified(|scene| scene.to_world.take().is_some()),
+    },
+    Mistake {
+        name: "transform-inverted",
+        advice: "the volume is placed by the inverse of its map: points go to the world by the matrix, rays into the volume by its inverse; is it stored by rows or by columns?",
+        edit: Edit::Classified(|scene| {
+            let inverse = scene.to_world.map(|map| map.inverse());
+            inverse.is_some() && set(&mut scene.to_world, inverse)
+        }),
+    },
+    Mistake {
+        name: "normals-not-inverse-transposed",
+        advice: "normals are mapped as vectors are: gradients go to the world by the transpose of the inverse matrix",
+        edit: Edit::Classified(|scene| {
+            scene.to_world.is_some()
+                && scene.phong.is_some()
+                && set(&mut scene.conventions.vector_normals, true)
+        }),
+    },
+    Mistake {
+        name: "step-in-volume-space",
+        advice: "steps are measured in the volume's own coordinates: distances along a ray, and with them opacities, are those of the world, whatever the map does to them",
+        edit: Edit::Classified(|scene| {
+            scene.conventions.nominal_opacity = true;
+            scene.to_world.is_some()
+                && !scene.is_continuous()
+                && set(&mut scene.conventions.step_length, StepLength::Volume)
+        }),
     },
     Mistake {
         name: "colours-reversed",

@@ -115,8 +115,13 @@ impl Fields {
             first: DVec3::ZERO,
             centring: self.centring(dimension, kept)?,
         };
-        let positive = |number: f64| number.is_normal() && number > 0.0;
-        let spacings = self.numbers("spacings", "positive, finite", positive, dimension, kept)?;
+        let spacings = self.numbers(
+            "spacings",
+            "finite, non-zero",
+            f64::is_normal,
+            dimension,
+            kept,
+        )?;
         let ends = |name| self.numbers(name, "finite", f64::is_finite, dimension, kept);
         let (mins, maxs) = (ends("axis mins")?, ends("axis maxs")?);
         let known = |numbers: [Option<f64>; 3]| numbers.iter().any(Option::is_some);
@@ -156,7 +161,12 @@ impl Fields {
             (spacing[axis], first) = stated.resolved()?;
             axes.first[axis] = first.unwrap_or(axes.first[axis]);
         }
-        axes.steps = AxisSteps::Upright(spacing);
+        axes.steps = if spacing.cmpgt(DVec3::ZERO).all() {
+            AxisSteps::Upright(spacing)
+        } else {
+            // An axis that runs backwards.
+            AxisSteps::Directed([0, 1, 2].map(|axis| DVec3::AXES[axis] * spacing[axis]))
+        };
         Ok(axes)
     }
 
@@ -203,15 +213,7 @@ impl Fields {
         if numbers.into_iter().flatten().all(accepts) {
             return Ok(numbers);
         }
-        match wrong() {
-            VolumeFault::Line(message) if name == "spacings" && all.iter().any(|&s| s < 0.0) => {
-                Err(VolumeFault::Line(format!(
-                    "{message}; `space directions` and `space origin` describe an axis that runs \
-                     backwards"
-                )))
-            }
-            fault => Err(fault),
-        }
+        Err(wrong())
     }
 }
 
@@ -237,11 +239,10 @@ impl AxisPositions {
         let intervals = intervals as f64;
         let ordinal = self.ordinal;
         if let (Some(min), Some(max)) = (self.min, self.max)
-            && min >= max
+            && min == max
         {
             return refused(format!(
-                "along axis {ordinal} `axis mins` is {min} and `axis maxs` {max}, which must be \
-                 greater"
+                "along axis {ordinal} `axis mins` and `axis maxs` are both {min}, and must differ"
             ));
         }
         let between = self.min.zip(self.max);

@@ -188,7 +188,8 @@ impl Written {
         if choices.one_in(2) {
             keys.give("background", choices.radiance());
         }
-        keys.give("volume", self.volume(choices, points));
+        let map = place_of_volume(choices);
+        keys.give("volume", self.volume(choices, points, map));
         if choices.one_in(2) {
             keys.give(
                 "light",
@@ -224,8 +225,7 @@ impl Written {
     }
 
     /// A volume file, and the table that names it.
-    fn volume(&mut self, choices: &mut Choices<'_>, signed: bool) -> String {
-        let mut keys = Keys::default();
+    fn volume(&mut self, choices: &mut Choices<'_>, signed: bool, mut keys: Keys) -> String {
         let kind = choices.below(4);
         if kind == 0 {
             keys.give("file", quoted("cloud.obj"));
@@ -335,7 +335,7 @@ impl Written {
         let density = choices.pick(&kinds);
         match density {
             "grid" => {
-                keys.give("grid", self.volume(choices, false));
+                keys.give("grid", self.volume(choices, false, Keys::default()));
                 if choices.one_in(2) {
                     keys.give(
                         "interpolation",
@@ -501,6 +501,34 @@ fn place(choices: &mut Choices<'_>, keys: &mut Keys) {
     if choices.one_in(6) {
         keys.give("translate", choices.place([-2.0, 2.0]));
     }
+}
+
+/// The keys of a map that places a volume: none, a matrix, or steps.
+fn place_of_volume(choices: &mut Choices<'_>) -> Keys {
+    let mut keys = Keys::default();
+    match choices.below(4) {
+        0 => {}
+        1 => {
+            let rows: Vec<Vec<f64>> = (0..3)
+                .map(|row| {
+                    let mut numbers = vec![0.0; 4];
+                    for (column, number) in numbers.iter_mut().enumerate().take(3) {
+                        let usual = if row == column {
+                            [2.0, 0.5]
+                        } else {
+                            [0.0, 0.5]
+                        };
+                        *number = choices.number(FINITE, usual);
+                    }
+                    numbers[3] = choices.length(FINITE, [-1.0, 1.0]);
+                    numbers
+                })
+                .collect();
+            keys.give("transform", format!("{rows:?}"));
+        }
+        _ => place(choices, &mut keys),
+    }
+    keys
 }
 
 /// Values of g: between −1 and 1.

@@ -81,6 +81,7 @@ pub fn plain(grid: Arc<Grid<f32>>) -> Classified {
     let eye = centre - DVec3::Z * (2.5 * size.max_element());
     Classified {
         grid,
+        to_world: None,
         interpolation: Interpolation::Trilinear,
         continuous: false,
         compositing: Compositing::FrontToBack,

@@ -1,0 +1,102 @@
+//! The place of a volume in the world: what its file says, and then what the scene says.
+
+use super::SceneResult;
+use super::format::{Key, Kind};
+use super::radiative::shape_transform::{ROTATE, SCALE, ShapeTransform, TRANSLATE};
+use super::reader::Reader;
+use crate::geometry::{Transform, length_of};
+use crate::volume::{Grid, PlacedBox, cell_edges, voxel};
+use std::sync::Arc;
+
+/// A matrix.
+pub(super) const TRANSFORM: Key = Key::optional("transform", Kind::Matrix).doc(
+    "Maps the volume, as it stands without this key, into the world: three rows of a 3 × 4 matrix, whose last column is a translation in world units. In place of `scale`, `rotate` and `translate`.",
+);
+
+/// The keys of a placement in place of [`TRANSFORM`]: those of a shape.
+pub(super) const STEPS: [Key; 3] = [
+    SCALE.doc("Scales the volume, as it stands without this key, along x, y, z about the origin, before its rotation; not 0, negative factors mirror."),
+    ROTATE.doc("Rotates the volume about an axis through the origin, after its scaling and before its translation."),
+    TRANSLATE.doc("Translates the volume, after its scaling and rotation, world units."),
+];
+
+/// Largest condition number of a map.
+///
+/// To the volume and back, rounding moves a point by up to 8 · 2⁻⁵³ of the condition, as a share of its
+/// distance from the origin of the map: at this number by 1e-7, which is a thousandth of a pixel of the
+/// largest image.
+const MOST_CONDITION: f64 = 1e8;
+
+/// A grid in the world.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedGrid {
+    pub grid: Arc<Grid<f32>>,
+    /// The map to the world; none where the axes of the grid are those of the world.
+    pub to_world: Option<Transform>,
+}
+
+impl PlacedGrid {
+    /// This grid, moved as the table of its volume says.
+    pub(super) fn moved(self, reader: &Reader) -> SceneResult<PlacedGrid> {
+        let by_scene = match reader.optional_matrix("transform")? {
+            Some(rows) => {
+                let map = Transform::from_rows(rows);
+                Some(map.map_err(|error| reader.error("transform", error.to_string()))?)
+            }
+            None => ShapeTransform::read(reader)?.to_world,
+        };
+        let to_world = match (self.to_world, by_scene) {
+            (Some(file), Some(scene)) => Some(file.then(&scene)),
+            (file, scene) => scene.or(file),
+        };
+        let placed = PlacedGrid {
+            to_world: to_world.filter(|map| *map != Transform::IDENTITY),
+            ..self
+        };
+        placed.check().map_err(|(message, help)| {
+            let keys = ["transform", "scale", "rotate", "translate"];
+            let given = keys.into_iter().find(|key| reader.has(key));
+            reader.mistake(given.unwrap_or("file"), message, help)
+        })?;
+        Ok(placed)
+    }
+
+    /// Refuses a map without enough digits, with the remedy.
+    fn check(&self) -> Result<(), (String, &'static str)> {
+        let Some(map) = &self.to_world else {
+            return Ok(());
+        };
+        let bounds = self.extent().world_bounds();
+        let edges = cell_edges(self.grid.lattice(), Some(map)).map(length_of);
+        let fits = bounds.min.is_finite() && bounds.size().is_finite();
+        if !(fits && edges.iter().all(|edge| edge.is_normal())) {
+            let message = "the volume is mapped out of the range of numbers".to_owned();
+            return Err((message, "give a map with numbers near 1"));
+        }
+        let condition = map.condition();
+        if condition <= MOST_CONDITION {
+            return Ok(());
+        }
+        let message = format!(
+            "the map of the volume to the world has the condition {condition:.1e}, with which \
+             positions lose too many digits; at most {MOST_CONDITION:.0e} is accepted"
+        );
+        Err((
+            message,
+            "stretch and shear less, or change the spacing of the file, of which any ratio is accepted",
+        ))
+    }
+
+    /// Length of a voxel in the world.
+    pub(super) fn voxel(&self) -> f64 {
+        voxel(self.grid.lattice(), self.to_world.as_ref())
+    }
+
+    /// The box, wherever it is.
+    pub(super) fn extent(&self) -> PlacedBox {
+        PlacedBox {
+            bounds: self.grid.lattice().bounds(),
+            to_world: self.to_world,
+        }
+    }
+}

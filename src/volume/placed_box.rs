@@ -1,0 +1,116 @@
+//! The box of a volume, wherever a map places it in the world.
+
+use super::{Lattice, NodePoint};
+use crate::geometry::{Aabb, Line, Ray, Span, Transform, length_of};
+use glam::DVec3;
+
+/// The box of a volume as rays of the world meet it.
+pub trait VolumeBox: Copy + Sync {
+    /// The span of `ray` inside.
+    fn span(&self, ray: &Ray) -> Option<Span>;
+
+    /// `ray` in the coordinates of the volume, by distances of the world.
+    fn line(&self, ray: &Ray) -> Line;
+
+    /// Node coordinates of a world point.
+    fn to_nodes(&self, point: DVec3, lattice: &Lattice) -> NodePoint;
+}
+
+/// A box that stands in the world as it is.
+impl VolumeBox for Aabb {
+    #[inline(always)]
+    fn span(&self, ray: &Ray) -> Option<Span> {
+        Aabb::span(self, ray)
+    }
+
+    #[inline(always)]
+    fn line(&self, ray: &Ray) -> Line {
+        ray.into()
+    }
+
+    #[inline(always)]
+    fn to_nodes(&self, point: DVec3, lattice: &Lattice) -> NodePoint {
+        lattice.to_nodes(point)
+    }
+}
+
+/// A box, and the map that places it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedBox {
+    /// The box in the coordinates of the volume.
+    pub bounds: Aabb,
+    /// The map to the world; none where they are the same.
+    pub to_world: Option<Transform>,
+}
+
+impl PlacedBox {
+    /// A world point in the coordinates of the volume.
+    pub fn to_volume(&self, point: DVec3) -> DVec3 {
+        self.to_world
+            .map_or(point, |map| map.point_to_object(point))
+    }
+
+    /// A difference of points of the world in the coordinates of the volume.
+    pub fn vector_to_volume(&self, vector: DVec3) -> DVec3 {
+        self.to_world
+            .map_or(vector, |map| map.inverse().vector(vector))
+    }
+
+    /// A point of the volume in the world.
+    pub fn in_world(&self, point: DVec3) -> DVec3 {
+        self.to_world.map_or(point, |map| map.point(point))
+    }
+
+    /// Edges of the box in the world.
+    pub fn edges(&self) -> [DVec3; 3] {
+        images(self.bounds.size(), self.to_world.as_ref())
+    }
+
+    /// The smallest box of the world around it.
+    pub fn world_bounds(&self) -> Aabb {
+        self.to_world
+            .map_or(self.bounds, |map| map.bounds(&self.bounds))
+    }
+}
+
+impl VolumeBox for PlacedBox {
+    #[inline]
+    fn span(&self, ray: &Ray) -> Option<Span> {
+        self.bounds.span_of(self.line(ray))
+    }
+
+    #[inline]
+    fn line(&self, ray: &Ray) -> Line {
+        match &self.to_world {
+            None => ray.into(),
+            Some(to_world) => to_world.line_to_object(ray),
+        }
+    }
+
+    #[inline]
+    fn to_nodes(&self, point: DVec3, lattice: &Lattice) -> NodePoint {
+        lattice.to_nodes(self.to_volume(point))
+    }
+}
+
+/// Edges of a cell of `lattice` in the world.
+pub fn cell_edges(lattice: &Lattice, to_world: Option<&Transform>) -> [DVec3; 3] {
+    images(lattice.spacing(), to_world)
+}
+
+/// The length called *one voxel*: that of the shortest [edge of a cell](cell_edges).
+pub fn voxel(lattice: &Lattice, to_world: Option<&Transform>) -> f64 {
+    if to_world.is_none() {
+        return lattice.voxel();
+    }
+    let lengths = cell_edges(lattice, to_world).map(length_of);
+    lengths.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The images of vectors of these lengths along the axes.
+fn images(lengths: DVec3, to_world: Option<&Transform>) -> [DVec3; 3] {
+    [0, 1, 2].map(|axis| {
+        let edge = DVec3::AXES[axis] * lengths[axis];
+        to_world.map_or(edge, |map| map.vector(edge))
+    })
+}
