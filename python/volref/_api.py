@@ -153,7 +153,9 @@ class Result:
         for mistake in self.looks_like:
             lines.append(f"looks like {mistake.name}: {mistake.advice}")
         if self.difference:
-            lines.append("no known mistake or convention explains it; measured:")
+            is_found = any("the scene agrees with the image" in it for it in self.difference)
+            nothing = "no known mistake or convention explains it; measured:"
+            lines.append("a change of a number explains it:" if is_found else nothing)
             lines.extend(f"  {sentence}" for sentence in self.difference)
         if self.report:
             lines.append(f"report: {self.report}")

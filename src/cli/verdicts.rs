@@ -3,7 +3,7 @@
 use super::{interrupt, output, progress};
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
-use crate::naming::{Likenesses, Predictions, Search, likeness};
+use crate::naming::{AGREES, Likenesses, Predictions, Search, likeness};
 use crate::report;
 use crate::suite::{Case, Suite};
 use std::time::Duration;
@@ -84,9 +84,6 @@ pub fn named(
     let text = report::likely_text(&found, was_cut_short, explain);
     (found, text)
 }
-
-/// End of a sentence on changes of numbers with which the scene was rendered again.
-const AGREES: &str = "the scene agrees with the image";
 
 /// True if a mistake is named, or a change of numbers that was rendered agrees with the image.
 fn has_finding(result: &CaseResult) -> bool {

@@ -27,6 +27,7 @@ mod volume_in_view;
 use crate::compare::SHARED_POSITIONS;
 use crate::compare::cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
+pub use fit::AGREES;
 pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
 pub(crate) use prediction::{lattice_of, pixels_of};
 
@@ -47,8 +48,8 @@ const NOTHING_STANDS_OUT: &str = "no gain and no shift accounts for a fifth of t
     and it is in no channel, box or part that is looked for";
 
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.
-const UNDECIDABLE: &str =
-    "at this noise no mistake can be shown to explain the difference: more samples would tell";
+const UNDECIDABLE: &str = "no single mistake that was tried agrees with the image; at this noise two together cannot be \
+    told apart: more samples would tell";
 
 /// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
 /// five of them fill most of a terminal of 24 lines.
@@ -78,6 +79,8 @@ pub struct Likenesses {
     pub unfinished: Vec<SearchStep>,
     /// Cases that no mistake explains, with what was measured of their difference: sentences.
     pub unexplained: Vec<(String, Vec<String>)>,
+    /// True if the images were judged by a profile, so that no other conventions were looked for.
+    pub under_a_profile: bool,
 }
 
 /// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
@@ -95,7 +98,10 @@ pub fn likeness(
         let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
         Some(under.unwrap_or(scene))
     };
-    likeness_with(cases, others, judged, &scene_of, search)
+    Likenesses {
+        under_a_profile: profile.is_some(),
+        ..likeness_with(cases, others, judged, &scene_of, search)
+    }
 }
 
 /// [`likeness`], where scenes come from elsewhere.
@@ -145,7 +151,8 @@ pub(crate) fn likeness_with(
                 fitted.insert(failed.index, fit);
             }
             explain(&failing[..at], &found, &clock, &mut known, &mut fits);
-            let goes_on = failed.is_decidable() && failed.simple.is_none();
+            let is_a_number = fitted.get(&failed.index).is_some_and(|fit| fit.agrees);
+            let goes_on = failed.is_decidable() && failed.simple.is_none() && !is_a_number;
             if found.is_empty() && goes_on && !clock.is_late() {
                 open.push((at, looks, clock));
             } else {
@@ -171,7 +178,7 @@ pub(crate) fn likeness_with(
             .entry(failed.index)
             .or_insert_with(|| failed.fitted_numbers(&clock));
         fit.or(failed.fitted_step(&clock));
-        let is_explained = fit.is_explained;
+        let is_explained = fit.is_explained || fit.agrees;
         if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
             pair_searches += 1;
             let found = failed.search_pairs(&looks, &mut clock);
@@ -238,7 +245,10 @@ pub(crate) fn likeness_with(
             if result.difference.is_empty() && is_measured {
                 result.difference.push(NOTHING_STANDS_OUT.to_owned());
             }
-            unexplained.push((result.name.clone(), result.difference.clone()));
+            // What a simple map explains, the verdict says.
+            if failed.simple.is_none() || !result.difference.is_empty() {
+                unexplained.push((result.name.clone(), result.difference.clone()));
+            }
         } else if let Some(fit) = fitted.remove(&failed.index)
             && fit.agrees
         {
@@ -276,6 +286,7 @@ pub(crate) fn likeness_with(
         searched: failing.len(),
         unfinished,
         unexplained,
+        under_a_profile: false,
     }
 }
 

@@ -7,6 +7,7 @@ mod shipped_profile;
 
 pub use convention_search::{Agreement, ConventionSearch, Explained};
 pub use likeness::{
-    CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user, likeness,
+    AGREES, CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user,
+    likeness,
 };
 pub use rate::{Naming, naming};

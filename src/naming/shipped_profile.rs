@@ -36,6 +36,11 @@ pub fn passing(
         if steps * samples_under(profile, scene) > MOST_SAMPLES {
             return false;
         }
+        // Right but for the curve of its codes, which the verdict says.
+        let in_its_codes = validate(case, store, output.clone(), None);
+        if in_its_codes.result.verdict == Verdict::Pass {
+            return false;
+        }
         let under_profile = validate(case, store, output, Some(profile));
         under_profile.result.verdict == Verdict::Pass && !are_alike(judged, &under_profile)
     })

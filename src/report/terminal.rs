@@ -2,7 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Summary, Verdict};
-use crate::naming::{Likenesses, SearchStep};
+use crate::naming::{AGREES, Likenesses, SearchStep};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
 
@@ -184,9 +184,16 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         }
     }
     let unfinished = &found.unfinished;
+    // Under a profile none but its conventions are tried.
+    let nothing_known = if found.under_a_profile {
+        "no known mistake explains it under this profile"
+    } else {
+        "no known mistake or convention explains it"
+    };
     let is_said = found.unexplained.iter().any(|(_, said)| !said.is_empty());
-    if found.likely.is_empty() && found.searched > 0 && unfinished.is_empty() && !is_said {
-        text.push_str("\nno known mistake or convention explains it\n");
+    if found.likely.is_empty() && !found.unexplained.is_empty() && unfinished.is_empty() && !is_said
+    {
+        text.push_str(&format!("\n{nothing_known}\n"));
     }
     let measured = found
         .unexplained
@@ -194,12 +201,14 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         .filter(|(_, said)| !said.is_empty());
     for (case, said) in measured.clone().take(MOST_MEASURED) {
         let is_open = unfinished.iter().any(|search| search.case == *case);
-        let head = if is_open {
-            "not explained yet"
+        let head = if said.iter().any(|sentence| sentence.contains(AGREES)) {
+            "a change of a number explains it"
+        } else if is_open {
+            "not explained yet; measured"
         } else {
-            "no known mistake or convention explains it"
+            &format!("{nothing_known}; measured")
         };
-        text.push_str(&format!("\n{case}: {head}; measured:\n"));
+        text.push_str(&format!("\n{case}: {head}:\n"));
         for sentence in said {
             text.push_str(&format!("            {sentence}\n"));
         }

@@ -28,6 +28,9 @@ use crate::scene::Scene;
 use crate::sensitivity::{Number, Unit, numbers};
 use glam::{DMat3, DVec3};
 
+/// Words of a sentence on changes with which the scene, rendered again, agrees with the image.
+pub const AGREES: &str = "the scene agrees with the image";
+
 /// Largest share of the squared difference that reported changes may leave unexplained: a third of
 /// the difference, root mean square. The sentence states what they leave.
 pub(super) const LEFT: f64 = 0.1;
@@ -176,7 +179,7 @@ impl ComparedCase {
                 1 => "this change",
                 _ => "each of these changes",
             };
-            format!("{words}: with {with} the scene agrees with the image")
+            format!("{words}: with {with} {AGREES}")
         } else {
             let place = self.place_of_rest(&first.predicted);
             let place = place.map_or(String::new(), |place| format!("; {place}"));

@@ -91,6 +91,7 @@ pub(super) fn predicted(
     let key = clock.predictions().key(&[
         &scene.canonical_text(),
         &format!("{:?}", input_hashes(scene)),
+        &profile_text(scene),
         label,
         &format!("{detail:?} {samples} {seed}"),
     ]);
@@ -114,6 +115,18 @@ pub(super) fn predicted(
         clock.predictions().put(&key, &film);
     }
     Some(film)
+}
+
+/// What a [profile](crate::conventions::Profile) changes in a scene without being among its keys.
+fn profile_text(scene: &Scene) -> String {
+    let of_panels = scene.panels.iter().filter_map(Panel::classified);
+    let texts = of_panels.map(|volume| {
+        format!(
+            "{:?} {:?} {}",
+            volume.conventions, volume.compositing, volume.step
+        )
+    });
+    texts.collect()
 }
 
 /// The pixels of `film`, an image of panels of these widths, that are rendered with `detail`: the
@@ -156,8 +169,11 @@ pub(super) fn indices_of(
 
 #[cfg(test)]
 mod tests {
+    use super::super::clock::Search;
+    use super::super::kept::Predictions;
     use super::*;
     use crate::compare::cells::Cells;
+    use crate::conventions::Profile;
     use crate::render::{RenderError, render};
     use crate::scene::Model;
     use std::path::Path;
@@ -197,6 +213,27 @@ mod tests {
                 assert_eq!(stopped.err(), Some(RenderError::Stopped));
             }
         }
+    }
+
+    /// A prediction under a profile is not taken for one without.
+    #[test]
+    fn predictions_are_kept_by_conventions() {
+        let scene = small("figures/figure-3.toml", [20, 20]);
+        let profile = Profile::named("vtk").unwrap();
+        let under = profile.applied_to(&scene).unwrap().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let predictions = Predictions::in_folder(folder.path());
+        let search = Search {
+            budget: None,
+            predictions: &predictions,
+            interrupted: &|| false,
+            progress: &|_| (),
+        };
+        let clock = SearchClock::start(&search, "", 1);
+        let of = |scene: &Scene| predicted(scene, scene, ("same", 0), (Detail::Whole, 1), &clock);
+        let [first, second, again] = [&scene, &under, &scene].map(|scene| of(scene).unwrap());
+        assert_ne!(first.radiance(), second.radiance());
+        assert_eq!(first.radiance(), again.radiance());
     }
 
     /// Blocks leave out what is left over at the edges, and are the means of their pixels.

@@ -57,7 +57,10 @@ const ROUGH: f64 = 0.5;
 const MAP: &str = "the image is the golden";
 
 /// Sentences that say that nothing was measured.
-const NOTHING: [&str; 2] = ["no gain and no shift accounts", "at this noise no mistake"];
+const NOTHING: [&str; 2] = [
+    "no gain and no shift accounts",
+    "no single mistake that was tried",
+];
 
 /// Words of measurements, true of any image; where the label is in [`Truth::words`], they tell the fault.
 const MEASUREMENTS: &[(&str, &str)] = &[
