@@ -89,7 +89,7 @@ mod tests {
 
     /// A slope from next to black to `most`, in three colours.
     fn slope(most: f64, written: impl Fn(f64) -> f32) -> Film {
-        let value = |i: usize, c: usize| most * ((7 * i + c) as f64 + 0.318) / 7200.0;
+        let value = |i: usize, c: usize| most * ((7 * i + c) as f64 + 0.3) / 7200.0;
         let pixels = (0..1024).map(|i| [0, 1, 2].map(|c| written(value(i, c))));
         Film::new(32, 32, pixels.collect())
     }
