@@ -51,8 +51,8 @@ pub struct RayIntegrator<'s> {
     transfer_function: &'s TransferFunction,
     knots: Vec<f64>,
     field: GridDensity,
-    /// The value of a field that has but one.
-    constant: Option<f64>,
+    /// Least and largest value of the field. A cubic loses the small ones beside large ones, and may leave it.
+    range: (f64, f64),
     extent: PlacedBox,
     background: DVec3,
     /// No radiance of the scene is above this.
@@ -63,9 +63,8 @@ pub struct RayIntegrator<'s> {
 impl<'s> RayIntegrator<'s> {
     /// That of `scene`: its field, transfer function and background.
     pub fn new(scene: &'s Classified) -> RayIntegrator<'s> {
-        let (least, most) = scene.grid.range();
         RayIntegrator {
-            constant: (least == most).then_some(least),
+            range: scene.grid.range(),
             transfer_function: &scene.transfer_function,
             knots: scene.transfer_function.knots(),
             field: GridDensity::new(scene.grid.clone(), scene.interpolation),
@@ -88,10 +87,11 @@ impl<'s> RayIntegrator<'s> {
         let Some(span) = self.extent.span(ray) else {
             return result;
         };
-        let segments = if let Some(value) = self.constant {
+        let (least, most) = self.range;
+        let segments = if least == most {
             vec![CubicSegment {
                 span,
-                coefficients: [value, 0.0, 0.0, 0.0],
+                coefficients: [least, 0.0, 0.0, 0.0],
             }]
         } else {
             let segments: Vec<_> = self
@@ -109,17 +109,17 @@ impl<'s> RayIntegrator<'s> {
             segment.cut_at(&self.knots, &mut cuts);
             // Positions on a segment go from −1 to 1: lengths are in halves of it.
             let half = 0.5 * segment.span.length();
+            let field = |u: f64| segment.at(u).clamp(least, most);
             for piece in cuts.windows(2) {
                 let [near, far] = [piece[0], piece[1]];
-                let is_clear =
-                    |u: f64| self.transfer_function.reference_opacity(segment.at(u)) == 0.0;
+                let is_clear = |u: f64| self.transfer_function.reference_opacity(field(u)) == 0.0;
                 // Between knots opacity is a line that is not negative, or rises with the value.
                 if is_clear(near) && is_clear(0.5 * (near + far)) && is_clear(far) {
                     continue;
                 }
                 let passes = light.add([near, far], |u| {
                     result.points += 1;
-                    let value = segment.at(u);
+                    let value = field(u);
                     let extinction = self.transfer_function.extinction(value) * half;
                     let colour = self.transfer_function.colour(value);
                     let emission = self.transfer_function.emission(value);
