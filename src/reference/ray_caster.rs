@@ -34,7 +34,7 @@
 //! which the volume becomes fully opaque, and `S = Σ d h′/h₀′` is not the optical depth of `σ`. The
 //! shadow has a step `h′` and a reference length `h₀′` of its own, and `a′` is the opacity over them.
 //!
-//! A volume may be placed in the world by an affine map ([`placement`]): what follows is as without one.
+//! A volume may be placed in the world by an affine map (`placement.rs`): what follows is as without one.
 //!
 //! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
 //! by the loop of [`conventions::ray_caster`](crate::conventions::ray_caster).
