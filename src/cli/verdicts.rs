@@ -3,7 +3,7 @@
 use super::{interrupt, output, progress};
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
-use crate::naming::{AGREES, Likenesses, Predictions, Search, likeness};
+use crate::naming::{Likenesses, Predictions, Search, is_number_found, likeness};
 use crate::report;
 use crate::suite::{Case, Suite};
 use std::time::Duration;
@@ -87,6 +87,5 @@ pub fn named(
 
 /// True if a mistake is named, or a change of numbers that was rendered agrees with the image.
 fn has_finding(result: &CaseResult) -> bool {
-    let mut difference = result.difference.iter();
-    !result.looks_like.is_empty() || difference.any(|said| said.contains(AGREES))
+    !result.looks_like.is_empty() || is_number_found(&result.difference)
 }

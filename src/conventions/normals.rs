@@ -49,7 +49,7 @@ impl Gradients {
         Gradients::Stored(rounded(scene, stored))
     }
 
-    /// Whether they are of the world, and not of the coordinates of the volume.
+    /// True if they are of the world, not of the coordinates of the volume.
     pub fn are_of_the_world(&self) -> bool {
         matches!(self, Gradients::World(_))
     }
@@ -99,7 +99,7 @@ impl Gradients {
     }
 }
 
-/// Whether volref's own gradients are taken, as they are.
+/// True of conventions under which gradients are volref's own, as they are.
 fn takes_volrefs(conventions: &Conventions) -> bool {
     let volrefs = Conventions::default();
     conventions.gradient == volrefs.gradient

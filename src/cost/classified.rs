@@ -69,7 +69,7 @@ impl<'s> ShadedVolume<'s> {
 
     /// The span of `ray` in the volume.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        self.scene.extent().span(ray)
+        self.caster.bounds.span(ray)
     }
 
     /// Radiance along `ray` by volref's ray caster, with this step.
@@ -118,7 +118,7 @@ impl<'s> ShadedVolume<'s> {
     pub fn value(&self, ray: &Ray, t: f64, work: &mut Counters) -> f64 {
         work.count(Event::DensityLookup);
         self.density
-            .density(self.scene.extent().to_volume(ray.at(t)))
+            .density(self.caster.bounds.to_volume(ray.at(t)))
     }
 
     /// Radiance along `ray` in the limit of small steps, with each element of the integral accurate
@@ -142,7 +142,7 @@ impl<'s> ShadedVolume<'s> {
         let (mut cuts, mut places) = (Vec::new(), Vec::new());
         for segment in self
             .density
-            .cubic_segments(self.scene.extent().line(ray), span)
+            .cubic_segments(self.caster.bounds.line(ray), span)
         {
             places.clear();
             segment.cut_at(&knots, &mut places);

@@ -27,7 +27,7 @@ mod volume_in_view;
 use crate::compare::SHARED_POSITIONS;
 use crate::compare::cells::Misfit;
 pub use clock::{Search, SearchStep, Stage};
-pub use fit::AGREES;
+pub use fit::is_number_found;
 pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
 pub(crate) use prediction::{lattice_of, pixels_of};
 
@@ -83,6 +83,17 @@ pub struct Likenesses {
     pub under_a_profile: bool,
 }
 
+impl Likenesses {
+    /// Words on cases that nothing known explains.
+    pub fn nothing_known(&self) -> &'static str {
+        if self.under_a_profile {
+            "no known mistake explains it under this profile"
+        } else {
+            "no known mistake or convention explains it"
+        }
+    }
+}
+
 /// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
 /// and for all together, most likely first. `others` are cases that may distinguish mistakes where
 /// these cannot. Mistakes are made in scenes under the `profile` by which the images were judged.
@@ -135,8 +146,7 @@ pub(crate) fn likeness_with(
         clock.report();
         let mut found: hunt::Explaining = known
             .iter()
-            .filter_map(|hypothesis| Some((*hypothesis, failed.test(hypothesis, &clock)?)))
-            .filter(|(hypothesis, misfit)| failed.is_explained_by(hypothesis, misfit, &clock))
+            .filter_map(|it| Some((*it, failed.explanation(it, None, &clock)?)))
             .collect();
         if found.is_empty() {
             let (singles, looks) = failed.search(&clock);
@@ -245,7 +255,7 @@ pub(crate) fn likeness_with(
             if result.difference.is_empty() && is_measured {
                 result.difference.push(NOTHING_STANDS_OUT.to_owned());
             }
-            // What a simple map explains, the verdict says.
+            // A simple map that explains all is in the verdict.
             if failed.simple.is_none() || !result.difference.is_empty() {
                 unexplained.push((result.name.clone(), result.difference.clone()));
             }
@@ -304,9 +314,7 @@ fn explain<'c>(
         }
         known.push(*hypothesis);
         for other in others.clone() {
-            if let Some(misfit) = other.test(hypothesis, clock)
-                && other.is_explained_by(hypothesis, &misfit, clock)
-            {
+            if let Some(misfit) = other.explanation(hypothesis, None, clock) {
                 let of = fits.entry(*hypothesis).or_default();
                 of.insert(other.index, misfit);
             }

@@ -6,7 +6,6 @@
 use crate::compare::{Conditions, Deterministic, Picture, judge};
 use crate::conventions::{PLACES, Profile};
 use crate::film::{Origin, Quantisation};
-use crate::geometry::length_of;
 use crate::judging::{Judged, Verdict, radiance, validate};
 use crate::scene::{Panel, Scene};
 use crate::suite::{Case, Output, Store};
@@ -36,13 +35,11 @@ pub fn passing(
         if steps * samples_under(profile, scene) > MOST_SAMPLES {
             return false;
         }
-        // Right but for the curve of its codes, which the verdict says.
-        let in_its_codes = validate(case, store, output.clone(), None);
-        if in_its_codes.result.verdict == Verdict::Pass {
-            return false;
-        }
-        let under_profile = validate(case, store, output, Some(profile));
-        under_profile.result.verdict == Verdict::Pass && !are_alike(judged, &under_profile)
+        let judged_by = |profile| validate(case, store, output.clone(), profile);
+        let passes = |judged: &Judged| judged.result.verdict == Verdict::Pass;
+        let under_profile = judged_by(Some(profile));
+        // Not of an image that is right but for the curve of its codes, which the verdict says.
+        passes(&under_profile) && !are_alike(judged, &under_profile) && !passes(&judged_by(None))
     })
 }
 
@@ -51,13 +48,12 @@ pub fn passing(
 fn samples_under(profile: &Profile, scene: &Scene) -> f64 {
     let of_panel = |panel: &Panel| {
         let volume = panel.classified()?;
-        let across = length_of(volume.extent().world_bounds().size());
         let images = if volume.conventions.is_random() {
             f64::from(PLACES)
         } else {
             1.0
         };
-        Some((panel.width * panel.height) as f64 * across / volume.step * images)
+        Some((panel.width * panel.height) as f64 * volume.diagonal() / volume.step * images)
     };
     let under = profile.applied_to(scene).ok().flatten();
     under.map_or(0.0, |scene| scene.panels.iter().filter_map(of_panel).sum())

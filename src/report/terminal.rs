@@ -2,7 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Summary, Verdict};
-use crate::naming::{AGREES, Likenesses, SearchStep};
+use crate::naming::{Likenesses, SearchStep, is_number_found};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
 
@@ -184,12 +184,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         }
     }
     let unfinished = &found.unfinished;
-    // Under a profile none but its conventions are tried.
-    let nothing_known = if found.under_a_profile {
-        "no known mistake explains it under this profile"
-    } else {
-        "no known mistake or convention explains it"
-    };
+    let nothing_known = found.nothing_known();
     let is_said = found.unexplained.iter().any(|(_, said)| !said.is_empty());
     if found.likely.is_empty() && !found.unexplained.is_empty() && unfinished.is_empty() && !is_said
     {
@@ -201,7 +196,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         .filter(|(_, said)| !said.is_empty());
     for (case, said) in measured.clone().take(MOST_MEASURED) {
         let is_open = unfinished.iter().any(|search| search.case == *case);
-        let head = if said.iter().any(|sentence| sentence.contains(AGREES)) {
+        let head = if is_number_found(said) {
             "a change of a number explains it"
         } else if is_open {
             "not explained yet; measured"

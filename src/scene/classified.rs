@@ -267,6 +267,11 @@ impl Classified {
         }
     }
 
+    /// Length of the diagonal of the box of the world around the volume.
+    pub fn diagonal(&self) -> f64 {
+        length_of(self.extent().world_bounds().size())
+    }
+
     /// Edges of a cell in the world.
     pub fn cell_edges(&self) -> [DVec3; 3] {
         cell_edges(self.grid.lattice(), self.to_world.as_ref())
@@ -293,10 +298,7 @@ impl Classified {
     /// Replaces the distance between samples; fails if rays would have too many of them.
     pub fn set_step(&mut self, step: Length) -> Result<(), String> {
         let before = self.step;
-        self.step = checked_step(
-            step,
-            [self.voxel(), length_of(self.extent().world_bounds().size())],
-        )?;
+        self.step = checked_step(step, [self.voxel(), self.diagonal()])?;
         self.check_eye()
             .and_then(|()| self.check_shadow_samples())
             .inspect_err(|_| self.step = before)
@@ -327,7 +329,7 @@ impl Classified {
         let Some(shadow) = self.shadow else {
             return Ok(());
         };
-        let diagonal = length_of(self.extent().world_bounds().size());
+        let diagonal = self.diagonal();
         let samples = (diagonal / self.step).max(1.0) * (diagonal / shadow.step).max(1.0);
         if samples <= MOST_SAMPLES_WITH_SHADOW {
             return Ok(());

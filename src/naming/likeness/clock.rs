@@ -88,13 +88,14 @@ pub(super) struct SearchClock<'s> {
 impl<'s> SearchClock<'s> {
     /// Starts the clock, with `of` single mistakes to try.
     pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> SearchClock<'s> {
-        let limit =
-            |share: f64| Some((share * WORK_PER_SECOND * search.budget?.as_secs_f64()) as u64);
+        let limits = |budget: Duration| {
+            [1.0, FIRST_LOOKS].map(|share| (share * WORK_PER_SECOND * budget.as_secs_f64()) as u64)
+        };
         SearchClock {
             search,
             case,
             work: AtomicU64::new(0),
-            limits: limit(1.0).zip(limit(FIRST_LOOKS)).map(<[u64; 2]>::from),
+            limits: search.budget.map(limits),
             end: latest_end(search),
             was_ended: AtomicBool::new(false),
             stage: Stage::Singles,
@@ -122,10 +123,16 @@ impl<'s> SearchClock<'s> {
     /// Counts `work` that is about to be done; false, and none of it is to be done, if the search of this case is
     /// to end.
     pub fn spend(&self, work: u64) -> bool {
-        !self.is_over() && {
+        let goes_on = !self.is_over();
+        if goes_on {
             self.work.fetch_add(work, Ordering::Relaxed);
-            true
         }
+        goes_on
+    }
+
+    /// [`spend`](Self::spend), for a further hypothesis.
+    pub fn spend_early(&self, work: u64) -> bool {
+        !self.is_late() && self.spend(work)
     }
 
     /// True if the search of this case is to end.

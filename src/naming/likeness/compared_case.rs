@@ -87,7 +87,7 @@ pub(super) struct ComparedCase {
     golden_cells: Cells,
     test_cells: Cells,
     /// Misfit of the golden to the image: a mistake has to do better.
-    pub from_golden: Misfit,
+    from_golden: Misfit,
     /// Pixels of a first look, and samples in each.
     first: (Detail, u32),
     /// Pixels of a second look, and samples in each.
@@ -103,7 +103,7 @@ struct Glimpse {
     golden: Cells,
     test: Cells,
     test_film: Film,
-    pub from_golden: Misfit,
+    from_golden: Misfit,
 }
 
 /// The part of the largest score from which a number is suspected: far from the golden, where
@@ -191,7 +191,7 @@ impl ComparedCase {
     /// difference from the golden, beyond doubt.
     pub fn explained_by(&self, misfit: &Misfit) -> bool {
         match self.picture {
-            Picture::Radiance(_) => misfit.explains(&self.from_golden, self.may_leave()),
+            Picture::Radiance(_) => self.leaves(misfit, self.may_leave()),
             Picture::Codes(_) => misfit.is_noise(),
         }
     }
@@ -340,36 +340,17 @@ impl ComparedCase {
         prediction.misfit(test, golden).in_noise
     }
 
-    /// True if `hypothesis`, with this misfit, explains the image: beyond doubt, or as far as its noise tells.
-    pub fn is_explained_by(
-        &self,
-        hypothesis: &Hypothesis,
-        misfit: &Misfit,
-        clock: &SearchClock<'_>,
-    ) -> bool {
-        self.explained_by(misfit) || self.agrees_with(hypothesis, misfit, clock)
-    }
-
-    /// True if the scene, rendered with the one mistake of `hypothesis`, agrees with the image by the rule of
-    /// the gate, by which the golden would not, were it as noisy, and leaves at most [`MOST_IN_NOISE`] of the
+    /// True if the scene, rendered with the one mistake of `hypothesis` as `film`, agrees with the image by the rule
+    /// of the gate, by which the golden would not, were it as noisy, and leaves at most [`MOST_IN_NOISE`] of the
     /// difference: of the squares, or of what they are in variances, where rare bright paths make the squares. Of
     /// thousands of pairs some agree by chance.
-    fn agrees_with(
-        &self,
-        hypothesis: &Hypothesis,
-        misfit: &Misfit,
-        clock: &SearchClock<'_>,
-    ) -> bool {
-        if !self.is_sampled || !matches!(hypothesis, Hypothesis::One(_)) {
-            return false;
-        }
-        let prediction = self.predict(hypothesis, self.third(), clock);
-        let prediction =
-            prediction.and_then(|film| in_cells(&self.kept.film(&film), &self.golden_cells));
-        prediction.is_some_and(|prediction| {
+    fn agrees_with(&self, hypothesis: &Hypothesis, film: &Film, misfit: &Misfit) -> bool {
+        let is_single = matches!(hypothesis, Hypothesis::One(_));
+        let prediction = in_cells(&self.kept.film(film), &self.golden_cells);
+        prediction.filter(|_| is_single).is_some_and(|prediction| {
             let noisy = self.golden_cells.with_noise_of(&prediction);
             let excess = self.in_noise(&noisy) - 1.0;
-            let is_nearer = misfit.explains(&self.from_golden, MOST_IN_NOISE)
+            let is_nearer = self.leaves(misfit, MOST_IN_NOISE)
                 || excess > LEAST_EXCESS && misfit.in_noise - 1.0 <= MOST_IN_NOISE * excess;
             is_nearer && !self.agrees(&noisy) && self.agrees(&prediction)
         })
@@ -567,29 +548,64 @@ impl ComparedCase {
         }
     }
 
-    /// Misfit of `hypothesis` on a second look, if a third one may show that it explains the image.
+    /// Misfit of `hypothesis` in one look.
+    fn looked_at(
+        &self,
+        hypothesis: &Hypothesis,
+        look: (Detail, u32),
+        clock: &SearchClock<'_>,
+    ) -> Option<Misfit> {
+        self.misfit(&self.predict(hypothesis, look, clock)?)
+    }
+
+    /// Misfit of `hypothesis` on a second look at a noisy image, if a third one may show that it explains the image.
     pub fn second_look(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
-        let film = self.predict(hypothesis, self.second, clock)?;
-        let misfit = self.misfit(&film)?;
-        self.may_be_explained_by(&misfit).then_some(misfit)
+        // What leaves more than noise does not agree, and what leaves much does not explain.
+        let most = self.may_leave() * self.whole_distance();
+        let is_near = |misfit: &Misfit| misfit.is_noise() || misfit.distance().value <= most;
+        self.looked_at(hypothesis, self.second, clock)
+            .filter(|misfit| self.may_be_explained_by(misfit) && is_near(misfit))
     }
 
     fn may_be_explained_by(&self, misfit: &Misfit) -> bool {
         misfit.may_explain(&self.from_golden, self.may_leave())
     }
 
+    /// True if a hypothesis with this misfit leaves no more than `share`, beyond doubt.
+    pub fn leaves(&self, misfit: &Misfit, share: f64) -> bool {
+        misfit.explains(&self.from_golden, share)
+    }
+
+    /// Misfit of `hypothesis`, with that of a `second` look if there was one, if it explains the image: beyond doubt,
+    /// or as far as noise tells. Looked at a third time where noise leaves it open.
+    pub fn explanation(
+        &self,
+        hypothesis: &Hypothesis,
+        second: Option<Misfit>,
+        clock: &SearchClock<'_>,
+    ) -> Option<Misfit> {
+        let second = second.or_else(|| self.looked_at(hypothesis, self.second, clock))?;
+        if self.explained_by(&second) {
+            return Some(second);
+        }
+        if !(self.is_sampled && self.may_be_explained_by(&second)) {
+            return None;
+        }
+        let film = self.predict(hypothesis, self.third(), clock)?;
+        let third = self.misfit(&film)?;
+        let explains = self.explained_by(&third) || self.agrees_with(hypothesis, &film, &third);
+        explains.then_some(third)
+    }
+
     /// Misfit of `hypothesis` to the image, closely looked at: once more where noise leaves open
     /// whether it explains the image.
     pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
-        let film = self.predict(hypothesis, self.second, clock)?;
-        let misfit = self.misfit(&film)?;
-        let is_of_the_scene = hypothesis.mistakes().iter().any(|m| !m.is_of_the_image());
-        let is_open = self.may_be_explained_by(&misfit) && !self.explained_by(&misfit);
-        if !(self.is_sampled && is_of_the_scene && is_open) {
-            return Some(misfit);
-        }
-        let closer = self.predict(hypothesis, self.third(), clock);
-        closer.map_or(Some(misfit), |film| self.misfit(&film))
+        let second = self.looked_at(hypothesis, self.second, clock)?;
+        let is_open = self.may_be_explained_by(&second) && !self.explained_by(&second);
+        let third = (self.is_sampled && is_open)
+            .then(|| self.looked_at(hypothesis, self.third(), clock))
+            .flatten();
+        third.or(Some(second))
     }
 
     /// True if this image, which passed, would have failed with the mistakes of `hypothesis`.

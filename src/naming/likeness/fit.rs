@@ -29,7 +29,13 @@ use crate::sensitivity::{Number, Unit, numbers};
 use glam::{DMat3, DVec3};
 
 /// Words of a sentence on changes with which the scene, rendered again, agrees with the image.
-pub const AGREES: &str = "the scene agrees with the image";
+const AGREES: &str = "the scene agrees with the image";
+
+/// True if a sentence of those `said` of an image states a change of numbers with which the scene, rendered again,
+/// agrees with it.
+pub fn is_number_found(said: &[String]) -> bool {
+    said.iter().any(|sentence| sentence.contains(AGREES))
+}
 
 /// Largest share of the squared difference that reported changes may leave unexplained: a third of
 /// the difference, root mean square. The sentence states what they leave.

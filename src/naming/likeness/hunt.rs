@@ -77,7 +77,7 @@ impl ComparedCase {
         let (of_the_image, of_the_scene): (Vec<usize>, Vec<usize>) =
             (0..singles()).partition(|&index| mistake(index).is_of_the_image());
         for index in of_the_image {
-            if clock.is_late() || !clock.spend(work_on(&self.golden)) {
+            if !clock.spend_early(work_on(&self.golden)) {
                 break;
             }
             if !(self.is_gain() && mistake(index).is_curve())
@@ -189,7 +189,7 @@ impl ComparedCase {
             .iter()
             .flat_map(|first| seconds.iter().map(move |&second| (first, second)))
             .filter(|(first, second)| first.0 != *second)
-            .take_while(|((_, film), _)| !clock.is_late() && clock.spend(work_on(film)))
+            .take_while(|((_, film), _)| clock.spend_early(work_on(film)))
             .collect();
         pairs
             .into_par_iter()
@@ -211,7 +211,7 @@ impl ComparedCase {
         let pairs: Vec<(usize, usize)> = (0..seen.len())
             // Which is made first matters little.
             .flat_map(|second| (0..second).map(move |first| (first, second)))
-            .take_while(|(first, _)| !clock.is_late() && clock.spend(work_on(seen[*first].1)))
+            .take_while(|(first, _)| clock.spend_early(work_on(seen[*first].1)))
             .collect();
         let mut pairs: Vec<(f64, Hypothesis)> = pairs
             .into_par_iter()
@@ -249,9 +249,8 @@ impl ComparedCase {
         promising.truncate(MOST_SECOND_LOOKS);
         if !self.sees_all_at_once() {
             promising.retain_mut(|(hypothesis, misfit)| {
-                let closer = self
-                    .test(hypothesis, clock)
-                    .filter(|m| self.is_explained_by(hypothesis, m, clock));
+                let second = self.is_sampled().then_some(*misfit);
+                let closer = self.explanation(hypothesis, second, clock);
                 *misfit = closer.unwrap_or(*misfit);
                 closer.is_some()
             });
@@ -267,12 +266,8 @@ impl ComparedCase {
             |(_, a): &(_, Misfit), (_, b): &(_, Misfit)| a.in_noise.total_cmp(&b.in_noise);
         promising.sort_by(by_noise);
         promising.truncate(MOST_NOISY_LOOKS);
-        // What leaves more than noise does not agree, and what leaves much is not nearly it.
-        let most = self.may_leave() * self.from_golden.distance().value;
-        let is_near = |misfit: &Misfit| misfit.is_noise() || misfit.distance().value <= most;
         let closer = promising.into_iter().filter_map(|(hypothesis, _)| {
-            let misfit = self.second_look(&hypothesis, clock).filter(is_near)?;
-            Some((hypothesis, misfit))
+            Some((hypothesis, self.second_look(&hypothesis, clock)?))
         });
         let mut promising: Explaining = closer.collect();
         promising.sort_by(by_noise);
@@ -291,7 +286,7 @@ impl ComparedCase {
             return true;
         };
         let left = misfit.distance().value;
-        if !self.is_sampled() && !misfit.explains(&self.from_golden, LEFT_BY_PAIRS) {
+        if !self.is_sampled() && !self.leaves(misfit, LEFT_BY_PAIRS) {
             return false;
         }
         [first, second].into_iter().all(|one| {

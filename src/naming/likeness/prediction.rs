@@ -51,16 +51,19 @@ pub(super) fn blocks(scene: &Scene) -> Option<Detail> {
     can.then_some(Detail::Blocks(BLOCK))
 }
 
-/// Number of rays from the eye in one look at `scene`.
-pub(super) fn rays(scene: &Scene, (detail, samples): (Detail, u32)) -> u64 {
+/// Columns and rows of pixels of `scene` that are rendered with `detail`.
+fn size(scene: &Scene, detail: Detail) -> [usize; 2] {
     let columns = |panel: &Panel| detail.columns(panel.width).count();
-    let columns: usize = scene.panels.iter().map(columns).sum();
-    let samples = if plans(scene).iter().any(Plan::is_sampled) {
-        samples
-    } else {
-        1
-    };
-    (columns * detail.rows(scene.height()).count()) as u64 * u64::from(samples)
+    [
+        scene.panels.iter().map(columns).sum(),
+        detail.rows(scene.height()).count(),
+    ]
+}
+
+/// Number of rays from the eye in one look at `scene`, if it is sampled.
+pub(super) fn rays(scene: &Scene, (detail, samples): (Detail, u32)) -> u64 {
+    let [columns, rows] = size(scene, detail);
+    (columns * rows) as u64 * u64::from(samples)
 }
 
 /// Work of a ray from the eye in `scene`, in events, by one look.
@@ -95,14 +98,9 @@ pub(super) fn predicted(
         label,
         &format!("{detail:?} {samples} {seed}"),
     ]);
-    let columns = |panel: &Panel| detail.columns(panel.width).count();
-    let size = [
-        edited.panels.iter().map(columns).sum(),
-        detail.rows(edited.height()).count(),
-    ];
     let kept = key
         .as_ref()
-        .and_then(|key| clock.predictions().get(key, size));
+        .and_then(|key| clock.predictions().get(key, size(edited, detail)));
     if kept.is_some() {
         return kept;
     }
@@ -117,7 +115,7 @@ pub(super) fn predicted(
     Some(film)
 }
 
-/// What a [profile](crate::conventions::Profile) changes in a scene without being among its keys.
+/// Changes of a scene by a [profile](crate::conventions::Profile), which are not among its keys, as text.
 fn profile_text(scene: &Scene) -> String {
     let of_panels = scene.panels.iter().filter_map(Panel::classified);
     let texts = of_panels.map(|volume| {

@@ -1,7 +1,7 @@
 //! Sentences of a report.
 
 use crate::judging::{CaseResult, Likeness, Summary, Verdict};
-use crate::naming::{AGREES, Likenesses};
+use crate::naming::{Likenesses, is_number_found};
 
 /// The result of the suite in a sentence.
 pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
@@ -30,17 +30,16 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
         let guess = match found.likely.first() {
             // Nothing was looked for, or not to the end.
             None if found.searched < summary.fail || !found.unfinished.is_empty() => String::new(),
+            // The verdicts say how the images follow from the goldens.
+            None if found.unexplained.is_empty() => String::new(),
             None if found
                 .unexplained
                 .iter()
-                .any(|(_, said)| said.iter().any(|it| it.contains(AGREES))) =>
+                .all(|(_, said)| is_number_found(said)) =>
             {
                 "; a change of a number explains it".to_owned()
             }
-            None if found.under_a_profile => {
-                "; no known mistake explains it under this profile".to_owned()
-            }
-            None => "; no known mistake or convention explains it".to_owned(),
+            None => format!("; {}", found.nothing_known()),
             Some(Likeness {
                 mistake,
                 explains,
