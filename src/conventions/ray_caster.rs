@@ -21,9 +21,7 @@ use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
 use crate::scene::{Classified, Compositing, Precision, Scene};
-use crate::volume::{
-    Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _, VolumeBox as _,
-};
+use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
 use rayon::prelude::*;

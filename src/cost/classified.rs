@@ -14,7 +14,7 @@ use crate::render::classified::steps::{SamplePoint, Steps};
 use crate::render::classified::volume_shadow::{Visibility, VolumeShadow, shadow_ray};
 use crate::render::counters::{Event, Work};
 use crate::scene::{Classified, Shadow};
-use crate::volume::{DensityField, GridDensity, Interpolation, PlacedBox, VolumeBox as _};
+use crate::volume::{DensityField, GridDensity, Interpolation, PlacedBox};
 use glam::DVec3;
 
 /// Lighting of the samples.
@@ -46,7 +46,6 @@ type Caster<'s> = RayCaster<
     Option<Shaded>,
     AnyVisibility<'s>,
     EmptySpace,
-    PlacedBox,
 >;
 
 impl<'s> ShadedVolume<'s> {
@@ -69,7 +68,7 @@ impl<'s> ShadedVolume<'s> {
 
     /// The span of `ray` in the volume.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        self.caster.bounds.span(ray)
+        self.caster.extent.span(ray)
     }
 
     /// Radiance along `ray` by volref's ray caster, with this step.
@@ -118,7 +117,7 @@ impl<'s> ShadedVolume<'s> {
     pub fn value(&self, ray: &Ray, t: f64, work: &mut Counters) -> f64 {
         work.count(Event::DensityLookup);
         self.density
-            .density(self.caster.bounds.to_volume(ray.at(t)))
+            .density(self.caster.extent.to_volume(ray.at(t)))
     }
 
     /// Radiance along `ray` in the limit of small steps, with each element of the integral accurate
@@ -142,7 +141,7 @@ impl<'s> ShadedVolume<'s> {
         let (mut cuts, mut places) = (Vec::new(), Vec::new());
         for segment in self
             .density
-            .cubic_segments(self.caster.bounds.line(ray), span)
+            .cubic_segments(self.caster.extent.line(ray), span)
         {
             places.clear();
             segment.cut_at(&knots, &mut places);
@@ -203,11 +202,11 @@ pub fn has_jumps(scene: &Classified) -> bool {
 }
 
 fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
-    let bounds = scene.extent();
+    let extent = scene.extent();
     let sampled = |shadow: Shadow| VolumeShadow {
         shadow,
         light: scene.light,
-        bounds,
+        extent,
         transfer_function: &scene.transfer_function,
     };
     let visibility = match (scene.shadow, shade) {
@@ -219,7 +218,7 @@ fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
         (Some(shadow), Shade::Exact) => AnyVisibility::Exact(ExactShadow {
             light: scene.light,
             reference_step: shadow.reference_step,
-            bounds,
+            extent,
             density: GridDensity::new(scene.grid.clone(), scene.interpolation),
         }),
     };
@@ -236,7 +235,7 @@ fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
         skipping: EmptySpace::of(&*scene.grid, &scene.transfer_function),
         transfer_function: &scene.transfer_function,
         step: scene.step,
-        bounds,
+        extent,
     }
 }
 
@@ -261,7 +260,7 @@ impl Shading for Option<Shaded> {
 /// Shadow of any kind.
 enum AnyVisibility<'c> {
     All,
-    Sampled(VolumeShadow<'c, PlacedBox>),
+    Sampled(VolumeShadow<'c>),
     Exact(ExactShadow),
 }
 
@@ -286,7 +285,7 @@ impl Visibility for AnyVisibility<'_> {
 struct ExactShadow {
     light: DVec3,
     reference_step: f64,
-    bounds: PlacedBox,
+    extent: PlacedBox,
     density: GridDensity,
 }
 
@@ -298,12 +297,12 @@ impl Visibility for ExactShadow {
         _: &S,
         work: &mut W,
     ) -> f64 {
-        let Some((ray, span)) = shadow_ray(sample.world, self.light, &self.bounds) else {
+        let Some((ray, span)) = shadow_ray(sample.world, self.light, &self.extent) else {
             return 1.0;
         };
         work.count(Event::ShadowRay);
         let mut lookups = 0;
-        let Line { origin, direction } = self.bounds.line(&ray);
+        let Line { origin, direction } = self.extent.line(&ray);
         let sum = self.density.integral(origin, direction, span, &mut lookups);
         work.count_times(Event::DensityLookup, lookups);
         exp(-(sum / self.reference_step) / 100.0).min(1.0)

@@ -21,7 +21,7 @@ impl Surface for Aabb {
     }
 
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        let [near, far] = self.crossings(ray.into())?;
+        let [near, far] = self.crossings(ray)?;
         let (crossing, side) = if near.t > 0.0 {
             (near, Side::Front)
         } else {

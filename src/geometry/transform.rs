@@ -157,15 +157,24 @@ impl Transform {
 
     /// A world ray in object space, its direction not renormalised: distances along it stay those of the
     /// world.
+    // Never, as the next two: of the loops along rays they would take registers.
+    #[inline(never)]
     pub fn line_to_object(&self, ray: &Ray) -> Line {
         Line {
             origin: self.point_to_object(ray.origin),
-            direction: self.inverse_linear * *ray.direction,
+            direction: self.vector_to_object(*ray.direction),
         }
+    }
+
+    /// A difference of world points in object space.
+    #[inline(never)]
+    pub fn vector_to_object(&self, v: DVec3) -> DVec3 {
+        self.inverse_linear * v
     }
 
     /// A world point in object space. Relative to the offset first, so that an object far from the
     /// world's origin loses no digits.
+    #[inline(never)]
     pub fn point_to_object(&self, p: DVec3) -> DVec3 {
         self.inverse_linear * (p - self.offset)
     }

@@ -469,7 +469,7 @@ fn d14_touched_surfaces(margin: &mut Margin) {
             transfer_function: &surface,
             // From z = 0 on: the third sample lies at 2 exactly.
             step: 0.8,
-            bounds: grid.lattice().bounds(),
+            extent: grid.lattice().bounds().into(),
         };
         let layers = caster.layers(&ray([x, 2.0, -1.0], DVec3::Z), &mut Uncounted);
         // A second hit would add to it, none would leave it black.

@@ -112,7 +112,7 @@ impl RayCaster<'_> {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
         let inside = placement::in_volume(scene, ray);
-        let Some(span) = lattice.bounds().span_of(inside) else {
+        let Some(span) = lattice.bounds().span_of(&inside) else {
             return seen;
         };
         let line = NodeLine::new(inside, lattice);
@@ -169,7 +169,7 @@ impl RayCaster<'_> {
             return 1.0;
         };
         let inside = placement::in_volume(scene, &ray);
-        let Some(span) = lattice.bounds().span_of(inside) else {
+        let Some(span) = lattice.bounds().span_of(&inside) else {
             return 1.0;
         };
         let span = Span::new(0.0, span.far.min(length_of(to_light)));

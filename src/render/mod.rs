@@ -14,10 +14,10 @@
 //!
 //! | family | kernels | compiled for | uncounted, KiB | counted | either | of all code |
 //! |---|---|---|---|---|---|---|
-//! | ray caster | 80 | field (3), order (2), shading, shadow, empty-space skipping, placement by a map | 261 | 271 | 0 | 4.5 % |
-//! | path tracer | 26 | media, surfaces, emission, colour, anisotropy, heterogeneity | 218 | 218 | 0 | 3.7 % |
-//! | line of sight | 22 | media, surfaces, emission, colour, anisotropy, heterogeneity | 164 | 167 | 15 | 2.9 % |
-//! | shared by the latter two | – | the same | 327 | 334 | 145 | 6.8 % |
+//! | ray caster | 40 | field (3), order (2), shading, shadow, empty-space skipping | 759 | 773 | 0 | 9.9 % |
+//! | path tracer | 26 | media, surfaces, emission, colour, anisotropy, heterogeneity | 332 | 338 | 2 | 4.4 % |
+//! | line of sight | 22 | media, surfaces, emission, colour, anisotropy, heterogeneity | 173 | 179 | 15 | 2.4 % |
+//! | shared by the latter two | – | the same | 493 | 495 | 231 | 7.9 % |
 //!
 //! Kernels for media without surfaces are for one homogeneous and convex medium alone.
 //! For heterogeneous media there are no kernels without surfaces, and on the line of sight, where

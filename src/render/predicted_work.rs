@@ -12,7 +12,7 @@ use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::optics::{Density, Field};
 use crate::scene::{Classified, Compositing, Panel, Radiative, Sampling};
-use crate::volume::{GridDensity, Interpolation, VolumeBox as _};
+use crate::volume::{GridDensity, Interpolation};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;

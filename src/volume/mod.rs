@@ -63,7 +63,7 @@ pub use obj_points::{CloudPoint, read_obj_points};
 pub use orientation::{Axes, AxisSteps, Orientation};
 pub use parameter::{InvalidParameter, require};
 pub use perlin::perlin_noise;
-pub use placed_box::{PlacedBox, VolumeBox, cell_edges, voxel};
+pub use placed_box::{PlacedBox, cell_edges, voxel};
 pub use raw_volume::RawVolume;
 pub use reconstruction::{Nearest, Reconstruction, Trilinear};
 pub use samples::{Element, Encoding, Endian, Layout};

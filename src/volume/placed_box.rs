@@ -1,38 +1,8 @@
 //! The box of a volume, wherever a map places it in the world.
 
-use super::{Lattice, NodePoint};
+use super::Lattice;
 use crate::geometry::{Aabb, Line, Ray, Span, Transform, length_of};
 use glam::DVec3;
-
-/// The box of a volume as rays of the world meet it.
-pub trait VolumeBox: Copy + Sync {
-    /// The span of `ray` inside.
-    fn span(&self, ray: &Ray) -> Option<Span>;
-
-    /// `ray` in the coordinates of the volume, by distances of the world.
-    fn line(&self, ray: &Ray) -> Line;
-
-    /// Node coordinates of a world point.
-    fn to_nodes(&self, point: DVec3, lattice: &Lattice) -> NodePoint;
-}
-
-/// A box that stands in the world as it is.
-impl VolumeBox for Aabb {
-    #[inline(always)]
-    fn span(&self, ray: &Ray) -> Option<Span> {
-        Aabb::span(self, ray)
-    }
-
-    #[inline(always)]
-    fn line(&self, ray: &Ray) -> Line {
-        ray.into()
-    }
-
-    #[inline(always)]
-    fn to_nodes(&self, point: DVec3, lattice: &Lattice) -> NodePoint {
-        lattice.to_nodes(point)
-    }
-}
 
 /// A box, and the map that places it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,17 +13,56 @@ pub struct PlacedBox {
     pub to_world: Option<Transform>,
 }
 
+impl From<Aabb> for PlacedBox {
+    /// A box that stands in the world as it is.
+    fn from(bounds: Aabb) -> PlacedBox {
+        PlacedBox {
+            bounds,
+            to_world: None,
+        }
+    }
+}
+
 impl PlacedBox {
+    /// The span of `ray` inside.
+    #[inline]
+    pub fn span(&self, ray: &Ray) -> Option<Span> {
+        match &self.to_world {
+            None => self.bounds.span(ray),
+            Some(to_world) => self.moved_span(to_world, ray),
+        }
+    }
+
+    // Cold: compiled into the loop along a ray, it takes registers from boxes that no map places.
+    #[cold]
+    #[inline(never)]
+    fn moved_span(&self, to_world: &Transform, ray: &Ray) -> Option<Span> {
+        self.bounds.span_of(&to_world.line_to_object(ray))
+    }
+
+    /// `ray` in the coordinates of the volume, by distances of the world.
+    #[inline]
+    pub fn line(&self, ray: &Ray) -> Line {
+        match &self.to_world {
+            None => ray.into(),
+            Some(to_world) => to_world.line_to_object(ray),
+        }
+    }
+
     /// A world point in the coordinates of the volume.
+    #[inline]
     pub fn to_volume(&self, point: DVec3) -> DVec3 {
         self.to_world
             .map_or(point, |map| map.point_to_object(point))
     }
 
     /// A difference of points of the world in the coordinates of the volume.
+    #[inline]
     pub fn vector_to_volume(&self, vector: DVec3) -> DVec3 {
-        self.to_world
-            .map_or(vector, |map| map.inverse().vector(vector))
+        match &self.to_world {
+            None => vector,
+            Some(to_world) => to_world.vector_to_object(vector),
+        }
     }
 
     /// A point of the volume in the world.
@@ -70,26 +79,6 @@ impl PlacedBox {
     pub fn world_bounds(&self) -> Aabb {
         self.to_world
             .map_or(self.bounds, |map| map.bounds(&self.bounds))
-    }
-}
-
-impl VolumeBox for PlacedBox {
-    #[inline]
-    fn span(&self, ray: &Ray) -> Option<Span> {
-        self.bounds.span_of(self.line(ray))
-    }
-
-    #[inline]
-    fn line(&self, ray: &Ray) -> Line {
-        match &self.to_world {
-            None => ray.into(),
-            Some(to_world) => to_world.line_to_object(ray),
-        }
-    }
-
-    #[inline]
-    fn to_nodes(&self, point: DVec3, lattice: &Lattice) -> NodePoint {
-        lattice.to_nodes(self.to_volume(point))
     }
 }
 

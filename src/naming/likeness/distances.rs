@@ -3,7 +3,7 @@
 use crate::geometry::{Ray, Surface};
 use crate::math::exp_m1;
 use crate::scene::{Classified, Model, Panel, Radiative, Scene};
-use crate::volume::{Cell, NodeLine, Reconstruction as _, VolumeBox as _};
+use crate::volume::{Cell, NodeLine, Reconstruction as _};
 
 /// Samples along a ray through a classified volume: enough to tell near from far.
 const SAMPLES: usize = 64;

@@ -3,7 +3,7 @@
 use crate::geometry::{Camera, Ray, Span, Surface as _, length_of};
 use crate::optics::{Density, Field};
 use crate::scene::{Model, Panel, Scene};
-use crate::volume::{Lattice, PlacedBox, VolumeBox as _};
+use crate::volume::{Lattice, PlacedBox};
 use glam::DVec3;
 
 /// Largest width of the border, in pixels.
@@ -44,10 +44,7 @@ impl<'s> VolumeInView<'s> {
                     Some(VolumeInView {
                         camera: &scene.camera,
                         size,
-                        extent: PlacedBox {
-                            bounds: body.boundary.as_ref()?.bounds(),
-                            to_world: None,
-                        },
+                        extent: body.boundary.as_ref()?.bounds().into(),
                         lattice: grid.shared().lattice(),
                         density: Some(density),
                     })

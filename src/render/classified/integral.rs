@@ -25,7 +25,7 @@ use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
-use crate::volume::{CubicSegment, GridDensity, PlacedBox, VolumeBox as _};
+use crate::volume::{CubicSegment, GridDensity, PlacedBox};
 use glam::DVec3;
 
 /// Error of a pixel that is aimed at, relative to the brightest radiance of the scene: a tenth of

@@ -11,7 +11,7 @@ use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::render::plan::{FieldKind, RayCasterFeatures};
 use crate::scene::{Classified, Compositing};
-use crate::volume::{Nearest, Node, Trilinear, VolumeBox};
+use crate::volume::{Nearest, Node, Trilinear};
 use std::marker::PhantomData;
 
 /// A task for a ray caster of any types.
@@ -20,16 +20,9 @@ trait Task {
     type Output;
 
     /// Does the task with `caster`.
-    fn with<
-        F: ScalarField,
-        O: CompositingOrder + Sync,
-        S: Shading,
-        V: Visibility,
-        E: Skipping,
-        B: VolumeBox,
-    >(
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Skipping>(
         self,
-        caster: RayCaster<'_, F, O, S, V, E, B>,
+        caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output;
 }
 
@@ -62,16 +55,9 @@ struct RenderTask<'p, W> {
 impl<W: Work> Task for RenderTask<'_, W> {
     type Output = (Vec<[f32; 4]>, W);
 
-    fn with<
-        F: ScalarField,
-        O: CompositingOrder + Sync,
-        S: Shading,
-        V: Visibility,
-        E: Skipping,
-        B: VolumeBox,
-    >(
+    fn with<F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility, E: Skipping>(
         self,
-        caster: RayCaster<'_, F, O, S, V, E, B>,
+        caster: RayCaster<'_, F, O, S, V, E>,
     ) -> Self::Output {
         let RenderTask { scene, pixels, .. } = self;
         let size = [pixels.width, pixels.height];
@@ -89,92 +75,61 @@ impl<W: Work> Task for RenderTask<'_, W> {
 
 /// The result of `task` with the ray caster of `scene` with `features`.
 fn with_features<T: Task>(scene: &Classified, features: RayCasterFeatures, task: T) -> T::Output {
-    if features.placed {
-        with_field(scene, features, task, scene.extent())
-    } else {
-        with_field(scene, features, task, scene.grid.lattice().bounds())
-    }
-}
-
-fn with_field<T: Task, B: VolumeBox>(
-    scene: &Classified,
-    features: RayCasterFeatures,
-    task: T,
-    bounds: B,
-) -> T::Output {
     let grid = &*scene.grid;
-    let density = grid.values()[0].value();
     match features.field {
-        FieldKind::Trilinear => {
-            let field = GridField::new(grid, Trilinear);
-            with_order(scene, features, task, bounds, field)
-        }
-        FieldKind::Nearest => {
-            let field = GridField::new(grid, Nearest);
-            with_order(scene, features, task, bounds, field)
-        }
-        FieldKind::Constant => {
-            let field = ConstantField(grid.lattice(), density);
-            with_order(scene, features, task, bounds, field)
-        }
+        FieldKind::Trilinear => with_order(scene, features, task, GridField::new(grid, Trilinear)),
+        FieldKind::Nearest => with_order(scene, features, task, GridField::new(grid, Nearest)),
+        FieldKind::Constant => with_order(
+            scene,
+            features,
+            task,
+            ConstantField(grid.lattice(), grid.values()[0].value()),
+        ),
     }
 }
 
-fn with_order<T: Task, F: ScalarField, B: VolumeBox>(
+fn with_order<T: Task, F: ScalarField>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
-    bounds: B,
     field: F,
 ) -> T::Output {
     match features.compositing {
         Compositing::FrontToBack => {
-            with_shading(scene, features, task, bounds, field, FrontToBack::default())
+            with_shading(scene, features, task, field, FrontToBack::default())
         }
-        Compositing::EarlyTermination(termination) => with_shading(
-            scene,
-            features,
-            task,
-            bounds,
-            field,
-            FrontToBack { termination },
-        ),
-        Compositing::BackToFront => with_shading(scene, features, task, bounds, field, BackToFront),
+        Compositing::EarlyTermination(termination) => {
+            with_shading(scene, features, task, field, FrontToBack { termination })
+        }
+        Compositing::BackToFront => with_shading(scene, features, task, field, BackToFront),
     }
 }
 
-fn with_shading<T: Task, F: ScalarField, O: CompositingOrder + Sync, B: VolumeBox>(
+fn with_shading<T: Task, F: ScalarField, O: CompositingOrder + Sync>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
-    bounds: B,
     field: F,
     order: O,
 ) -> T::Output {
     match scene.phong.filter(|_| features.shading) {
         Some(phong) => {
+            let gradients = scene.gradients();
             let shading = Shaded {
                 phong,
-                gradients: scene.gradients(),
+                gradients,
                 light: scene.light,
             };
-            with_visibility(scene, features, task, bounds, field, order, shading)
+            with_visibility(scene, features, task, field, order, shading)
         }
-        None => with_visibility(scene, features, task, bounds, field, order, Unshaded),
+        None => with_visibility(scene, features, task, field, order, Unshaded),
     }
 }
 
-fn with_visibility<
-    T: Task,
-    F: ScalarField,
-    O: CompositingOrder + Sync,
-    S: Shading,
-    B: VolumeBox,
->(
+fn with_visibility<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
-    bounds: B,
     field: F,
     order: O,
     shading: S,
@@ -184,41 +139,30 @@ fn with_visibility<
             let visibility = VolumeShadow {
                 shadow,
                 light: scene.light,
-                bounds,
+                extent: scene.extent(),
                 transfer_function: &scene.transfer_function,
             };
-            let light = (shading, visibility);
-            with_space(scene, features, task, bounds, field, order, light)
+            with_space(scene, features, task, field, order, shading, visibility)
         }
-        None => {
-            let light = (shading, Unshadowed);
-            with_space(scene, features, task, bounds, field, order, light)
-        }
+        None => with_space(scene, features, task, field, order, shading, Unshadowed),
     }
 }
 
-fn with_space<
-    T: Task,
-    F: ScalarField,
-    O: CompositingOrder + Sync,
-    S: Shading,
-    V: Visibility,
-    B: VolumeBox,
->(
+fn with_space<T: Task, F: ScalarField, O: CompositingOrder + Sync, S: Shading, V: Visibility>(
     scene: &Classified,
     features: RayCasterFeatures,
     task: T,
-    bounds: B,
     field: F,
     order: O,
-    light: (S, V),
+    shading: S,
+    visibility: V,
 ) -> T::Output {
     // A constant field is transparent as a whole, or nowhere.
     if features.skip_empty && !F::IS_CONSTANT {
         let skipping = EmptySpace::of(&*scene.grid, &scene.transfer_function);
-        with_all(scene, task, bounds, field, order, light, skipping)
+        with_all(scene, task, field, order, shading, visibility, skipping)
     } else {
-        with_all(scene, task, bounds, field, order, light, NoSkipping)
+        with_all(scene, task, field, order, shading, visibility, NoSkipping)
     }
 }
 
@@ -229,17 +173,15 @@ fn with_all<
     S: Shading,
     V: Visibility,
     E: Skipping,
-    B: VolumeBox,
 >(
     scene: &Classified,
     task: T,
-    bounds: B,
     field: F,
     order: O,
-    light: (S, V),
+    shading: S,
+    visibility: V,
     skipping: E,
 ) -> T::Output {
-    let (shading, visibility) = light;
     task.with(RayCaster {
         field,
         order,
@@ -248,7 +190,7 @@ fn with_all<
         skipping,
         transfer_function: &scene.transfer_function,
         step: scene.step,
-        bounds,
+        extent: scene.extent(),
     })
 }
 
@@ -273,10 +215,9 @@ mod tests {
             S: Shading,
             V: Visibility,
             E: Skipping,
-            B: VolumeBox,
         >(
             self,
-            caster: RayCaster<'_, F, O, S, V, E, B>,
+            caster: RayCaster<'_, F, O, S, V, E>,
         ) -> String {
             type_name_of_val(&caster).to_owned()
         }
@@ -303,14 +244,14 @@ mod tests {
         let mut kernels = BTreeSet::new();
         for field in fields {
             for compositing in orders {
-                for switches in 0..16 {
+                for switches in 0..8 {
                     let features = RayCasterFeatures {
                         field,
                         compositing,
                         shading: switches & 1 != 0,
                         shadow: switches & 2 != 0,
                         skip_empty: switches & 4 != 0,
-                        placed: switches & 8 != 0,
+                        placed: false,
                     };
                     kernels.insert(with_features(classified, features, Name));
                 }

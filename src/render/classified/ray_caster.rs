@@ -21,16 +21,16 @@ use super::field::ScalarField;
 use super::shading::Shading;
 use super::steps::{SamplePoint, Steps};
 use super::volume_shadow::Visibility;
-use crate::geometry::{Aabb, Ray};
+use crate::geometry::Ray;
 use crate::optics::{TransferFunction, over_lengths};
 use crate::render::counters::{Event, Work};
-use crate::volume::{NodeLine, VolumeBox};
+use crate::volume::{NodeLine, PlacedBox};
 use glam::DVec3;
 
 /// A ray caster. Its parts are types, so that an image is rendered by code compiled for exactly the
 /// effects that the scene asks for.
 #[derive(Clone, Debug)]
-pub struct RayCaster<'c, F, O, S, V, E, B = Aabb> {
+pub struct RayCaster<'c, F, O, S, V, E> {
     /// Density, reconstructed between the nodes.
     pub field: F,
     /// Order of compositing.
@@ -45,12 +45,12 @@ pub struct RayCaster<'c, F, O, S, V, E, B = Aabb> {
     pub transfer_function: &'c TransferFunction,
     /// Distance between samples, world units.
     pub step: f64,
-    /// Extent of the volume: a box that stands in the world as it is, or one that a map places.
-    pub bounds: B,
+    /// Extent of the volume.
+    pub extent: PlacedBox,
 }
 
-impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping, B: VolumeBox>
-    RayCaster<'_, F, O, S, V, E, B>
+impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping>
+    RayCaster<'_, F, O, S, V, E>
 {
     /// The samples of `ray`, composited.
     // Always, as all in the loop below: compiled into the loop over pixels it takes a twentieth less time.
@@ -63,10 +63,10 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
     #[inline(always)]
     pub fn layers_by<W: Work>(&self, step: f64, ray: &Ray, work: &mut W) -> Layers {
         let mut layers = Layers::default();
-        let Some(span) = self.bounds.span(ray) else {
+        let Some(span) = self.extent.span(ray) else {
             return layers;
         };
-        let line = NodeLine::new(self.bounds.line(ray), self.field.lattice());
+        let line = NodeLine::new(self.extent.line(ray), self.field.lattice());
         let reference_length = self.transfer_function.reference_length;
         let mut batches = Batches::new(Steps::over(span, step), line, reference_length);
         let mut batch = Batch::default();
@@ -136,7 +136,7 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
     /// Density at the world point `world` of `ray`, and the radiance of an opaque sample there; 0
     /// where it is transparent.
     pub fn at<W: Work>(&self, ray: &Ray, world: DVec3, work: &mut W) -> (f64, DVec3) {
-        let nodes = self.bounds.to_nodes(world, self.field.lattice());
+        let nodes = self.field.lattice().to_nodes(self.extent.to_volume(world));
         let location = self.field.locate(nodes);
         let density = self.field.density(&location, work);
         let (opacity, colour) = self.transfer_function.look(density);

@@ -3,12 +3,12 @@
 use super::empty_space::Skipping;
 use super::field::ScalarField;
 use super::steps::{SamplePoint, Steps};
-use crate::geometry::{Aabb, Ray, Span, length_of};
+use crate::geometry::{Ray, Span, length_of};
 use crate::math;
 use crate::optics::{Appearance, TransferFunction, over_length};
 use crate::render::counters::{Event, Work};
 use crate::scene::Shadow;
-use crate::volume::{NodeLine, VolumeBox};
+use crate::volume::{NodeLine, PlacedBox};
 use glam::DVec3;
 
 /// Visibility of the light from samples.
@@ -26,10 +26,10 @@ pub trait Visibility: Sync {
 /// The ray from a world point towards `light`, and its span inside the volume; `None` where it has no
 /// direction or misses the volume.
 #[inline]
-pub fn shadow_ray(point: DVec3, light: DVec3, bounds: &impl VolumeBox) -> Option<(Ray, Span)> {
+pub fn shadow_ray(point: DVec3, light: DVec3, extent: &PlacedBox) -> Option<(Ray, Span)> {
     let to_light = light - point;
     let ray = Ray::new(point, to_light)?;
-    let inside = bounds.span(&ray)?;
+    let inside = extent.span(&ray)?;
     let span = Span::new(0.0, inside.far.min(length_of(to_light)));
     Some((ray, span))
 }
@@ -61,18 +61,18 @@ impl Visibility for Unshadowed {
 /// makes them transparent. With a table the visibility is the transmittance of the opacities, each
 /// stated over `reference_step`: `Π (1 − a)^(step/reference_step)`.
 #[derive(Clone, Copy, Debug)]
-pub struct VolumeShadow<'c, B = Aabb> {
+pub struct VolumeShadow<'c> {
     /// Steps of the shadow ray.
     pub shadow: Shadow,
     /// World position of the light.
     pub light: DVec3,
     /// Extent of the volume.
-    pub bounds: B,
+    pub extent: PlacedBox,
     /// Opacity by value.
     pub transfer_function: &'c TransferFunction,
 }
 
-impl<B: VolumeBox> Visibility for VolumeShadow<'_, B> {
+impl Visibility for VolumeShadow<'_> {
     fn at<F: ScalarField, S: Skipping, W: Work>(
         &self,
         sample: SamplePoint,
@@ -80,14 +80,14 @@ impl<B: VolumeBox> Visibility for VolumeShadow<'_, B> {
         skipping: &S,
         work: &mut W,
     ) -> f64 {
-        let Some((ray, span)) = shadow_ray(sample.world, self.light, &self.bounds) else {
+        let Some((ray, span)) = shadow_ray(sample.world, self.light, &self.extent) else {
             return 1.0;
         };
         work.count(Event::ShadowRay);
         let steps = Steps::over(span, self.shadow.step);
         let line = NodeLine::from(
             sample.nodes,
-            self.bounds.line(&ray).direction,
+            self.extent.vector_to_volume(*ray.direction),
             field.lattice(),
         );
         let reach = line.reach(self.shadow.step);

@@ -55,7 +55,7 @@ pub struct RayCasterFeatures {
     pub shadow: bool,
     /// Empty-space skipping: samples in transparent blocks are not taken.
     pub skip_empty: bool,
-    /// A map that places the volume in the world.
+    /// A map that places the volume in the world: of the plan alone, for kernels ask for it once a ray.
     pub placed: bool,
 }
 

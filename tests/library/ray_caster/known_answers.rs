@@ -203,7 +203,7 @@ fn march<O: CompositingOrder + Default>(
         skipping: NoSkipping,
         transfer_function: &transfer_function,
         step: length / input(entry, "steps"),
-        bounds: lattice.bounds(),
+        extent: lattice.bounds().into(),
     };
     let ray = Ray::new(DVec3::new(0.5, 0.5, 0.0), DVec3::Z).unwrap();
     caster.layers(&ray, &mut Counters::default())

@@ -305,7 +305,7 @@ fn with_visibility<F: ScalarField, O: CompositingOrder + Default, S: Shading>(
             let visibility = VolumeShadow {
                 shadow,
                 light: scene.light,
-                bounds: scene.grid.lattice().bounds(),
+                extent: scene.grid.lattice().bounds().into(),
                 transfer_function: &scene.transfer_function,
             };
             with_all::<F, O, S, _>(scene, rays, field, shading, visibility)
@@ -328,7 +328,7 @@ fn with_all<F: ScalarField, O: CompositingOrder + Default, S: Shading, V: Visibi
         skipping: NoSkipping,
         transfer_function: &scene.transfer_function,
         step: scene.step,
-        bounds: scene.grid.lattice().bounds(),
+        extent: scene.grid.lattice().bounds().into(),
     };
     let mut work = Counters::default();
     rays.iter()

@@ -22,7 +22,7 @@ fn visibility(grid: &Grid<f32>, shadow: Shadow, light: DVec3, at: DVec3) -> (f64
     let visibility = VolumeShadow {
         shadow,
         light,
-        bounds: lattice.bounds(),
+        extent: lattice.bounds().into(),
         transfer_function: &transfer_function,
     };
     let sample = SamplePoint {
