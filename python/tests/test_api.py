@@ -131,11 +131,38 @@ def test_arrays_that_are_no_image(figure):
             volref.check("figures/figure-1", wrong)
 
 
-def test_opacity_is_not_compared(figure):
-    opacity = np.full(figure.shape[:2], np.nan, np.float32)
-    assert volref.check("figures/figure-1", np.dstack([figure, opacity])).passed
-    assert volref.compare(figure, np.dstack([figure, opacity])).passed
-    assert not volref.compare(figure, np.dstack([figure, opacity]), gate="exact").passed
+def test_opacity_is_compared_where_it_says_something():
+    case = "scenes/opacity-over-grey"
+    right = volref.render(case)
+    colours, opacity = right[:, :, :3], right[:, :, 3]
+    assert volref.check(case, right).passed
+    assert volref.check(case, colours).passed
+    opaque = volref.check(case, np.dstack([colours, np.ones_like(opacity)]))
+    assert not opaque.passed and opaque.looks_like[0].name == "opaque-background"
+    assert not volref.check(case, np.dstack([colours, np.full_like(opacity, np.nan)]), explain=0).passed
+    # Colours without the background, 0.1 everywhere.
+    alone = colours - 0.1 * (1 - opacity)[:, :, np.newaxis]
+    assert not volref.check(case, np.dstack([alone, opacity]), explain=0).passed
+    assert volref.check(case, np.dstack([alone, opacity]), alpha="premultiplied").passed
+    with np.errstate(invalid="ignore", divide="ignore"):
+        straight = np.nan_to_num(alone / opacity[:, :, np.newaxis], posinf=0, neginf=0)
+    assert volref.check(case, np.dstack([straight, opacity]), alpha="straight").passed
+    # In a case that does not ask for opacity, 1 everywhere is what programs write for a display.
+    figure = volref.render("figures/figure-3")
+    assert volref.check("figures/figure-3", np.dstack([figure[:, :, :3], np.ones(figure.shape[:2], np.float32)])).passed
+    assert volref.compare(figure, figure).passed
+    assert not volref.compare(figure, np.dstack([figure[:, :, :3], 0.5 * figure[:, :, 3]])).passed
+
+
+def test_depth_is_compared_where_it_is_asked_for():
+    right = volref.render("scenes/mean-depth")
+    depth = volref.render("scenes/mean-depth", depth="mean")
+    assert depth.shape == right.shape[:2] and np.isinf(depth).any() and np.isfinite(depth).any()
+    assert volref.check("scenes/mean-depth", right, depth=depth).passed
+    found = volref.check("scenes/mean-depth", right, depth=volref.render("scenes/mean-depth", depth="half"), explain=0)
+    assert not found.passed and "depth" in found.reason
+    with pytest.raises(ValueError, match="shape"):
+        volref.check("scenes/mean-depth", right, depth=right)
 
 
 def test_the_image_before_the_case(figure):

@@ -5,8 +5,8 @@
 
 Images are arrays of rows from the top:
 
-- floating point of 16, 32 or 64 bits, shape (height, width, 3), (height, width, 4) with opacity, which is not
-  compared, or (height, width) or (height, width, 1) for grey: linear radiance, premultiplied by opacity;
+- floating point of 16, 32 or 64 bits, shape (height, width, 3), (height, width, 4) with opacity, or
+  (height, width) or (height, width, 1) for grey: linear radiance, in front of the background of the scene;
 - ``uint8``, shape (height, width, 3), (height, width) or (height, width, 1): sRGB at the exposure of the case.
 """
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arguments import number, one_of, whole
-from ._files import as_image, as_variance, write
+from ._files import as_depth, as_image, as_variance, write
 from ._kept import keep_images
 from ._program import UnknownCase, VolrefError, call, own_suite, suite_arguments
 
@@ -319,12 +319,15 @@ def render(
     spp: int | None = None,
     seed: int | None = None,
     step: str | None = None,
+    depth: str | None = None,
 ) -> NDArray[np.float32]:
     """The image of a case, or of a scene file, as volref renders it: float32 of shape (height, width, 3), or
     (height, width, 4) with opacity; linear radiance, premultiplied by opacity.
 
     ``spp``: samples per pixel, 1 or more, for Monte Carlo scenes; ``seed``: of their random numbers, 0 or more.
     ``step``: length of a step through a classified volume, such as ``"0.5 voxels"``; a number is in world units.
+    ``depth``: in place of the image the depth of each pixel, float32 of shape (height, width), infinite where there is
+    none: ``"mean"``, ``"half"``, ``"mean-along-view"`` or ``"half-along-view"``.
     """
     given = _scene_file(scene)
     if spp is not None:
@@ -334,11 +337,11 @@ def render(
     with tempfile.TemporaryDirectory(prefix="volref-") as folder:
         file = Path(folder) / "image.npy"
         arguments = ["render", os.fspath(given), "--output", str(file)]
-        for name, value in [("--spp", spp), ("--seed", seed), ("--step", step)]:
+        for name, value in [("--spp", spp), ("--seed", seed), ("--step", step), ("--depth", depth)]:
             if value is not None:
                 arguments.append(f"{name}={value}")
         call(arguments)
-        return np.load(file)
+        return np.load(file if depth is None else file.with_suffix(".depth.npy"))
 
 
 def _scene_file(scene: Any) -> str:
@@ -365,6 +368,8 @@ def check(
     samples: int | None = None,
     profile: str | os.PathLike[str] | None = None,
     bits: int | str | None = None,
+    alpha: str | None = None,
+    depth: ArrayLike | None = None,
     accept_conventions: bool = False,
     explain: float = 10.0,
     report: str | os.PathLike[str] | None = None,
@@ -373,7 +378,7 @@ def check(
 ) -> Result:
     """Judges ``image`` as the image of the case ``name``.
 
-    ``image`` is an array (see :mod:`volref`), whose opacity is not compared; a list of arrays, or an iterator over
+    ``image`` is an array (see :mod:`volref`); a list of arrays, or an iterator over
     them, for several renderings with seeds of their own; or, for a case of the family ``limit``, a dict of arrays
     by the factor on the step: ``{1: a, 0.5: b, 0.25: c}``.
 
@@ -382,6 +387,9 @@ def check(
 
     ``bits``: bits of a channel to which the image was rounded, ``8``, ``"8-linear"`` or ``"8-srgb"``: differences up
     to half a code agree, and a ``uint8`` array is judged as the radiance of its codes.
+
+    ``alpha``: ``"premultiplied"`` or ``"straight"`` for colours beside an opacity that leave out the background of the
+    scene. ``depth``: distances, of shape (height, width), for cases that ask for depth.
 
     ``profile``: conventions by which to judge, ``vtk``, ``anari`` or a file. ``accept_conventions`` passes images
     that are right under other conventions. ``explain``: seconds for finding the mistake behind an image that
@@ -402,7 +410,7 @@ def check(
         # Judged here, and only copied to the others: another process may replace an image of the case there.
         folder = Path(temporary)
         try:
-            files = _write_all(folder, case, image, variance, samples)
+            files = _write_all(folder, case, image, variance, samples, depth)
             if outputs is not None:
                 folder = Path(outputs)
                 family = {other.name for other in cases(case.family, suite=suite)}
@@ -414,6 +422,8 @@ def check(
             arguments.append(f"--as={os.fspath(profile)}")
         if bits is not None:
             arguments.append(f"--bits={bits}")
+        if alpha is not None:
+            arguments.append(f"--alpha={alpha}")
         if accept_conventions:
             arguments.append("--accept-conventions")
         if report is not None:
@@ -470,6 +480,7 @@ def _write_all(
     image: Any,
     variance: ArrayLike | None,
     samples: int | None,
+    depth: ArrayLike | None,
 ) -> list[Path]:
     """Writes the images of a case into ``folder``; returns the files."""
     name = case.name
@@ -489,11 +500,11 @@ def _write_all(
         named = {name: image}
     if variance is not None and len(named) > 1:
         raise ValueError("a variance belongs to one image: of several renderings it is computed")
-    # Without opacity, which is not compared.
-    arrays = {file: as_image(array)[:, :, :3] for file, array in named.items()}
+    arrays = {file: as_image(array) for file, array in named.items()}
+    depths = None if depth is None else as_depth(depth, list(arrays.values()))
     noise = _variance(variance, samples, next(iter(arrays.values())))
     return [
-        write(folder / file, array, noise, samples if array.dtype.kind == "f" else None)
+        write(folder / file, array, noise, samples if array.dtype.kind == "f" else None, depths)
         for file, array in arrays.items()
     ]
 
@@ -519,8 +530,7 @@ def compare(
     exposure = number("exposure", exposure, "a number of stops from -64 to 64", *EXPOSURES)
     samples = _samples(samples)
     with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
-        channels = 4 if gate == "exact" else 3
-        right, test = as_image(reference, "reference")[:, :, :channels], as_image(image)[:, :, :channels]
+        right, test = as_image(reference, "reference"), as_image(image)
         noise = _variance(variance, samples, test)
         files = [
             write(Path(temporary) / "reference", right),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -120,11 +121,25 @@ def _is_without_noise(image: NDArray[np.float32], variance: NDArray[np.float32])
     return differing > (is_sure.sum() / 2 if variance.any() else 0)
 
 
+def as_depth(depth: Any, images: Sequence[NDArray[Any]]) -> NDArray[np.float32]:
+    """Distances of the pixels of the one of ``images``, as float32 of shape (height, width)."""
+    array = np.asarray(depth)
+    if len(images) != 1 or images[0].dtype == np.uint8:
+        raise ValueError("a depth belongs to one image of linear radiance")
+    if array.dtype.kind != "f" or array.shape != images[0].shape[:2]:
+        raise ValueError(
+            f"the depth has the type {array.dtype} and the shape {array.shape}: give floating point of the shape "
+            f"{images[0].shape[:2]}, (height, width)"
+        )
+    return array.astype(np.float32)
+
+
 def write(
     path: Path,
     image: NDArray[Any],
     variance: NDArray[np.float32] | None = None,
     samples: int | None = None,
+    depth: NDArray[np.float32] | None = None,
 ) -> Path:
     """Writes an image as ``path`` with the extension of its format; returns the file."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -135,6 +150,8 @@ def write(
     channels = {name: image[:, :, index] for index, name in enumerate("RGBA"[: image.shape[2]])}
     if variance is not None:
         channels |= {f"variance.{name}": variance[:, :, index] for index, name in enumerate("RGB")}
+    if depth is not None:
+        channels["Z"] = depth
     if samples is not None:
         channels["samples.Y"] = np.full(image.shape[:2], samples, dtype=np.uint32)
     file = path.parent / f"{path.name}.exr"

@@ -63,8 +63,8 @@ def case_of(file: str, cases: Collection[str]) -> str | None:
     # A case may be called rate-0.1: the whole name comes before the number of a replicate.
     name, _, last = stem.rpartition(".")
     is_replicate = last.isascii() and last.isdigit() and int(last) < 2**32
-    is_variance = last == "variance" and extension == "exr"
-    return name if name in cases and (is_replicate or is_variance) else None
+    is_beside = (last, extension) in {("variance", "exr"), ("depth", "npy")}
+    return name if name in cases and (is_replicate or is_beside) else None
 
 
 def _is_factor(text: str) -> bool:

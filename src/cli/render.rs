@@ -1,10 +1,10 @@
 //! `volref render SCENE -o FILE`
 
-use super::failure::{Failure, bad_input};
+use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
 use super::suite::scene_file;
 use super::{Outcome, progress};
-use crate::film::{Film, FilmFormat};
+use crate::film::{Depth, Film, FilmFormat};
 use crate::math;
 use crate::reference;
 use crate::render::plan::Reason;
@@ -54,6 +54,10 @@ pub struct Arguments {
     /// scene is path traced
     #[arg(long)]
     reference: bool,
+    /// Depth of each pixel as well, in world units: mean or half, along the ray, or mean-along-view or
+    /// half-along-view. In an .exr it is the channel Z; beside an .npy a second file, FILE.depth.npy
+    #[arg(long, value_name = "KIND", num_args = 0..=1, require_equals = true, default_missing_value = "mean")]
+    depth: Option<Depth>,
     #[command(flatten)]
     json: Json,
 }
@@ -62,7 +66,12 @@ pub struct Arguments {
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.scene = scene_file(&arguments.scene)?;
     let format = format_of(&arguments.output, "linear radiance")?;
-    let outputs = [Some(arguments.output.as_path()), arguments.json.file()];
+    let depth_file = arguments.depth_file(format)?;
+    let outputs = [
+        Some(arguments.output.as_path()),
+        depth_file.as_deref(),
+        arguments.json.file(),
+    ];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
     let mut scene = progress::during("reading the scene", read)?;
@@ -110,6 +119,10 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         film
     })?
     .map_err(bad_input)?;
+    let film = match arguments.depth {
+        Some(depth) => film.with_depth(arguments.depths(&scene, depth)?),
+        None => film,
+    };
     let seconds = start.elapsed().as_secs_f64();
 
     let bytes = match format {
@@ -118,6 +131,9 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         _ => film.to_exr().map_err(bad_input)?,
     };
     output::write(&arguments.output, &bytes)?;
+    if let (Some(file), Some(bytes)) = (&depth_file, film.depth_to_npy()) {
+        output::write(file, &bytes)?;
+    }
 
     let mut text = format!(
         "{}: {} × {} pixels in {seconds:.2} s\n",
@@ -149,6 +165,39 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         "warnings": warnings,
     });
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+impl Arguments {
+    /// The file of depths beside an image of this `format`, where it has one.
+    fn depth_file(&self, format: FilmFormat) -> Result<Option<PathBuf>, Failure> {
+        match (self.depth, format) {
+            (None, _) | (Some(_), FilmFormat::Exr) => Ok(None),
+            (Some(_), FilmFormat::Npy) => Ok(Some(self.output.with_extension("depth.npy"))),
+            (Some(_), _) => {
+                let message = "--depth: a .png holds no distances";
+                let help =
+                    "write .exr, with depth as its channel Z, or .npy, with depth in a second file";
+                Err(Failure::new(Exit::BadInput, message, Some(help)))
+            }
+        }
+    }
+
+    /// Depth of each pixel of `scene`.
+    fn depths(&self, scene: &Scene, depth: Depth) -> Result<Vec<f32>, Failure> {
+        let right =
+            render::depth(scene, depth).map_err(|error| bad_input(format!("--depth: {error}")))?;
+        if !self.reference {
+            return Ok(right);
+        }
+        let panels = scene.panels.iter().filter_map(|panel| {
+            let size = [panel.width, panel.height];
+            let depths = reference::depth::render(panel.classified()?, size, depth);
+            let grey = depths.into_iter().map(|depth| [depth; 3]).collect();
+            Some(Film::new(size[0], size[1], grey))
+        });
+        let film = Film::side_by_side(&panels.collect::<Vec<_>>());
+        Ok(film.radiance().iter().map(|depth| depth[0]).collect())
+    }
 }
 
 /// Conventions of other renderers and the integral itself have one renderer, which is plain.

@@ -11,8 +11,10 @@ use super::{Outcome, compare, ctest, interrupt, output, progress};
 use crate::compare::Promise;
 use crate::conventions::Profile;
 use crate::files::regular_file::note_input;
-use crate::film::Bits;
-use crate::judging::{CaseResult, Evidence, Judged, MoreSamples, declared, is_open, validate_at};
+use crate::film::{Alpha, Bits};
+use crate::judging::{
+    CaseResult, Evidence, Judged, MoreSamples, before_background, declared, is_open, validate_at,
+};
 use crate::naming::{ConventionSearch, Search};
 use crate::renderers::{ImageSource, Rendered, in_order, stop_all};
 use crate::report;
@@ -76,6 +78,10 @@ pub struct Arguments {
     /// [default: as in the profile]
     #[arg(long, value_name = "BITS")]
     bits: Option<Bits>,
+    /// Colours of images with opacity leave out the background of the scene: premultiplied by opacity, or straight
+    /// [default: as in the profile, else they contain it]
+    #[arg(long, value_name = "ALPHA")]
+    alpha: Option<Alpha>,
     /// Accept images that are right under other conventions than the golden's, and say which
     #[arg(long)]
     accept_conventions: bool,
@@ -245,6 +251,7 @@ impl Arguments {
         settings.push(("accept conventions", self.accept_conventions.to_string()));
         settings.extend(profile.map(|profile| ("profile", profile.text.clone())));
         settings.extend(self.bits.map(|bits| ("bits", bits.to_string())));
+        settings.extend(self.alpha.map(|alpha| ("alpha", alpha.to_string())));
         let resolution = self.resolution.iter();
         settings.extend(resolution.map(|percent| ("resolution", percent.to_string())));
         let named = |(name, value): (&str, String)| (name.to_owned(), value);
@@ -259,6 +266,9 @@ impl Arguments {
         };
         if let Some(bits) = self.bits {
             words.extend(["--bits".to_owned(), bits.to_string()]);
+        }
+        if let Some(alpha) = self.alpha {
+            words.extend(["--alpha".to_owned(), alpha.to_string()]);
         }
         if let Some(percent) = self.resolution {
             words.extend(["--resolution".to_owned(), percent.to_string()]);
@@ -420,7 +430,12 @@ impl Judge<'_> {
             }),
             (given, of_profile) => given.or(of_profile),
         };
-        let output = declared(rendered.output, bits, case);
+        let alpha = self
+            .arguments
+            .alpha
+            .or(profile.and_then(|profile| profile.alpha));
+        let output = before_background(rendered.output, alpha, case);
+        let output = declared(output, bits, case);
         let mut judged = validate_at(look, case, store, output, profile);
         if profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);

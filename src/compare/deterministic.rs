@@ -2,7 +2,7 @@
 //!
 //! A pixel agrees if every channel does: `|test − golden| ≤ 1e-3 + 1 % of golden`. All but
 //! 0.02 % of the pixels must agree, none may be far off, and the differences must not add up.
-//! Opacity is not judged: renderers differ in what they write there.
+//! Opacity, where both images have it, is judged likewise ([`opacity`](super::opacity)).
 //! Structural and mean-pooled metrics are no substitute: of sixteen seeded faults they caught
 //! between one and twelve, this rule all.
 
@@ -10,6 +10,7 @@ use super::difference_scale::DifferenceScale;
 use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
 use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
+use super::opacity;
 use super::picture::{Picture, PictureError};
 use crate::film::{CHANNELS, Film};
 use crate::math::Sum;
@@ -35,6 +36,12 @@ const HARD_CAP_OF_SINGLE_PRECISION: f64 = 100.0;
 /// Roundings have both signs and average out; what is left at a tenth is systematic.
 pub(super) const BIAS: f64 = 0.1;
 
+/// Where opacity is compared.
+pub const OUTLIERS_OF_OPACITY: Metric = (
+    "outlier_opacities",
+    "Pixels whose opacity is off by more than the tolerance; where opacity is compared.",
+);
+
 /// Linear radiance within a tolerance, for renderings without noise.
 #[derive(Clone, Copy, Debug)]
 pub struct Deterministic;
@@ -48,7 +55,8 @@ impl Gate for Deterministic {
         "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
          golden: that is one tolerance. At most 0.02 % of the pixels may disagree (rays that graze \
          an edge), none by more than 20 tolerances, and the mean of a channel may be off by a tenth \
-         of a tolerance. No single pixel may be black among neighbours that are not."
+         of a tolerance. No single pixel may be black among neighbours that are not. Opacity, where \
+         both images have it and the test image's is not 1 or 0 everywhere, is one more channel."
     }
 
     fn metrics(&self) -> &'static [Metric] {
@@ -83,6 +91,11 @@ impl Gate for Deterministic {
             MEAN_DIFFERENCES[0],
             MEAN_DIFFERENCES[1],
             MEAN_DIFFERENCES[2],
+            OUTLIERS_OF_OPACITY,
+            (
+                "mean_difference_opacity",
+                "Mean of test minus golden: above 0, the volume is too opaque.",
+            ),
         ]
     }
 
@@ -107,7 +120,7 @@ impl ImageGate for Deterministic {
         } else {
             (OUTLIERS, HARD_CAP)
         };
-        Ok(judge(reference?, test?, allowed))
+        Ok(judge(reference?, test?, allowed, conditions.opacity))
     }
 
     fn default_for(&self) -> Option<&'static str> {
@@ -169,12 +182,13 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
 }
 
 /// Judges `test` by `reference`, both of one size and finite; this share of `outliers` is allowed, none
-/// by more than `cap` tolerances.
+/// by more than `cap` tolerances. Opacity counts, if it is the same everywhere, only where it is `asked` for.
 ///
 /// A quantised image is judged by the nearest of those that round to it. That of a right renderer is within its
 /// own, small errors of the reference, so that their mean needs no allowance for roundings that do not
 /// average out, such as of an image of one colour.
-fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64)) -> Judgement {
+fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool) -> Judgement {
+    let opacity = opacity::difference(reference, test, asked);
     let black = lone_black_pixels(reference, test);
     let allowed = match test.quantisation() {
         Some(of) if of.blended => "one and a half codes + 0.001 + 1 %",
@@ -257,6 +271,35 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64)) -> Judgemen
             bias[worst_bias].abs()
         );
         (false, reason)
+    } else if let Some(found) = &opacity
+        && (found.outside as f64 > outliers * count as f64 || found.worst > cap)
+    {
+        let [column, row] = [
+            found.worst_at % reference.width(),
+            found.worst_at / reference.width(),
+        ];
+        let at = |film: &Film| {
+            film.opacity()
+                .map_or(1.0, |opacity| opacity[found.worst_at])
+        };
+        let reason = format!(
+            "the colours agree; the opacity of {} of {count} pixels ({:.3} %) differs by more than 0.001 + 1 %. The \
+             worst is ({column}, {row}), where it is {:.4} in place of {:.4}",
+            found.outside,
+            100.0 * found.outside as f64 / count as f64,
+            at(test),
+            at(reference)
+        );
+        (false, reason)
+    } else if let Some(found) = opacity.as_ref().filter(|found| found.bias.abs() > 1.0) {
+        let reason = format!(
+            "the colours agree, and the opacity of every pixel is close, but too {} on the whole: its mean is off by \
+             {:.3e}, {:.1} times what is allowed",
+            if found.mean > 0.0 { "high" } else { "low" },
+            found.mean,
+            found.bias.abs()
+        );
+        (false, reason)
     } else {
         let reason = format!(
             "{outside} of {count} pixels differ by more than {allowed}; the largest difference \
@@ -265,7 +308,7 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64)) -> Judgemen
         );
         (true, reason)
     };
-    let metrics = [
+    let mut metrics = vec![
         ("outlier_pixels", outside as f64),
         ("outlier_share", share),
         ("max_abs_error", largest),
@@ -277,5 +320,9 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64)) -> Judgemen
         ("mean_difference_green", mean(differences[1])),
         ("mean_difference_blue", mean(differences[2])),
     ];
+    if let Some(found) = opacity {
+        metrics.push((OUTLIERS_OF_OPACITY.0, found.outside as f64));
+        metrics.push(("mean_difference_opacity", found.mean));
+    }
     Judgement::new(&Deterministic, passed, reason, &metrics)
 }

@@ -50,6 +50,8 @@ pub struct Conditions<'s> {
     pub promise: Option<Promise>,
     /// The renderer of the test image is known to compute in single precision.
     pub in_single_precision: bool,
+    /// Opacity was asked for, so that 1 everywhere is a statement about the volume.
+    pub opacity: bool,
     /// Derivatives of the reference by the numbers of its scene, for the stochastic gate.
     pub sensitivities: &'s [Sensitivity],
 }
@@ -62,6 +64,7 @@ impl Default for Conditions<'_> {
             cases: 1,
             promise: None,
             in_single_precision: false,
+            opacity: false,
             sensitivities: &[],
         }
     }

@@ -7,6 +7,7 @@
 mod advice;
 pub(crate) mod cells;
 mod change_with_step;
+pub mod depth;
 pub mod deterministic;
 mod difference_scale;
 mod exact;
@@ -16,6 +17,7 @@ mod image_gate;
 mod incomparable;
 mod judgement;
 mod measured_difference;
+mod opacity;
 mod parts;
 pub mod perceptual;
 mod picture;
@@ -50,6 +52,7 @@ pub use sensitivity::{Sensitivity, change_in_words};
 pub use stochastic::Stochastic;
 
 use crate::film::Film;
+use depth::OUTLIERS_OF_DEPTH;
 use incomparable::{NON_FINITE, REFERENCE, TEST};
 use precision::CUT_OFF;
 
@@ -87,7 +90,7 @@ pub fn metric_meaning(name: &str) -> Option<&'static str> {
     let images = GATES.into_iter().flat_map(Gate::metrics);
     let mut metrics = images.chain(Refinement.metrics());
     let found = metrics.find(|(known, _)| *known == name);
-    let common = [&NON_FINITE, &CUT_OFF]
+    let common = [&NON_FINITE, &CUT_OFF, &OUTLIERS_OF_DEPTH]
         .into_iter()
         .find(|(known, _)| *known == name);
     found.or(common).map(|&(_, meaning)| meaning)

@@ -1,7 +1,8 @@
 //! Profiles: the conventions of another renderer, under which its images are judged.
 
+use crate::files::misspelling::nearest;
 use crate::files::regular_file;
-use crate::film::{Bits, Encoding};
+use crate::film::{Alpha, Bits, Encoding};
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::scene::{CONVENTIONS, Classified, Conventions, Model, Scene, SceneResult};
@@ -23,6 +24,8 @@ pub const PROFILE: Table = Table::new("Conventions of another renderer of classi
     Key::or("blended", Kind::Flag, "false").doc(
         "Colours, not multiplied by opacity, and opacities are rounded to these bits before they are blended with the background: differences up to one and a half codes agree.",
     ),
+    Key::optional("alpha", Kind::Choice(&["premultiplied", "straight"]))
+        .doc("Colours of its images with opacity leave out the background of the scene, as --alpha declares them: multiplied by opacity, or not. If left out, they contain it."),
     Key::optional("conventions", Kind::Table(&CONVENTIONS)).doc("Conventions, as in a scene."),
 ]);
 
@@ -51,6 +54,8 @@ pub struct Profile {
     pub text: String,
     /// Bits of its images, where they are few.
     pub bits: Option<Bits>,
+    /// Colours of its images leave out the background.
+    pub alpha: Option<Alpha>,
     early_termination: Option<f64>,
     conventions: Conventions,
 }
@@ -78,8 +83,11 @@ impl Profile {
         };
         let bytes = regular_file::read(Path::new(name), MOST_BYTES).map_err(|error| {
             let shipped: Vec<&str> = Profile::shipped().collect();
+            let meant = nearest(name, Profile::shipped());
+            let meant = meant.map(|meant| format!("did you mean {meant:?}? "));
             let help = format!(
-                "give a file, or one of the profiles that volref brings: {}",
+                "{}give a file, or one of the profiles that volref brings: {}",
+                meant.unwrap_or_default(),
                 shipped.join(", ")
             );
             let message = format!("cannot read the profile: {error}");
@@ -115,6 +123,7 @@ impl Profile {
             let message = "nothing is rounded before it is blended: add `bits = 8`";
             return Err(reader.error("blended", message));
         }
+        let alpha = reader.optional_text("alpha")?;
         let encoding = encoding.map(|name| match name.as_str() {
             "srgb" => Encoding::Srgb,
             _ => Encoding::Linear,
@@ -127,6 +136,7 @@ impl Profile {
             name,
             text: text.to_owned(),
             bits: bits.map(|_| Bits { encoding, blended }),
+            alpha: alpha.and_then(|name| name.parse().ok()),
             early_termination,
             conventions: conventions.unwrap_or_default(),
         })

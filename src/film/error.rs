@@ -90,6 +90,9 @@ pub enum FilmError {
     /// Variances that cannot be used.
     #[error("the noise of the image cannot be read: {0}")]
     Noise(&'static str),
+    /// Depths that cannot be used.
+    #[error("the depth of the image cannot be read: {0}")]
+    Depth(&'static str),
     /// Replicates that are not independent renderings of one image.
     #[error("not independent renderings of one image: {0}")]
     Replicates(String),

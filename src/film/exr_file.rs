@@ -46,6 +46,9 @@ pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
     if let Some(opacity) = film.opacity() {
         channels.push(channel("A", opacity.to_vec()));
     }
+    if let Some(depth) = film.depth() {
+        channels.push(channel("Z", depth.to_vec()));
+    }
     if let Some(noise) = film.noise().filter(|noise| !noise.is_known()) {
         for (c, name) in VARIANCE.into_iter().enumerate() {
             let values = noise.variance().iter().map(|pixel| pixel[c]).collect();
@@ -168,6 +171,7 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
         samples: samples.map(u64::from),
         reading,
         quantisation: None,
+        depth: colours.depth.map(|depth| frame.cut(floats(depth))),
     })
 }
 

@@ -24,6 +24,7 @@ pub(super) struct Colours<'f> {
     /// The same channel three times for a grey image.
     pub rgb: [&'f FlatSamples; 3],
     pub opacity: Option<&'f FlatSamples>,
+    pub depth: Option<&'f FlatSamples>,
     pub is_grey: bool,
     /// The name of a layer that is chosen as the only one, though it has no name of a main layer.
     pub unusual_layer: Option<String>,
@@ -158,6 +159,7 @@ fn the_one<'f>(
                 part: group.part,
                 rgb,
                 opacity: group.channel("A"),
+                depth: group.channel("Z"),
                 is_grey: group.rgb().is_none(),
                 unusual_layer: (is_among_several && !MAIN.contains(&group.last_name().as_str()))
                     .then(|| group.name.clone()),

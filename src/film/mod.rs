@@ -1,6 +1,8 @@
 //! Linear radiance on a grid of pixels, and the readers and writers of image files.
 
+mod alpha;
 mod decimals;
+mod depth;
 mod error;
 mod exr_completeness;
 mod exr_file;
@@ -22,6 +24,8 @@ mod stored;
 use crate::math::Moments;
 use serde::{Deserialize, Serialize};
 
+pub use alpha::Alpha;
+pub use depth::Depth;
 pub use error::FilmError;
 pub use format::FilmFormat;
 pub use layered_file::LayeredFilm;
@@ -45,6 +49,9 @@ pub struct Film {
     opacity: Option<Vec<f32>>,
     noise: Option<Noise>,
     samples: Option<u64>,
+    /// Not kept in files of volref but images.
+    #[serde(skip)]
+    depth: Option<Vec<f32>>,
     /// Not kept in files of volref: those are read as they are.
     #[serde(skip)]
     reading: Reading,
@@ -70,6 +77,7 @@ impl Film {
             opacity: None,
             noise: None,
             samples: None,
+            depth: None,
             reading: Reading::default(),
             quantisation: None,
         }
@@ -309,6 +317,52 @@ impl Film {
         self.opacity.as_deref()
     }
 
+    /// Depth of every pixel, world units, if the image has any: the distance of what it shows.
+    pub fn depth(&self) -> Option<&[f32]> {
+        self.depth.as_deref()
+    }
+
+    /// This image with a depth in each pixel.
+    ///
+    /// # Panics
+    /// If there is not one value per pixel.
+    pub fn with_depth(self, depth: Vec<f32>) -> Film {
+        assert_eq!(depth.len(), self.radiance.len(), "one depth per pixel");
+        Film {
+            depth: Some(depth),
+            ..self
+        }
+    }
+
+    /// This image with the depths of `depth`, an image of grey.
+    ///
+    /// # Errors
+    ///
+    /// If sizes differ, or both state depths.
+    pub fn with_depth_of(self, depth: &Film) -> Result<Film, FilmError> {
+        if self.depth.is_some() {
+            return Err(FilmError::Depth(
+                "both the image and the file beside it state depths: leave one out",
+            ));
+        }
+        if (self.width, self.height) != (depth.width, depth.height) {
+            return Err(FilmError::Depth(
+                "the image and the file of its depths differ in size",
+            ));
+        }
+        if depth
+            .radiance
+            .iter()
+            .any(|of| of.map(f32::to_bits) != [of[0].to_bits(); 3])
+        {
+            return Err(FilmError::Depth(
+                "depths are one number a pixel, of the shape (height, width), and this is a picture",
+            ));
+        }
+        let depths = depth.radiance.iter().map(|of| of[0]).collect();
+        Ok(self.with_depth(depths))
+    }
+
     /// Samples per pixel, of all renderings together; `None` if neither the image nor its caller
     /// states them.
     pub fn samples(&self) -> Option<u64> {
@@ -348,6 +402,22 @@ impl Film {
     pub fn variance_at(&self, index: usize, channel: usize) -> f64 {
         let noise = self.noise.as_ref();
         noise.map_or(0.0, |noise| noise.variance()[index][channel].into())
+    }
+
+    /// The colours alone.
+    pub fn without_opacity(self) -> Film {
+        Film {
+            opacity: None,
+            ..self
+        }
+    }
+
+    /// The image with another opacity in each pixel; unchanged without any.
+    pub fn map_opacity(mut self, map: impl Fn(f32) -> f32) -> Film {
+        if let Some(opacity) = &mut self.opacity {
+            opacity.iter_mut().for_each(|value| *value = map(*value));
+        }
+        self
     }
 
     /// The first pixel whose radiance or opacity is negative or not finite: [column, row] and its
@@ -412,7 +482,7 @@ impl Film {
         png_file::encode(codes, width, height)
     }
 
-    /// The image as EXR, 32-bit float, lossless: R, G and B; A if there is opacity; if there is
+    /// The image as EXR, 32-bit float, lossless: R, G and B; A if there is opacity; Z if there is depth; if there is
     /// noise, the variances of the means as layer `variance` and the number of samples as layer
     /// `samples`.
     pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
@@ -477,6 +547,12 @@ impl Film {
     /// opacity; without its noise.
     pub fn to_npy(&self) -> Vec<u8> {
         npy_file::encode(self)
+    }
+
+    /// The depth as a NumPy array, float32, of shape (height, width), if there is any.
+    pub fn depth_to_npy(&self) -> Option<Vec<u8>> {
+        let depth = self.depth.as_ref()?.iter().copied();
+        Some(npy_file::encode_values(&[self.height, self.width], depth))
     }
 
     /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette; 16-bit values become the

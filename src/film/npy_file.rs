@@ -69,7 +69,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
 
 pub(super) fn encode(film: &Film) -> Vec<u8> {
     let channels = if film.opacity().is_some() { 4 } else { 3 };
-    let shape = shown(&[film.height(), film.width(), channels]);
+    let pixels = (0..film.radiance().len()).map(|index| film.pixel(index));
+    let values = pixels.flat_map(|pixel| pixel.into_iter().take(channels));
+    encode_values(&[film.height(), film.width(), channels], values)
+}
+
+/// The array of this shape, float32.
+pub(super) fn encode_values(shape: &[usize], values: impl Iterator<Item = f32>) -> Vec<u8> {
+    let shape = shown(shape);
     let mut text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
     // Data begin at a multiple of 64, after 10 bytes, the text and the end of the line.
     let padding = (64 - (10 + text.len() + 1) % 64) % 64;
@@ -78,14 +85,7 @@ pub(super) fn encode(film: &Film) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\0".to_vec();
     bytes.extend((text.len() as u16).to_le_bytes());
     bytes.extend(text.bytes());
-    for index in 0..film.radiance().len() {
-        let pixel = film.pixel(index);
-        bytes.extend(
-            pixel[..channels]
-                .iter()
-                .flat_map(|value| value.to_le_bytes()),
-        );
-    }
+    bytes.extend(values.flat_map(f32::to_le_bytes));
     bytes
 }
 

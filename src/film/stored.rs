@@ -38,6 +38,7 @@ impl TryFrom<StoredFilm> for Film {
             samples: stored.samples,
             reading: Default::default(),
             quantisation: None,
+            depth: None,
         })
     }
 }

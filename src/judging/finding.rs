@@ -211,6 +211,12 @@ impl CheckedGolden {
         volumes.any(|volume| volume.conventions.precision != Precision::F64)
     }
 
+    /// Longest step of a classified volume of the scene, world units.
+    pub fn longest_step(&self) -> f64 {
+        let volumes = self.scene.panels.iter().filter_map(Panel::classified);
+        volumes.fold(0.0, |longest, volume| longest.max(volume.step))
+    }
+
     /// Conditions under which an image of `case` is judged.
     pub fn conditions(&self, case: &Case) -> Conditions<'_> {
         Conditions {
@@ -218,6 +224,7 @@ impl CheckedGolden {
             cases: self.cases,
             promise: Some(case.promise),
             in_single_precision: self.is_in_single_precision(),
+            opacity: case.opacity,
             sensitivities: &self.sensitivities,
         }
     }

@@ -12,6 +12,9 @@ use crate::math;
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 
+/// The largest code of 8 bits.
+const LARGEST_CODE: f64 = 255.0;
+
 /// Measurements of `picture`, a failed image of `case`: sentences without a full stop.
 pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
     if let Picture::Codes(codes) = picture {
@@ -158,6 +161,12 @@ impl Map {
 
     fn in_words(&self) -> String {
         match *self {
+            Map::Scaled(factor) if (factor / LARGEST_CODE - 1.0).abs() < 1e-3 => {
+                format!(
+                    "the image is the golden × {}: divide the codes by 255",
+                    number(factor)
+                )
+            }
             Map::Scaled(factor) => format!("the image is the golden × {}", number(factor)),
             Map::Tinted([r, g, b]) => format!(
                 "the image is the golden × {}, {}, {} in red, green and blue",
@@ -201,11 +210,16 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
     let mut maps = maps.into_iter().flatten().filter(Map::is_growing);
     if !is_sampled {
         let test = Picture::Radiance(test.clone());
-        return maps.find(|map| {
-            let mapped = Picture::Radiance(map.of(golden));
-            let judgement = judge(&Deterministic, &mapped, &test, &Conditions::default());
+        let colours = golden.clone().without_opacity();
+        let agrees = |film: Film| {
+            let film = Picture::Radiance(film);
+            let judgement = judge(&Deterministic, &film, &test, &Conditions::default());
             judgement.is_ok_and(|judgement| judgement.passed)
-        });
+        };
+        // Colours that are right are no map of themselves.
+        return maps
+            .find(|map| agrees(map.of(&colours)))
+            .filter(|_| !agrees(colours.clone()));
     }
     let cells = Cells::of_blocks(golden);
     let mut test_cells = Cells::of_blocks(test);
@@ -340,6 +354,8 @@ mod tests {
     #[test]
     fn simple_maps_are_measured() {
         assert_eq!(said(|x, _| 1.3 * x), "the image is the golden × 1.300");
+        let codes = said(|x, _| 255.0 * x);
+        assert!(codes.ends_with(": divide the codes by 255"), "{codes}");
         let tint = [1.1, 1.0, 0.9];
         assert_eq!(
             said(|x, c| tint[c] * x),

@@ -19,7 +19,7 @@ pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, Likeness};
 pub use finding::{CaseFinding, Judged};
 pub use more_samples::{MoreSamples, is_open};
-pub use precision::{declared, radiance};
+pub use precision::{before_background, declared, radiance};
 pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
 pub use rows::verify_row;
 pub use self_test::{

@@ -1,7 +1,8 @@
-//! Images of 8 bits: declared, of PNG files, or recognised.
+//! Images as they are declared: of 8 bits, or without the background of their scene.
 
 use crate::compare::{Picture, recognised};
-use crate::film::{Bits, Encoding, Film, Origin};
+use crate::film::{Alpha, Bits, Encoding, Film, Origin};
+use crate::scene::{Model, Scene};
 use crate::suite::{Case, Output};
 
 /// `output` for `case`, with its images declared to have these bits.
@@ -15,6 +16,45 @@ pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
         Output::Refined(pictures) => Output::Refined(pictures.into_iter().map(of).collect()),
         other => other,
     }
+}
+
+/// `output` for `case`, with its images declared to be colours without the background of their scene.
+pub fn before_background(output: Output, alpha: Option<Alpha>, case: &Case) -> Output {
+    let Some(alpha) = alpha else {
+        return output;
+    };
+    let scene = match case.load_scene() {
+        Ok(scene) => scene,
+        // Said where the scene is judged.
+        Err(_) => return output,
+    };
+    let background = backgrounds(&scene);
+    let of = |picture| match picture {
+        Picture::Radiance(film) => {
+            let columns = film.width().max(1);
+            let behind =
+                |index: usize| background.get(index % columns).copied().unwrap_or_default();
+            Picture::Radiance(film.before(alpha, behind))
+        }
+        codes => codes,
+    };
+    match output {
+        Output::Picture(picture) => Output::Picture(Box::new(of(*picture))),
+        Output::Refined(pictures) => Output::Refined(pictures.into_iter().map(of).collect()),
+        other => other,
+    }
+}
+
+/// Background of each column of the image: black where no classified volume is.
+fn backgrounds(scene: &Scene) -> Vec<[f64; 3]> {
+    let columns = scene.panels.iter().flat_map(|panel| {
+        let background = match &panel.model {
+            Model::Classified(volume) => volume.background.to_array(),
+            _ => [0.0; 3],
+        };
+        std::iter::repeat_n(background, panel.width)
+    });
+    columns.collect()
 }
 
 /// The radiance of `picture`, whose bits are declared; codes are at `exposure` stops.

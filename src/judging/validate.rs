@@ -6,12 +6,14 @@ use super::measured::measured;
 use super::precision::{known, known_radiance, read_otherwise};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
+use crate::compare::depth::{DepthDifference, OUTLIERS_OF_DEPTH};
 use crate::compare::{
     Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
     precision_in_words,
 };
 use crate::conventions::Profile;
-use crate::film::Film;
+use crate::film::{Depth, Film};
+use crate::render;
 use crate::suite::{Case, Output, Store};
 use std::time::Instant;
 
@@ -109,7 +111,9 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
     };
-    let result = finding.result(&case.name, case.class(), gate, start);
+    let (finding, notes) = with_what_is_asked(case, checked, &picture, finding);
+    let mut result = finding.result(&case.name, case.class(), gate, start);
+    result.notes.extend(notes);
     Judged {
         result: with_precision(result, &picture),
         evidence: Evidence {
@@ -117,6 +121,83 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
             ..evidence(case, checked)
         },
     }
+}
+
+/// Opacity below which a depth is not compared: rounded to 8 bits, as buffers hold it, the weights of its mean are off
+/// by a fifth.
+const FAINTEST: f32 = 0.01;
+
+/// `finding` with the depth of `picture`, where the case asks for depth; and notes on results that are asked for
+/// and not there.
+fn with_what_is_asked(
+    case: &Case,
+    checked: &CheckedGolden,
+    picture: &Picture,
+    mut finding: CaseFinding,
+) -> (CaseFinding, Vec<String>) {
+    let film = picture.radiance();
+    let mut notes = Vec::new();
+    if case.opacity && film.and_then(Film::opacity).is_none() {
+        notes.push("the case asks for opacity as well, and the image has no fourth channel: colours alone were compared".to_owned());
+    }
+    let Some(asked) = case.depth else {
+        return (finding, notes);
+    };
+    let Some((film, depth)) = film.and_then(|film| Some((film, film.depth()?))) else {
+        notes.push(format!(
+            "the case asks for {asked} depth as well, and the image has none: write the channel Z of an .exr, or {}.depth.npy",
+            case.name
+        ));
+        return (finding, notes);
+    };
+    if finding.verdict != Verdict::Pass {
+        return (finding, notes);
+    }
+    let judged_as = |asked: Depth| {
+        let mut right = render::depth(&checked.scene, asked)?;
+        let opacity = checked.golden.film.opacity();
+        for (depth, &opacity) in right.iter_mut().zip(opacity.unwrap_or_default()) {
+            if opacity < FAINTEST {
+                *depth = f32::INFINITY;
+            }
+        }
+        Ok::<_, String>(DepthDifference::of(
+            &right,
+            depth,
+            film.width(),
+            checked.longest_step(),
+        ))
+    };
+    let found = match judged_as(asked) {
+        Ok(found) => found,
+        Err(reason) => {
+            let reason = String::from("depth cannot be judged: ") + &reason;
+            return (
+                CaseFinding::new(Verdict::Error, Cause::BadInput, reason),
+                notes,
+            );
+        }
+    };
+    finding
+        .metrics
+        .insert(OUTLIERS_OF_DEPTH.0.to_owned(), found.outside as f64);
+    if !found.agrees() {
+        let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
+        let others = Depth::ALL.into_iter().map(|(_, other)| other);
+        let mut others = others.filter(|&other| other != asked);
+        if let Some(other) =
+            others.find(|&other| judged_as(other).is_ok_and(|found| found.agrees()))
+        {
+            reason.push_str(&format!(
+                "; it is the {other} depth, and the case asks for the {asked} one"
+            ));
+        }
+        finding = CaseFinding {
+            metrics: finding.metrics,
+            ..CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
+        };
+    }
+    (finding, notes)
 }
 
 /// Judges images with the step of the scene of `case`, half of it, a quarter and so on: by the integral, or

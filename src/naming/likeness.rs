@@ -20,6 +20,7 @@ mod fit;
 mod hunt;
 mod hypothesis;
 mod kept;
+mod opacity;
 mod prediction;
 mod step;
 mod volume_in_view;
@@ -40,6 +41,7 @@ use compared_case::ComparedCase;
 use fit::Fitted;
 use hunt::singles;
 use hypothesis::Hypothesis;
+use opacity::OfOpacity;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
@@ -50,6 +52,10 @@ const NOTHING_STANDS_OUT: &str = "no gain and no shift accounts for a fifth of t
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.
 const UNDECIDABLE: &str = "no single mistake that was tried agrees with the image; at this noise two together cannot be \
     told apart: more samples would tell";
+
+/// Sentence for right colours with an opacity that no mistake makes.
+const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opacity alone, and no mistake of opacity that \
+    is known makes it";
 
 /// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
 /// five of them fill most of a terminal of 24 lines.
@@ -124,10 +130,12 @@ pub(crate) fn likeness_with(
     search: &Search<'_>,
 ) -> Likenesses {
     let (mut failing, mut passing) = (Vec::new(), Vec::new());
+    let mut of_opacity = OfOpacity::default();
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
         match judged.result.cause {
+            Cause::Mismatch if judged.differs() && of_opacity.takes(index, judged) => {}
             Cause::Mismatch if judged.differs() => {
                 let failed = ComparedCase::new(index, case, judged, scenes);
                 failing.extend(failed.filter(|case| !case.is_another_exposure));
@@ -291,9 +299,14 @@ pub(crate) fn likeness_with(
     for (likely, pair) in likely.iter_mut().zip(ranked.windows(2)) {
         likely.beside_the_next = distinguished::in_words(&pair[0], &pair[1], &unjudged);
     }
+    let searched = failing.len() + of_opacity.count();
+    let (of_opacity, without_name) = of_opacity.name(judged);
+    likely.extend(of_opacity);
+    let said = |name| (name, vec![OF_OPACITY_ALONE.to_owned()]);
+    unexplained.extend(without_name.into_iter().map(said));
     Likenesses {
         likely,
-        searched: failing.len(),
+        searched,
         unfinished,
         unexplained,
         under_a_profile: false,

@@ -1,12 +1,13 @@
 //! The two reference renderers, to be read first, from top to bottom.
 //!
 //! [`ray_caster`] renders classified volumes, in one file, with a short one beside it for those that a map
-//! places; [`path_tracer`] surfaces, media and lights,
+//! places, and [`depth`] says how far they are; [`path_tracer`] surfaces, media and lights,
 //! with three short files beside it: media along a ray, vertices, random numbers. They are
 //! the most direct implementation, following the method line by line with no optimisations:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
+pub mod depth;
 pub(crate) mod media;
 pub mod path_tracer;
 mod placement;

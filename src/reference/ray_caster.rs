@@ -197,7 +197,7 @@ impl RayCaster<'_> {
 
 /// Number of steps of length `step` over `span`; the last one ends with the span. At least one where
 /// the span has a length, even if the quotient underflows.
-fn step_count(span: Span, step: f64) -> usize {
+pub(super) fn step_count(span: Span, step: f64) -> usize {
     let count = (span.length() / step).ceil() as usize;
     if span.length() > 0.0 {
         count.max(1)
@@ -208,7 +208,7 @@ fn step_count(span: Span, step: f64) -> usize {
 
 /// Distance of the midpoint of step `index` of `count`, and the length of the step. Computed from the
 /// index, because adding up lengths would accumulate rounding errors.
-fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
+pub(super) fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
     if index + 1 < count {
         return (span.near + (index as f64 + 0.5) * step, step);
     }

@@ -143,7 +143,13 @@ pub fn whole_number(
     let count = u64::from_str_radix(text, radix).ok();
     count
         .filter(|count| (low..=high).contains(count))
-        .ok_or_else(|| format!("`{name}` must lie in [{low}, {high}], got {text}"))
+        .ok_or_else(|| {
+            if low == high {
+                format!("`{name}` must be {low}, got {text}")
+            } else {
+                format!("`{name}` must lie in [{low}, {high}], got {text}")
+            }
+        })
 }
 
 /// Meaning of a key's absence.
@@ -226,6 +232,7 @@ impl Kind {
     /// Name of the kind in an error: "expected …".
     pub fn expected(&self) -> String {
         match self {
+            Kind::Count(low, high) if low == high => format!("the number {low}"),
             Kind::Count(low, high) => format!("a whole number from {low} to {high}"),
             Kind::Number(_) => "a number".into(),
             Kind::Vector => "three numbers, such as [0, 1, 0]".into(),

@@ -5,6 +5,7 @@ use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
 use crate::files::misspelling::nearest;
 use crate::files::regular_file;
 use crate::files::regular_file::Identity;
+use crate::film::Depth;
 use crate::hard_cases::{CATALOGUE_FILE, Row, rows};
 use crate::known_answers::{self, Footprint, Formula};
 use crate::scene::format::{Key, Kind, Range, Table};
@@ -70,6 +71,10 @@ pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how ima
         .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors. `volref validate` compares images that state their noise with it, in place of the golden."),
     Key::optional("answer_within", Kind::Number(Range::open(0.0, 1.0)))
         .doc("Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it."),
+    Key::or("opacity", Kind::Flag, "false")
+        .doc("Whether opacity is asked for as a result: an image whose fourth channel is 1 or 0 everywhere is judged by it, too. Without this, such a channel is taken for one that nobody wrote, and any other is compared."),
+    Key::optional("depth", Kind::Choice(&Depth::NAMES))
+        .doc("Deterministic cases: depth is asked for as a result, in world units: the mean distance of what a pixel shows, weighed by opacity, or the one at which opacity reaches one half; along the ray, or along the view as in a depth buffer. An image that brings depths is judged by them."),
     Key::optional("mistakes", Kind::Words)
         .doc("Mistakes that the case must catch, by their names in the catalogue (volref selftest)."),
     Key::or("exposure", Kind::Number(Range::closed(-64.0, 64.0)), "0.0")
@@ -95,6 +100,10 @@ pub struct Case {
     pub truth: Option<&'static Formula>,
     /// Radiance of every pixel, if it is known beforehand.
     pub answer: Option<Answer>,
+    /// Opacity is asked for as a result.
+    pub opacity: bool,
+    /// The depth that is asked for as a result.
+    pub depth: Option<Depth>,
     /// Mistakes that the case must catch, by name.
     pub mistakes: Vec<String>,
     /// Exposure of 8-bit images, in stops.
@@ -575,6 +584,8 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         computes: reader.text("computes")?,
         truth,
         answer,
+        opacity: reader.flag("opacity")?,
+        depth: read_depth(&reader, &class)?,
         mistakes: read_mistakes(&reader)?,
         exposure: reader.number("exposure")?,
         limit: class == LIMIT,
@@ -587,6 +598,15 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         family,
         name: full_name,
     })
+}
+
+fn read_depth(reader: &Reader, class: &str) -> SceneResult<Option<Depth>> {
+    let name = reader.optional_text("depth")?;
+    if name.is_some() && class != DETERMINISTIC {
+        let message = format!("depth is judged in deterministic cases, and this one is {class}");
+        return Err(reader.error("depth", message));
+    }
+    Ok(name.and_then(|name| name.parse().ok()))
 }
 
 fn read_mistakes(reader: &Reader) -> SceneResult<Vec<String>> {

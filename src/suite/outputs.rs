@@ -10,7 +10,7 @@
 //!
 //! or the same without `fog/`, if no other family has a case `forward`. A single image may have a
 //! second file, `fog/forward.variance.exr`: the variance of the mean as its colours, and the number
-//! of samples as its channel `samples.Y`.
+//! of samples as its channel `samples.Y`; and `fog/forward.depth.npy`, its depth, of the shape (height, width).
 
 use crate::compare::{Picture, PictureError};
 use crate::files::misspelling::nearest;
@@ -49,6 +49,8 @@ pub struct Found {
     pub files: Vec<PathBuf>,
     /// The variance of the mean of a single image.
     pub variance: Option<PathBuf>,
+    /// The depth of a single image.
+    pub depth: Option<PathBuf>,
     /// True for images with smaller and smaller steps: the files have the step of the scene, half
     /// of it, a quarter and so on.
     pub is_refined: bool,
@@ -116,13 +118,15 @@ pub enum OutputError {
         /// Number of halvings of the missing step.
         missing: u32,
     },
-    /// A variance without an image, or with several renderings.
-    #[error("{case}: {} is the variance of one image, and there {there}", .file.display())]
-    Variance {
+    /// A variance or depth without an image, or with several renderings.
+    #[error("{case}: {} is the {what} of one image, and there {there}", .file.display())]
+    Beside {
         /// The case.
         case: String,
-        /// The file of the variance.
+        /// The file of the variance or depth.
         file: PathBuf,
+        /// Quantity in it.
+        what: &'static str,
         /// The images found instead of one.
         there: &'static str,
     },
@@ -134,6 +138,7 @@ enum Role {
     /// The only image, or the one with the step of the scene.
     Single,
     Variance,
+    Depth,
     Replicate(u32),
     /// The step of the scene, halved this often.
     Step(u32),
@@ -192,14 +197,14 @@ impl Outputs {
         let files: Vec<_> = files.iter().collect();
         let replicates = files.iter().filter_map(|(role, file)| match role {
             Role::Replicate(number) => Some((*number, file)),
-            Role::Single | Role::Variance | Role::Step(_) => None,
+            Role::Single | Role::Variance | Role::Depth | Role::Step(_) => None,
         });
         let same = files.windows(2).find(|pair| pair[0].0 == pair[1].0);
         let same = same.map(|pair| (&pair[0].1, &pair[1].1));
         let single = files.first().filter(|(role, _)| *role == Role::Single);
         let steps = files.iter().filter_map(|(role, file)| match role {
             Role::Step(halvings) => Some((*halvings, file)),
-            Role::Single | Role::Variance | Role::Replicate(_) => None,
+            Role::Single | Role::Variance | Role::Depth | Role::Replicate(_) => None,
         });
         let other = replicates.clone().next();
         let both = single.zip(other).or(files
@@ -242,22 +247,32 @@ impl Outputs {
             }
         }
         let is_refined = last_step.is_some();
-        let (variance, images): (Vec<_>, Vec<_>) = files
+        let (beside, images): (Vec<_>, Vec<_>) = files
             .into_iter()
-            .partition(|(role, _)| *role == Role::Variance);
-        let variance = variance.first().map(|(_, file)| file.to_owned());
-        if let Some(file) = &variance
+            .partition(|(role, _)| matches!(role, Role::Variance | Role::Depth));
+        let file_of = |role: Role| {
+            let mut files = beside.iter();
+            let found = files.find(|(other, _)| *other == role);
+            found.map(|(_, file)| file.to_owned())
+        };
+        let (variance, depth) = (file_of(Role::Variance), file_of(Role::Depth));
+        if let Some((role, file)) = beside.first()
             && images.len() != 1
         {
-            return Err(OutputError::Variance {
+            return Err(OutputError::Beside {
                 case: case.to_owned(),
                 file: file.clone(),
+                what: if *role == Role::Depth {
+                    "depth"
+                } else {
+                    "variance"
+                },
                 there: if images.is_empty() {
                     "is none"
                 } else if is_refined {
                     "are several, with smaller and smaller steps"
                 } else {
-                    "are several, whose spread says it already"
+                    "are several, with seeds of their own"
                 },
             });
         }
@@ -267,6 +282,7 @@ impl Outputs {
                 .map(|(_, file)| file.to_owned())
                 .collect(),
             variance,
+            depth,
             is_refined,
         }))
     }
@@ -339,6 +355,9 @@ fn role_of<'c>(
     if role == Role::Variance && format != FilmFormat::Exr {
         return Err("is not read: variances are an .exr, with R, G, B and samples.Y".to_owned());
     }
+    if role == Role::Depth && format != FilmFormat::Npy {
+        return Err("is not read: depths are an .npy of the shape (height, width), or the channel Z of an .exr".to_owned());
+    }
     Ok(Some((case, role)))
 }
 
@@ -381,6 +400,7 @@ fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), Strin
         let is_number = !last.is_empty() && last.bytes().all(|byte| byte.is_ascii_digit());
         let role = match last {
             "variance" => Some(Role::Variance),
+            "depth" => Some(Role::Depth),
             _ if is_number => last.parse().ok().map(Role::Replicate),
             _ => None,
         };
@@ -447,10 +467,14 @@ fn bare(case: &str) -> &str {
 impl Found {
     /// Reads the image: of several replicates their mean, with their spread as noise.
     pub fn read(&self) -> Result<Picture, PictureError> {
-        match (&self.files[..], &self.variance) {
-            ([file], None) => Picture::read(file),
-            ([file], Some(variance)) => with_variance(file, variance),
-            (files, _) => pooled(files),
+        let picture = match (&self.files[..], &self.variance) {
+            ([file], None) => Picture::read(file)?,
+            ([file], Some(variance)) => with_variance(file, variance)?,
+            (files, _) => pooled(files)?,
+        };
+        match &self.depth {
+            Some(depth) => with_depth(picture, depth),
+            None => Ok(picture),
         }
     }
 
@@ -486,6 +510,16 @@ fn with_variance(file: &Path, variance: &Path) -> Result<Picture, PictureError> 
         Ok(Picture::Radiance(film))
     });
     noise.map_err(in_film(variance))
+}
+
+/// `picture` with the depths in the file `depth`; a PNG is left without.
+fn with_depth(picture: Picture, depth: &Path) -> Result<Picture, PictureError> {
+    let Picture::Radiance(film) = picture else {
+        return Ok(picture);
+    };
+    let bytes = Picture::bytes(depth)?;
+    let depths = Film::from_npy(&bytes).and_then(|depths| film.with_depth_of(&depths));
+    depths.map(Picture::Radiance).map_err(in_film(depth))
 }
 
 fn pooled(files: &[PathBuf]) -> Result<Picture, PictureError> {

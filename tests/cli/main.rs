@@ -26,6 +26,7 @@ mod links;
 mod list;
 mod merge;
 mod mutated_inputs;
+mod opacity_and_depth;
 mod outputs;
 mod partition;
 mod peers;

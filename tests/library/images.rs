@@ -680,6 +680,7 @@ fn found(names: &[&'static str], case: &str) -> Result<Option<Found>, String> {
         Ok(found) => Ok(found.map(|found| Found {
             files: found.files.iter().map(relative).collect(),
             variance: found.variance.as_ref().map(relative),
+            depth: found.depth.as_ref().map(relative),
             is_refined: found.is_refined,
         })),
         Err(error) => Err(error
@@ -694,10 +695,26 @@ fn images_are_found_by_case() {
         Ok(Some(Found {
             files: files.iter().map(PathBuf::from).collect(),
             variance: variance.map(PathBuf::from),
+            depth: None,
             is_refined: false,
         }))
     };
     let f = "fog/forward";
+    let beside = Found {
+        files: vec!["fog/forward.npy".into()],
+        variance: None,
+        depth: Some("fog/forward.depth.npy".into()),
+        is_refined: false,
+    };
+    assert_eq!(
+        found(&["fog/forward.npy", "fog/forward.depth.npy"], f),
+        Ok(Some(beside))
+    );
+    let alone = found(&["fog/forward.depth.npy"], f).unwrap_err();
+    assert!(
+        alone.contains("is the depth of one image, and there is none"),
+        "{alone}"
+    );
     assert_eq!(found(&[], f), Ok(None));
     assert_eq!(
         found(&["fog/forward.txt", "fog/deep/forward.exr"], f),

@@ -11,6 +11,7 @@ mod conventions;
 mod cost_orders;
 mod cost_plots;
 mod decide;
+mod depth;
 mod effects;
 mod exact;
 mod exchange;

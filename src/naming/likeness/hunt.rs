@@ -57,9 +57,17 @@ fn nearer(a: &Misfit, b: &Misfit) -> Ordering {
     a.distance().at_most().total_cmp(&b.distance().at_most())
 }
 
-/// Number of mistakes in the catalogue.
+/// Places in the catalogue of the mistakes that may explain colours.
+fn of_colours() -> impl Iterator<Item = usize> {
+    let mistakes = mistakes::catalogue().enumerate();
+    mistakes
+        .filter(|(_, mistake)| !mistake.is_of_opacity())
+        .map(|(index, _)| index)
+}
+
+/// Number of mistakes that may explain colours.
 pub(super) fn singles() -> usize {
-    mistakes::catalogue().count()
+    of_colours().count()
 }
 
 /// Work of an edit of `film` and of its comparison, as much as that many [events](crate::render::Event) take.
@@ -75,7 +83,7 @@ impl ComparedCase {
         let mut found = Explaining::new();
         let mut promising = Explaining::new();
         let (of_the_image, of_the_scene): (Vec<usize>, Vec<usize>) =
-            (0..singles()).partition(|&index| mistake(index).is_of_the_image());
+            of_colours().partition(|&index| mistake(index).is_of_the_image());
         for index in of_the_image {
             if !clock.spend_early(work_on(&self.golden)) {
                 break;
@@ -113,7 +121,7 @@ impl ComparedCase {
     fn usual_pairs(&self, looks: &FirstLooks, clock: &SearchClock<'_>) -> Explaining {
         let pairs = USUAL_PAIRS.iter().filter_map(|names| {
             let [first, second] =
-                names.map(|name| (0..singles()).find(|&at| mistake(at).name == name));
+                names.map(|name| of_colours().find(|&at| mistake(at).name == name));
             let (first, second) = (first?, second?);
             let both_occur = looks.contains_key(&first) && looks.contains_key(&second);
             let pair = both_occur.then_some(Hypothesis::Two(first, second))?;
@@ -125,10 +133,10 @@ impl ComparedCase {
 
     /// The pairs of mistakes that explain the image, nearest first.
     pub fn search_pairs(&self, looks: &FirstLooks, clock: &mut SearchClock<'_>) -> Explaining {
-        let images: Vec<(usize, Film)> = (0..singles())
+        let images: Vec<(usize, Film)> = of_colours()
             .filter_map(|index| Some((index, mistake(index).in_image(&self.golden)?)))
             .collect();
-        let seconds: Vec<usize> = (0..singles())
+        let seconds: Vec<usize> = of_colours()
             .filter(|&index| mistake(index).is_of_the_image())
             .collect();
         let scene_pairs = self.scene_pairs(looks, clock);

@@ -7,6 +7,7 @@ pub mod batches;
 pub mod compositing;
 pub(super) mod conventional;
 pub mod curve;
+pub mod depth;
 pub mod empty_space;
 pub mod field;
 pub mod integral;

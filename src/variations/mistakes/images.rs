@@ -139,6 +139,26 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
+        name: "opaque-background",
+        advice: "opacity is 1 everywhere: the background counts as opaque; write the opacity of the volume alone, 1 minus the light from behind that passes",
+        edit: Edit::Alpha(|_| 1.0),
+    },
+    Mistake {
+        name: "opacity-not-written",
+        advice: "opacity is 0 everywhere: the fourth channel is cleared and never written",
+        edit: Edit::Alpha(|_| 0.0),
+    },
+    Mistake {
+        name: "transmittance-for-opacity",
+        advice: "the fourth channel holds the light from behind that passes: write 1 minus that",
+        edit: Edit::Alpha(|opacity| 1.0 - opacity),
+    },
+    Mistake {
+        name: "opacity-blended-by-itself",
+        advice: "opacity is multiplied by itself: in the fourth channel, source and destination are blended with the factors 1 and 1 - a, not a and 1 - a (glBlendFuncSeparate)",
+        edit: Edit::Alpha(|opacity| opacity * opacity),
+    },
+    Mistake {
         name: "one-pixel-right",
         advice: "the image is a pixel too far to the right: count pixels from 0",
         edit: Edit::Image(|film| shifted(film, [1, 0])),

@@ -50,6 +50,8 @@ enum Edit {
     Transport(TransportFault),
     /// Of the finished image, in each pixel by itself.
     Pixels(fn(&Film) -> Film),
+    /// Of the opacity of the finished image, in each pixel by itself.
+    Alpha(fn(f32) -> f32),
     /// Of the finished image, in where its pixels are or in how they mix.
     Image(fn(&Film) -> Film),
 }
@@ -57,7 +59,12 @@ enum Edit {
 impl Mistake {
     /// Whether it is an edit of the finished image, not of the scene.
     pub fn is_of_the_image(&self) -> bool {
-        matches!(self.edit, Edit::Pixels(_) | Edit::Image(_))
+        matches!(self.edit, Edit::Pixels(_) | Edit::Image(_) | Edit::Alpha(_))
+    }
+
+    /// Whether it edits the opacity of the finished image, and no colour.
+    pub fn is_of_opacity(&self) -> bool {
+        matches!(self.edit, Edit::Alpha(_))
     }
 
     /// Whether it edits each pixel of the image independently, so that any part of the image shows
@@ -112,6 +119,7 @@ impl Mistake {
     pub fn in_image(&self, film: &Film) -> Option<Film> {
         match self.edit {
             Edit::Pixels(edit) | Edit::Image(edit) => Some(edit(film)).filter(|new| new != film),
+            Edit::Alpha(edit) => Some(film.clone().map_opacity(edit)).filter(|new| new != film),
             _ => None,
         }
     }

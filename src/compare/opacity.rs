@@ -1,0 +1,61 @@
+//! Opacity of images without noise: a fourth channel, compared where both images have it.
+//!
+//! Many programs write 1 everywhere, because a display shows nothing through their picture, or leave 0 everywhere.
+//! Such a channel says nothing of the volume: it is compared only where [a case asks for
+//! opacity](super::Conditions::opacity).
+
+use super::deterministic::{tolerance, tolerance_of_mean};
+use crate::film::Film;
+use crate::math::Sum;
+
+/// Comparison of the opacity of two images.
+pub(super) struct OpacityDifference {
+    /// Pixels outside the tolerance.
+    pub outside: usize,
+    /// Difference of the worst pixel, in tolerances.
+    pub worst: f64,
+    /// Index of that pixel.
+    pub worst_at: usize,
+    /// Mean of test minus reference.
+    pub mean: f64,
+    /// That mean in allowed ones.
+    pub bias: f64,
+}
+
+/// The comparison; `None` where an image has no opacity, or where that of `test` is all 0 or all 1 and not `asked`
+/// for.
+pub(super) fn difference(reference: &Film, test: &Film, asked: bool) -> Option<OpacityDifference> {
+    let (golden, opacity) = (reference.opacity()?, test.opacity()?);
+    let is_all = |value: f32| opacity.iter().all(|&opacity| opacity == value);
+    if !asked && (is_all(0.0) || is_all(1.0)) {
+        return None;
+    }
+    // Codes of 8 bits are linear in opacity, whatever the curve of the colours.
+    let rounding = test.quantisation().map_or(0.0, |_| 0.5 / 255.0);
+    let mut found = OpacityDifference {
+        outside: 0,
+        worst: 0.0,
+        worst_at: 0,
+        mean: 0.0,
+        bias: 0.0,
+    };
+    let (mut sum, mut differences) = (Sum::default(), Sum::default());
+    for (index, (&golden, &test)) in golden.iter().zip(opacity).enumerate() {
+        let [golden, test] = [golden, test].map(f64::from);
+        let off = (test - golden).signum() * ((test - golden).abs() - rounding).max(0.0);
+        let excess = match off.abs() / tolerance(golden) {
+            excess if excess.is_nan() => f64::INFINITY,
+            excess => excess,
+        };
+        found.outside += usize::from(excess > 1.0);
+        if excess > found.worst {
+            (found.worst, found.worst_at) = (excess, index);
+        }
+        sum.add(golden);
+        differences.add(off);
+    }
+    let count = golden.len() as f64;
+    found.mean = differences.value() / count;
+    found.bias = found.mean / tolerance_of_mean(sum.value() / count);
+    Some(found)
+}

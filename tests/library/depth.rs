@@ -1,0 +1,147 @@
+//! Depth of classified volumes: closed forms, and the plain definition.
+
+use std::path::Path;
+use volref::film::Depth;
+use volref::reference;
+use volref::render::depth;
+use volref::scene::Scene;
+
+const MEAN: &str = "mean";
+const HALF: &str = "half";
+
+fn named(name: &str) -> Depth {
+    name.parse().unwrap()
+}
+
+/// A grid of one value, 1, over [-1, 1]³, seen along z from a distance of 3 to its face; its opacity over a length
+/// of 1, and a step.
+fn constant(folder: &Path, opacity: f64, step: f64, more: &str) -> Scene {
+    let mut nrrd = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 3 3 3\nencoding: raw\nendian: little\nspace dimension: 3\n\
+        space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (-1,-1,-1)\n\n"
+        .to_vec();
+    nrrd.extend((0..27).flat_map(|_| 1_f32.to_le_bytes()));
+    std::fs::write(folder.join("one.nrrd"), nrrd).unwrap();
+    let text = format!(
+        "film = {{ width = 5, height = 5 }}\n\
+         [camera]\neye = [0, 0, -4]\ntarget = [0, 0, 0]\nvertical_fov = 20\n\
+         [transfer_function]\nreference_length = 1\npoint = [\n\
+         {{ value = 0, colour = [1, 1, 1], opacity = 0 }},\n{{ value = 1, colour = [1, 1, 1], opacity = {opacity} }},\n]\n\
+         [classified]\nstep = {step}\n{more}\n[classified.volume]\nfile = \"one.nrrd\"\n"
+    );
+    Scene::parse(&text, &folder.join("scene.toml"))
+        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// Depth of the middle pixel, which looks along z.
+fn middle(scene: &Scene, name: &str) -> f64 {
+    depth(scene, named(name)).unwrap()[12].into()
+}
+
+/// Through an extinction σ over a length of 2, from 3 on: the mean distance is 3 + 1/σ − 2/(e^(2σ) − 1), half of the
+/// light is lost at 3 + ln 2/σ.
+#[test]
+fn a_constant_volume_has_the_depth_of_its_closed_form() {
+    let folder = tempfile::tempdir().unwrap();
+    for opacity in [1e-6, 0.1, 0.5, 0.9, 0.999] {
+        let extinction = -f64::ln_1p(-opacity);
+        for step in [0.5, 0.1, 0.3] {
+            let scene = constant(folder.path(), opacity, step, "");
+            let mean = 3.0 + 1.0 / extinction - 2.0 / f64::exp_m1(2.0 * extinction);
+            // Within a step the light is lost before its middle: by σ h²/12 at most, to first order in σ h, and never by
+            // more than half a step. The number is kept in 32 bits; that of 1e-6 is the difference of two millions.
+            let bound = (extinction * step * step / 12.0).min(0.5 * step) + 3e-7 * mean + 1e-9;
+            let found = middle(&scene, MEAN);
+            assert!(
+                (found - mean).abs() <= bound,
+                "{opacity} {step}: {found} {mean}"
+            );
+            let half = 3.0 + 2_f64.ln() / extinction;
+            let found = middle(&scene, HALF);
+            if half < 5.0 {
+                assert!(
+                    (found - half).abs() <= 3e-7 * half,
+                    "{opacity} {step}: {found} {half}"
+                );
+            } else {
+                assert_eq!(found, f64::INFINITY, "{opacity} {step}");
+            }
+        }
+    }
+}
+
+/// A distance along the view is that along the ray times the cosine of their angle.
+#[test]
+fn along_the_view_the_face_of_a_box_is_a_plane() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = constant(folder.path(), 0.999_999_999, 0.5, "");
+    let along_ray = depth(&scene, named(HALF)).unwrap();
+    let along_view = depth(&scene, named("half-along-view")).unwrap();
+    let from_face = 2_f64.ln() / -f64::ln_1p(-0.999_999_999);
+    for (index, (ray, view)) in along_ray.iter().zip(&along_view).enumerate() {
+        let [x, y] =
+            [index % 5, index / 5].map(|at| (at as f64 - 2.0) / 2.5 * 10_f64.to_radians().tan());
+        let slant = (1.0 + x * x + y * y).sqrt();
+        let right = 3.0 * slant + from_face;
+        assert!(
+            (f64::from(*ray) - right).abs() < 1e-6 * right,
+            "{index}: {ray} {right}"
+        );
+        assert!(
+            (f64::from(*view) - right / slant).abs() < 1e-6 * right,
+            "{index}: {view}"
+        );
+    }
+}
+
+/// Where nothing is seen there is no depth, and what an early end leaves out has no part in it.
+#[test]
+fn what_is_not_seen_has_no_depth() {
+    let folder = tempfile::tempdir().unwrap();
+    let clear = constant(folder.path(), 0.0, 0.5, "");
+    assert_eq!(middle(&clear, MEAN), f64::INFINITY);
+    assert_eq!(middle(&clear, HALF), f64::INFINITY);
+    let whole = middle(&constant(folder.path(), 0.5, 0.125, ""), MEAN);
+    let ended = middle(
+        &constant(folder.path(), 0.5, 0.125, "early_termination = 0.8"),
+        MEAN,
+    );
+    assert!(ended < whole - 0.5, "{ended} {whole}");
+    let opaque = middle(&constant(folder.path(), 1.0, 0.125, ""), HALF);
+    assert_eq!(opaque, 3.0);
+}
+
+/// The plain definition adds samples up by compositing, the other by optical depth: of the same numbers, in another order
+/// and with other functions, to some ten roundings of a step each. 32 bits are coarser.
+#[test]
+fn the_plain_definition_agrees() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
+    let mut compared = 0;
+    for name in [
+        "figures/figure-1",
+        "figures/figure-4",
+        "sampled/opaque",
+        "sampled/nearest-blocks",
+        "sampled/thin",
+        "placed/sheared",
+        "placed/mirrored",
+        "scenes/mean-depth",
+    ] {
+        let scene = Scene::load(&root.join(format!("{name}.toml"))).unwrap();
+        for (kind, wanted) in Depth::ALL {
+            let found = depth(&scene, wanted).unwrap();
+            let panel = &scene.panels[0];
+            let size = [panel.width, panel.height];
+            let plain = reference::depth::render(panel.classified().unwrap(), size, wanted);
+            for (row, columns) in plain.chunks(panel.width).enumerate() {
+                for (column, &plain) in columns.iter().enumerate() {
+                    let found =
+                        found[row * scene.panels.iter().map(|of| of.width).sum::<usize>() + column];
+                    let agrees = plain == found || (plain - found).abs() <= 1e-6 * plain;
+                    assert!(agrees, "{name} {kind} {column} {row}: {plain} {found}");
+                    compared += usize::from(plain.is_finite());
+                }
+            }
+        }
+    }
+    assert!(compared > 20_000, "{compared}");
+}
