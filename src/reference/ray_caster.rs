@@ -77,24 +77,24 @@ struct RayCaster<'s> {
 }
 
 /// Samples of a ray, composited.
-struct Layer {
+pub(super) struct Layer {
     /// Associated colour: multiplied by opacity.
-    colour: DVec3,
+    pub(super) colour: DVec3,
     /// Fraction of the light from behind that is absorbed.
-    opacity: f64,
+    pub(super) opacity: f64,
     /// Fraction of the light from behind that passes.
-    transparency: f64,
+    pub(super) transparency: f64,
 }
 
 impl Layer {
-    const EMPTY: Layer = Layer {
+    pub(super) const EMPTY: Layer = Layer {
         colour: DVec3::ZERO,
         opacity: 0.0,
         transparency: 1.0,
     };
 
     /// This layer in front of `back`: the operator "over" of Porter & Duff 1984.
-    fn over(self, back: Layer) -> Layer {
+    pub(super) fn over(self, back: Layer) -> Layer {
         let passed = self.transparency * back.transparency;
         let sum = self.opacity + back.opacity * self.transparency;
         Layer {
@@ -197,7 +197,7 @@ impl RayCaster<'_> {
 
 /// Number of steps of length `step` over `span`; the last one ends with the span. At least one where
 /// the span has a length, even if the quotient underflows.
-fn step_count(span: Span, step: f64) -> usize {
+pub(super) fn step_count(span: Span, step: f64) -> usize {
     let count = (span.length() / step).ceil() as usize;
     if span.length() > 0.0 {
         count.max(1)
@@ -208,7 +208,7 @@ fn step_count(span: Span, step: f64) -> usize {
 
 /// Distance of the midpoint of step `index` of `count`, and the length of the step. Computed from the
 /// index, because adding up lengths would accumulate rounding errors.
-fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
+pub(super) fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f64, f64) {
     if index + 1 < count {
         return (span.near + (index as f64 + 0.5) * step, step);
     }
