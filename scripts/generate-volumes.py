@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the small volumes of fixtures/volumes/formats, one grid in every format that is read,
 of fixtures/volumes/hard, the grids of the hard cases, of fixtures/volumes/limit, the fields of the
-limits, and of fixtures/volumes/sampled, small grids of 8 bits.
+limits, of fixtures/volumes/sampled, small grids of 8 bits, and of fixtures/volumes/projections, one with a sign.
 
 The grid of the formats has 4 × 3 × 2 nodes, spacing (0.5, 1, 2), its first node at (-1, 2, 3), and the value
 i + 10·j + 100·k at node (i, j, k): values that every type of 8 bits or more can hold. Formats that
@@ -381,7 +381,37 @@ def small_grids():
     (VOLUMES / "placed" / "oblique.nrrd").write_bytes("\n".join(header).encode() + zipped(bytes_of))
 
 
+def chest(x, y, z):
+    """Hounsfield units of a body in air: ribs around two lungs, a spine, and a vessel in one lung."""
+    r = math.sqrt((x / 1.1) ** 2 + (y / 0.85) ** 2 + (z / 1.2) ** 2)
+    body = min(40, -1000 + 5200 * max(0, 1 - r))
+    lungs = [math.sqrt(((x - s * 0.45) / 0.34) ** 2 + (y / 0.5) ** 2 + (z / 0.75) ** 2) for s in (-1, 1)]
+    body = max(-850, body - 4000 * max(0, 1 - min(lungs))) if r < 0.8 else body
+    rib = abs(r - 0.84) / 0.09 + abs(math.sin(7 * z)) ** 4
+    spine = math.hypot(x, y - 0.52) / 0.14
+    vessel = math.hypot(x + 0.42 - 0.2 * z, y + 0.15 * math.sin(4 * z)) / 0.1
+    return max(body, 700 * (1 - rib), 900 * (1 - spine), 300 * (1 - vessel) if abs(z) < 0.6 else -1000)
+
+
+def signed():
+    """A NRRD of 16 bits with a sign, gzipped."""
+    nodes, spacing = (24, 20, 22), (0.1, 0.1, 0.125)
+    first = [-0.5 * s * (n - 1) for n, s in zip(nodes, spacing)]
+    header = placed("short", nodes, spacing, first, "Hounsfield units of a body in air")
+    header += ["endian: little", "encoding: gzip", "", ""]
+
+    def number(*index):
+        return round(chest(*(f + s * i for f, s, i in zip(first, spacing, index))))
+
+    layers = at_indices(nodes, number)
+    values = [value for layer in layers for row in layer for value in row]
+    (VOLUMES / "projections").mkdir(parents=True, exist_ok=True)
+    data = "\n".join(header).encode() + zipped(packed("<", "h", values))
+    (VOLUMES / "projections" / "chest.nrrd").write_bytes(data)
+
+
 main()
 hard_cases()
 limits()
 small_grids()
+signed()

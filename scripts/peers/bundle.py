@@ -30,6 +30,8 @@ def load(path):
     if len(panels) > 1 or panels[0]["shows"] != "volume":
         refuse("more than one panel, or a plot")
     grid = panels[0]["grid"]
+    if "mode" in panels[0]:
+        refuse("a projection or isosurfaces")
     if "matrix" in grid:
         refuse("a volume placed by a matrix")
     values = np.fromfile(path.parent / grid["file"], "<f4")

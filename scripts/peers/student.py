@@ -5,8 +5,8 @@
     student.py DIR/SCENE.json OUTPUT               # OUTPUT: .npy, .pfm or .exr
 
 All that it knows of a scene stands in the bundle, formulas included; comments say what code is
-for. It renders volumes whose transfer function is a formula, and plots of such functions. To see
-how a wrong renderer is found out, let it make a mistake: `student.py --mistake gamma ...`. Numbers
+for. It renders volumes whose transfer function is a formula, plots of such functions, and projections and
+isosurfaces of any volume. To see how a wrong renderer is found out, let it make a mistake: `student.py --mistake gamma ...`. Numbers
 of n rays or samples are arrays of length n, vectors have the shape (3, n).
 """
 
@@ -22,6 +22,7 @@ MISTAKES = {
     "nearest": "takes the nearest node where it should interpolate",
     "half-voxel": "looks half a voxel beside the right place",
     "no-opacity-correction": "gives a step its opacity whatever its length",
+    "from-zero": "lets the largest value begin at 0",
     "inward-normal": "lets normals point into the dense part",
     "no-shadow": "leaves the volume shadow out",
     "upside-down": "stores the bottom row first",
@@ -125,16 +126,25 @@ class Volume:
         return 1 - transparency(density, transfer["floor"]) ** references
 
     def colour(self, density):
-        colours = self.panel["transfer_function"]["colours"]
-        position = np.linspace(0, 1, len(colours))
+        transfer = self.panel["transfer_function"]
+        if transfer["kind"] == "table":
+            points = transfer["points"]
+            colours, position = zip(*((point["colour"], point["value"]) for point in points))
+            if len(set(position)) < len(position):
+                sys.exit("this renderer knows no steps in a table")
+        else:
+            colours = transfer["colours"]
+            position = np.linspace(0, 1, len(colours))
         return np.array([np.interp(density, position, channel) for channel in zip(*colours)])
 
-    def shade(self, colour, points, to_eye):
-        """Phong's reflection model."""
+    def shade(self, colour, points, to_eye, two_sided=False):
+        """Phong's reflection model; the normal of two sides is that of the eye's."""
         phong = self.panel["phong"]
         gradient = self.gradient.at(points)
         size = length(gradient)
         normal = -gradient / np.where(size > 0, size, 1)
+        if two_sided:
+            normal = np.where(dot(normal, to_eye) < 0, -normal, normal)
         if mistake == "inward-normal":
             normal = -normal
         to_light = (self.light - points) / length(self.light - points)
@@ -212,6 +222,82 @@ def draw_volume(panel, folder):
     return colour.T.reshape(panel["height"], panel["width"], 3)
 
 
+def draw_field(panel, folder):
+    """A projection, or isosurfaces: the mode of a bundle."""
+    volume, mode = Volume(panel, folder), panel["mode"]
+    eye, directions = rays_of(panel)
+    near, far = volume.span(eye, directions)
+    # What is exact is sampled more finely: largest values at the faces of cells are kinks.
+    step = panel["sampling"]["step"] / (64 if mode["exact"] else 1)
+    walk = ((r, t, h, volume.density.at(eye_of(eye, r) + t * directions[:, r])) for r, t, h in samples(near, far, step))
+    if mode["name"] == "isosurface":
+        image = surfaces(volume, walk, eye, directions)
+    else:
+        number = projection(mode, walk, len(near))
+        if mode["name"] == "attenuated-maximum":
+            image = np.array([number] * 3)
+        elif "low" in mode:
+            image = np.array([window(mode, number)] * 3)
+        else:
+            image = volume.colour(number)
+        image = np.where(far > near, image, column(panel["background"]))
+    return image.T.reshape(panel["height"], panel["width"], 3)
+
+
+def eye_of(eye, rays):
+    """Origins of some rays, which may all have the same."""
+    return eye if eye.shape[1] == 1 else eye[:, rays]
+
+
+def window(mode, value):
+    return ((value - mode["low"]) / (mode["high"] - mode["low"])).clip(0, 1)
+
+
+def projection(mode, walk, count):
+    """The number of each ray."""
+    name = mode["name"]
+    most, least = np.full(count, -np.inf), np.full(count, np.inf)
+    if mistake == "from-zero":
+        most[:] = least[:] = 0
+    total, way, depth = np.zeros((3, count))
+    for rays, _, h, value in walk:
+        total[rays] += value * h
+        way[rays] += h
+        if name == "attenuated-maximum":
+            position = window(mode, value)
+            value = position * np.exp(-mode["attenuation"] * depth[rays])
+            depth[rays] += position * h
+        most[rays] = np.maximum(most[rays], value)
+        least[rays] = np.minimum(least[rays], value)
+    if name == "mean":
+        return total / np.where(way > 0, way, 1)
+    return {"minimum": least, "sum": total}.get(name, most)
+
+
+def surfaces(volume, walk, eye, directions):
+    """Isosurfaces, composited from the eye on."""
+    count = directions.shape[1]
+    colour, opacity = np.zeros(directions.shape), np.zeros(count)
+    before_t, before = np.zeros(count), np.full(count, np.nan)
+    for rays, t, _, value in walk:
+        last_t, last = before_t[rays], before[rays]
+        passed = []
+        for surface in volume.panel["mode"]["surfaces"]:
+            here = np.flatnonzero(((last < surface["value"]) != (value < surface["value"])) & ~np.isnan(last))
+            at = last_t[here] + (t - last_t)[here] * (surface["value"] - last[here]) / (value - last)[here]
+            passed += [(at_one, ray, surface) for at_one, ray in zip(at, rays[here])]
+        # A ray passes few surfaces in a step: one after the other, as they come.
+        for at, ray, surface in sorted(passed, key=lambda one: one[0]):
+            point = eye_of(eye, [ray]) + at * directions[:, [ray]]
+            light = column(surface["colour"])
+            if volume.panel["phong"]:
+                light = volume.shade(light, point, -directions[:, [ray]], two_sided=True)
+            colour[:, [ray]] += (1 - opacity[ray]) * surface["opacity"] * light
+            opacity[ray] += (1 - opacity[ray]) * surface["opacity"]
+        before_t[rays], before[rays] = t, value
+    return colour + (1 - opacity) * column(volume.panel["background"])
+
+
 def draw_plot(panel, folder):
     axes = panel["axes"]
     left, right, top, bottom = (axes[side] for side in ("left", "right", "top", "bottom"))
@@ -245,9 +331,11 @@ def main():
         sys.exit(f"{options.bundle}: not a bundle that this renderer knows")
     pictures = []
     for panel in bundle["panels"]:
-        if panel.get("transfer_function", panel)["kind"] != "formula":
+        if "mode" not in panel and panel.get("transfer_function", panel)["kind"] != "formula":
             sys.exit("this renderer knows transfer functions by formula only, not by table")
         draw = {"volume": draw_volume, "plot": draw_plot}[panel["shows"]]
+        if "mode" in panel:
+            draw = draw_field
         pictures.append(draw(panel, options.bundle.parent))
     image = np.concatenate(pictures, axis=1)  # side by side
     if mistake == "upside-down":

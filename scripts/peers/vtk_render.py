@@ -23,6 +23,14 @@ from image_file import image_path, write_image
 
 TABLE = 4096  # entries of the tables that stand for the transfer function
 
+# What VTK calls the modes that it has.
+BLENDS = {
+    "maximum": "MaximumIntensity",
+    "minimum": "MinimumIntensity",
+    "mean": "AverageIntensity",
+    "isosurface": "IsoSurface",
+}
+
 SHADER = {
     # VTK takes its first sample a whole step behind the front face.
     "g_rayJitter = g_dirStep;": "g_rayJitter = 0.5 * g_dirStep;",
@@ -46,11 +54,13 @@ def obstacles(panel):
     """What of a panel VTK's model has no word for."""
     if panel["shows"] != "volume":
         return ["a plot, which is no volume"]
+    if "mode" in panel and panel["mode"]["name"] not in BLENDS:
+        return [f"mode = {panel['mode']['name']!r}"]
     found = []
-    values = [point["value"] for point in panel["transfer_function"].get("points", [])]
+    values = [point["value"] for point in (panel["transfer_function"] or {}).get("points", [])]
     if len(set(values)) < len(values):
         found.append("a table with a jump (VTK's runs in straight lines)")
-    if panel["compositing"]["method"] == "continuous" and panel["sampling"] is None:
+    if "mode" not in panel and panel["compositing"]["method"] == "continuous" and panel["sampling"] is None:
         found.append("a continuous integral without a step")
     if "matrix" in panel["grid"]:
         found.append("a volume placed by a matrix")
@@ -78,12 +88,40 @@ def tables(vtk, transfer, colours):
     return opacity, colour
 
 
+def mode_tables(vtk, panel):
+    """Opacity and colour over the values that a projection or isosurfaces show."""
+    mode = panel["mode"]
+    opacity, colour = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
+    if mode["name"] == "isosurface":
+        surfaces = sorted(mode["surfaces"], key=lambda surface: surface["value"])
+        values = [surface["value"] for surface in surfaces]
+        # Steps between the values, over a tenth of the way from one to the next.
+        for surface, before, after in zip(surfaces, [values[0] - 1] + values, values[1:] + [values[-1] + 1]):
+            for value in (0.55 * surface["value"] + 0.45 * before, 0.55 * surface["value"] + 0.45 * after):
+                opacity.AddPoint(value, surface["opacity"])
+                colour.AddRGBPoint(value, *surface["colour"])
+        return opacity, colour
+    opacity.AddPoint(0, 1)
+    if "low" in mode:
+        colour.AddRGBPoint(mode["low"], 0, 0, 0)
+        colour.AddRGBPoint(mode["high"], 1, 1, 1)
+    else:
+        for point in panel["transfer_function"]["points"]:
+            colour.AddRGBPoint(point["value"], *point["colour"])
+    return opacity, colour
+
+
 def look_of(vtk, panel, colours, ambient=1, diffuse=0, specular=0):
     """What densities look like, by that share of each kind of light."""
-    opacity, colour = tables(vtk, panel["transfer_function"], colours)
     look = vtk.vtkVolumeProperty()
+    if "mode" in panel:
+        opacity, colour = mode_tables(vtk, panel)
+        for index, surface in enumerate(panel["mode"].get("surfaces", [])):
+            look.GetIsoSurfaceValues().SetValue(index, surface["value"])
+    else:
+        opacity, colour = tables(vtk, panel["transfer_function"], colours)
+        look.SetScalarOpacityUnitDistance(panel["transfer_function"]["reference_length"])
     look.SetScalarOpacity(opacity)
-    look.SetScalarOpacityUnitDistance(panel["transfer_function"]["reference_length"])
     look.SetColor(colour)
     if panel["interpolation"]["method"] == "nearest":
         look.SetInterpolationTypeToNearest()
@@ -99,11 +137,11 @@ def look_of(vtk, panel, colours, ambient=1, diffuse=0, specular=0):
 
 def looks_of(vtk, panel, stock):
     """Looks whose pictures add up to that of the panel: the highlight is white."""
-    colours, phong = panel["transfer_function"].get("colours"), panel["phong"]
+    colours, phong = (panel["transfer_function"] or {}).get("colours"), panel["phong"]
     if not phong:
         return [look_of(vtk, panel, colours)]
     ambient, diffuse, specular = phong["ambient"], phong["diffuse"], phong["specular"]
-    if stock:
+    if stock or "mode" in panel:
         return [look_of(vtk, panel, colours, ambient, diffuse, specular)]
     looks = [look_of(vtk, panel, colours, ambient, diffuse)]
     if specular:
@@ -141,7 +179,12 @@ def mapper_of(vtk, panel, folder, step):
     mapper.AutoAdjustSampleDistancesOff()
     mapper.LockSampleDistanceToInputSpacingOff()
     mapper.UseJitteringOff()
+    mode = panel.get("mode", {"exact": False})
+    if mode["exact"]:
+        step = step or panel["sampling"]["step"] / 16
     mapper.SetSampleDistance(step or panel["sampling"]["step"])
+    if "mode" in panel:
+        getattr(mapper, f"SetBlendModeTo{BLENDS[mode['name']]}")()
     return mapper
 
 

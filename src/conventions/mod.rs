@@ -8,6 +8,7 @@
 
 mod catalogue;
 mod classifier;
+mod field_caster;
 mod first_samples;
 mod normals;
 mod opacity;
@@ -19,6 +20,7 @@ mod steps;
 mod work;
 
 pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
+pub use field_caster::FieldCaster;
 pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;

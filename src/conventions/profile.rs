@@ -5,7 +5,7 @@ use crate::files::regular_file;
 use crate::film::{Alpha, Bits, Encoding};
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
-use crate::scene::{CONVENTIONS, Classified, Conventions, Model, Scene, SceneResult};
+use crate::scene::{CONVENTIONS, Classified, Conventions, Mode, Model, Scene, SceneResult};
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -142,13 +142,15 @@ impl Profile {
         })
     }
 
-    /// `scene` under the conventions of the profile; `None` if it has no classified volume. Fails if
+    /// `scene` under the conventions of the profile; `None` if it composites no classified volume. Fails if
     /// the scene states conventions of its own.
     pub fn applied_to(&self, scene: &Scene) -> Result<Option<Scene>, String> {
         let mut scene = scene.clone();
         let mut is_classified = false;
         for panel in &mut scene.panels {
-            if let Model::Classified(classified) = &mut panel.model {
+            if let Model::Classified(classified) = &mut panel.model
+                && classified.mode == Mode::Composited
+            {
                 self.apply(classified)?;
                 is_classified = true;
             }

@@ -58,24 +58,24 @@ pub struct RayCaster<'s> {
 }
 
 /// Samples of a ray, composited.
-struct Layer {
+pub(super) struct Layer {
     /// Associated colour: multiplied by opacity.
-    colour: DVec3,
+    pub colour: DVec3,
     /// Fraction of the light from behind that is absorbed.
-    opacity: f64,
+    pub opacity: f64,
     /// Fraction of the light from behind that passes.
-    transparency: f64,
+    pub transparency: f64,
 }
 
 impl Layer {
-    const EMPTY: Layer = Layer {
+    pub const EMPTY: Layer = Layer {
         colour: DVec3::ZERO,
         opacity: 0.0,
         transparency: 1.0,
     };
 
     /// This layer in front of `back`: the operator "over" of Porter & Duff 1984.
-    fn over(self, back: Layer) -> Layer {
+    pub fn over(self, back: Layer) -> Layer {
         let passed = self.transparency * back.transparency;
         let sum = self.opacity + back.opacity * self.transparency;
         Layer {

@@ -10,7 +10,7 @@ use super::{advice, data, effects, image, pixels, samples};
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::{Plan, RenderError};
-use crate::scene::{Classified, Compositing, Model, Panel, Radiative, Scene};
+use crate::scene::{Classified, Compositing, Mode, Model, Panel, Radiative, Scene};
 use thiserror::Error;
 
 /// Options of the studies.
@@ -90,6 +90,12 @@ fn panel_cost(
         Model::Curve(_) => {
             return Err(CostError::NoParameter(
                 "a plot of a transfer function is not sampled",
+            ));
+        }
+        Model::Classified(scene) if scene.mode != Mode::Composited => {
+            return Err(CostError::NoParameter(
+                "projections and isosurfaces (`mode`) composite no samples; their cost is that of the step, or of \
+                 the cells on a ray: see `volref plan --counters`",
             ));
         }
         Model::Classified(scene) => inquiry.classified(scene),

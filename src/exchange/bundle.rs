@@ -5,6 +5,7 @@
 //! that they can be read with any editor and pasted into code.
 
 mod inline_arrays;
+mod modes;
 mod plot;
 mod volume;
 

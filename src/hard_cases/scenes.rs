@@ -18,7 +18,8 @@ use crate::render::radiative::sampler::Sampler;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::{RenderError, Rendering, Sampling, plans, render_counted};
 use crate::scene::{
-    Body, Classified, Compositing, Conventions, Model, Panel, Radiative, Scattering, Scene, Shadow,
+    Body, Classified, Compositing, Conventions, Mode, Model, Panel, Radiative, Scattering, Scene,
+    Shadow,
 };
 use crate::volume::{Grid, GridDensity, Interpolation, Lattice};
 use glam::DVec3;
@@ -202,6 +203,7 @@ pub fn rendered(scene: &Scene) -> Result<Rendering, RenderError> {
 pub fn plume(scale: f64) -> Classified {
     let bump = |[i, j, k]: [usize; 3]| ((i * 7 + j * 3 + k * 5) % 11) as f32 / 11.0;
     Classified {
+        mode: Mode::Composited,
         phong: Some(Phong {
             ambient: 0.1,
             diffuse: 1.0,
@@ -255,6 +257,7 @@ pub fn classified(grid: Arc<Grid<f32>>, transfer_function: TransferFunction) -> 
     let (centre, size) = (bounds.centre(), bounds.size().max_element());
     let eye = centre - DVec3::Z * (2.0 * size);
     Classified {
+        mode: Mode::Composited,
         step: 0.5 * grid.lattice().voxel(),
         grid,
         to_world: None,

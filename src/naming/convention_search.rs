@@ -13,7 +13,7 @@ use super::shipped_profile::{self, NamedProfile};
 use crate::conventions::{CATALOGUE, ConventionSet, Profile};
 use crate::film::Film;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
-use crate::scene::{Panel, Scene};
+use crate::scene::{Mode, Panel, Scene};
 use crate::suite::{Case, Store};
 use attempt::Attempt;
 use profile_text::profile_text;
@@ -226,7 +226,10 @@ impl ConventionSearch {
 
 /// True of images of classified volumes in the size of `scene`, of more than one colour.
 fn may_be_by_convention(scene: &Scene, images: &[Film]) -> bool {
-    let is_classified = |panel: &Panel| panel.classified().is_some();
+    let is_classified = |panel: &Panel| {
+        let volume = panel.classified();
+        volume.is_some_and(|volume| volume.mode == Mode::Composited)
+    };
     images.first().is_some_and(|first| {
         let is_of_size = [first.width(), first.height()] == [scene.width(), scene.height()];
         is_of_size && !is_of_one_colour(first) && scene.panels.iter().all(is_classified)

@@ -1,8 +1,9 @@
 //! Depth of a classified volume, as plainly as it can be written.
 //!
 //! A ray sees a volume over a range of distances. The sample `i` of the [ray caster](super::ray_caster), in the middle
-//! of its step at the distance `tᵢ`, adds `aᵢ Tᵢ` to the opacity `α`. The mean depth weighs the distances by that; the
-//! half depth is where opacity reaches one half, within a step of constant extinction:
+//! of its step at the distance `tᵢ`, adds `aᵢ Tᵢ` to the opacity `α`, and so does a surface of the
+//! [isosurfaces](super::isosurface). The mean depth weighs the distances by that; the half depth is where opacity
+//! reaches one half: at a surface, or within a step of constant extinction.
 //!
 //! ```text
 //! mean = Σᵢ tᵢ aᵢ Tᵢ / Σᵢ aᵢ Tᵢ
@@ -16,21 +17,18 @@
 //! Source: Mildenhall et al. 2020, "NeRF: Representing scenes as neural radiance fields for view synthesis" (the weights
 //! `aᵢ Tᵢ` as a distribution over distances: its mean and its median).
 
-use super::placement;
-use super::ray_caster::{midpoint, step_count};
+use super::{isosurface, projection};
 use crate::film::Depth;
 use crate::geometry::Ray;
 use crate::math::ln;
-use crate::scene::{Classified, Compositing};
-use crate::volume::{Cell, NodeLine, Reconstruction as _};
+use crate::scene::{Classified, Compositing, Isosurface, Mode};
 
 /// Depth of each pixel, world units, row by row from the top.
 pub fn render(scene: &Classified, [width, height]: [usize; 2], depth: Depth) -> Vec<f32> {
     let pixel = |index: usize| {
-        let ray = scene
-            .camera
-            .ray([index % width, index / width], [width, height]);
-        let cosine = ray.direction.dot(*scene.camera.forward());
+        let camera = &scene.camera;
+        let ray = camera.ray([index % width, index / width], [width, height]);
+        let cosine = ray.direction.dot(*camera.forward());
         let scale = if depth.along_view { cosine } else { 1.0 };
         (scale * along(scene, &ray, depth.half)) as f32
     };
@@ -39,18 +37,8 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2], depth: Depth) -> 
 
 /// Depth along `ray`.
 fn along(scene: &Classified, ray: &Ray, half: bool) -> f64 {
-    let lattice = scene.grid.lattice();
-    let inside = placement::in_volume(scene, ray);
-    let Some(span) = lattice.bounds().span_of(&inside) else {
-        return f64::INFINITY;
-    };
-    let line = NodeLine::new(inside, lattice);
-    let count = step_count(span, scene.step);
     let (mut transmittance, mut weights, mut moments) = (1.0, 0.0, 0.0);
-    for index in 0..count {
-        let (t, length) = midpoint(span, scene.step, count, index);
-        let density = (scene.interpolation).read(&*scene.grid, &Cell::around(lattice, line.at(t)));
-        let opacity = scene.transfer_function.opacity(density, length);
+    for (t, length, opacity) in layers(scene, ray) {
         let after = transmittance * (1.0 - opacity);
         if half && after <= 0.5 {
             let part = ln(0.5 / transmittance) / ln(1.0 - opacity);
@@ -67,4 +55,17 @@ fn along(scene: &Classified, ray: &Ray, half: bool) -> f64 {
         return f64::INFINITY;
     }
     moments / weights
+}
+
+/// Distance, length and opacity of what `ray` passes: samples, or surfaces, which have no length.
+fn layers(scene: &Classified, ray: &Ray) -> Vec<(f64, f64, f64)> {
+    if let Mode::Isosurfaces(of) = &scene.mode {
+        let passed = isosurface::passed(scene, &of.surfaces, ray);
+        let layer = |(t, surface): (f64, &Isosurface)| (t, 0.0, surface.opacity);
+        return passed.into_iter().map(layer).collect();
+    }
+    let samples = projection::samples(scene, ray).into_iter();
+    let opacity = |value, length| scene.transfer_function.opacity(value, length);
+    let layers = samples.map(|it| (it.t, it.length, opacity(it.value, it.length)));
+    layers.collect()
 }

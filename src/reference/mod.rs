@@ -1,22 +1,25 @@
 //! The two reference renderers, to be read first, from top to bottom.
 //!
-//! [`ray_caster`] renders classified volumes, in one file, with a short one beside it for those that a map
-//! places, and [`depth`] says how far they are; [`path_tracer`] surfaces, media and lights,
+//! [`ray_caster`] renders classified volumes, in one file, with short ones beside it: for those that a map
+//! places, for the modes that composite no samples ([`projection`] and [`isosurface`]), and for [`depth`];
+//! [`path_tracer`] surfaces, media and lights,
 //! with three short files beside it: media along a ray, vertices, random numbers. They are
 //! the most direct implementation, following the method line by line with no optimisations:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
 pub mod depth;
+pub mod isosurface;
 pub(crate) mod media;
 pub mod path_tracer;
 mod placement;
+pub mod projection;
 pub(crate) mod random;
 pub mod ray_caster;
 pub(crate) mod vertex;
 
 use crate::film::Film;
-use crate::scene::{Conventions, Model, Sampling, Scene};
+use crate::scene::{Conventions, Mode, Model, Sampling, Scene};
 use thiserror::Error;
 
 /// The reason why a scene has no reference image.
@@ -73,7 +76,11 @@ pub fn render(
             Model::Classified(scene) if scene.conventions != Conventions::default() => {
                 return Err(ReferenceError::Unknown("other conventions"));
             }
-            Model::Classified(scene) => ray_caster::render(scene, size),
+            Model::Classified(scene) => match &scene.mode {
+                Mode::Composited => ray_caster::render(scene, size),
+                Mode::Projection(projection) => projection::render(scene, projection, size),
+                Mode::Isosurfaces(surfaces) => isosurface::render(scene, surfaces, size),
+            },
             Model::Radiative(scene) => {
                 let film = path_tracer::render(scene, size, sampling, through_centres);
                 film.map_err(|pixel| ReferenceError::Endless {

@@ -77,24 +77,24 @@ struct RayCaster<'s> {
 }
 
 /// Samples of a ray, composited.
-struct Layer {
+pub(super) struct Layer {
     /// Associated colour: multiplied by opacity.
-    colour: DVec3,
+    pub(super) colour: DVec3,
     /// Fraction of the light from behind that is absorbed.
-    opacity: f64,
+    pub(super) opacity: f64,
     /// Fraction of the light from behind that passes.
-    transparency: f64,
+    pub(super) transparency: f64,
 }
 
 impl Layer {
-    const EMPTY: Layer = Layer {
+    pub(super) const EMPTY: Layer = Layer {
         colour: DVec3::ZERO,
         opacity: 0.0,
         transparency: 1.0,
     };
 
     /// This layer in front of `back`: the operator "over" of Porter & Duff 1984.
-    fn over(self, back: Layer) -> Layer {
+    pub(super) fn over(self, back: Layer) -> Layer {
         let passed = self.transparency * back.transparency;
         let sum = self.opacity + back.opacity * self.transparency;
         Layer {

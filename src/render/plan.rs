@@ -33,6 +33,7 @@ mod decision;
 mod effect;
 mod kernel;
 mod method;
+mod modes;
 mod radiative;
 
 pub use decision::{Decision, Reason};
@@ -40,7 +41,7 @@ pub use effect::{Effect, State};
 pub use kernel::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
 pub use method::{Estimator, Method};
 
-use crate::scene::{Curve, Model, Panel, Sampling, Scene};
+use crate::scene::{Curve, Mode, Model, Panel, Sampling, Scene};
 use decision::{Decisions, EffectFinding};
 use serde::Serialize;
 
@@ -106,7 +107,10 @@ impl<'s> Plan<'s> {
         let plan = match &panel.model {
             Model::Curve(curve) => curve_plan(panel, curve),
             Model::Radiative(scene) => radiative::plan(panel, scene, forced),
-            Model::Classified(scene) => classified::plan(panel, scene, forced),
+            Model::Classified(scene) if scene.mode == Mode::Composited => {
+                classified::plan(panel, scene, forced)
+            }
+            Model::Classified(scene) => modes::plan(panel, scene, forced),
         };
         for decision in &plan.decisions {
             if forced.contains(&decision.effect) && decision.state != State::On {
@@ -151,7 +155,8 @@ impl<'s> Plan<'s> {
 
     /// Whether the image is the integral of a classified volume, without samples.
     pub fn is_continuous(&self) -> bool {
-        matches!(&self.panel.model, Model::Classified(scene) if scene.is_continuous())
+        matches!(&self.panel.model, Model::Classified(scene)
+            if scene.is_continuous() && scene.mode == Mode::Composited)
     }
 
     /// Names of the effects that the scene could have requested and did not, and the omitted parts

@@ -11,7 +11,9 @@ use super::radiative::{effects::Everything, segments::MediumSegments};
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::optics::{Density, Field};
-use crate::scene::{Classified, Compositing, Panel, Radiative, Sampling};
+use crate::scene::{
+    Classified, Compositing, Mode, Panel, Projected, Projection, Radiative, Sampling,
+};
 use crate::volume::{GridDensity, Interpolation};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -114,6 +116,7 @@ impl Plan<'_> {
                 ),
             ],
             Kernel::Integral(scene) => of_integrals(self.panel, scene),
+            Kernel::Field(scene) => of_field(self.panel, scene),
             Kernel::RayCaster { scene, features } => of_casting(self.panel, scene, features),
             Kernel::LineOfSight {
                 scene,
@@ -205,6 +208,12 @@ impl Plan<'_> {
                         "opacities and colours of the nodes",
                         nodes * size_of::<[f32; 4]>(),
                     );
+                }
+            }
+            Kernel::Field(scene) => {
+                if scene.phong.is_some() {
+                    let nodes = scene.grid.lattice().node_count();
+                    add("gradients of the nodes", nodes * size_of::<[f32; 3]>());
                 }
             }
             Kernel::PathTracer { scene, .. } => {
@@ -306,6 +315,47 @@ fn of_integrals(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
         (Event::CellWalked, cells),
         (Event::RandomDraw, exactly(0)),
     ]
+}
+
+/// Samples or cells, each looked up once: none is left out.
+fn of_field(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
+    let field = GridDensity::new(scene.grid.clone(), scene.interpolation);
+    let extent = scene.extent();
+    let cells = |ray: &Ray| {
+        let span = extent.span(ray).filter(|span| span.length() > 0.0);
+        let cells = span.map(|span| field.cubic_segments(extent.line(ray), span).count());
+        cells.unwrap_or(0) as u64
+    };
+    let is_exact = scene.is_exact();
+    let of_ray = |ray: &Ray| match is_exact {
+        true => [cells(ray), 0],
+        false => [samples(scene, ray), 0],
+    };
+    let (part, [lookups, _]) = over_rays(panel, scene.camera, of_ray);
+    let bound = if part { Bound::About } else { Bound::Exactly };
+    let lookups = amount(bound, lookups);
+    let nodes = scene.grid.lattice().node_count() as u64;
+    // The others have no exponential, or one for each surface.
+    let attenuations = match &scene.mode {
+        Mode::Projection(Projection { of, .. }) => match of {
+            Projected::AttenuatedMaximum(_) if !is_exact => Some(lookups),
+            Projected::AttenuatedMaximum(_) => None,
+            _ => Some(exactly(0)),
+        },
+        _ => None,
+    };
+    let mut work = vec![
+        (Event::DensityLookup, lookups),
+        (Event::NullCollision, exactly(0)),
+        (
+            Event::CellWalked,
+            if is_exact { lookups } else { exactly(0) },
+        ),
+        (Event::RandomDraw, exactly(0)),
+        (Event::GradientComputed, exactly(nodes)),
+    ];
+    work.extend(attenuations.map(|amount| (Event::Attenuation, amount)));
+    work
 }
 
 fn of_lines(

@@ -5,6 +5,7 @@ use super::camera::View;
 use super::conventions::{CONVENTIONS, Conventions};
 use super::format::{Key, Kind, Range, Table};
 use super::length::Length;
+use super::mode::{MODE, Mode};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
 use super::volume::PLACED_VOLUME;
@@ -20,6 +21,10 @@ use std::sync::Arc;
 pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities are mapped to colour and opacity and composited along the ray.").keys(&[
     Key::required("volume", Kind::Table(&PLACED_VOLUME))
         .doc("The densities."),
+    MODE[0],
+    MODE[1],
+    MODE[2],
+    MODE[3],
     Key::or("interpolation", Kind::Choice(&["trilinear", "nearest"]), "'trilinear'")
         .doc("Interpolation of densities and gradients between nodes."),
     Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front", CONTINUOUS]), "'front-to-back'")
@@ -98,6 +103,8 @@ pub struct Classified {
     pub grid: Arc<Grid<f32>>,
     /// The map of the grid into the world; none where they are the same, to the bit.
     pub to_world: Option<Transform>,
+    /// Content of a pixel.
+    pub mode: Mode,
     /// Reconstruction between the nodes.
     pub interpolation: Interpolation,
     /// The image is the integral itself, without samples.
@@ -145,9 +152,10 @@ impl Classified {
             _ => Interpolation::Trilinear,
         };
         let order = reader.text("compositing")?;
+        let mode = Mode::read(reader, &order)?;
         let continuous = order == CONTINUOUS;
         if continuous {
-            without_samples(reader, interpolation)?;
+            without_samples(reader, &mode, interpolation)?;
         }
         let compositing = read_compositing(reader, &order)?;
         let step = step_length(reader, "step", lengths)?;
@@ -171,6 +179,7 @@ impl Classified {
         let scene = Classified {
             grid: placed.grid,
             to_world: placed.to_world,
+            mode,
             interpolation,
             continuous,
             compositing,
@@ -217,12 +226,12 @@ impl Classified {
             return Ok(());
         }
         let source = match &self.transfer_function.appearance {
-            Appearance::Formula { .. } => {
+            Appearance::Formula { .. } if self.mode == Mode::Composited => {
                 let (_, most) = self.grid.range();
                 format!("densities up to {most:e}, which emit the square of that,")
             }
-            Appearance::Points(_) => {
-                let colour = self.transfer_function.brightest_colour();
+            _ => {
+                let colour = self.mode.brightest_colour(&self.transfer_function);
                 format!("colours up to {colour:e}")
             }
         };
@@ -235,7 +244,7 @@ impl Classified {
     /// An upper bound on the radiance of all samples and the background.
     pub fn brightest(&self) -> f64 {
         let (least, most) = self.grid.range();
-        let colour = self.transfer_function.brightest_colour();
+        let colour = self.mode.brightest_colour(&self.transfer_function);
         // Without a gradient the colour stays as it is.
         let shaded = self.phong.map_or(colour, |phong| {
             let lit = phong.ambient + phong.diffuse;
@@ -246,7 +255,9 @@ impl Classified {
                 f64::INFINITY
             }
         });
-        let sent = if self.transfer_function.is_transparent_between(least, most) {
+        let sent = if self.mode != Mode::Composited {
+            shaded
+        } else if self.transfer_function.is_transparent_between(least, most) {
             0.0
         } else {
             self.transfer_function.emission(most) * shaded
@@ -257,6 +268,11 @@ impl Classified {
     /// Whether the image is the integral itself, without samples.
     pub fn is_continuous(&self) -> bool {
         self.continuous
+    }
+
+    /// True if projections and isosurfaces are exact, not sampled. Mistakes in them are made by samples.
+    pub fn is_exact(&self) -> bool {
+        self.continuous && !self.mode.has_fault()
     }
 
     /// The box of the volume, wherever it is in the world.
@@ -344,7 +360,7 @@ impl Classified {
 }
 
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
-fn without_samples(reader: &Reader, interpolation: Interpolation) -> SceneResult<()> {
+fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -> SceneResult<()> {
     let refused = |key: &str, message: &str, help: &str| {
         let message = format!("with `compositing = \"continuous\"` {message}");
         Err(reader.mistake(key, message, help))
@@ -373,7 +389,8 @@ fn without_samples(reader: &Reader, interpolation: Interpolation) -> SceneResult
             "leave the table out, or composite samples front to back",
         ),
     ] {
-        if reader.has(key) {
+        // Of what a mode has, it has refused the rest.
+        if reader.has(key) && *mode == Mode::Composited {
             return refused(key, message, help);
         }
     }

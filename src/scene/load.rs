@@ -428,7 +428,8 @@ fn read_classified(
     )?;
     let volume = reader.table("volume")?.expect("required");
     let placed = files.placed_values(&volume)?;
-    if matches!(opacity, OpacityByValue::Formula(_)) {
+    let has_other_colours = reader.has("window") || reader.has("isosurface");
+    if matches!(opacity, OpacityByValue::Formula(_)) && !has_other_colours {
         files.check_densities(
             &volume,
             &placed.grid,

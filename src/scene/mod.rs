@@ -11,6 +11,7 @@ pub mod format;
 mod key_lines;
 mod length;
 mod load;
+mod mode;
 mod placement;
 mod procedural_xml;
 mod radiative;
@@ -33,6 +34,9 @@ pub use files::InputFile;
 pub use key_lines::KeyLines;
 pub use length::Length;
 pub use load::{Model, Panel, SCENE, Scene};
+pub use mode::{
+    Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection, ProjectionFault, Window,
+};
 pub use procedural_xml::{ProceduralMedium, read_procedural};
 pub use radiative::{AreaLight, Body, Object, Radiative, Scattering};
 pub use reader::{Origin, Reading};

@@ -42,9 +42,22 @@ impl CubicSegment {
         b + u * (2.0 * c + u * (3.0 * d))
     }
 
+    /// The least and the largest value.
+    pub fn extremes(&self) -> [f64; 2] {
+        let fields = self.turns().map(|u| self.at(u));
+        let least = fields.into_iter().fold(f64::INFINITY, f64::min);
+        [least, fields.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// The integral along the segment, by world units.
+    pub fn integral(&self) -> f64 {
+        let [a, _, c, _] = self.coefficients;
+        (a + c / 3.0) * self.span.length()
+    }
+
     /// −1, 1, and between them the places where the field is the highest or lowest around: between
     /// two of the four it rises or falls. Those that are missing are 1.
-    fn turns(&self) -> [f64; 4] {
+    pub fn turns(&self) -> [f64; 4] {
         let [_, b, c, d] = self.coefficients;
         // Of 3d u² + 2c u + b; the form that subtracts no two numbers of one sign.
         let root = (c * c - 3.0 * d * b).max(0.0).sqrt();
@@ -78,8 +91,8 @@ impl CubicSegment {
     }
 
     /// Where the field passes `value` between two of its turns, by Newton's method, which is kept
-    /// between places on either side.
-    fn crossing(&self, value: f64, rises: bool, [mut from, mut to]: [f64; 2]) -> f64 {
+    /// between places on either side; an end, if it does not.
+    pub fn crossing(&self, value: f64, rises: bool, [mut from, mut to]: [f64; 2]) -> f64 {
         let mut u = from + 0.5 * (to - from);
         for _ in 0..MOST_STEPS {
             let excess = self.at(u) - value;

@@ -91,6 +91,49 @@ fn what_an_integral_does_not_cover() {
     "#);
 }
 
+#[test]
+fn modes_and_what_contradicts_them() {
+    let maximum = "mode = \"maximum\"\n";
+    let isosurface = "mode = \"isosurface\"\nisosurface = [{ value = 0.5, colour = 1 }]\n";
+    let attenuated = "mode = \"attenuated-maximum\"\n";
+    let mut said = String::new();
+    for keys in [
+        "mode = \"maximun\"".to_owned(),
+        "mode = \"mip\"".to_owned(),
+        format!("{maximum}shadow = {{}}"),
+        format!("{maximum}phong = {{}}"),
+        format!("{maximum}early_termination = 0.01"),
+        format!("{maximum}conventions = {{ jitter = true }}"),
+        format!("{maximum}compositing = \"back-to-front\""),
+        format!("{maximum}compositing = \"continuous\"\ninterpolation = \"nearest\""),
+        format!("{maximum}attenuation = 1"),
+        format!("{maximum}isosurface = [{{ value = 0.5, colour = 1 }}]"),
+        format!("{maximum}window = {{ low = 1, high = 1 }}"),
+        format!("{maximum}window = {{ low = 2, high = 1 }}"),
+        format!("{maximum}window = {{ low = 2 }}"),
+        format!("{maximum}window = {{ low = nan, high = 1 }}"),
+        format!("{maximum}window = {{ low = 0, high = inf }}"),
+        attenuated.to_owned(),
+        format!("{attenuated}attenuation = 1"),
+        format!("{attenuated}window = {{ low = 0, high = 1 }}\nattenuation = -1"),
+        "mode = \"isosurface\"".to_owned(),
+        "mode = \"isosurface\"\nisosurface = []".to_owned(),
+        "mode = \"isosurface\"\nisosurface = [{ value = inf, colour = 1 }]".to_owned(),
+        "mode = \"isosurface\"\nisosurface = [{ value = 1, colour = 1, opacity = 2 }]".to_owned(),
+        "mode = \"isosurface\"\nisosurface = [{ value = 1, colour = 1e39 }]".to_owned(),
+        "mode = \"isosurface\"\nisosurface = [{ value = 1, colour = 1 }, { value = 1.0, colour = 0 }]"
+            .to_owned(),
+        format!("mode = \"isosurface\"\nisosurface = [{}]", "{ value = 1, colour = 1 },".repeat(65)),
+        format!("{isosurface}shadow = {{}}"),
+        format!("{isosurface}window = {{ low = 0, high = 1 }}"),
+        "window = { low = 0, high = 1 }".to_owned(),
+        "isosurface = [{ value = 0.5, colour = 1 }]".to_owned(),
+    ] {
+        said.push_str(&after("[classified]", &format!("[classified]\n{keys}")));
+    }
+    assert_shown!(said, @"");
+}
+
 /// A panel is the whole scene again: their number times what the scene holds is what they take.
 #[test]
 fn too_many_panels() {

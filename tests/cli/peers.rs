@@ -327,6 +327,40 @@ fn the_student_places_a_volume() {
     assert!(judgement.passed, "{}", judgement.reason);
 }
 
+/// Projections and isosurfaces, from the words and numbers of a bundle alone; what is exact is sampled finely there.
+#[test]
+fn the_student_projects() {
+    let field = |name: &str| {
+        let path = root().join(format!("fixtures/scenes/projections/{name}.toml"));
+        let mut scene = Scene::load(&path).unwrap();
+        for panel in &mut scene.panels {
+            (panel.width, panel.height) = (28, 28);
+        }
+        scene
+    };
+    for name in [
+        "maximum",
+        "mean",
+        "attenuated",
+        "isosurfaces",
+        "sum-exact",
+        "isosurface-exact",
+    ] {
+        let scene = field(name);
+        let mode = description(&bundle(&scene, "field").unwrap())["panels"][0]["mode"].clone();
+        assert_eq!(mode["exact"], name.ends_with("exact"), "{name}");
+        assert!(mode["pixel"].is_string(), "{mode}");
+        if python() {
+            let judgement = deterministic(&film(&scene), &student_film(&scene, &[]));
+            assert!(judgement.passed, "{name}: {}", judgement.reason);
+        }
+    }
+    if python() {
+        let (scene, mistake) = (field("maximum"), ["--mistake", "from-zero"]);
+        assert!(!deterministic(&film(&scene), &student_film(&scene, &mistake)).passed);
+    }
+}
+
 /// Every other mistake that the script offers makes an image that fails.
 #[test]
 fn the_students_mistakes_are_seen() {

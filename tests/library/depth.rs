@@ -93,6 +93,39 @@ fn along_the_view_the_face_of_a_box_is_a_plane() {
     }
 }
 
+/// A field that is z is 0.5 on a plane, 4.5 before the eye; a pane of a quarter of the light before it moves the mean.
+#[test]
+fn isosurfaces_are_as_far_as_the_roots_of_the_field() {
+    let folder = tempfile::tempdir().unwrap();
+    for sampled in ["step = 0.3", "compositing = \"continuous\""] {
+        let mut scene = constant(folder.path(), 1.0, 0.3, "");
+        let mut nrrd = std::fs::read(folder.path().join("one.nrrd")).unwrap();
+        let header = nrrd.len() - 27 * 4;
+        nrrd.truncate(header);
+        nrrd.extend((0..27).flat_map(|index| ((index / 9) as f32 - 1.0).to_le_bytes()));
+        std::fs::write(folder.path().join("one.nrrd"), nrrd).unwrap();
+        let read = |surfaces: &str| {
+            let text = format!(
+                "film = {{ width = 5, height = 5 }}\n\
+                 [camera]\neye = [0, 0, -4]\ntarget = [0, 0, 0]\nvertical_fov = 20\n\
+                 [transfer_function]\n\
+                 [classified]\n{sampled}\nmode = \"isosurface\"\nisosurface = [{surfaces}]\n\
+                 [classified.volume]\nfile = \"one.nrrd\"\n"
+            );
+            Scene::parse(&text, &folder.path().join("scene.toml"))
+                .unwrap_or_else(|error| panic!("{error}\n{text}"))
+        };
+        scene = read("{ value = 0.5, colour = 1 }");
+        for name in [MEAN, HALF] {
+            let found = middle(&scene, name);
+            assert!((found - 4.5).abs() < 1e-6 * 4.5, "{sampled} {name} {found}");
+        }
+        scene = read("{ value = 0.5, colour = 1 }, { value = -0.5, colour = 1, opacity = 0.25 }");
+        assert!((middle(&scene, MEAN) - (0.25 * 3.5 + 0.75 * 4.5)).abs() < 1e-5);
+        assert!((middle(&scene, HALF) - 4.5).abs() < 1e-5);
+    }
+}
+
 /// Where nothing is seen there is no depth, and what an early end leaves out has no part in it.
 #[test]
 fn what_is_not_seen_has_no_depth() {
@@ -125,6 +158,7 @@ fn the_plain_definition_agrees() {
         "placed/sheared",
         "placed/mirrored",
         "scenes/mean-depth",
+        "projections/isosurfaces",
     ] {
         let scene = Scene::load(&root.join(format!("{name}.toml"))).unwrap();
         for (kind, wanted) in Depth::ALL {

@@ -36,6 +36,7 @@ mod medium_known_answers;
 mod medium_laws;
 mod mesh_files;
 mod meshes;
+mod modes;
 mod outside_faults;
 mod pinned_crates;
 mod placement;

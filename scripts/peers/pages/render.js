@@ -50,6 +50,7 @@ async function main([renderer, bundlePath, output, step]) {
   const bundle = JSON.parse(fs.readFileSync(bundlePath, 'utf8'));
   const [panel, ...others] = bundle.panels;
   if (others.length > 0 || panel.shows !== 'volume') throw new Error('refused: more than one panel, or a plot');
+  if (panel.mode) throw new Error('refused: a projection or isosurfaces');
   if (panel.phong) throw new Error('refused: shading');
   const grid = fs.readFileSync(path.join(path.dirname(bundlePath), panel.grid.file));
   const browser = await puppeteer.launch({

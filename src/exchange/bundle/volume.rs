@@ -1,7 +1,7 @@
 //! A classified volume in words and numbers.
 
 use super::inline_arrays::{Entries, Json};
-use super::points;
+use super::{modes, points};
 use crate::geometry::Camera;
 use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::scene::{Classified, Compositing, Shadow};
@@ -16,7 +16,10 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     let shadow = scene
         .shadow
         .map(|shadow| shadow_ray(shadow, transfer_function));
-    let formula = if scene.is_continuous() {
+    let mode = modes::described(scene);
+    let formula = if mode.is_some() && scene.is_exact() {
+        modes::EXACT
+    } else if scene.is_continuous() {
         CONTINUOUS
     } else {
         SAMPLING
@@ -30,15 +33,25 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
         ("sampling", Json::Object(sampling)),
         (
             "transfer_function",
-            Json::Object(transfer(transfer_function)),
+            or_null(
+                scene
+                    .mode
+                    .uses_transfer_function()
+                    .then(|| transfer(transfer_function)),
+            ),
         ),
         ("gradient", scene.phong.map(|_| GRADIENT).into()),
         ("phong", or_null(scene.phong.map(shading))),
         ("shadow", or_null(shadow)),
         ("light", or_null(is_lit.then(|| light(scene.light)))),
-        ("radiance", radiance(scene).into()),
-        ("compositing", compositing(scene)),
     ];
+    match mode {
+        Some(mode) => entries.push(("mode", Json::Object(mode))),
+        None => entries.extend([
+            ("radiance", radiance(scene).into()),
+            ("compositing", compositing(scene)),
+        ]),
+    }
     if let Compositing::EarlyTermination(below) = scene.compositing {
         let rule = format!(
             "after each sample: if 1 - A is below {below}, leave out the samples that follow"

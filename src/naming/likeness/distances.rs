@@ -2,7 +2,7 @@
 
 use crate::geometry::{Ray, Surface};
 use crate::math::exp_m1;
-use crate::scene::{Classified, Model, Panel, Radiative, Scene};
+use crate::scene::{Classified, Mode, Model, Panel, Radiative, Scene};
 use crate::volume::{Cell, NodeLine, Reconstruction as _};
 
 /// Samples along a ray through a classified volume: enough to tell near from far.
@@ -17,7 +17,7 @@ const FAINTEST: f64 = 1e-3;
 pub(super) fn distances(scene: &Scene) -> Option<Vec<f64>> {
     let is_known = |panel: &Panel| match &panel.model {
         Model::Radiative(of) => !of.objects.is_empty() || !of.area_lights.is_empty(),
-        Model::Classified(_) => true,
+        Model::Classified(of) => of.mode == Mode::Composited,
         Model::Curve(_) => false,
     };
     if !scene.panels.iter().any(is_known) {
@@ -27,6 +27,7 @@ pub(super) fn distances(scene: &Scene) -> Option<Vec<f64>> {
         let size = [panel.width, panel.height];
         match &panel.model {
             Model::Radiative(of) => nearest(of, &of.camera.ray(at, size)),
+            Model::Classified(of) if of.mode != Mode::Composited => f64::INFINITY,
             Model::Classified(of) => half_seen(of, &of.camera.ray(at, size)),
             Model::Curve(_) => f64::INFINITY,
         }

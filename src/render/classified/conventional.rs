@@ -25,7 +25,8 @@ pub(in crate::render) fn cast<W: Work>(
     (image, work)
 }
 
-fn count<W: Work>(of_ray: RayWork, work: &mut W) {
+/// Counts the work of a ray.
+pub(super) fn count<W: Work>(of_ray: RayWork, work: &mut W) {
     let RayWork {
         density_lookups,
         gradient_lookups,

@@ -1,14 +1,16 @@
 //! Depth of a classified volume, from the optical depths along a ray.
 //!
-//! The steps of a ray are summed as optical depths `τ`, in which opacity is `1 − e^(−τ)` and half of it is reached at
+//! What a ray passes is summed as optical depths `τ`, in which opacity is `1 − e^(−τ)` and half of it is reached at
 //! `ln 2`: the sums keep their digits in thin volumes. The plain definition is
 //! [`reference::depth`](crate::reference::depth).
 
+use super::modes::ExactField;
 use super::steps::Steps;
+use crate::conventions::FieldCaster;
 use crate::film::Depth;
 use crate::geometry::Ray;
 use crate::math::{exp, exp_m1, ln, ln_1p};
-use crate::scene::{Classified, Compositing, Conventions, Model, Scene};
+use crate::scene::{Classified, Compositing, Conventions, Isosurface, Mode, Model, Panel, Scene};
 use crate::volume::{Cell, NodeLine, Reconstruction as _};
 use rayon::prelude::*;
 
@@ -16,72 +18,138 @@ use rayon::prelude::*;
 ///
 /// # Errors
 ///
-/// If a panel has no depth of this kind: the message says why, and what to do.
+/// If a panel has no depth: the message says why, and what to do.
 pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
-    let mut panels: Vec<(&Classified, [usize; 2])> = Vec::new();
-    for panel in &scene.panels {
-        let Model::Classified(volume) = &panel.model else {
-            return Err("depth is that of a classified volume, and the scene has none".to_owned());
-        };
-        if volume.is_continuous() {
-            return Err(
-                "the integral without samples has no depth yet: state a step, in the scene or by --step".to_owned(),
-            );
-        }
-        if volume.conventions != Conventions::default() {
-            return Err(
-                "depth is that of volref's own conventions: leave out [classified.conventions]"
-                    .to_owned(),
-            );
-        }
-        panels.push((volume, [panel.width, panel.height]));
-    }
-    let pixels: Vec<(&Classified, [usize; 2], [usize; 2])> = (0..scene.height())
+    let panels: Result<Vec<_>, _> = scene.panels.iter().map(LayersOfPanel::of).collect();
+    let panels = panels?;
+    let pixels: Vec<(&LayersOfPanel<'_>, [usize; 2])> = (0..scene.height())
         .flat_map(|row| {
-            panels.iter().flat_map(move |&(volume, size)| {
-                (0..size[0]).map(move |column| (volume, [column, row], size))
-            })
+            let columns = |panel: &LayersOfPanel<'_>| 0..panel.size[0];
+            panels
+                .iter()
+                .flat_map(move |panel| columns(panel).map(move |column| (panel, [column, row])))
         })
         .collect();
-    let of_pixel = |(volume, pixel, size): (&Classified, _, _)| {
-        let ray = volume.camera.ray(pixel, size);
-        let cosine = ray.direction.dot(*volume.camera.forward());
+    let of_pixel = |(panel, pixel): (&LayersOfPanel<'_>, [usize; 2])| {
+        let camera = &panel.volume.camera;
+        let ray = camera.ray(pixel, panel.size);
+        let cosine = ray.direction.dot(*camera.forward());
         let scale = if depth.along_view { cosine } else { 1.0 };
-        (scale * along(volume, &ray, depth.half)) as f32
+        (scale * along(&panel.layers(&ray), depth.half)) as f32
     };
     Ok(pixels.into_par_iter().map(of_pixel).collect())
 }
 
-/// Depth along `ray`; infinite where there is none.
-fn along(volume: &Classified, ray: &Ray, half: bool) -> f64 {
-    let lattice = volume.grid.lattice();
-    let extent = volume.extent();
-    let Some(span) = extent.span(ray) else {
-        return f64::INFINITY;
-    };
-    let line = NodeLine::new(extent.line(ray), lattice);
-    let steps = Steps::over(span, volume.step);
-    let least = match volume.compositing {
-        Compositing::EarlyTermination(least) => least,
-        _ => 0.0,
-    };
+/// What a ray passes: a step through the volume, or a surface.
+struct Layer {
+    /// Distance of its middle from the eye.
+    t: f64,
+    /// Length along the ray; 0 for a surface.
+    length: f64,
+    /// Optical depth.
+    depth: f64,
+}
+
+impl Layer {
+    fn of((t, length): (f64, f64), opacity: f64) -> Layer {
+        Layer {
+            t,
+            length,
+            depth: ln_1p(-opacity).abs(),
+        }
+    }
+}
+
+/// The layers of a classified volume along rays.
+struct LayersOfPanel<'s> {
+    volume: &'s Classified,
+    size: [usize; 2],
+    caster: FieldCaster<'s>,
+    /// The field without samples.
+    exact: Option<ExactField<'s>>,
+}
+
+impl<'s> LayersOfPanel<'s> {
+    fn of(panel: &'s Panel) -> Result<LayersOfPanel<'s>, String> {
+        let Model::Classified(volume) = &panel.model else {
+            return Err("depth is that of a classified volume, and the scene has none".to_owned());
+        };
+        let refusal = match &volume.mode {
+            Mode::Projection(_) => {
+                Some("a projection has no depth: leave `mode` out, or ask for isosurfaces")
+            }
+            Mode::Composited if volume.is_continuous() => Some(
+                "the integral without samples has no depth yet: state a step, in the scene or by --step",
+            ),
+            _ if volume.conventions != Conventions::default() => Some(
+                "depth is that of volref's own conventions: leave out [classified.conventions]",
+            ),
+            _ => None,
+        };
+        match refusal {
+            Some(reason) => Err(reason.to_owned()),
+            None => Ok(LayersOfPanel {
+                volume,
+                size: [panel.width, panel.height],
+                caster: FieldCaster::new(volume),
+                exact: volume.is_exact().then(|| ExactField::new(volume)),
+            }),
+        }
+    }
+
+    fn layers(&self, ray: &Ray) -> Vec<Layer> {
+        let Mode::Isosurfaces(surfaces) = &self.volume.mode else {
+            return self.steps(ray);
+        };
+        let passed = match &self.exact {
+            Some(field) => field.passed_along(surfaces, ray),
+            None => self.caster.passed_along(surfaces, ray),
+        };
+        let layer = |(t, surface): (f64, Isosurface)| Layer::of((t, 0.0), surface.opacity);
+        passed.into_iter().map(layer).collect()
+    }
+
+    /// The steps of `ray` through the volume, as far as it goes.
+    fn steps(&self, ray: &Ray) -> Vec<Layer> {
+        let (volume, extent) = (self.volume, self.volume.extent());
+        let lattice = volume.grid.lattice();
+        let Some(span) = extent.span(ray) else {
+            return vec![];
+        };
+        let line = NodeLine::new(extent.line(ray), lattice);
+        let steps = Steps::over(span, volume.step);
+        let least = match volume.compositing {
+            Compositing::EarlyTermination(least) => least,
+            _ => 0.0,
+        };
+        let mut before = 0.0;
+        let mut layers = Vec::new();
+        for index in 0..steps.count() {
+            let (t, length) = steps.sample(index);
+            let cell = Cell::around(lattice, line.at(t));
+            let value = volume.interpolation.read(&*volume.grid, &cell);
+            let layer = Layer::of((t, length), volume.transfer_function.opacity(value, length));
+            before += layer.depth;
+            layers.push(layer);
+            if exp(-before) < least {
+                break;
+            }
+        }
+        layers
+    }
+}
+
+/// Depth of these layers, from the eye on; infinite where there is none.
+fn along(layers: &[Layer], half: bool) -> f64 {
     let half_of_it = ln(2.0);
     let (mut before, mut moments) = (0.0, 0.0);
-    for index in 0..steps.count() {
-        let (t, length) = steps.sample(index);
-        let value = volume
-            .interpolation
-            .read(&*volume.grid, &Cell::around(lattice, line.at(t)));
-        let own = (-ln_1p(-volume.transfer_function.opacity(value, length))).abs();
-        if half && before + own >= half_of_it {
+    for Layer { t, length, depth } in layers {
+        if half && before + depth >= half_of_it {
             let begin = t - 0.5 * length;
-            return begin + length * (half_of_it - before) / own;
+            return begin + length * ((half_of_it - before) / depth);
         }
-        moments += t * exp(-before) * -exp_m1(-own);
-        before += own;
-        if exp(-before) < least {
-            break;
-        }
+        moments += t * exp(-before) * -exp_m1(-depth);
+        before += depth;
     }
     if half || before == 0.0 {
         return f64::INFINITY;

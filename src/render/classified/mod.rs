@@ -12,6 +12,7 @@ pub mod empty_space;
 pub mod field;
 pub mod integral;
 pub(super) mod kernels;
+pub mod modes;
 pub mod preintegration;
 pub mod ray_caster;
 pub mod shading;

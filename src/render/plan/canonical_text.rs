@@ -27,6 +27,12 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
             of_ray_caster(RayCasterFeatures::asked_for(scene), ", plain: true")
         }
         Kernel::Integral(_) => "Integral".to_owned(),
+        Kernel::Field(scene) => format!(
+            "Field {{ mode: {}, exact: {}, shading: {} }}",
+            scene.mode.name().unwrap_or_default(),
+            scene.is_exact(),
+            scene.phong.is_some()
+        ),
         Kernel::LineOfSight {
             features, scatters, ..
         } => {

@@ -22,6 +22,8 @@ pub enum Kernel<'s> {
     Conventional(&'s Classified),
     /// The volume-rendering integral of a classified volume, without samples.
     Integral(&'s Classified),
+    /// A projection or isosurfaces of a classified volume: exact along each ray, or sampled.
+    Field(&'s Classified),
     /// Closed forms and integrals along the line of sight, without random numbers.
     LineOfSight {
         /// The model rendered.
@@ -139,6 +141,15 @@ impl fmt::Display for Kernel<'_> {
                 write!(f, "ray caster: {features}, other conventions")
             }
             Kernel::Integral(_) => f.write_str("integral along each ray, piece by piece"),
+            Kernel::Field(scene) => {
+                let mode = scene.mode.name().unwrap_or_default();
+                let how = if scene.is_exact() {
+                    "exact, cell by cell"
+                } else {
+                    "sampled"
+                };
+                write!(f, "{mode} along each ray, {how}")
+            }
             Kernel::LineOfSight {
                 features, scatters, ..
             } => {

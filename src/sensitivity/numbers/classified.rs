@@ -3,7 +3,7 @@
 use super::{Number, Quantity, in_classified};
 use crate::geometry::{Transform, TransformError};
 use crate::optics::Phong;
-use crate::scene::{Classified, Scene};
+use crate::scene::{Classified, Mode, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;
 
@@ -55,12 +55,16 @@ const REFLECTIONS: [(&Quantity, Strength); 3] = [
 
 /// Numbers of a volume; `scene` is that of the first panel.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
-    let mut numbers = vec![Number::new(
-        &OPACITY,
-        0.02,
-        Smooth,
-        volumes(|scene, change| scene.transfer_function.reference_length /= 1.0 + change),
-    )];
+    let mut numbers = Vec::new();
+    // Only composited samples have an opacity over a length.
+    if scene.mode == Mode::Composited {
+        numbers.push(Number::new(
+            &OPACITY,
+            0.02,
+            Smooth,
+            volumes(|scene, change| scene.transfer_function.reference_length /= 1.0 + change),
+        ));
+    }
     for (quantity, strength) in REFLECTIONS {
         // Nothing is larger or smaller by a share of 0.
         let mut phong = scene.phong;

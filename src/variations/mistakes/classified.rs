@@ -3,7 +3,7 @@
 use super::densities::{
     cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x, half_a_voxel_back_along_y,
     half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x, half_a_voxel_on_along_y,
-    half_a_voxel_on_along_z, in_classified, rows_as_long_as_columns, upside_down,
+    half_a_voxel_on_along_z, in_classified, rows_as_long_as_columns, unsigned, upside_down,
     x_and_y_exchanged, x_and_z_exchanged, y_and_z_exchanged,
 };
 use super::{Edit, Mistake, set};
@@ -201,6 +201,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "volume-rows-of-another-length",
         advice: "rows of the volume are taken for as long as its columns: the index is x + nx (y + ny z), with nx where y is multiplied, not ny",
         edit: Edit::Classified(|scene| in_classified(scene, rows_as_long_as_columns)),
+    },
+    Mistake {
+        name: "signed-read-as-unsigned",
+        advice: "values below 0 are shown as the largest: the numbers of the file are signed, 16 bits each",
+        edit: Edit::Classified(|scene| in_classified(scene, unsigned)),
     },
     Mistake {
         name: "volume-upside-down",

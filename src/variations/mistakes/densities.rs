@@ -247,6 +247,15 @@ fn rearranged(grid: &GridValues, source: impl Fn([usize; 3]) -> usize) -> Option
     Grid::new(lattice, moved.collect()).ok().map(Arc::new)
 }
 
+/// Whole numbers of 16 bits with a sign, read without it.
+pub(super) fn unsigned(grid: &GridValues) -> Option<GridValues> {
+    let is_of_16_bits = |value: &f32| value.fract() == 0.0 && (-32768.0..32768.0).contains(value);
+    let values = grid.values();
+    let occurs = values.iter().all(is_of_16_bits) && values.iter().any(|&value| value < 0.0);
+    let read = |value| if value < 0.0 { value + 65536.0 } else { value };
+    occurs.then(|| mapped(grid, read)).flatten()
+}
+
 fn mapped(grid: &GridValues, map: fn(f32) -> f32) -> Option<GridValues> {
     let values = grid.values().iter().map(|&value| map(value)).collect();
     Grid::new(*grid.lattice(), values).ok().map(Arc::new)

@@ -10,13 +10,16 @@ mod densities;
 mod images;
 mod lights;
 mod media;
+mod projections;
 mod surfaces;
 mod transport;
 
 use crate::film::Film;
 use crate::geometry::{Camera, Surface, length_of};
 use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
-use crate::scene::{Body, Classified, Curve, Model, Radiative, Scene, TransportFault};
+use crate::scene::{
+    Body, Classified, Conventions, Curve, Mode, Model, Radiative, Scene, TransportFault,
+};
 use glam::DVec3;
 
 /// A mistake.
@@ -90,7 +93,14 @@ impl Mistake {
         let mut occurs = false;
         for panel in &mut scene.panels {
             occurs |= match (&self.edit, &mut panel.model) {
-                (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
+                (Edit::Classified(edit), Model::Classified(classified)) => {
+                    // Conventions are about composited samples.
+                    let has_none = |volume: &Classified| {
+                        volume.mode == Mode::Composited
+                            || volume.conventions == Conventions::default()
+                    };
+                    edit(classified) && has_none(classified)
+                }
                 (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
                 // Of two mistakes of one tracer there is no image.
@@ -193,6 +203,7 @@ pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
     [
         images::MISTAKES,
         classified::MISTAKES,
+        projections::MISTAKES,
         media::MISTAKES,
         densities::MISTAKES,
         lights::MISTAKES,

@@ -138,7 +138,9 @@ pub fn most_work(panel: &Panel) -> Bounds {
 /// sent, at whose samples a block is asked and a value looked up.
 fn of_ray_caster(scene: &Classified) -> Bounds {
     let (steps, to_light) = steps(scene);
-    let samples = RAYS * steps;
+    // Without samples, the cells that a ray enters.
+    let cells = scene.grid.lattice().nodes().iter().sum::<usize>() as f64 + 4.0;
+    let samples = RAYS * if scene.is_continuous() { cells } else { steps };
     let all = samples * (1.0 + to_light);
     let nodes = scene.grid.lattice().node_count() as f64;
     Bounds(vec![

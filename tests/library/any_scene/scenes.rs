@@ -176,11 +176,13 @@ impl Written {
                 quoted(choices.pick(&["trilinear", "nearest"])),
             );
         }
+        let mode = choices.one_in(4).then(|| mode(choices, &mut keys));
+        let orders: &[&str] = match mode {
+            None => &["front-to-back", "back-to-front"],
+            Some(_) => &["front-to-back", "continuous"],
+        };
         if choices.one_in(2) {
-            keys.give(
-                "compositing",
-                quoted(choices.pick(&["front-to-back", "back-to-front"])),
-            );
+            keys.give("compositing", quoted(choices.pick(orders)));
         }
         if choices.one_in(2) {
             keys.give("step", length(choices, [0.25, 2.0]));
@@ -209,9 +211,11 @@ impl Written {
             if choices.one_in(2) {
                 phong.give("shininess", choices.count(1, 64, 1 << 20));
             }
-            keys.give("phong", phong.inline());
+            if mode != Some(Shown::Numbers) {
+                keys.give("phong", phong.inline());
+            }
         }
-        if choices.one_in(2) {
+        if choices.one_in(2) && mode.is_none() {
             let mut shadow = Keys::default();
             if choices.one_in(2) {
                 shadow.give("step", length(choices, [0.25, 2.0]));
@@ -732,4 +736,44 @@ fn nrrd(choices: &mut Choices<'_>, [x, y, z]: [usize; 3], data: Vec<u8>) -> Vec<
          endian: little\nencoding: raw\n\n"
     );
     [header.into_bytes(), data].concat()
+}
+
+/// What a pixel shows in place of composited samples.
+#[derive(Clone, Copy, PartialEq)]
+enum Shown {
+    Numbers,
+    Surfaces,
+}
+
+/// Gives the keys of a projection or of isosurfaces.
+fn mode(choices: &mut Choices<'_>, keys: &mut Keys) -> Shown {
+    let values = Legal(f64::from(f32::MIN), f64::from(f32::MAX));
+    if choices.one_in(3) {
+        keys.give("mode", quoted("isosurface"));
+        let surface = |choices: &mut Choices<'_>| {
+            let value = choices.number(values, [-0.5, 1.0]);
+            let opacity = choices.number(Legal(0.0, 1.0), [0.1, 1.0]);
+            let colour = choices.radiance();
+            format!("{{ value = {value:?}, colour = {colour}, opacity = {opacity:?} }}")
+        };
+        let surfaces: Vec<String> = (0..1 + choices.below(3))
+            .map(|_| surface(choices))
+            .collect();
+        keys.give("isosurface", format!("[{}]", surfaces.join(", ")));
+        return Shown::Surfaces;
+    }
+    let projections = ["maximum", "minimum", "mean", "sum", "attenuated-maximum"];
+    let name = choices.pick(&projections);
+    keys.give("mode", quoted(name));
+    let is_attenuated = name == projections[4];
+    if is_attenuated {
+        let attenuation = choices.number(NOT_NEGATIVE, [0.0, 4.0]);
+        keys.give("attenuation", format!("{attenuation:?}"));
+    }
+    if is_attenuated || choices.one_in(2) {
+        let low = choices.number(values, [-0.5, 0.5]);
+        let high = choices.number(values, [0.5, 1.5]);
+        keys.give("window", format!("{{ low = {low:?}, high = {high:?} }}"));
+    }
+    Shown::Numbers
 }

@@ -14,7 +14,7 @@ use volref::render::classified::ray_caster::RayCaster;
 use volref::render::classified::shading::{Shaded, Shading, Unshaded};
 use volref::render::classified::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use volref::render::{Counters, Plan, Sampling, render_counted};
-use volref::scene::{Classified, Compositing, Conventions, Panel, Shadow};
+use volref::scene::{Classified, Compositing, Conventions, Mode, Panel, Shadow};
 use volref::volume::{Grid, Interpolation, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
@@ -82,6 +82,7 @@ pub fn plain(grid: Arc<Grid<f32>>) -> Classified {
     Classified {
         grid,
         to_world: None,
+        mode: Mode::Composited,
         interpolation: Interpolation::Trilinear,
         continuous: false,
         compositing: Compositing::FrontToBack,

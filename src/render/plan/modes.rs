@@ -1,0 +1,114 @@
+//! The plan for projections and isosurfaces of a classified volume.
+
+use super::EffectFinding::{self, Absent, Matters, NotAsked, Null};
+use super::{Decisions, Effect, Estimator, Kernel, Method, Plan, Reason};
+use crate::scene::{Classified, KeyLines, Mode, Panel, Projected};
+
+const MODE: &str = "classified.mode";
+const ATTENUATION: &str = "classified.attenuation";
+const SURFACES: &str = "classified.isosurface[0]";
+const PHONG: &str = "classified.phong";
+const LIGHT: &str = "classified.light";
+const COMPOSITING: &str = "classified.compositing";
+const TRANSFER_FUNCTION: &str = "transfer_function";
+
+/// The plan for a classified volume whose samples are not composited.
+pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
+    let key_lines = &panel.key_lines;
+    let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
+    let is_seen = Effect::ALL
+        .into_iter()
+        .any(|effect| decisions.is_on(effect));
+    let because = |field: &str, reason: String| Reason::of(field, reason, key_lines);
+    let (kernel, method, why) = if !is_seen {
+        let why = because(SURFACES, unseen(scene));
+        (Kernel::Background(scene), Method::Background, why)
+    } else if scene.is_exact() {
+        let reason = "exact values are asked for, without samples";
+        (
+            Kernel::Field(scene),
+            Method::ClosedForm,
+            because(COMPOSITING, reason.to_owned()),
+        )
+    } else {
+        let reason = "the field is sampled one step apart";
+        (
+            Kernel::Field(scene),
+            Method::RayCasting,
+            because("classified.step", reason.to_owned()),
+        )
+    };
+    Plan {
+        panel,
+        approximations: vec![],
+        warnings: warnings(scene, &decisions, key_lines),
+        estimator: Estimator { method, why },
+        decisions: decisions.0,
+        kernel,
+    }
+}
+
+fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
+    let matters = |field: &str, reason: &str| Matters(field.to_owned(), reason.to_owned());
+    let (least, most) = scene.grid.range();
+    let surfaces = match &scene.mode {
+        Mode::Isosurfaces(surfaces) => Some(surfaces),
+        _ => None,
+    };
+    let is_unseen = surfaces.is_some_and(|surfaces| surfaces.are_unseen_between(least, most));
+    let attenuates = matches!(&scene.mode,
+        Mode::Projection(projection) if matches!(projection.of, Projected::AttenuatedMaximum(_)));
+    match effect {
+        Effect::Surfaces | Effect::SurfaceShadow => {
+            Absent("isosurfaces are of the field; the classified model has no other surfaces")
+        }
+        Effect::Absorption | Effect::Emission | Effect::Heterogeneity if is_unseen => {
+            Null(SURFACES.to_owned(), unseen(scene))
+        }
+        Effect::Absorption if surfaces.is_some() => {
+            matters(SURFACES, "surfaces hide what is behind them")
+        }
+        Effect::Absorption if attenuates => matters(ATTENUATION, "values attenuate those behind"),
+        Effect::Absorption => Absent("a projection absorbs nothing"),
+        Effect::Emission => matters(MODE, "values and surfaces have colours"),
+        Effect::GradientShading if scene.phong.is_none() && surfaces.is_some() => NotAsked(PHONG),
+        Effect::GradientShading if surfaces.is_none() => Absent("a projection has no normal"),
+        Effect::GradientShading if is_unseen => Null(PHONG.to_owned(), unseen(scene)),
+        Effect::GradientShading => matters(PHONG, "surfaces have normals"),
+        Effect::Heterogeneity => {
+            let reason = format!("values from {} to {}", least as f32, most as f32);
+            Matters("classified.volume".to_owned(), reason)
+        }
+        Effect::MediumShadow => Absent("nothing casts a shadow in this mode"),
+        Effect::SingleScattering | Effect::MultipleScattering => {
+            Absent("the classified model has no scattering; shading replaces it")
+        }
+        Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
+        Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
+    }
+}
+
+/// The reason for which no ray passes a surface.
+fn unseen(scene: &Classified) -> String {
+    let (least, most) = scene.grid.range();
+    let [least, most] = [least as f32, most as f32];
+    format!("no isosurface with an opacity parts the values of the volume, from {least} to {most}")
+}
+
+/// Keys of the file without any effect.
+fn warnings(scene: &Classified, decisions: &Decisions, key_lines: &KeyLines) -> Vec<Reason> {
+    let mut warnings = Vec::new();
+    let mut warn = |key: &str, message: &str| {
+        if key_lines.has(key) {
+            warnings.push(Reason::of(key, message, key_lines));
+        }
+    };
+    if !scene.mode.uses_transfer_function() {
+        let message = "the transfer function has no effect: colours are those of the window or of the isosurfaces";
+        warn(TRANSFER_FUNCTION, message);
+    }
+    if !decisions.is_on(Effect::GradientShading) {
+        warn(LIGHT, "the light has no effect: nothing is shaded by it");
+    }
+    warnings
+}

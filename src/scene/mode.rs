@@ -1,0 +1,384 @@
+//! Modes of a classified volume: composited samples, a projection, or isosurfaces.
+
+use super::SceneResult;
+use super::format::{Key, Kind, Range, Table};
+use super::reader::Reader;
+use crate::optics::TransferFunction;
+use glam::DVec3;
+
+const PROJECTIONS: [&str; 5] = ["maximum", "minimum", "mean", "sum", ATTENUATED];
+const ATTENUATED: &str = "attenuated-maximum";
+const ISOSURFACE: &str = "isosurface";
+
+/// Finite numbers that a grid can hold.
+const VALUES: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
+
+/// Isosurfaces at most: each is looked for in every cell or step.
+const MOST_SURFACES: usize = 64;
+
+/// The keys of `[classified]` that say what a pixel shows, in place of composited samples.
+pub(super) const MODE: [Key; 4] = [
+    Key::optional("mode", Kind::Choice(&[PROJECTIONS[0], PROJECTIONS[1], PROJECTIONS[2], PROJECTIONS[3], ATTENUATED, ISOSURFACE]))
+        .doc("Content of a pixel, of the field along its ray: its largest value, its smallest one, its mean or its integral over the way inside the volume (world units), the largest value as the values before it attenuate it, or surfaces of equal value. Sampled every `step`, or exact with `compositing = \"continuous\"`. If left out, samples are composited."),
+    Key::optional("attenuation", Kind::Number(Range::at_least(0.0)))
+        .doc("Attenuation of `attenuated-maximum`, per world unit of the way through a value at the top of the window."),
+    Key::optional("window", Kind::Table(&WINDOW))
+        .doc("Greys of a projection, from black to white, in place of the colours of the transfer function."),
+    Key::optional("isosurface", Kind::Tables(&SURFACE))
+        .doc("The surfaces of `mode = \"isosurface\"`, at most 64."),
+];
+
+const WINDOW: Table = Table::new("A window of values, shown as greys; constant beyond its ends.")
+    .keys(&[
+        Key::required("low", Kind::Number(VALUES)).doc("Value shown black."),
+        Key::required("high", Kind::Number(VALUES)).doc("Value shown white; above `low`."),
+    ]);
+
+const SURFACE: Table = Table::new("A surface on which the field has one value.").keys(&[
+    Key::required("value", Kind::Number(VALUES))
+        .doc("Value of the volume, in the unit of its file."),
+    Key::required("colour", Kind::Colour(Range::at_least(0.0)))
+        .doc("Linear radiance of the surface before shading."),
+    Key::or("opacity", Kind::Number(Range::closed(0.0, 1.0)), "1.0")
+        .doc("Fraction of the light behind that is absorbed."),
+]);
+
+/// Content of a pixel, from the field along its ray.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mode {
+    /// Its samples, or the integral, composited.
+    Composited,
+    /// One number, as a colour.
+    Projection(Projection),
+    /// Surfaces of equal value, composited front to back.
+    Isosurfaces(Isosurfaces),
+}
+
+/// A number for each ray.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Projection {
+    /// The number.
+    pub of: Projected,
+    /// Its greys; without them it has the colours of the transfer function.
+    pub window: Option<Window>,
+    /// A mistake that is made: no file states one.
+    pub fault: Option<ProjectionFault>,
+}
+
+/// Number that a projection takes of the field over the span of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projected {
+    /// Largest value.
+    Maximum,
+    /// Smallest value.
+    Minimum,
+    /// Integral, divided by the length of the span.
+    Mean,
+    /// Integral, value times world units.
+    Sum,
+    /// Largest value in the window, attenuated by those before it, per world unit.
+    AttenuatedMaximum(f64),
+}
+
+/// Values shown as greys.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Shown black.
+    pub low: f64,
+    /// Shown white.
+    pub high: f64,
+}
+
+/// Surfaces of equal value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Isosurfaces {
+    /// The surfaces, at least one, no two of one value.
+    pub surfaces: Vec<Isosurface>,
+    /// A mistake that is made: no file states one.
+    pub fault: Option<IsosurfaceFault>,
+}
+
+/// The surface on which the field has one value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Isosurface {
+    /// The value.
+    pub value: f64,
+    /// Colour before shading.
+    pub colour: DVec3,
+    /// Opacity, in [0, 1].
+    pub opacity: f64,
+}
+
+/// A mistake in projections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProjectionFault {
+    /// An extremum begins at 0, not at the first value.
+    BeginsAtZero,
+    /// The maximum is looked for again about the front of the volume.
+    RefinedAtTheFront,
+    /// The mean is over samples that are not 0.
+    WithoutZeros,
+    /// Values are attenuated by the way from the entry into the volume, whatever lies on it.
+    AttenuatedByDistance,
+}
+
+/// A mistake in isosurfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IsosurfaceFault {
+    /// A ray ends at its first surface, however transparent.
+    FirstAlone,
+    /// A surface is at the sample behind it, not between the two.
+    AtSamples,
+    /// Normals point against the gradient, even away from the eye.
+    NotTurned,
+    /// Normals are turned away from the eye.
+    TurnedAway,
+}
+
+impl Window {
+    /// Position of `value` in the window, in [0, 1].
+    pub fn position(self, value: f64) -> f64 {
+        ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
+    }
+}
+
+impl Projection {
+    /// The window that attenuated values are positions in.
+    pub fn unit(&self) -> Window {
+        let whole = Window {
+            low: 0.0,
+            high: 1.0,
+        };
+        self.window.unwrap_or(whole)
+    }
+
+    /// The colour of the number of a ray.
+    pub fn colour(&self, number: f64, transfer_function: &TransferFunction) -> DVec3 {
+        match (self.of, self.window) {
+            (Projected::AttenuatedMaximum(_), _) => DVec3::splat(number),
+            (_, Some(window)) => DVec3::splat(window.position(number)),
+            (_, None) => transfer_function.colour(number),
+        }
+    }
+}
+
+impl Isosurfaces {
+    /// True if no ray passes a surface that is seen in a field with values from `least` to `most`: a
+    /// surface parts what is below its value from what is not.
+    pub fn are_unseen_between(&self, least: f64, most: f64) -> bool {
+        let is_unseen = |surface: &Isosurface| {
+            surface.opacity == 0.0 || surface.value <= least || surface.value > most
+        };
+        self.surfaces.iter().all(is_unseen)
+    }
+}
+
+impl Mode {
+    /// The mode of `[classified]`, without keys that contradict it; `order` is that of compositing.
+    pub(super) fn read(reader: &Reader, order: &str) -> SceneResult<Mode> {
+        let Some(name) = reader.optional_text("mode")? else {
+            let modes = "choose what a pixel shows with `mode`, or leave the key out";
+            without(
+                reader,
+                MODE[1..].iter().map(|key| key.name),
+                "composited samples have none",
+                modes,
+            )?;
+            return Ok(Mode::Composited);
+        };
+        let nothing = "leave the key out";
+        without(
+            reader,
+            ["early_termination"],
+            &format!("`mode = {name:?}` ends no ray early"),
+            nothing,
+        )?;
+        without(
+            reader,
+            ["conventions"],
+            &format!("conventions are about composited samples, and `mode = {name:?}` has none"),
+            "leave the table out",
+        )?;
+        without(
+            reader,
+            ["shadow"],
+            &format!("nothing casts a shadow with `mode = {name:?}`"),
+            "leave the table out, or `mode`",
+        )?;
+        if order == "back-to-front" {
+            let message = format!("`mode = {name:?}` knows one order: from the eye on");
+            return Err(reader.mistake(
+                "compositing",
+                message,
+                "leave the key out, or say \"continuous\" for exact values",
+            ));
+        }
+        if name == ISOSURFACE {
+            let message = "isosurfaces have colours of their own";
+            without(reader, ["window", "attenuation"], message, nothing)?;
+            return Ok(Mode::Isosurfaces(read_surfaces(reader)?));
+        }
+        without(
+            reader,
+            ["isosurface"],
+            &format!("`mode = {name:?}` shows no surface"),
+            "leave the tables out, or say `mode = \"isosurface\"`",
+        )?;
+        without(
+            reader,
+            ["phong"],
+            &format!("`mode = {name:?}` shows a value, which has no normal"),
+            "leave the table out",
+        )?;
+        let window = reader
+            .table("window")?
+            .map(|reader| read_window(&reader))
+            .transpose()?;
+        if name != ATTENUATED {
+            let message = format!("`mode = {name:?}` attenuates nothing");
+            without(
+                reader,
+                ["attenuation"],
+                &message,
+                "leave the key out, or say `mode = \"attenuated-maximum\"`",
+            )?;
+        }
+        let of = match name.as_str() {
+            "maximum" => Projected::Maximum,
+            "minimum" => Projected::Minimum,
+            "mean" => Projected::Mean,
+            "sum" => Projected::Sum,
+            _ => Projected::AttenuatedMaximum(read_attenuation(reader, window)?),
+        };
+        Ok(Mode::Projection(Projection {
+            of,
+            window,
+            fault: None,
+        }))
+    }
+
+    /// True if a mistake is made.
+    pub(super) fn has_fault(&self) -> bool {
+        match self {
+            Mode::Composited => false,
+            Mode::Projection(projection) => projection.fault.is_some(),
+            Mode::Isosurfaces(surfaces) => surfaces.fault.is_some(),
+        }
+    }
+
+    /// True if the colours of the transfer function are used.
+    pub fn uses_transfer_function(&self) -> bool {
+        match self {
+            Mode::Composited => true,
+            Mode::Projection(projection) => projection.window.is_none(),
+            Mode::Isosurfaces(_) => false,
+        }
+    }
+
+    /// The largest channel of a colour before shading.
+    pub(super) fn brightest_colour(&self, transfer_function: &TransferFunction) -> f64 {
+        match self {
+            Mode::Isosurfaces(Isosurfaces { surfaces, .. }) => {
+                let channels = surfaces.iter().map(|surface| surface.colour.max_element());
+                channels.fold(0.0, f64::max)
+            }
+            _ if self.uses_transfer_function() => transfer_function.brightest_colour(),
+            _ => 1.0,
+        }
+    }
+
+    /// Its name in a scene; none of composited samples.
+    pub fn name(&self) -> Option<&'static str> {
+        match self {
+            Mode::Composited => None,
+            Mode::Isosurfaces(_) => Some(ISOSURFACE),
+            Mode::Projection(projection) => Some(match projection.of {
+                Projected::Maximum => "maximum",
+                Projected::Minimum => "minimum",
+                Projected::Mean => "mean",
+                Projected::Sum => "sum",
+                Projected::AttenuatedMaximum(_) => ATTENUATED,
+            }),
+        }
+    }
+}
+
+/// Refuses `keys`, which mean nothing because of what `message` says.
+fn without<'k>(
+    reader: &Reader,
+    keys: impl IntoIterator<Item = &'k str>,
+    message: &str,
+    help: &str,
+) -> SceneResult<()> {
+    match keys.into_iter().find(|key| reader.has(key)) {
+        Some(key) => Err(reader.mistake(key, message, help)),
+        None => Ok(()),
+    }
+}
+
+fn read_window(reader: &Reader) -> SceneResult<Window> {
+    let window = Window {
+        low: reader.number("low")?,
+        high: reader.number("high")?,
+    };
+    if window.low < window.high {
+        return Ok(window);
+    }
+    let message = format!(
+        "the window ends at {}, which is not above its begin, {}",
+        window.high, window.low
+    );
+    Err(reader.mistake("high", message, "give a `high` above `low`; for values shown the other way round, give a table of points that falls"))
+}
+
+fn read_attenuation(reader: &Reader, window: Option<Window>) -> SceneResult<f64> {
+    let missing = |key: &str| {
+        let message = format!("`mode = \"attenuated-maximum\"` needs `{key}`");
+        Err(reader.mistake("mode", message, "give `attenuation`, per world unit, and [classified.window] with `low` and `high`: values attenuate by their position in the window"))
+    };
+    match (reader.optional_number("attenuation")?, window) {
+        (None, _) => missing("attenuation"),
+        (_, None) => missing("window"),
+        (Some(attenuation), _) => Ok(attenuation),
+    }
+}
+
+fn read_surfaces(reader: &Reader) -> SceneResult<Isosurfaces> {
+    let tables = reader.tables("isosurface")?;
+    if tables.is_empty() {
+        let message = "`mode = \"isosurface\"` needs a value";
+        return Err(reader.mistake(
+            "mode",
+            message,
+            "give [[classified.isosurface]] with `value` and `colour`, once for each surface",
+        ));
+    }
+    if tables.len() > MOST_SURFACES {
+        let message = format!(
+            "{} isosurfaces are too many: a scene has at most {MOST_SURFACES}",
+            tables.len()
+        );
+        return Err(reader.error("isosurface", message));
+    }
+    let mut surfaces: Vec<Isosurface> = Vec::new();
+    for table in &tables {
+        let surface = Isosurface {
+            value: table.number("value")?,
+            colour: table.vector("colour")?,
+            opacity: table.number("opacity")?,
+        };
+        if surfaces.iter().any(|other| other.value == surface.value) {
+            let message = format!("two isosurfaces have the value {}", surface.value);
+            return Err(table.mistake(
+                "value",
+                message,
+                "leave one of them out: they are one surface",
+            ));
+        }
+        surfaces.push(surface);
+    }
+    Ok(Isosurfaces {
+        surfaces,
+        fault: None,
+    })
+}

@@ -1,0 +1,678 @@
+//! Projections and isosurfaces of a field.
+//!
+//! Exact ones are held by closed forms of fields that are linear along every ray, and by brute force: the same field
+//! at thousands of places of a ray, with a bound on what lies between two of them. The sampled ones are those of
+//! `src/reference`, to the bit (`reference.rs`).
+
+use crate::ray_caster::scenes::{PHONG, hash, plain, sampled};
+use glam::{DMat3, DVec3};
+use std::path::Path;
+use std::sync::Arc;
+use volref::compare::Picture;
+use volref::film::Film;
+use volref::geometry::{Camera, Ray, Transform};
+use volref::judging::{Verdict, validate};
+use volref::math::exp;
+use volref::naming::{Predictions, Search, likeness};
+use volref::optics::{Appearance, TransferPoint, TransferPoints};
+use volref::reference;
+use volref::render::classified::modes::ExactField;
+use volref::render::{Event, Sampling, plans, render, render_counted};
+use volref::scene::{
+    Classified, Isosurface, Isosurfaces, Mode, Panel, Projected, Projection, Scene, Window,
+};
+use volref::suite::{Output, Suite};
+use volref::variations::mistakes;
+use volref::volume::{Cell, Centring, Grid, Lattice, NodeLine, Reconstruction as _};
+
+const ALL: [Projected; 5] = [
+    Projected::Maximum,
+    Projected::Minimum,
+    Projected::Mean,
+    Projected::Sum,
+    Projected::AttenuatedMaximum(1.3),
+];
+
+const WINDOW: Window = Window {
+    low: -0.2,
+    high: 0.8,
+};
+
+fn projection(of: Projected) -> Projection {
+    Projection {
+        of,
+        window: Some(WINDOW),
+        fault: None,
+    }
+}
+
+fn surfaces(values: &[f64], opacity: f64) -> Isosurfaces {
+    let surface = |(index, &value): (usize, &f64)| Isosurface {
+        value,
+        colour: DVec3::new(0.2 + 0.1 * index as f64, 0.5, 0.9),
+        opacity,
+    };
+    Isosurfaces {
+        surfaces: values.iter().enumerate().map(surface).collect(),
+        fault: None,
+    }
+}
+
+fn exact(grid: Arc<Grid<f32>>, mode: Mode) -> Classified {
+    Classified {
+        mode,
+        continuous: true,
+        ..plain(grid)
+    }
+}
+
+fn panel(scene: Classified, side: usize) -> Panel {
+    Panel::of(scene.into(), [side, side])
+}
+
+fn image(scene: &Classified, side: usize) -> Film {
+    let scene = Scene::of(panel(scene.clone(), side));
+    render(&plans(&scene), Sampling::default(), &|| ())
+        .unwrap()
+        .film
+}
+
+/// Numbers in [−1, 1], with as many zeros.
+fn noise(seed: u64, nodes: [usize; 3]) -> Arc<Grid<f32>> {
+    let lattice = Lattice::new(nodes, DVec3::new(0.5, 0.7, 0.4), DVec3::splat(-1.0)).unwrap();
+    sampled(lattice, |node| {
+        let index = lattice.index(node);
+        let is_zero = hash(seed, 2 * index) < 0.3;
+        let value = 2.0 * hash(seed, 2 * index + 1) - 1.0;
+        if is_zero { 0.0 } else { value as f32 }
+    })
+}
+
+/// Rays through a volume from all sides, some of them along edges and through nodes.
+fn rays(scene: &Classified, count: usize) -> Vec<Ray> {
+    let extent = scene.extent();
+    let (centre, size) = (extent.bounds.centre(), extent.bounds.size());
+    let place = |seed: u64, index: usize, reach: f64| {
+        let number = |axis: usize| hash(seed, 3 * index + axis) - 0.5;
+        centre + reach * size * DVec3::new(number(0), number(1), number(2))
+    };
+    let random = (0..count).filter_map(|index| {
+        let from = extent.in_world(place(5, index, 3.0));
+        let to = extent.in_world(place(6, index, 1.0));
+        Ray::new(from, to - from)
+    });
+    let lattice = scene.grid.lattice();
+    let through_nodes = (0..count / 4).filter_map(|index| {
+        let node = |salt| {
+            let node = lattice.node((hash(salt, index) * lattice.node_count() as f64) as usize);
+            lattice.first() + lattice.spacing() * DVec3::from_array(node.map(|i| i as f64))
+        };
+        let [from, to] = [node(7), node(8)].map(|point| extent.in_world(point));
+        Ray::new(from - (to - from), to - from)
+    });
+    random.chain(through_nodes).collect()
+}
+
+/// The field at the distance `t` along `ray`.
+fn field(scene: &Classified, ray: &Ray, t: f64) -> f64 {
+    let lattice = scene.grid.lattice();
+    let line = NodeLine::new(scene.extent().line(ray), lattice);
+    scene
+        .interpolation
+        .read(&*scene.grid, &Cell::around(lattice, line.at(t)))
+}
+
+/// Largest change of the field per world unit along `ray`: the largest difference of neighbours on each axis, over
+/// their distance.
+fn steepest(scene: &Classified, ray: &Ray) -> f64 {
+    let (grid, lattice) = (&scene.grid, scene.grid.lattice());
+    let nodes = lattice.nodes();
+    let direction = scene.extent().line(ray).direction;
+    let along = |axis: usize| {
+        let stride = [1, nodes[0], nodes[0] * nodes[1]][axis];
+        let values = grid.values();
+        let differences = (0..lattice.node_count())
+            .filter(|&index| lattice.node(index)[axis] + 1 < nodes[axis])
+            .map(|index| f64::from((values[index + stride] - values[index]).abs()));
+        let most = differences.fold(0.0, f64::max);
+        most / lattice.spacing()[axis] * direction[axis].abs()
+    };
+    along(0) + along(1) + along(2)
+}
+
+/// A map that shears, stretches and moves.
+fn map() -> Transform {
+    Transform::from_rows([
+        [1.0, 0.6, 0.0, 0.3],
+        [-0.2, 0.8, 0.1, 0.0],
+        [0.3, 0.0, 1.4, -0.5],
+    ])
+    .unwrap()
+}
+
+/// Places of brute force on a ray.
+const PLACES: usize = 4000;
+
+/// Extrema, means and sums against the field at thousands of places. Between two of them, `h` apart, a field that
+/// changes by at most `L` per length is off by at most `Lh/2` from the nearer one; the rectangle rule is off by
+/// `Lh/4` of the length. The weight of an attenuated value changes by at most `μ` per length besides, and its integral
+/// is off by `Lh/4` of the length, divided by the width of the window.
+#[test]
+fn projections_are_those_of_brute_force() {
+    for (seed, to_world) in [(1, None), (2, Some(map())), (3, None)] {
+        let scene = Classified {
+            to_world,
+            ..exact(noise(seed, [5, 4, 6]), Mode::Composited)
+        };
+        let field_along = ExactField::new(&scene);
+        let mut seen = 0;
+        for ray in rays(&scene, 60) {
+            let Some(span) = scene
+                .extent()
+                .span(&ray)
+                .filter(|span| span.length() > 1e-9)
+            else {
+                continue;
+            };
+            seen += 1;
+            let (h, steep) = (span.length() / PLACES as f64, steepest(&scene, &ray));
+            let at = |place: usize| field(&scene, &ray, span.near + (place as f64 + 0.5) * h);
+            let values: Vec<f64> = (0..PLACES).map(at).collect();
+            let exactly = |of| field_along.number_along(&projection(of), &ray).unwrap();
+            let rounding = 1e-12;
+            let between = 0.5 * steep * h + rounding;
+            let most = values.iter().copied().fold(f64::MIN, f64::max);
+            let beyond = exactly(Projected::Maximum) - most;
+            assert!((-rounding..between).contains(&beyond), "{beyond} {between}");
+            let least = values.iter().copied().fold(f64::MAX, f64::min);
+            let beyond = least - exactly(Projected::Minimum);
+            assert!((-rounding..between).contains(&beyond), "{beyond} {between}");
+            let mean = values.iter().sum::<f64>() / PLACES as f64;
+            let off = (exactly(Projected::Mean) - mean).abs();
+            assert!(off <= 0.5 * between, "{off} {between}");
+            let off = exactly(Projected::Sum) - exactly(Projected::Mean) * span.length();
+            assert!(off.abs() <= 1e-13 * span.length(), "{off}");
+
+            for attenuation in [0.0, 0.4, 3.0, 40.0] {
+                let (mut brute, mut depth) = (0.0_f64, 0.0);
+                for value in &values {
+                    let v = WINDOW.position(*value);
+                    brute = brute.max(v * exp(-attenuation * (depth + 0.5 * v * h)));
+                    depth += v * h;
+                }
+                let width = WINDOW.high - WINDOW.low;
+                let bound = between / width * (1.0 + attenuation * span.length()) + attenuation * h;
+                let off = exactly(Projected::AttenuatedMaximum(attenuation)) - brute;
+                assert!(off.abs() <= bound && off >= -bound * 0.5, "{off} {bound}");
+            }
+        }
+        assert!(seen > 50, "{seen}");
+    }
+}
+
+/// Where the field changes its side between two places, there is an isosurface; no isosurface lies anywhere else but
+/// between two places of one side, in pairs; and at each the field has its value.
+#[test]
+fn isosurfaces_are_the_roots_of_the_field() {
+    // That of many nodes, ordinary ones, and the largest value.
+    let mut passages = 0;
+    for (seed, to_world) in [(4, None), (5, Some(map()))] {
+        let grid = noise(seed, [5, 4, 6]);
+        let most = grid.range().1;
+        let values = [0.0, 0.25, -0.5, 0.1, most];
+        let scene = Classified {
+            to_world,
+            ..exact(grid, Mode::Composited)
+        };
+        let field_along = ExactField::new(&scene);
+        for ray in rays(&scene, 80) {
+            let Some(span) = scene
+                .extent()
+                .span(&ray)
+                .filter(|span| span.length() > 1e-9)
+            else {
+                continue;
+            };
+            let h = span.length() / PLACES as f64;
+            let steep = steepest(&scene, &ray);
+            let found = field_along.passed_along(&surfaces(&values, 0.5), &ray);
+            passages += found.len();
+            assert!(found.is_sorted_by(|(a, _), (b, _)| a <= b));
+            for (t, surface) in &found {
+                let excess = field(&scene, &ray, *t) - surface.value;
+                assert!(excess.abs() <= 1e-12 * (1.0 + steep), "{excess:e} at {t}");
+            }
+            for value in values {
+                let roots: Vec<f64> = found
+                    .iter()
+                    .filter(|(_, surface)| surface.value == value)
+                    .map(|(t, _)| *t)
+                    .collect();
+                let excess = |place: usize| {
+                    field(&scene, &ray, span.near + (place as f64 + 0.5) * h) - value
+                };
+                for place in 1..PLACES {
+                    let [a, b] = [excess(place - 1), excess(place)];
+                    // Where rounding decides of the side, there is no truth.
+                    if a.abs().min(b.abs()) <= 1e-13 {
+                        continue;
+                    }
+                    let from = span.near + (place as f64 - 0.5) * h;
+                    let inside = |t: &&f64| (from..=from + h).contains(*t);
+                    let count = roots.iter().filter(inside).count();
+                    let changes = (a < 0.0) != (b < 0.0);
+                    assert_eq!(count % 2 == 1, changes, "{value} at {from}: {a:e} {b:e}");
+                }
+            }
+        }
+    }
+    assert!(passages > 800, "{passages}");
+}
+
+/// Values along x: a plateau of 0, a rise, a plateau of 1, a fall.
+fn plateaus() -> Arc<Grid<f32>> {
+    let lattice = Lattice::new([5, 3, 3], DVec3::ONE, DVec3::ZERO).unwrap();
+    sampled(lattice, |[i, _, _]| [0.0, 0.0, 1.0, 1.0, 0.0][i])
+}
+
+/// Values of nodes, flat cells and roots at faces: a side is left once and entered once.
+#[test]
+fn a_value_of_nodes_is_passed_once() {
+    let scene = exact(plateaus(), Mode::Composited);
+    let field_along = ExactField::new(&scene);
+    let passed = |value: f64, ray: &Ray| -> Vec<f64> {
+        let found = field_along.passed_along(&surfaces(&[value], 1.0), ray);
+        found.into_iter().map(|(t, _)| t - 2.0).collect()
+    };
+    for y in [0.5, 1.0, 1.5] {
+        let ray = Ray::new(DVec3::new(-2.0, y, 1.0), DVec3::X).unwrap();
+        let back = Ray::new(DVec3::new(6.0, y, 1.0), DVec3::NEG_X).unwrap();
+        assert_eq!(passed(0.5, &ray), [1.5, 3.5]);
+        assert_eq!(passed(1.0, &ray), [2.0, 3.0]);
+        assert_eq!(passed(1.0, &back), [1.0, 2.0]);
+        // Nothing is below the least value, and nothing above the largest is reached.
+        for value in [0.0, -1.0, 1.0 + f64::EPSILON, 7.0] {
+            assert_eq!(passed(value, &ray), [0.0; 0], "{value}");
+        }
+    }
+}
+
+/// A linear field, placed anywhere: along a ray it is a line, between its values at the two ends. Of values of 32 bits, up
+/// to 4, the trilinear interpolant is off by roundings of 2⁻²³ at most where nodes are no multiples of 1/64; these are.
+#[test]
+fn a_ramp_has_closed_forms() {
+    let lattice = Lattice::new([5, 4, 3], DVec3::new(0.25, 0.5, 0.5), DVec3::ZERO).unwrap();
+    let slope = DVec3::new(0.5, 0.25, -0.375);
+    let grid = sampled(lattice, |node| {
+        let point = lattice.spacing() * DVec3::from_array(node.map(|i| i as f64));
+        (1.0 + slope.dot(point)) as f32
+    });
+    for to_world in [None, Some(map())] {
+        let scene = Classified {
+            to_world,
+            ..exact(grid.clone(), Mode::Composited)
+        };
+        let rows = map().rows();
+        let matrix = DMat3::from_cols_array(&std::array::from_fn(|i| rows[i % 3][i / 3]));
+        let offset = DVec3::from_array([0, 1, 2].map(|row| rows[row][3]));
+        let value = |point: DVec3| match to_world {
+            None => 1.0 + slope.dot(point),
+            Some(_) => 1.0 + slope.dot(matrix.inverse() * (point - offset)),
+        };
+        let field_along = ExactField::new(&scene);
+        for ray in rays(&scene, 100) {
+            let Some(span) = scene
+                .extent()
+                .span(&ray)
+                .filter(|span| span.length() > 1e-6)
+            else {
+                continue;
+            };
+            let [a, b] = [span.near, span.far].map(|t| value(ray.at(t)));
+            let exactly = |of| field_along.number_along(&projection(of), &ray).unwrap();
+            for (of, right) in [
+                (Projected::Maximum, a.max(b)),
+                (Projected::Minimum, a.min(b)),
+                (Projected::Mean, 0.5 * (a + b)),
+                (Projected::Sum, 0.5 * (a + b) * span.length()),
+            ] {
+                let off = exactly(of) - right;
+                assert!(off.abs() < 1e-12 * (1.0 + span.length()), "{of:?}: {off:e}");
+            }
+            let middle = 0.3 * a + 0.7 * b;
+            let found = field_along.passed_along(&surfaces(&[middle], 1.0), &ray);
+            if (a - b).abs() > 1e-3 {
+                let depth = span.near + 0.7 * span.length();
+                assert_eq!(found.len(), 1);
+                let off = (found[0].0 - depth) * (b - a) / span.length();
+                assert!(off.abs() < 1e-12, "{off:e}");
+            }
+        }
+    }
+}
+
+/// 1 − |x| on a fine lattice. The interpolant is below the field, which is concave but at its tip, by at most
+/// Σ h²/8 |∂²f| ≤ 3h²/(8r); a ray that meets the ball head on passes it so much earlier or later.
+#[test]
+fn a_ball_is_as_far_as_it_is() {
+    let h = 1.0 / 16.0;
+    let lattice = Lattice::new([33; 3], DVec3::splat(h), DVec3::splat(-1.0)).unwrap();
+    let grid = sampled(lattice, |node| {
+        let point = DVec3::from_array(node.map(|i| i as f64)) * h - 1.0;
+        (1.0 - point.length()) as f32
+    });
+    let scene = exact(grid, Mode::Composited);
+    let field_along = ExactField::new(&scene);
+    for direction in [DVec3::Z, DVec3::ONE, DVec3::new(0.3, -0.7, 0.2)] {
+        let ray = Ray::new(-4.0 * direction.normalize(), direction).unwrap();
+        for radius in [0.3, 0.5, 0.7] {
+            let found = field_along.passed_along(&surfaces(&[1.0 - radius], 1.0), &ray);
+            assert_eq!(found.len(), 2);
+            let bound = 3.0 * h * h / (8.0 * (radius - h)) + 1e-7;
+            for ((t, _), right) in found.iter().zip([4.0 - radius, 4.0 + radius]) {
+                assert!((t - right).abs() <= bound, "{} {bound}", t - right);
+            }
+        }
+        let most = field_along.number_along(&projection(Projected::Maximum), &ray);
+        assert!(most.is_some_and(|most| (most - 1.0).abs() <= 2.0 * f64::EPSILON));
+    }
+}
+
+/// Of one value everywhere all but the sum are that value.
+#[test]
+fn a_constant_is_its_own_projection() {
+    let lattice = Lattice::new([3, 1, 4], DVec3::new(0.5, 0.3, 0.2), DVec3::ZERO).unwrap();
+    let scene = exact(sampled(lattice, |_| 0.375), Mode::Composited);
+    let field_along = ExactField::new(&scene);
+    for ray in rays(&scene, 40) {
+        let Some(span) = scene.extent().span(&ray).filter(|span| span.length() > 0.0) else {
+            continue;
+        };
+        let number = |of| field_along.number_along(&projection(of), &ray).unwrap();
+        for of in [Projected::Maximum, Projected::Minimum, Projected::Mean] {
+            assert_eq!(number(of), 0.375);
+        }
+        assert!((number(Projected::Sum) - 0.375 * span.length()).abs() < 1e-15);
+        // The first value is attenuated by nothing.
+        let first = number(Projected::AttenuatedMaximum(2.0));
+        assert!((first - WINDOW.position(0.375)).abs() < 1e-15);
+        assert_eq!(field_along.passed_along(&surfaces(&[0.375], 1.0), &ray), []);
+    }
+}
+
+/// The largest value of a sum of fields is at most the sum of the largest; the smallest is minus the largest of minus the field; the
+/// mean lies between; and attenuation lets no value grow.
+#[test]
+fn laws_of_projections() {
+    let (a, b) = (noise(11, [4, 5, 3]), noise(12, [4, 5, 3]));
+    // Of numbers of 24 bits the sum is rounded: that of 12 bits is not.
+    let short = |grid: &Grid<f32>| {
+        let values = grid
+            .values()
+            .iter()
+            .map(|value| (value * 1024.0).round() / 1024.0);
+        values.collect::<Vec<f32>>()
+    };
+    let of = |values: Vec<f32>| {
+        exact(
+            Arc::new(Grid::new(*a.lattice(), values).unwrap()),
+            Mode::Composited,
+        )
+    };
+    let (a, b) = (short(&a), short(&b));
+    let sum = a.iter().zip(&b).map(|(a, b)| a + b).collect();
+    let minus = a.iter().map(|value| -value).collect();
+    let [a, b, sum, minus] = [a, b, sum, minus].map(of);
+    let [fa, fb, fsum, fminus] = [&a, &b, &sum, &minus].map(ExactField::new);
+    for ray in rays(&a, 100) {
+        let along = |field: &ExactField<'_>, of| field.number_along(&projection(of), &ray);
+        let Some(most) = along(&fa, Projected::Maximum) else {
+            continue;
+        };
+        let both = most + along(&fb, Projected::Maximum).unwrap();
+        assert!(along(&fsum, Projected::Maximum).unwrap() <= both + 1e-14);
+        assert_eq!(along(&fminus, Projected::Minimum), Some(-most));
+        let mean = along(&fa, Projected::Mean).unwrap();
+        assert!(along(&fa, Projected::Minimum).unwrap() <= mean && mean <= most);
+        let total = along(&fa, Projected::Sum).unwrap() + along(&fb, Projected::Sum).unwrap();
+        assert!((along(&fsum, Projected::Sum).unwrap() - total).abs() < 1e-13);
+        let mut before = WINDOW.position(most);
+        for attenuation in [0.0, 0.5, 2.0, 8.0] {
+            let now = along(&fa, Projected::AttenuatedMaximum(attenuation)).unwrap();
+            assert!(now <= before + 1e-14, "{now} {before}");
+            before = now;
+        }
+        let unattenuated = along(&fa, Projected::AttenuatedMaximum(0.0)).unwrap();
+        assert!((unattenuated - WINDOW.position(most)).abs() < 1e-14);
+    }
+}
+
+fn modes() -> Vec<Mode> {
+    let projections = ALL.map(|of| Mode::Projection(projection(of)));
+    let isosurfaces = Mode::Isosurfaces(surfaces(&[0.15, -0.3, 0.45], 0.4));
+    projections.into_iter().chain([isosurfaces]).collect()
+}
+
+/// Samples become what is exact: the largest difference of a pixel halves with the step, or better. Of surfaces that a ray
+/// touches this is not so: of those most pixels agree.
+#[test]
+fn samples_converge_to_what_is_exact() {
+    for mode in modes() {
+        let scene = exact(noise(21, [6, 5, 6]), mode);
+        let right = image(&scene, 20);
+        let off = |step: f64| {
+            let sampled = Classified {
+                continuous: false,
+                step,
+                ..scene.clone()
+            };
+            let pixels = image(&sampled, 20);
+            let pairs = right.radiance().iter().zip(pixels.radiance());
+            let mut off: Vec<f32> = pairs.map(|(a, b)| (a[0] - b[0]).abs()).collect();
+            off.sort_by(f32::total_cmp);
+            off[off.len() * 19 / 20]
+        };
+        let [coarse, fine] = [off(0.02), off(0.0025)];
+        assert!(
+            fine < 0.5 * coarse && fine < 2e-3,
+            "{:?}: {coarse} {fine}",
+            scene.mode
+        );
+    }
+}
+
+/// A quarter turn of volume, eye and light about an axis changes nothing but roundings, and a mirror mirrors.
+#[test]
+fn a_rigid_motion_changes_nothing() {
+    let turn = Transform::from_rows([
+        [0.0, -1.0, 0.0, 0.5],
+        [1.0, 0.0, 0.0, -2.0],
+        [0.0, 0.0, 1.0, 1.0],
+    ])
+    .unwrap();
+    for mode in modes() {
+        let scene = Classified {
+            phong: matches!(mode, Mode::Isosurfaces(_)).then_some(PHONG),
+            ..exact(noise(31, [5, 6, 4]), mode)
+        };
+        let turned = Classified {
+            to_world: Some(turn),
+            camera: Camera::new(
+                turn.point(scene.camera.eye()),
+                turn.point(scene.extent().bounds.centre()),
+                DVec3::NEG_X,
+                0.8,
+            )
+            .unwrap(),
+            light: turn.point(scene.light),
+            ..scene.clone()
+        };
+        let [here, there] = [&scene, &turned].map(|scene| image(scene, 24));
+        let pairs = here.radiance().iter().zip(there.radiance());
+        let off = pairs.filter(|(a, b)| (0..3).any(|i| (a[i] - b[i]).abs() > 1e-5));
+        // A ray that touches a surface may pass it or not.
+        assert!(off.count() <= 2, "{:?}", scene.mode);
+    }
+}
+
+/// Rays that miss the volume, or meet it in a point, show the background; a volume is opaque, and surfaces are as opaque
+/// as they say. What is seen in surfaces does not depend on their order in the scene.
+#[test]
+fn opacity_and_order() {
+    let background = DVec3::new(0.1, 0.2, 0.3);
+    for mode in modes() {
+        let scene = Classified {
+            background,
+            ..exact(noise(41, [5, 6, 4]), mode)
+        };
+        let film = image(&scene, 16);
+        let opacity = film.opacity().unwrap();
+        let volume = Scene::of(panel(scene.clone(), 16));
+        let camera = scene.camera;
+        for (index, (pixel, &opacity)) in film.radiance().iter().zip(opacity).enumerate() {
+            let ray = camera.ray([index % 16, index / 16], [16, 16]);
+            if scene.extent().span(&ray).is_none() {
+                assert_eq!((*pixel, opacity), ([0.1, 0.2, 0.3], 0.0));
+            } else if let Mode::Projection(_) = scene.mode {
+                assert_eq!(opacity, 1.0);
+            } else {
+                // 1 − (3/5)ⁿ
+                let layers = ((1.0 - opacity) as f64).ln() / 0.6_f64.ln();
+                assert!((layers - layers.round()).abs() < 1e-3, "{opacity}");
+            }
+        }
+        let work = render_counted(&plans(&volume), Sampling::default(), &|| ())
+            .unwrap()
+            .work;
+        assert_eq!(work[0][Event::DensityLookup], work[0][Event::CellWalked]);
+        if let Mode::Isosurfaces(surfaces) = &scene.mode {
+            let mut reversed = surfaces.clone();
+            reversed.surfaces.reverse();
+            let other = Classified {
+                mode: Mode::Isosurfaces(reversed),
+                ..scene.clone()
+            };
+            assert_eq!(image(&other, 16), film);
+        }
+    }
+}
+
+/// The colours of a table, where there is no window.
+#[test]
+fn a_table_colours_numbers() {
+    let point = |value: f64, colour: DVec3| TransferPoint {
+        value,
+        colour,
+        opacity: 0.0,
+    };
+    let mut scene = exact(plateaus(), Mode::Composited);
+    let points = vec![point(0.0, DVec3::X), point(1.0, DVec3::Z)];
+    scene.transfer_function.appearance = Appearance::Points(TransferPoints::new(points).unwrap());
+    // Along x, from beyond: the values of `plateaus`.
+    let eye = DVec3::new(-6.0, 1.0, 1.0);
+    scene.camera = Camera::new(eye, DVec3::splat(1.0), DVec3::Y, 0.01).unwrap();
+    for (of, share) in [
+        (Projected::Maximum, 1.0),
+        (Projected::Minimum, 0.0),
+        (Projected::Mean, 0.5),
+        (Projected::Sum, 1.0),
+    ] {
+        let window = None;
+        scene.mode = Mode::Projection(Projection {
+            of,
+            window,
+            fault: None,
+        });
+        let film = image(&scene, 1);
+        let pixel = film.radiance()[0];
+        let right = [1.0 - share, 0.0, share];
+        assert!(
+            (0..3).all(|i| (pixel[i] - right[i]).abs() < 1e-4),
+            "{of:?} {pixel:?}"
+        );
+    }
+}
+
+/// An isosurface that no ray can pass is provably null: the plan says so, and no field is read.
+#[test]
+fn what_no_ray_passes_is_left_out() {
+    for (values, is_seen) in [(vec![2.0, -2.0], false), (vec![2.0, 0.5], true)] {
+        let mode = Mode::Isosurfaces(surfaces(&values, 1.0));
+        let scene = Scene::of(panel(exact(plateaus(), mode), 8));
+        let plans = plans(&scene);
+        let work = render_counted(&plans, Sampling::default(), &|| ())
+            .unwrap()
+            .work;
+        assert_eq!(work[0][Event::DensityLookup] > 0, is_seen);
+        assert_eq!(plans[0].kernel.to_string() == "background only", !is_seen);
+    }
+}
+
+/// Sampled modes are those of the plain renderers, to the bit, cells and nearest nodes included.
+#[test]
+fn samples_are_those_of_the_plain_renderers() {
+    for mode in modes() {
+        for to_world in [None, Some(map())] {
+            for interpolation in [
+                volref::volume::Interpolation::Nearest,
+                volref::volume::Interpolation::Trilinear,
+            ] {
+                let grid = noise(51, [5, 6, 4]);
+                let lattice = grid.lattice().with_centring(Centring::Cells).unwrap();
+                let grid = Grid::new(lattice, grid.values().to_vec()).unwrap();
+                let scene = Classified {
+                    continuous: false,
+                    to_world,
+                    interpolation,
+                    phong: matches!(mode, Mode::Isosurfaces(_)).then_some(PHONG),
+                    ..exact(Arc::new(grid), mode.clone())
+                };
+                let whole = Scene::of(panel(scene.clone(), 12));
+                let plain = reference::render(&whole, Sampling::default(), &[true]).unwrap();
+                assert_eq!(image(&scene, 12), plain, "{mode:?}");
+            }
+        }
+    }
+}
+
+/// Mistakes that a case of the family lists: each fails there; what is said to explain it is that mistake, or one that makes
+/// the same image.
+#[test]
+fn mistakes_of_the_family_are_named() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut unnamed = Vec::new();
+    let mut named = 0;
+    for case in suite.select(&["projections".to_owned()]).unwrap() {
+        let scene = case.load_scene().unwrap();
+        for name in &case.mistakes {
+            let mistake = mistakes::named(name).unwrap();
+            let wrong = mistake.in_scene(&scene).unwrap();
+            let film = render(&plans(&wrong), Sampling::default(), &|| ())
+                .unwrap()
+                .film;
+            let output = Output::Picture(Box::new(Picture::Radiance(film)));
+            let mut judged = vec![validate(case, &suite.store(), output, None)];
+            let verdict = judged[0].result.verdict;
+            assert_eq!(verdict, Verdict::Fail, "{}: {name}", case.name);
+            let search = Search {
+                budget: None,
+                predictions: &Predictions::in_folder(folder.path()),
+                interrupted: &|| false,
+                progress: &|_| {},
+            };
+            likeness(&[case], &[], None, &mut judged, &search);
+            let said = &judged[0].result.looks_like;
+            if said.contains(name) {
+                named += 1;
+            } else {
+                unnamed.push(format!("{}: {name}: {said:?}", case.name));
+            }
+        }
+    }
+    assert!(
+        unnamed.is_empty() && named > 25,
+        "{named} named\n{}",
+        unnamed.join("\n")
+    );
+}
