@@ -98,7 +98,7 @@ fn along_the_view_the_face_of_a_box_is_a_plane() {
 fn isosurfaces_are_as_far_as_the_roots_of_the_field() {
     let folder = tempfile::tempdir().unwrap();
     for sampled in ["step = 0.3", "compositing = \"continuous\""] {
-        let mut scene = constant(folder.path(), 1.0, 0.3, "");
+        constant(folder.path(), 1.0, 0.3, "");
         let mut nrrd = std::fs::read(folder.path().join("one.nrrd")).unwrap();
         let header = nrrd.len() - 27 * 4;
         nrrd.truncate(header);
@@ -115,12 +115,12 @@ fn isosurfaces_are_as_far_as_the_roots_of_the_field() {
             Scene::parse(&text, &folder.path().join("scene.toml"))
                 .unwrap_or_else(|error| panic!("{error}\n{text}"))
         };
-        scene = read("{ value = 0.5, colour = 1 }");
+        let scene = read("{ value = 0.5, colour = 1 }");
         for name in [MEAN, HALF] {
             let found = middle(&scene, name);
             assert!((found - 4.5).abs() < 1e-6 * 4.5, "{sampled} {name} {found}");
         }
-        scene = read("{ value = 0.5, colour = 1 }, { value = -0.5, colour = 1, opacity = 0.25 }");
+        let scene = read("{ value = 0.5, colour = 1 }, { value = -0.5, colour = 1, opacity = 0.25 }");
         assert!((middle(&scene, MEAN) - (0.25 * 3.5 + 0.75 * 4.5)).abs() < 1e-5);
         assert!((middle(&scene, HALF) - 4.5).abs() < 1e-5);
     }
