@@ -25,6 +25,9 @@
 //! ([`render::classified::integral`]). The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
 //! [`optics::TransferOpacity`], shading in [`optics::Phong`], `v` in [`render::classified::volume_shadow`].
 //!
+//! In place of composited samples a scene may show a number for each ray, such as the largest value, or surfaces of
+//! equal value ([`reference::projection`], [`reference::isosurface`], [`render::classified::modes`]).
+//!
 //! **Participating media** (radiative transfer, Chandrasekhar 1950). Along a ray from `x` in
 //! direction `−ω`, up to a surface at distance `s`:
 //!

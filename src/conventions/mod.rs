@@ -4,7 +4,8 @@
 //! ([`Conventions`](crate::scene::Conventions)). The [`ray_caster`] renders under any of them; under
 //! those of volref it gives the image of [`reference::ray_caster`](crate::reference::ray_caster), to
 //! the bit. A [`Profile`] is a file with the conventions of a renderer, the [`CATALOGUE`] what a search
-//! for the conventions behind an image tries.
+//! for the conventions behind an image tries. Projections and isosurfaces have no conventions, but mistakes: the
+//! [`FieldCaster`] samples them.
 
 mod catalogue;
 mod classifier;

@@ -20,6 +20,9 @@
 //! | chromatic coefficients | `sigma_a` or `sigma_s` of a medium differs between channels | all three are equal in every medium | |
 //! | anisotropic phase | a medium that scatters has `g` other than 0 | `g` is 0, or `sigma_s` is, in every medium; light is not scattered | |
 //!
+//! Projections and isosurfaces (`modes`) absorb and shade only as far as they have surfaces or attenuation; isosurfaces that
+//! no ray can pass are elided, all else is on.
+//!
 //! A grid of one value is a homogeneous medium to every kernel, equal to it up to rounding.
 //!
 //! Effects that a model does not have (surfaces in a classified volume, gradient shading in media)

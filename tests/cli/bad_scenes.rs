@@ -131,7 +131,37 @@ fn modes_and_what_contradicts_them() {
     ] {
         said.push_str(&after("[classified]", &format!("[classified]\n{keys}")));
     }
-    assert_shown!(said, @"");
+    assert_shown!(said, @r#"
+    scene.toml:9:8: `mode` must be one of "maximum", "minimum", "mean", "sum", "attenuated-maximum", "isosurface", but is "maximun" help: did you mean "maximum"?
+    scene.toml:9:8: `mode` must be one of "maximum", "minimum", "mean", "sum", "attenuated-maximum", "isosurface", but is "mip" help: `classified.mode`: Content of a pixel, of the field along its ray: its largest value, its smallest one, its mean or its integral over the way inside the volume (world units), the largest value as the values before it attenuate it, or surfaces of equal value. Sampled every `step`, or exact with `compositing = "continuous"`. If left out, samples are composited.
+    scene.toml:10:10: nothing casts a shadow with `mode = "maximum"` help: leave the table out, or `mode`
+    scene.toml:10:9: `mode = "maximum"` shows a value, which has no normal help: leave the table out
+    scene.toml:10:21: `mode = "maximum"` ends no ray early help: leave the key out
+    scene.toml:10:15: conventions are about composited samples, and `mode = "maximum"` has none help: leave the table out
+    scene.toml:10:15: `mode = "maximum"` knows one order: from the eye on help: leave the key out, or say "continuous" for exact values
+    scene.toml:11:17: with `compositing = "continuous"` the field is trilinear: between nearest nodes it jumps help: leave the key out
+    scene.toml:10:15: `mode = "maximum"` attenuates nothing help: leave the key out, or say `mode = "attenuated-maximum"`
+    scene.toml:10:14: `mode = "maximum"` shows no surface help: leave the tables out, or say `mode = "isosurface"`
+    scene.toml:10:28: the window ends at 1, which is not above its begin, 1 help: give a `high` above `low`; for values shown the other way round, give a table of points that falls
+    scene.toml:10:28: the window ends at 1, which is not above its begin, 2 help: give a `high` above `low`; for values shown the other way round, give a table of points that falls
+    scene.toml:10:10: missing key `high` in [classified.window] help: `classified.window.high`: Value shown white; above `low`.
+    scene.toml:10:18: `low` must be finite, got nan help: `classified.window.low`: Value shown black.
+    scene.toml:10:28: `high` must be finite, got inf help: `classified.window.high`: Value shown white; above `low`.
+    scene.toml:9:8: `mode = "attenuated-maximum"` needs `attenuation` help: give `attenuation`, per world unit, and [classified.window] with `low` and `high`: values attenuate by their position in the window
+    scene.toml:9:8: `mode = "attenuated-maximum"` needs `window` help: give `attenuation`, per world unit, and [classified.window] with `low` and `high`: values attenuate by their position in the window
+    scene.toml:11:15: `attenuation` must be finite and at least 0, got -1 help: `classified.attenuation`: Attenuation of `attenuated-maximum`, per world unit of the way through a value at the top of the window.
+    scene.toml:9:8: `mode = "isosurface"` needs a value help: give [[classified.isosurface]] with `value` and `colour`, once for each surface
+    scene.toml:9:8: `mode = "isosurface"` needs a value help: give [[classified.isosurface]] with `value` and `colour`, once for each surface
+    scene.toml:10:25: `value` must be finite, got inf help: `classified.isosurface[0].value`: Value of the volume, in the unit of its file.
+    scene.toml:10:50: `opacity` must lie in [0, 1], got 2 help: `classified.isosurface[0].opacity`: Fraction of the light behind that is absorbed.
+    scene.toml:12:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
+    scene.toml:10:52: two isosurfaces have the value 1 help: leave one of them out: they are one surface
+    scene.toml:10:14: 65 isosurfaces are too many: a scene has at most 64 help: `classified.isosurface`: The surfaces of `mode = "isosurface"`, at most 64.
+    scene.toml:11:10: nothing casts a shadow with `mode = "isosurface"` help: leave the table out, or `mode`
+    scene.toml:11:10: isosurfaces have colours of their own help: leave the key out
+    scene.toml:9:10: composited samples have none help: choose what a pixel shows with `mode`, or leave the key out
+    scene.toml:9:14: composited samples have none help: choose what a pixel shows with `mode`, or leave the key out
+    "#);
 }
 
 /// A panel is the whole scene again: their number times what the scene holds is what they take.

@@ -152,6 +152,7 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
     let folder = Folder::with_suite();
     let shadow = "[classified.shadow]\nreference_step = 1\n";
     let volume = scene(shadow).replace("../../volumes", "fixtures/volumes");
+    let window = volume.replace(shadow, "mode = \"maximum\"\n");
     let read_scene = |text: String| {
         folder.write("scene.toml", text);
         folder.volref(&["plan", "scene.toml"])
@@ -170,6 +171,7 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
                 "case" => MANIFEST,
                 _ if path == "curve" => CURVE,
                 _ if path == "sampling" || path.starts_with("radiative") => RADIATIVE,
+                _ if path == "classified.window" => &window,
                 _ => &volume,
             };
             let read = |key: &str, value: &Value| {

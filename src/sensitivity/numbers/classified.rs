@@ -3,11 +3,13 @@
 use super::{Number, Quantity, in_classified};
 use crate::geometry::{Transform, TransformError};
 use crate::optics::Phong;
-use crate::scene::{Classified, Mode, Scene};
+use crate::scene::{Classified, Mode, Projected, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
 use glam::DVec3;
 
 static OPACITY: Quantity = Quantity::share("density", "extinction of the volume", "volume");
+static ATTENUATION: Quantity =
+    Quantity::share("attenuation", "attenuation by the values before", "volume");
 static STEP: Quantity = Quantity::share("step", "distance between samples", "volume");
 static GRID: [Quantity; 3] = Quantity::place(
     ["grid.x", "grid.y", "grid.z"],
@@ -92,6 +94,12 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
             scene.background *= 1.0 + change;
         });
     }
+    if attenuation(&mut scene.mode.clone()).is_some_and(|it| *it != 0.0) {
+        add(&ATTENUATION, 0.02, Smooth, |scene, change| {
+            let of = attenuation(&mut scene.mode).into_iter();
+            of.for_each(|attenuation| *attenuation *= 1.0 + change);
+        });
+    }
     // Samples of another step lie elsewhere: only what is an integral has no step.
     if !scene.is_continuous() {
         add(&STEP, 0.01, Smooth, |scene, change| {
@@ -152,6 +160,17 @@ fn placed(
             };
         });
         Some(())
+    }
+}
+
+/// The attenuation of a projection that has one.
+fn attenuation(mode: &mut Mode) -> Option<&mut f64> {
+    match mode {
+        Mode::Projection(projection) => match &mut projection.of {
+            Projected::AttenuatedMaximum(attenuation) => Some(attenuation),
+            _ => None,
+        },
+        _ => None,
     }
 }
 
