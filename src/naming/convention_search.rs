@@ -224,9 +224,9 @@ impl ConventionSearch {
     }
 }
 
-/// True of images of classified volumes in the size of `scene`, of more than one colour.
+/// True of images of single classified volumes in the size of `scene`, of more than one colour.
 fn may_be_by_convention(scene: &Scene, images: &[Film]) -> bool {
-    let is_classified = |panel: &Panel| panel.classified().is_some();
+    let is_classified = |panel: &Panel| panel.classified().is_some_and(|it| !it.has_objects());
     images.first().is_some_and(|first| {
         let is_of_size = [first.width(), first.height()] == [scene.width(), scene.height()];
         is_of_size && !is_of_one_colour(first) && scene.panels.iter().all(is_classified)

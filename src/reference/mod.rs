@@ -1,17 +1,19 @@
 //! The two reference renderers, to be read first, from top to bottom.
 //!
 //! [`ray_caster`] renders classified volumes, in one file, with a short one beside it for those that a map
-//! places; [`path_tracer`] surfaces, media and lights,
+//! places, and [`several_volumes`] those among others and surfaces; [`path_tracer`] surfaces, media and lights,
 //! with three short files beside it: media along a ray, vertices, random numbers. They are
 //! the most direct implementation, following the method line by line with no optimisations:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
+mod clips;
 pub(crate) mod media;
 pub mod path_tracer;
 mod placement;
 pub(crate) mod random;
 pub mod ray_caster;
+pub mod several_volumes;
 pub(crate) mod vertex;
 
 use crate::film::Film;
@@ -72,6 +74,7 @@ pub fn render(
             Model::Classified(scene) if scene.conventions != Conventions::default() => {
                 return Err(ReferenceError::Unknown("other conventions"));
             }
+            Model::Classified(scene) if scene.has_objects() => several_volumes::render(scene, size),
             Model::Classified(scene) => ray_caster::render(scene, size),
             Model::Radiative(scene) => {
                 let film = path_tracer::render(scene, size, sampling, through_centres);

@@ -57,6 +57,7 @@ fn of_film(plan: &Plan<'_>, sampling: Sampling) -> usize {
         | Kernel::Background(_)
         | Kernel::Integral(_)
         | Kernel::Conventional(_)
+        | Kernel::Several(_)
         | Kernel::RayCaster { .. } => RADIANCE + OPACITY,
     }
 }
@@ -73,9 +74,10 @@ fn while_rendered(plan: &Plan<'_>, film: usize) -> usize {
         Kernel::Curve(_) => (size_of::<[f64; 3]>(), size_of::<[f32; 4]>()),
         Kernel::LineOfSight { .. } => (size_of::<Result<[f32; 3], PathFault>>(), 0),
         Kernel::Integral(_) => (size_of::<([f32; 4], f64)>(), size_of::<[f32; 4]>()),
-        Kernel::RayCaster { .. } | Kernel::Conventional(_) | Kernel::Background(_) => {
-            (size_of::<[f32; 4]>(), 0)
-        }
+        Kernel::RayCaster { .. }
+        | Kernel::Conventional(_)
+        | Kernel::Several(_)
+        | Kernel::Background(_) => (size_of::<[f32; 4]>(), 0),
     };
     (2 * pixel).max(pixel + between + film)
 }

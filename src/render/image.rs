@@ -1,6 +1,6 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{conventional, curve, integral, kernels as ray_caster};
+use super::classified::{conventional, curve, integral, kernels as ray_caster, several};
 use super::counters::{Counters, Uncounted, Work};
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
@@ -235,6 +235,10 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
         }
         Kernel::Conventional(scene) => {
             let (cast, work) = conventional::cast(scene, &pixels);
+            (part.film(cast)?, work)
+        }
+        Kernel::Several(scene) => {
+            let (cast, work) = several::cast(scene, &pixels);
             (part.film(cast)?, work)
         }
         Kernel::Integral(scene) => {

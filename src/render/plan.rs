@@ -34,6 +34,7 @@ mod effect;
 mod kernel;
 mod method;
 mod radiative;
+mod several;
 
 pub use decision::{Decision, Reason};
 pub use effect::{Effect, State};
@@ -106,6 +107,7 @@ impl<'s> Plan<'s> {
         let plan = match &panel.model {
             Model::Curve(curve) => curve_plan(panel, curve),
             Model::Radiative(scene) => radiative::plan(panel, scene, forced),
+            Model::Classified(scene) if scene.has_objects() => several::plan(panel, scene, forced),
             Model::Classified(scene) => classified::plan(panel, scene, forced),
         };
         for decision in &plan.decisions {

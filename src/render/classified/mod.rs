@@ -13,6 +13,7 @@ pub mod integral;
 pub(super) mod kernels;
 pub mod preintegration;
 pub mod ray_caster;
+pub(super) mod several;
 pub mod shading;
 pub mod steps;
 pub mod volume_shadow;

@@ -10,6 +10,7 @@ mod densities;
 mod images;
 mod lights;
 mod media;
+mod objects;
 mod surfaces;
 mod transport;
 
@@ -83,7 +84,11 @@ impl Mistake {
         let mut occurs = false;
         for panel in &mut scene.panels {
             occurs |= match (&self.edit, &mut panel.model) {
-                (Edit::Classified(edit), Model::Classified(classified)) => edit(classified),
+                (Edit::Classified(edit), Model::Classified(classified)) => {
+                    let occurs = classified.edit_volumes(edit);
+                    // Of several volumes no renderer has other conventions than those about them.
+                    occurs && classified.has_conventions_that_are_rendered()
+                }
                 (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
                 // Of two mistakes of one tracer there is no image.
@@ -170,6 +175,7 @@ fn set<T: PartialEq>(value: &mut T, new: T) -> bool {
 /// The formula for opacity, where the model has one.
 fn opacity_of(model: &mut Model) -> Option<&mut TransferOpacity> {
     match model {
+        Model::Classified(scene) if scene.has_objects() => None,
         Model::Classified(scene) => match &mut scene.transfer_function.appearance {
             Appearance::Formula { opacity, .. } => Some(opacity),
             Appearance::Points(_) => None,
@@ -185,6 +191,7 @@ pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
     [
         images::MISTAKES,
         classified::MISTAKES,
+        objects::MISTAKES,
         media::MISTAKES,
         densities::MISTAKES,
         lights::MISTAKES,
