@@ -527,7 +527,7 @@ fn conventions_of_others_are_heard() {
     let folder = tempfile::tempdir().unwrap();
     slab(folder.path(), "a.nrrd", -2.0, 0.5);
     slab(folder.path(), "b.nrrd", -1.0, 1.5);
-    let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.9));
+    let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.15));
     let picture = |conventions: &str| {
         let text = format!(
             "[classified.shadow]\n[classified.light]\nposition = [3, 0, -4]\n{conventions}\n\
