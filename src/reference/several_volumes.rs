@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Each volume is constant over each of its own steps, as [`ray_caster`](super::ray_caster) has it: they
-//! are counted from where the ray enters it, or comes out of the planes that [cut](super::clips) it, and
+//! are counted from where the ray enters it, or comes out of the planes that cut it (`clips.rs`), and
 //! values are those at their midpoints. The ends of the steps of all volumes together cut the ray into
 //! pieces. Over each, of length `l`, all is constant, so that the integral has a closed form:
 //!
@@ -20,7 +20,7 @@
 //! An opacity `a₀` of 1 is an infinite extinction: it hides the finite ones, and several such share equally.
 //! So the order of volumes changes nothing but rounding, and neither does an empty one.
 //!
-//! The nearest [surface](super::clips) ends the ray: its radiance stands in the place of the background
+//! The nearest surface (`clips.rs`) ends the ray: its radiance stands in the place of the background
 //! `B`, and the pixel is opaque. The visibility of the light, where the scene asks for shadows, is the
 //! product of those through all volumes, each by shadow steps of its own, counted from the point or from
 //! where the ray towards the light enters it; 0 behind a surface. What is cut away casts no shadow.

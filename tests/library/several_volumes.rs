@@ -90,7 +90,7 @@ fn by_both(scene: &Scene) -> Film {
 
 /// The largest difference of a channel, opacity included, relative to the brightest of both, or to 1.
 fn difference(a: &Film, b: &Film) -> f64 {
-    let brightest = f64::from(a.brightest().max(b.brightest()).max(1.0));
+    let brightest = a.brightest().max(b.brightest()).max(1.0);
     let opacities = a.opacity().unwrap().iter().zip(b.opacity().unwrap());
     let opacities = opacities.map(|(a, b)| f64::from((a - b).abs()));
     let channels = a

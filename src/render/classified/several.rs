@@ -252,9 +252,7 @@ impl<'s> Caster<'s> {
         work: &mut W,
     ) -> Option<(DVec3, f64)> {
         let seen = || cursors.iter().filter(|cursor| cursor.extinction > 0.0);
-        if seen().next().is_none() {
-            return None;
-        }
+        seen().next()?;
         work.count(Event::Attenuation);
         let composition = self.scene.conventions.composition;
         let opaque = seen()

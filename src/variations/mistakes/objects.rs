@@ -29,10 +29,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "every volume is sampled by the step of the first one: each has a step of its own, in its own voxels",
         edit: Edit::Classified(|scene| {
             let step = scene.step;
-            let volumes = scene.objects.volumes.iter_mut();
-            volumes.fold(false, |is_changed, volume| {
-                set(&mut volume.step, step) || is_changed
-            })
+            let mut occurs = false;
+            for volume in &mut scene.objects.volumes {
+                occurs |= set(&mut volume.step, step);
+            }
+            occurs
         }),
     },
     Mistake {
@@ -40,10 +41,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "every volume has the colours and opacities of the first one: each has a transfer function of its own",
         edit: Edit::Classified(|scene| {
             let first = scene.transfer_function.clone();
-            let volumes = scene.objects.volumes.iter_mut();
-            volumes.fold(false, |is_changed, volume| {
-                set(&mut volume.transfer_function, first.clone()) || is_changed
-            })
+            let mut occurs = false;
+            for volume in &mut scene.objects.volumes {
+                occurs |= set(&mut volume.transfer_function, first.clone());
+            }
+            occurs
         }),
     },
     Mistake {
