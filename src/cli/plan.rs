@@ -10,7 +10,7 @@ use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason}
 use crate::render::{
     self, Amount, Bound, Counters, Effect, Footprint, Memory, Plan, PredictedWork, Sampling,
 };
-use crate::scene::{Model, Origin, Panel, Scene};
+use crate::scene::{Classified, Model, Origin, Panel, Scene};
 use indicatif::HumanBytes;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -84,6 +84,14 @@ struct PanelJson<'s> {
     warnings: &'s [Reason],
     #[serde(skip_serializing_if = "Option::is_none")]
     volume: Option<VolumeJson>,
+    /// Further volumes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    further_volumes: Vec<VolumeJson>,
+    /// Numbers of surfaces and of clips among volumes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    surfaces: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clips: Option<usize>,
     defaults: Vec<DefaultJson<'s>>,
     /// Rays from the eye; the expected work is the sum over all of them.
     rays: u64,
@@ -133,19 +141,26 @@ struct VolumeJson {
     to_world: Option<[[f64; 4]; 3]>,
 }
 
-fn volume(panel: &Panel) -> Option<VolumeJson> {
-    let Model::Classified(classified) = &panel.model else {
-        return None;
-    };
+fn volumes(panel: &Panel) -> Vec<VolumeJson> {
+    match &panel.model {
+        Model::Classified(classified) => classified
+            .each_alone()
+            .map(|alone| volume(&alone))
+            .collect(),
+        Model::Radiative(_) | Model::Curve(_) => vec![],
+    }
+}
+
+fn volume(classified: &Classified) -> VolumeJson {
     let lattice = classified.grid.lattice();
     let bounds = classified.extent().world_bounds();
-    Some(VolumeJson {
+    VolumeJson {
         nodes: lattice.nodes(),
         voxel: classified.voxel(),
         min: bounds.min.to_array(),
         max: bounds.max.to_array(),
         to_world: classified.to_world.map(|map| map.rows()),
-    })
+    }
 }
 
 /// Runs the command.
@@ -200,6 +215,9 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
         text.push_str(&describe(plan, &expected, work.as_ref()));
+        let mut all_volumes = volumes(panel).into_iter();
+        let objects = panel.classified().filter(|it| it.has_objects());
+        let objects = objects.map(|it| &it.objects);
         panels.push(PanelJson {
             title: panel.title.as_deref(),
             kernel: plan.kernel.to_string(),
@@ -207,7 +225,10 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             effects: &plan.decisions,
             approximations: &plan.approximations,
             warnings: &plan.warnings,
-            volume: volume(panel),
+            volume: all_volumes.next(),
+            further_volumes: all_volumes.collect(),
+            surfaces: objects.map(|objects| objects.surfaces.len()),
+            clips: objects.map(|objects| objects.clips.len()),
             defaults: defaults(panel).collect(),
             rays: expected.rays,
             expected: Event::ALL
@@ -253,7 +274,7 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
     let mut text = format!("kernel     {}\n", plan.kernel);
     let Estimator { method, why } = &plan.estimator;
     text.push_str(&format!("estimator  {method}: {why}\n"));
-    if let Some(volume) = volume(panel) {
+    for volume in volumes(panel) {
         let ([nx, ny, nz], [x, y, z], [u, v, w]) = (volume.nodes, volume.min, volume.max);
         text.push_str(&format!(
             "volume     {nx} × {ny} × {nz} nodes, voxel size {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",

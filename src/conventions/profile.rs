@@ -159,6 +159,13 @@ impl Profile {
     }
 
     fn apply(&self, scene: &mut Classified) -> Result<(), String> {
+        if scene.has_objects() {
+            return Err(format!(
+                "the profile {:?} says nothing of several volumes, surfaces or clips; judge this case \
+                 without --as",
+                self.name
+            ));
+        }
         let own = scene.conventions;
         if own != Conventions::default() && own != self.conventions {
             return Err(format!(

@@ -25,6 +25,7 @@ pub struct Variant {
 /// The effects of `panel`, each added alone to the scene without any; the last one has all of them.
 pub fn variants(panel: &Panel) -> Vec<Variant> {
     let variants = match &panel.model {
+        Model::Classified(scene) if scene.has_objects() => vec![],
         Model::Classified(scene) => of_classified(scene),
         Model::Radiative(scene) => of_radiative(scene),
         Model::Curve(_) => vec![],

@@ -98,6 +98,11 @@ fn panel_cost(
                  the cells on a ray: see `volref plan --counters`",
             ));
         }
+        Model::Classified(scene) if scene.has_objects() => {
+            return Err(CostError::NoParameter(
+                "several volumes, surfaces and clips have no study yet; measure a scene of one volume",
+            ));
+        }
         Model::Classified(scene) => inquiry.classified(scene),
         Model::Radiative(scene) => inquiry.radiative(scene)?,
     }

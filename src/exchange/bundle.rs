@@ -7,6 +7,7 @@
 mod inline_arrays;
 mod modes;
 mod plot;
+mod several;
 mod volume;
 
 use super::{Export, Format, Refusal};
@@ -65,6 +66,7 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
             let what = "a bundle describes volref's conventions only; leave the table out";
             Err(Refusal::of(Format::Bundle, "classified.conventions", what))
         }
+        Model::Classified(scene) if scene.has_objects() => Ok(several::described(scene, raw)),
         Model::Classified(scene) => {
             let file = raw.grid(&scene.grid);
             Ok(volume::described(scene, file))

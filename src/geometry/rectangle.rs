@@ -45,6 +45,11 @@ const FAR: f64 = 1.0;
 const PERPENDICULAR: f64 = 4.0 * f64::EPSILON;
 
 impl Rectangle {
+    /// The corner and the two edges that start there, world units.
+    pub fn corner_and_edges(&self) -> [DVec3; 3] {
+        [self.corner, self.edge_u, self.edge_v]
+    }
+
     /// The rectangle with a corner and the two edges that start there, in world units.
     pub fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Rectangle, ShapeError> {
         finite("the corner of the rectangle", corner)?;

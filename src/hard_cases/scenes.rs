@@ -18,8 +18,8 @@ use crate::render::radiative::sampler::Sampler;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::{RenderError, Rendering, Sampling, plans, render_counted};
 use crate::scene::{
-    Body, Classified, Compositing, Conventions, Mode, Model, Panel, Radiative, Scattering, Scene,
-    Shadow,
+    Body, Classified, Compositing, Conventions, Mode, Model, Objects, Panel, Radiative, Scattering,
+    Scene, Shadow,
 };
 use crate::volume::{Grid, GridDensity, Interpolation, Lattice};
 use glam::DVec3;
@@ -271,5 +271,6 @@ pub fn classified(grid: Arc<Grid<f32>>, transfer_function: TransferFunction) -> 
         background: DVec3::ZERO,
         camera: Camera::new(eye, centre, DVec3::Y, 0.7).expect("a view"),
         conventions: Conventions::default(),
+        objects: Objects::default(),
     }
 }

@@ -224,11 +224,11 @@ impl ConventionSearch {
     }
 }
 
-/// True of images of classified volumes in the size of `scene`, of more than one colour.
+/// True of images of single classified volumes in the size of `scene`, of more than one colour.
 fn may_be_by_convention(scene: &Scene, images: &[Film]) -> bool {
     let is_classified = |panel: &Panel| {
         let volume = panel.classified();
-        volume.is_some_and(|volume| volume.mode == Mode::Composited)
+        volume.is_some_and(|volume| volume.mode == Mode::Composited && !volume.has_objects())
     };
     images.first().is_some_and(|first| {
         let is_of_size = [first.width(), first.height()] == [scene.width(), scene.height()];

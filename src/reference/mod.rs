@@ -1,13 +1,14 @@
 //! The two reference renderers, to be read first, from top to bottom.
 //!
 //! [`ray_caster`] renders classified volumes, in one file, with short ones beside it: for those that a map
-//! places, for the modes that composite no samples ([`projection`] and [`isosurface`]), and for [`depth`];
-//! [`path_tracer`] surfaces, media and lights,
+//! places, for [`several_volumes`] among surfaces, for the modes that composite no samples ([`projection`] and
+//! [`isosurface`]), and for [`depth`]; [`path_tracer`] surfaces, media and lights,
 //! with three short files beside it: media along a ray, vertices, random numbers. They are
 //! the most direct implementation, following the method line by line with no optimisations:
 //! [`render`](crate::render) is the fast program, and is tested against them. Classified volumes
 //! agree to the bit, sampled images within their noise (`tests/library/reference.rs`).
 
+mod clips;
 pub mod depth;
 pub mod isosurface;
 pub(crate) mod media;
@@ -16,6 +17,7 @@ mod placement;
 pub mod projection;
 pub(crate) mod random;
 pub mod ray_caster;
+pub mod several_volumes;
 pub(crate) mod vertex;
 
 use crate::film::Film;
@@ -76,6 +78,7 @@ pub fn render(
             Model::Classified(scene) if scene.conventions != Conventions::default() => {
                 return Err(ReferenceError::Unknown("other conventions"));
             }
+            Model::Classified(scene) if scene.has_objects() => several_volumes::render(scene, size),
             Model::Classified(scene) => match &scene.mode {
                 Mode::Composited => ray_caster::render(scene, size),
                 Mode::Projection(projection) => projection::render(scene, projection, size),

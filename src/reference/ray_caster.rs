@@ -35,6 +35,7 @@
 //! shadow has a step `h′` and a reference length `h₀′` of its own, and `a′` is the opacity over them.
 //!
 //! A volume may be placed in the world by an affine map (`placement.rs`): what follows is as without one.
+//! Several volumes, surfaces and clips in one picture are the matter of `several_volumes.rs`.
 //!
 //! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
 //! by the loop of [`conventions::ray_caster`](crate::conventions::ray_caster).
@@ -47,7 +48,7 @@ use crate::film::Film;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, over_length};
-use crate::scene::{Classified, Compositing};
+use crate::scene::{Classified, Compositing, Shadow};
 use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -69,11 +70,11 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
     Film::with_opacity(width, height, pixels)
 }
 
-struct RayCaster<'s> {
-    scene: &'s Classified,
+pub(super) struct RayCaster<'s> {
+    pub(super) scene: &'s Classified,
     /// Density gradients at the nodes of the grid, all scaled by one factor: shading uses their
     /// directions alone.
-    gradients: Grid<[f32; 3]>,
+    pub(super) gradients: Grid<[f32; 3]>,
 }
 
 /// Samples of a ray, composited.
@@ -151,7 +152,7 @@ impl RayCaster<'_> {
     }
 
     /// Colour of a sample of `density` at `point`, lit by Phong's model where the scene has one.
-    fn shade(&self, ray: &Ray, point: DVec3, cell: &Cell, density: f64) -> DVec3 {
+    pub(super) fn shade(&self, ray: &Ray, point: DVec3, cell: &Cell, density: f64) -> DVec3 {
         let colour = self.scene.transfer_function.colour(density);
         let Some(phong) = &self.scene.phong else {
             return colour;
@@ -175,10 +176,15 @@ impl RayCaster<'_> {
         let span = Span::new(0.0, span.far.min(length_of(to_light)));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, inside.direction, lattice);
-        let count = step_count(span, shadow.step);
+        self.transmittance(&line, span, shadow)
+    }
+
+    /// Transmittance of the volume over the `span` of a shadow ray.
+    pub(super) fn transmittance(&self, line: &NodeLine, span: Span, shadow: Shadow) -> f64 {
+        let (scene, count) = (self.scene, step_count(span, shadow.step));
         let samples = (0..count).map(|index| {
             let (t, length) = midpoint(span, shadow.step, count, index);
-            let cell = Cell::around(lattice, line.at(t));
+            let cell = Cell::around(scene.grid.lattice(), line.at(t));
             (scene.interpolation.read(&*scene.grid, &cell), length)
         });
         match &scene.transfer_function.appearance {

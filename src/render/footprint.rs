@@ -58,6 +58,7 @@ fn of_film(plan: &Plan<'_>, sampling: Sampling) -> usize {
         | Kernel::Integral(_)
         | Kernel::Field(_)
         | Kernel::Conventional(_)
+        | Kernel::Several(_)
         | Kernel::RayCaster { .. } => RADIANCE + OPACITY,
     }
 }
@@ -77,6 +78,7 @@ fn while_rendered(plan: &Plan<'_>, film: usize) -> usize {
         Kernel::RayCaster { .. }
         | Kernel::Conventional(_)
         | Kernel::Field(_)
+        | Kernel::Several(_)
         | Kernel::Background(_) => (size_of::<[f32; 4]>(), 0),
     };
     (2 * pixel).max(pixel + between + film)

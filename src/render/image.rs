@@ -1,6 +1,6 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{conventional, curve, integral, kernels as ray_caster, modes};
+use super::classified::{conventional, curve, integral, kernels as ray_caster, modes, several};
 use super::counters::{Counters, Uncounted, Work};
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
@@ -239,6 +239,10 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
         }
         Kernel::Field(scene) => {
             let (cast, work) = modes::cast(scene, &pixels);
+            (part.film(cast)?, work)
+        }
+        Kernel::Several(scene) => {
+            let (cast, work) = several::cast(scene, &pixels);
             (part.film(cast)?, work)
         }
         Kernel::Integral(scene) => {

@@ -38,6 +38,7 @@ mod kernel;
 mod method;
 mod modes;
 mod radiative;
+mod several;
 
 pub use decision::{Decision, Reason};
 pub use effect::{Effect, State};
@@ -110,6 +111,7 @@ impl<'s> Plan<'s> {
         let plan = match &panel.model {
             Model::Curve(curve) => curve_plan(panel, curve),
             Model::Radiative(scene) => radiative::plan(panel, scene, forced),
+            Model::Classified(scene) if scene.has_objects() => several::plan(panel, scene, forced),
             Model::Classified(scene) if scene.mode == Mode::Composited => {
                 classified::plan(panel, scene, forced)
             }

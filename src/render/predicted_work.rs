@@ -1,6 +1,7 @@
 //! Work predicted before it is done: from the geometry of rays, steps and cells, without any
 //! density lookup.
 
+use super::classified::several::gradients_computed;
 use super::classified::steps::Steps;
 use super::classified::volume_shadow::shadow_ray;
 use super::counters::{Event, Uncounted};
@@ -115,6 +116,13 @@ impl Plan<'_> {
                     }),
                 ),
             ],
+            // Steps that are transparent, and those behind surfaces, are known from lookups alone.
+            Kernel::Several(scene) => vec![
+                (Event::NullCollision, exactly(0)),
+                (Event::CellWalked, exactly(0)),
+                (Event::RandomDraw, exactly(0)),
+                (Event::GradientComputed, exactly(gradients_computed(scene))),
+            ],
             Kernel::Integral(scene) => of_integrals(self.panel, scene),
             Kernel::Field(scene) => of_field(self.panel, scene),
             Kernel::RayCaster { scene, features } => of_casting(self.panel, scene, features),
@@ -196,6 +204,12 @@ impl Plan<'_> {
                         "distances to non-empty blocks",
                         super::classified::empty_space::bytes(lattice),
                     );
+                }
+            }
+            Kernel::Several(scene) => {
+                let nodes = gradients_computed(scene) as usize;
+                if nodes > 0 {
+                    add("gradients of the nodes", nodes * size_of::<[f32; 3]>());
                 }
             }
             Kernel::Conventional(scene) => {

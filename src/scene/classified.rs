@@ -3,13 +3,18 @@
 use super::SceneResult;
 use super::camera::View;
 use super::conventions::{CONVENTIONS, Conventions};
+use super::files::Files;
 use super::format::{Key, Kind, Range, Table};
 use super::length::Length;
 use super::mode::{MODE, Mode};
+use super::objects::{CLIPS, Objects, SURFACES, Volume};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
-use super::volume::PLACED_VOLUME;
-use crate::geometry::{Camera, Transform, length_of};
+use super::shadow::Shadow;
+use super::transfer_function::TRANSFER_FUNCTION;
+use super::volume::PLACED_KEYS;
+use super::volume::PLACED_RULES;
+use crate::geometry::{Aabb, Camera, Surface as _, Transform, length_of};
 use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::volume::{
     Grid, Interpolation, PlacedBox, cell_edges, placed_gradients, relative_gradients, voxel,
@@ -19,8 +24,8 @@ use std::sync::Arc;
 
 /// The declaration of `[classified]`.
 pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities are mapped to colour and opacity and composited along the ray.").keys(&[
-    Key::required("volume", Kind::Table(&PLACED_VOLUME))
-        .doc("The densities."),
+    Key::required("volume", Kind::OneOrMore(&VOLUME))
+        .doc("The densities; in double brackets those of several volumes, at most 64, each with a look of its own."),
     MODE[0],
     MODE[1],
     MODE[2],
@@ -41,9 +46,44 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
         .doc("Shades samples by their gradient. If left out, colours stay unshaded and no gradient is computed."),
     Key::optional("shadow", Kind::Table(&SHADOW))
         .doc("Darkens each sample by the densities between it and the light. If left out, no shadow ray is traced."),
+    SURFACES,
+    CLIPS,
     Key::optional("conventions", Kind::Table(&CONVENTIONS))
         .doc("Conventions of another renderer, in place of volref's."),
 ]);
+
+/// A volume, its place, and what is its own where there are several.
+const VOLUME: Table = Table::new("The file a grid of densities comes from.")
+    .keys(&VOLUME_KEYS)
+    .rules(&PLACED_RULES);
+
+const VOLUME_KEYS: [Key; 15] = {
+    let [a, b, c, d, e, f, g, h, i, j, k] = PLACED_KEYS;
+    let name = Key::optional("name", Kind::Text).doc("Name of the volume, for clips.");
+    let transfer_function = Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
+        .doc("Colour and opacity by density of this volume, in place of the scene's.");
+    let step = Key::optional("step", Kind::Length)
+        .doc("Distance between samples of this volume, in place of the scene's: world units or voxels of its own.");
+    let phong = Key::optional("phong", Kind::Table(&PHONG))
+        .doc("Shading of this volume, in place of the scene's.");
+    [
+        a,
+        b,
+        c,
+        d,
+        e,
+        f,
+        g,
+        h,
+        i,
+        j,
+        k,
+        name,
+        transfer_function,
+        step,
+        phong,
+    ]
+};
 
 /// The choice of `compositing` without samples.
 const CONTINUOUS: &str = "continuous";
@@ -85,17 +125,6 @@ pub enum Compositing {
     BackToFront,
 }
 
-/// Volume shadow: the radiance of a sample is multiplied by `min(1, exp(−S/100))`, `S` the
-/// integral of density towards the light, counted in units of `reference_step`. With a table of
-/// points it is the transmittance of the opacities on the way, each stated over `reference_step`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shadow {
-    /// Distance between samples along the shadow ray, world units, > 0.
-    pub step: f64,
-    /// Length that counts as one unit of `S`, or over which opacities hold, world units, > 0.
-    pub reference_step: f64,
-}
-
 /// A classified volume and the view of it, all lengths in world units.
 #[derive(Clone, Debug)]
 pub struct Classified {
@@ -128,6 +157,16 @@ pub struct Classified {
     pub camera: Camera,
     /// Choices in which ray casters differ without being wrong.
     pub conventions: Conventions,
+    /// Further volumes, surfaces and clips; the fields above are those of the first volume.
+    pub objects: Objects,
+}
+
+/// A volume of the file: its table, its grid and its look.
+pub(super) struct VolumeTable<'r, 'd, 's> {
+    pub reader: &'r Reader<'d, 's>,
+    pub name: Option<String>,
+    pub placed: PlacedGrid,
+    pub transfer_function: TransferFunction,
 }
 
 /// More samples on one ray than this are a mistake in the scene, not a wish.
@@ -141,12 +180,10 @@ impl Classified {
     pub(super) fn read(
         reader: &Reader,
         camera_reader: &Reader,
-        placed: PlacedGrid,
-        transfer_function: TransferFunction,
+        volumes: Vec<VolumeTable>,
+        files: &mut Files,
         aspect: f64,
     ) -> SceneResult<Classified> {
-        let (voxel, bounds) = (placed.voxel(), placed.extent().world_bounds());
-        let lengths = [voxel, length_of(bounds.size())];
         let interpolation = match reader.text("interpolation")?.as_str() {
             "nearest" => Interpolation::Nearest,
             _ => Interpolation::Trilinear,
@@ -158,39 +195,78 @@ impl Classified {
             without_samples(reader, &mode, interpolation)?;
         }
         let compositing = read_compositing(reader, &order)?;
-        let step = step_length(reader, "step", lengths)?;
+        let lengths: Vec<[f64; 2]> = volumes.iter().map(|it| lengths(&it.placed)).collect();
+        let step = reader.length("step")?;
+        let step = |(volume, lengths): (&VolumeTable, &[f64; 2])| match volume
+            .reader
+            .optional_length("step")?
+        {
+            None => checked_step(step, *lengths).map_err(|message| reader.error("step", message)),
+            Some(own) => {
+                checked_step(own, *lengths).map_err(|message| volume.reader.error("step", message))
+            }
+        };
+        let steps = volumes
+            .iter()
+            .zip(&lengths)
+            .map(step)
+            .collect::<SceneResult<Vec<f64>>>()?;
         let background = reader.vector("background")?;
 
+        let names: Vec<Option<String>> = volumes.iter().map(|it| it.name.clone()).collect();
+        let mut objects = Objects::read(reader, files, &names)?;
+        let surfaces = objects
+            .surfaces
+            .iter()
+            .map(|surface| surface.shape.bounds());
+        let boxes = volumes.iter().map(|it| it.placed.extent().world_bounds());
+        let bounds = boxes.chain(surfaces).reduce(Aabb::union).expect("a volume");
         let View { camera, target } = View::framing(camera_reader, &bounds, aspect)?;
         let light = read_light(reader, camera_reader, &camera, target)?;
 
-        let phong = reader
-            .table("phong")?
-            .map(|reader| read_phong(&reader))
-            .transpose()?;
-        let shadow = reader
-            .table("shadow")?
-            .map(|reader| read_shadow(&reader, lengths, &transfer_function));
+        let phong = read_phong(reader)?;
+        for surface in &mut objects.surfaces {
+            surface.phong = phong;
+        }
+        let own = |volume: &VolumeTable| read_phong(volume.reader);
+        let phongs = volumes.iter().map(own).collect::<SceneResult<Vec<_>>>()?;
+        let shadow = reader.table("shadow")?;
+        let looks: Vec<_> = volumes.iter().map(|it| &it.transfer_function).collect();
+        let shadows = shadow.map(|reader| read_shadows(&reader, &lengths, &looks));
+        let shadows = shadows.transpose()?;
         let conventions = reader.table("conventions")?;
         let conventions = conventions
             .map(|reader| Conventions::read(&reader))
             .transpose()?;
         let conventions = conventions.unwrap_or_default();
+        let tables: Vec<&Reader> = volumes.iter().map(|it| it.reader).collect();
+        let parts = volumes.into_iter().zip(steps).zip(phongs).enumerate();
+        let mut parts = parts.map(|(index, ((volume, step), own))| Volume {
+            grid: volume.placed.grid,
+            to_world: volume.placed.to_world,
+            transfer_function: volume.transfer_function,
+            step,
+            phong: own.or(phong),
+            shadow: shadows.as_ref().map(|shadows| shadows[index]),
+        });
+        let first = parts.next().expect("a volume");
+        let volumes = parts.collect();
         let scene = Classified {
-            grid: placed.grid,
-            to_world: placed.to_world,
+            grid: first.grid,
+            to_world: first.to_world,
             mode,
             interpolation,
             continuous,
             compositing,
-            step,
-            transfer_function,
-            phong,
-            shadow: shadow.transpose()?,
+            step: first.step,
+            transfer_function: first.transfer_function,
+            phong: first.phong,
+            shadow: first.shadow,
             light,
             background,
             camera,
             conventions,
+            objects: Objects { volumes, ..objects },
         };
         scene.check_eye().map_err(|message| {
             let help = "move the eye nearer, with a wider `vertical_fov`, or make `step` longer";
@@ -203,6 +279,7 @@ impl Classified {
         scene
             .check_brightness()
             .map_err(|message| reader.error("volume", message))?;
+        scene.check_objects(reader, &tables)?;
         Ok(scene)
     }
 
@@ -226,6 +303,7 @@ impl Classified {
             return Ok(());
         }
         let source = match &self.transfer_function.appearance {
+            _ if self.has_objects() => "volumes and surfaces".to_owned(),
             Appearance::Formula { .. } if self.mode == Mode::Composited => {
                 let (_, most) = self.grid.range();
                 format!("densities up to {most:e}, which emit the square of that,")
@@ -241,20 +319,20 @@ impl Classified {
         ))
     }
 
-    /// An upper bound on the radiance of all samples and the background.
+    /// An upper bound on the radiance of all samples, surfaces and the background.
     pub fn brightest(&self) -> f64 {
+        if self.has_objects() {
+            let surfaces = self
+                .objects
+                .surfaces
+                .iter()
+                .map(|surface| brightest_shaded(surface.colour.max_element(), surface.phong));
+            let volumes = self.each_alone().map(|alone| alone.brightest());
+            return volumes.chain(surfaces).fold(0.0, f64::max);
+        }
         let (least, most) = self.grid.range();
         let colour = self.mode.brightest_colour(&self.transfer_function);
-        // Without a gradient the colour stays as it is.
-        let shaded = self.phong.map_or(colour, |phong| {
-            let lit = phong.ambient + phong.diffuse;
-            // Black under a weight beyond all numbers would be NaN.
-            if lit.is_finite() {
-                (colour * lit + phong.specular).max(colour)
-            } else {
-                f64::INFINITY
-            }
-        });
+        let shaded = brightest_shaded(colour, self.phong);
         let sent = if self.mode != Mode::Composited {
             shaded
         } else if self.transfer_function.is_transparent_between(least, most) {
@@ -324,6 +402,9 @@ impl Classified {
     /// ray has no samples that could be told apart, and no number of them that has a bound: the
     /// length of its way through the volume is all rounding.
     fn check_eye(&self) -> Result<(), String> {
+        if self.has_objects() {
+            return self.each_alone().try_for_each(|alone| alone.check_eye());
+        }
         let bounds = self.extent().world_bounds();
         let to_centre = length_of(self.camera.eye() - bounds.centre());
         let beside = self.camera.orthographic_height().unwrap_or(0.0);
@@ -345,8 +426,14 @@ impl Classified {
         let Some(shadow) = self.shadow else {
             return Ok(());
         };
-        let diagonal = self.diagonal();
-        let samples = (diagonal / self.step).max(1.0) * (diagonal / shadow.step).max(1.0);
+        let most = |length: f64, step: f64| (length / step).max(1.0);
+        let (mut samples, mut of_shadow) = (0.0, 0.0);
+        for alone in self.each_alone() {
+            let diagonal = alone.diagonal();
+            samples += most(diagonal, alone.step);
+            of_shadow += most(diagonal, alone.shadow.unwrap_or(shadow).step);
+        }
+        let (samples, diagonal) = (samples * of_shadow, self.diagonal());
         if samples <= MOST_SAMPLES_WITH_SHADOW {
             return Ok(());
         }
@@ -357,6 +444,20 @@ impl Classified {
             self.step, shadow.step
         ))
     }
+}
+
+/// An upper bound on `colour` as shading makes it.
+fn brightest_shaded(colour: f64, phong: Option<Phong>) -> f64 {
+    // Without a gradient the colour stays as it is.
+    phong.map_or(colour, |phong| {
+        let lit = phong.ambient + phong.diffuse;
+        // Black under a weight beyond all numbers would be NaN.
+        if lit.is_finite() {
+            (colour * lit + phong.specular).max(colour)
+        } else {
+            f64::INFINITY
+        }
+    })
 }
 
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
@@ -422,11 +523,6 @@ fn checked_step(step: Length, [voxel, diagonal]: [f64; 2]) -> Result<f64, String
     Ok(length)
 }
 
-fn step_length(reader: &Reader, name: &str, lengths: [f64; 2]) -> SceneResult<f64> {
-    let step = reader.length(name)?;
-    checked_step(step, lengths).map_err(|message| reader.error(name, message))
-}
-
 /// The order of compositing named `order`, and its early termination.
 fn read_compositing(reader: &Reader, order: &str) -> SceneResult<Compositing> {
     let compositing = match order {
@@ -463,37 +559,55 @@ fn read_light(
     Ok(light)
 }
 
-fn read_phong(reader: &Reader) -> SceneResult<Phong> {
-    Ok(Phong {
+/// The shading that a table asks for.
+fn read_phong(reader: &Reader) -> SceneResult<Option<Phong>> {
+    let Some(reader) = reader.table("phong")? else {
+        return Ok(None);
+    };
+    Ok(Some(Phong {
         ambient: reader.number("ambient")?,
         diffuse: reader.number("diffuse")?,
         specular: reader.number("specular")?,
         shininess: reader.count("shininess")? as u32,
-    })
+    }))
 }
 
-fn read_shadow(
+/// Edges of a voxel and of the box of the world around a volume: the lengths that steps are measured by.
+fn lengths(placed: &PlacedGrid) -> [f64; 2] {
+    let bounds = placed.extent().world_bounds();
+    [placed.voxel(), length_of(bounds.size())]
+}
+
+/// The shadow of each volume, whose lengths in voxels are its own.
+fn read_shadows(
     reader: &Reader,
-    lengths: [f64; 2],
-    transfer_function: &TransferFunction,
-) -> SceneResult<Shadow> {
+    lengths: &[[f64; 2]],
+    looks: &[&TransferFunction],
+) -> SceneResult<Vec<Shadow>> {
     let given = reader.optional_length("reference_step")?;
-    let reference_step = match (given, &transfer_function.appearance) {
-        (Some(length), _) => length
-            .in_world_units(lengths[0])
-            .map_err(|message| reader.error("reference_step", message))?,
-        (None, Appearance::Points(_)) => {
-            let length = transfer_function.reference_length;
-            reader.resolved("reference_step", length);
-            length
-        }
-        (None, Appearance::Formula { .. }) => {
-            let message = "missing key `reference_step` in [classified.shadow]";
-            return Err(reader.error("reference_step", message));
-        }
+    let reference_step =
+        |(look, lengths): (&&TransferFunction, &[f64; 2])| match (given, &look.appearance) {
+            (Some(length), _) => length
+                .in_world_units(lengths[0])
+                .map_err(|message| reader.error("reference_step", message)),
+            (None, Appearance::Points(_)) => Ok(look.reference_length),
+            (None, Appearance::Formula { .. }) => {
+                let message = "missing key `reference_step` in [classified.shadow]";
+                Err(reader.error("reference_step", message))
+            }
+        };
+    let reference_steps = looks.iter().zip(lengths).map(reference_step);
+    let reference_steps = reference_steps.collect::<SceneResult<Vec<f64>>>()?;
+    if given.is_none() {
+        reader.resolved("reference_step", reference_steps[0]);
+    }
+    let step = reader.length("step")?;
+    let shadow = |(&reference_step, lengths): (&f64, &[f64; 2])| {
+        let step = checked_step(step, *lengths).map_err(|message| reader.error("step", message))?;
+        Ok(Shadow {
+            step,
+            reference_step,
+        })
     };
-    Ok(Shadow {
-        step: step_length(reader, "step", lengths)?,
-        reference_step,
-    })
+    reference_steps.iter().zip(lengths).map(shadow).collect()
 }

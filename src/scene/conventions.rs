@@ -579,6 +579,34 @@ conventions! {
             .instead_of("two_sided"),
     ];
 
+    "composition" = composition: Composition = words("merged" of
+        "merged" = Composition::Merged,
+        "nearest-box" = Composition::NearestBox,
+        "last-in-front" = Composition::LastInFront,
+        "added-opacities" = Composition::AddedOpacities,
+        "mean-colours" = Composition::MeanColours
+    ),
+    "Composition of several volumes: extinctions add, colours are their mean weighted by extinction (merged); one volume as a whole in front of the next, in the order in which a ray enters their boxes (nearest-box), or each in front of those before it in the scene (last-in-front); opacities add, up to 1 (added-opacities); or colours are their mean without weights (mean-colours).",
+    [];
+
+    "surface_depth" = surface_depth: SurfaceDepth = words("true" of
+        "true" = SurfaceDepth::True,
+        "behind" = SurfaceDepth::Behind,
+        "in-front" = SurfaceDepth::InFront,
+        "box" = SurfaceDepth::Box
+    ),
+    "Depth of surfaces among volumes: where they stand (true), behind all volumes (behind), in front of all (in-front); or cut where a ray has entered the box of a volume, as if that were opaque to what is drawn later (box).",
+    [];
+
+    "object_shadows" = object_shadows: ObjectShadows = words("all" of
+        "all" = ObjectShadows::All,
+        "unclipped" = ObjectShadows::Unclipped,
+        "none-of-surfaces" = ObjectShadows::NoneOfSurfaces,
+        "none-on-surfaces" = ObjectShadows::NoneOnSurfaces
+    ),
+    "Shadows among several volumes and surfaces: of all on all (all); of volumes as if they were not clipped (unclipped); none of surfaces (none-of-surfaces); or none of volumes on surfaces (none-on-surfaces).",
+    [];
+
     "own_transmittance" = own_transmittance: bool = flag(false),
     "Dims the colour of each sample by its own transmittance, too, as where the transmittance is updated before the colour is added.",
     [
@@ -664,6 +692,47 @@ impl Alternative {
         self.shaded = true;
         self
     }
+}
+
+/// Composition of several volumes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Composition {
+    /// Extinctions add; colours are their mean weighted by extinction.
+    Merged,
+    /// One volume as a whole in front of the next, in the order in which a ray enters their boxes.
+    NearestBox,
+    /// Each volume as a whole in front of those before it in the scene.
+    LastInFront,
+    /// Opacities add, up to 1, in place of extinctions.
+    AddedOpacities,
+    /// Colours are their mean without weights.
+    MeanColours,
+}
+
+/// Depth of surfaces among volumes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceDepth {
+    /// Where they stand.
+    True,
+    /// Behind all volumes.
+    Behind,
+    /// In front of all volumes.
+    InFront,
+    /// Cut where a ray has entered the box of a volume.
+    Box,
+}
+
+/// Shadows among several volumes and surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ObjectShadows {
+    /// Of all on all.
+    All,
+    /// Of volumes as if they were not clipped.
+    Unclipped,
+    /// None of surfaces.
+    NoneOfSurfaces,
+    /// None of volumes on surfaces.
+    NoneOnSurfaces,
 }
 
 /// Treatment of the step that is cut off by the back face.

@@ -82,7 +82,7 @@ impl<'p> Files<'p> {
         })
     }
 
-    /// The values that a table of [placed volumes](super::volume::PLACED_VOLUME) asks for: finite.
+    /// The values that a table of [placed volumes](super::volume::PLACED_KEYS) asks for: finite.
     pub(super) fn placed_values(&mut self, reader: &Reader) -> SceneResult<PlacedGrid> {
         let request = VolumeRequest::read(reader, true)?;
         self.loaded(reader, request)?.moved(reader)

@@ -128,6 +128,8 @@ pub enum Kind {
     Table(&'static Table),
     /// Several tables of one form, `[[…]]`.
     Tables(&'static Table),
+    /// A table, or several of one form.
+    OneOrMore(&'static Table),
     /// Several tables, at most so many, that may hold any key of the whole file but this one.
     Overrides(usize),
 }
@@ -255,6 +257,7 @@ impl Kind {
             }
             Kind::Table(_) => "a table".into(),
             Kind::Tables(_) | Kind::Overrides(_) => "tables in double brackets, [[…]]".into(),
+            Kind::OneOrMore(_) => "a table, or tables in double brackets, [[…]]".into(),
         }
     }
 }
@@ -370,6 +373,18 @@ fn number_schema(range: Range) -> Value {
     schema
 }
 
+/// The place, in the schema of `at`, of that of a table of which there may be several.
+fn pointer(at: &'static Table, table: &Table, path: &str) -> Option<String> {
+    at.keys.iter().find_map(|key| {
+        let path = format!("{path}/properties/{}", key.name);
+        match key.kind {
+            Kind::Table(inner) => pointer(inner, table, &path),
+            Kind::OneOrMore(inner) => std::ptr::eq(inner, table).then(|| format!("{path}/anyOf/0")),
+            _ => None,
+        }
+    })
+}
+
 fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
     let several = |count: usize, item: Value| json!({ "type": "array", "items": item, "minItems": count, "maxItems": count });
     let three = |item: Value| several(3, item);
@@ -394,6 +409,13 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
         Kind::Tables(table) => {
             // A list in a panel stands in the place of the scene's: each entry is complete.
             json!({ "type": "array", "items": table_schema(root, table, true) })
+        }
+        Kind::OneOrMore(table) => {
+            let whole = pointer(root, table, "#").expect("a key of the file");
+            json!({ "anyOf": [
+                table_schema(root, table, complete),
+                { "type": "array", "minItems": 1, "items": { "$ref": whole } },
+            ]})
         }
         Kind::Overrides(most) => {
             let items = table_schema(root, root, false);

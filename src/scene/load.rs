@@ -1,11 +1,12 @@
 //! From a scene file to a [`Scene`].
 
 use super::camera::CAMERA;
-use super::classified::CLASSIFIED;
+use super::classified::{CLASSIFIED, VolumeTable};
 use super::curve::CURVE;
 use super::files::{Files, InputFile};
 use super::format::{Key, Kind, Rule, Table};
 use super::key_lines::{KeyLines, Lines};
+use super::objects::check_count;
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, SamplingTable};
@@ -17,7 +18,7 @@ use crate::math::powu;
 use crate::optics::Field;
 use crate::volume::{Grid, volume_format};
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::Spanned;
@@ -117,7 +118,11 @@ impl Model {
     /// The grids of its volumes.
     fn grids(&self) -> Vec<&Arc<Grid<f32>>> {
         match self {
-            Model::Classified(scene) => vec![&scene.grid],
+            Model::Classified(scene) => {
+                let others = scene.objects.volumes.iter();
+                let others = others.map(|volume| &volume.grid);
+                std::iter::once(&scene.grid).chain(others).collect()
+            }
             Model::Radiative(scene) => {
                 let densities = scene.media.iter().filter_map(|body| body.density.as_ref());
                 let grids = densities.filter_map(|density| match density.field() {
@@ -188,7 +193,12 @@ impl Scene {
     /// This scene with the steps of its classified volumes halved `halvings` times.
     pub fn with_halved_steps(&self, halvings: usize) -> Scene {
         let share = powu(0.5, halvings as u32);
-        self.with_volumes(|volume| volume.step *= share)
+        self.with_volumes(|volume| {
+            volume.edit_volumes(|volume| {
+                volume.step *= share;
+                true
+            });
+        })
     }
 
     /// Reads the scene file at `path` and the files it names.
@@ -385,7 +395,7 @@ impl Panel {
         table: &Spanned<DeTable<'s>>,
         files: &mut Files,
     ) -> SceneResult<Panel> {
-        let log = RefCell::default();
+        let log: RefCell<Vec<Reading>> = RefCell::default();
         let root = Reader::new(document, &SCENE, table, &log)?;
         let title = root.optional_text("title")?;
         let film = root.table_or_default("film")?;
@@ -394,6 +404,12 @@ impl Panel {
         let model = if let Some(reader) = root.table("classified")? {
             let aspect = width as f64 / height as f64;
             let classified = read_classified(&root, &reader, files, aspect)?;
+            if classified.has_objects() {
+                // Keys that several volumes share were read for each.
+                let mut known = BTreeSet::new();
+                log.borrow_mut()
+                    .retain(|reading| known.insert(reading.key.clone()));
+            }
             classified.into()
         } else if let Some(reader) = root.table("radiative")? {
             read_radiative(&root, &reader, files)?.into()
@@ -420,30 +436,55 @@ fn read_classified(
     files: &mut Files,
     aspect: f64,
 ) -> SceneResult<Classified> {
-    let transfer_function = root.table_or_default("transfer_function")?;
-    let opacity = OpacityByValue::read(&transfer_function)?;
+    let tables = reader.one_or_more("volume")?;
+    check_count(reader, "volume", tables.len())?;
+    let is_shared = tables.iter().any(|table| !table.has("transfer_function"));
+    let shared = root.table_or_default("transfer_function")?;
+    let shared_opacity = is_shared
+        .then(|| OpacityByValue::read(&shared))
+        .transpose()?;
     refuse_sampling(
         root,
         "a classified volume is rendered without random numbers",
     )?;
-    let volume = reader.table("volume")?.expect("required");
-    let placed = files.placed_values(&volume)?;
     let has_other_colours = reader.has("window") || reader.has("isosurface");
-    if matches!(opacity, OpacityByValue::Formula(_)) && !has_other_colours {
-        files.check_densities(
-            &volume,
-            &placed.grid,
-            "for other values, give [[transfer_function.point]] with `value`, `colour` and \
-             `opacity`, once for each point of a table",
-        )?;
+    let mut volumes: Vec<VolumeTable> = Vec::new();
+    for volume in &tables {
+        let own = volume.table("transfer_function")?;
+        let opacity = match &own {
+            Some(own) => OpacityByValue::read(own)?,
+            None => shared_opacity
+                .clone()
+                .expect("some volume has none of its own"),
+        };
+        let placed = files.placed_values(volume)?;
+        if matches!(opacity, OpacityByValue::Formula(_)) && !has_other_colours {
+            files.check_densities(
+                volume,
+                &placed.grid,
+                "for other values, give [[transfer_function.point]] with `value`, `colour` and \
+                 `opacity`, once for each point of a table",
+            )?;
+        }
+        if let Some(nodes) = placed.grid.lattice().nodes().iter().max() {
+            volume.resolved("resolution", nodes);
+        }
+        let voxel = placed.voxel();
+        let table = own.as_ref().unwrap_or(&shared);
+        let name = volume.optional_text("name")?;
+        if name.is_some() && volumes.iter().any(|other| other.name == name) {
+            let message = "another volume has this name, too";
+            return Err(volume.mistake("name", message, "give each volume a name of its own"));
+        }
+        volumes.push(VolumeTable {
+            reader: volume,
+            name,
+            transfer_function: read_transfer_function(table, opacity, voxel)?,
+            placed,
+        });
     }
-    if let Some(nodes) = placed.grid.lattice().nodes().iter().max() {
-        volume.resolved("resolution", nodes);
-    }
-    let voxel = placed.voxel();
-    let transfer_function = read_transfer_function(&transfer_function, opacity, voxel)?;
     let camera = root.table_or_default("camera")?;
-    Classified::read(reader, &camera, placed, transfer_function, aspect)
+    Classified::read(reader, &camera, volumes, files, aspect)
 }
 
 fn read_radiative(root: &Reader, reader: &Reader, files: &mut Files) -> SceneResult<Radiative> {

@@ -2,6 +2,7 @@
 
 mod camera;
 mod classified;
+mod clip;
 mod conventions;
 mod curve;
 mod error;
@@ -12,20 +13,24 @@ mod key_lines;
 mod length;
 mod load;
 mod mode;
+mod objects;
 mod placement;
 mod procedural_xml;
 mod radiative;
 pub mod reader;
 mod requested_sampling;
 mod sampling;
+mod several;
+mod shadow;
 mod transfer_function;
 mod transport_fault;
 mod volume;
 
-pub use classified::{Classified, Compositing, Shadow};
+pub use classified::{Classified, Compositing};
+pub use clip::{Clip, Kept};
 pub use conventions::{
-    ALTERNATIVES, Alternative, CONVENTIONS, Conventions, FittedSteps, Gradient, LastStep,
-    LightColour, Precision, StepLength,
+    ALTERNATIVES, Alternative, CONVENTIONS, Composition, Conventions, FittedSteps, Gradient,
+    LastStep, LightColour, ObjectShadows, Precision, StepLength, SurfaceDepth,
 };
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};
@@ -37,9 +42,11 @@ pub use load::{Model, Panel, SCENE, Scene};
 pub use mode::{
     Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection, ProjectionFault, Window,
 };
+pub use objects::{Objects, OpaqueSurface, Volume};
 pub use procedural_xml::{ProceduralMedium, read_procedural};
 pub use radiative::{AreaLight, Body, Object, Radiative, Scattering};
 pub use reader::{Origin, Reading};
 pub use requested_sampling::{Sampling, Seed};
 pub use sampling::samples;
+pub use shadow::Shadow;
 pub use transport_fault::TransportFault;

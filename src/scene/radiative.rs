@@ -6,7 +6,7 @@ mod lights;
 mod media;
 mod phases;
 pub(in crate::scene) mod shape_transform;
-mod shapes;
+pub(in crate::scene) mod shapes;
 mod surfaces;
 
 use super::SceneResult;

@@ -33,6 +33,7 @@ const POINT: Table = Table::new("Colour and opacity of one value of the volume."
 ]);
 
 /// What a transfer function says of opacity, by whichever of the two ways.
+#[derive(Clone)]
 pub(super) enum OpacityByValue {
     /// By the formula; the colours are named apart.
     Formula(TransferOpacity),

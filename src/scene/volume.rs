@@ -10,16 +10,14 @@ use std::path::Path;
 /// The declaration of a table that names a volume file.
 pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&KEYS);
 
-/// The same with a map that places the volume in the world.
-pub(super) const PLACED_VOLUME: Table =
-    Table::new(VOLUME.doc)
-        .keys(&PLACED_KEYS)
-        .rules(&[Rule::Apart([
-            &["transform"],
-            &["scale", "rotate", "translate"],
-        ])]);
+/// Rules of [`PLACED_KEYS`].
+pub(super) const PLACED_RULES: [Rule; 1] = [Rule::Apart([
+    &["transform"],
+    &["scale", "rotate", "translate"],
+])];
 
-const PLACED_KEYS: [Key; 11] = {
+/// The same with a map that places the volume in the world.
+pub(super) const PLACED_KEYS: [Key; 11] = {
     let [a, b, c, d, e, f, g] = KEYS;
     let f = f.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged.");
     let [scale, rotate, translate] = STEPS;

@@ -16,6 +16,8 @@ pub fn numbers(scene: &Scene) -> Vec<Number> {
         return Vec::new();
     };
     let mut numbers = match &panel.model {
+        // Of several volumes, each number would need the name of its own.
+        Model::Classified(volume) if volume.has_objects() => Vec::new(),
         Model::Classified(volume) => classified::numbers(volume),
         Model::Radiative(radiative) => {
             let mut numbers = media::numbers(radiative);

@@ -330,7 +330,7 @@ fn missing_and_contradictory() {
     }
     assert_shown!(said, @r#"
     scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
-    scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities.
+    scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
     scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]
     scene.toml: the file has no model help: give one of [classified], [radiative], [curve]
@@ -390,7 +390,7 @@ fn transfer_functions_by_points() {
     scene.toml:6:32: `colour` must not be negative, got [0, -1, 0] help: `transfer_function.point[0].colour`: Linear radiance of the material before shading.
     scene.toml:8:11: the points must be sorted by value, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file.
     scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file.
-    scene.toml:13:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
+    scene.toml:13:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point`, or `floor` and `colormap`
     scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point`, or `floor` and `colormap`
     scene.toml:11:18: `reference_step`: a length must be positive and finite, got 0 help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
@@ -729,4 +729,107 @@ fn impossible_placements() {
             assert!(said.contains(piece), "{piece}: {said}");
         }
     }
+}
+
+/// Two volumes, and what is wrong with more.
+#[test]
+fn volumes_surfaces_and_clips() {
+    const TWO: &str = "[film]\nwidth = 4\nheight = 4\n[transfer_function]\n[classified]\n\
+                       [[classified.volume]]\nfile = \"cloud.obj\"\nname = \"cloud\"\n\
+                       [[classified.volume]]\nfile = \"cloud.obj\"\nname = \"fog\"\n";
+    let folder = Folder::with_scenes();
+    let mut said = String::new();
+    let mut broken = |text: String| {
+        folder.write("broken.toml", text);
+        let run = folder.volref(&["render", "broken.toml", "-o", "image.exr"]);
+        assert_eq!(run.code, 2, "{}{}", run.stdout, run.stderr);
+        said.push_str(&(run.message() + "\n"));
+    };
+    for more in [
+        "[[classified.volume]]\nfile = \"cloud.obj\"\n".repeat(63),
+        "[[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, 0]\n".into(),
+        "[[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, nan, 1]\n".into(),
+        "[[classified.clip]]\npoint = [0, 0, 0]\n".into(),
+        "[[classified.clip]]\nvolumes = [\"fog\"]\n".into(),
+        "[[classified.clip]]\nbox = { min = [1, 1, 1], max = [0, 2, 2] }\n".into(),
+        "[[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nvolumes = [\"fogg\"]\n".into(),
+        "[[classified.clip]]\npoint = [0, 0, 90]\nnormal = [0, 0, 1]\nvolumes = [\"fog\"]\n".into(),
+        "[[classified.clip]]\npoint = [0.5, 0, 0]\nnormal = [1, 1, 0]\nvolumes = [\"fog\"]\n\
+         [[classified.clip]]\npoint = [0.4, 0, 0]\nnormal = [-1, -1, 0]\n"
+            .into(),
+        "[[classified.surface]]\ncolour = 1\n".into(),
+        "[[classified.surface]]\nsphere = { centre = [0, 0, 0], radius = 1 }\n".into(),
+        "[[classified.surface]]\ncolour = -1\nsphere = { centre = [0, 0, 0], radius = 1 }\n".into(),
+        "[[classified.surface]]\ncolour = 1e39\nsphere = { centre = [0, 0, 0], radius = 1 }\n"
+            .into(),
+        "[classified.conventions]\njitter = true\n".into(),
+    ] {
+        broken(format!("{TWO}{more}"));
+    }
+    for (old, new) in [
+        (
+            "[classified]\n",
+            "[classified]\ncompositing = \"continuous\"\n",
+        ),
+        (
+            "[classified]\n",
+            "[classified]\ncompositing = \"back-to-front\"\n",
+        ),
+        ("[classified]\n", "[classified]\nearly_termination = 0.1\n"),
+        ("[classified]\n", "[classified]\nmode = \"mean\"\n"),
+        ("\"fog\"\n", "\"cloud\"\n"),
+        ("\"fog\"\n", "\"fog\"\nstep = 1e-30\n"),
+    ] {
+        broken(TWO.replace(old, new));
+    }
+    let one = "[classified]\n[classified.volume]\nfile = \"cloud.obj\"\n";
+    broken(format!(
+        "{one}[classified.conventions]\nsurface_depth = \"behind\"\n"
+    ));
+    broken("[classified]\n".into());
+    broken("[classified]\nvolume = []\n".into());
+    broken("[classified]\nvolume = 1\n".into());
+    folder.write("two.toml", TWO);
+    for arguments in [
+        &["render", "two.toml", "-o", "image.exr", "--step", "1"][..],
+        &["export", "two.toml", "--to", "mitsuba", "-o", "out"],
+        &["export", "two.toml", "--to", "pbrt", "-o", "out"],
+        &["cost", "two.toml"],
+        &["sensitivity", "two.toml", "--of", "opacity", "-o", "s.exr"],
+    ] {
+        let run = folder.volref(arguments);
+        assert_ne!(run.code, 0, "{arguments:?}");
+        said.push_str(&(run.message() + "\n"));
+    }
+    assert_shown!(said, @r#"
+    broken.toml:6:1: 65 tables of `volume` are too many: a scene has at most 64 help: join volumes that do not overlap to one grid
+    broken.toml:14:10: the normal of a plane cannot be 0 help: let it point to the side that is kept
+    broken.toml:14:10: `normal` must be finite, got nan help: `classified.clip[0].normal`: Normal of the plane, any length but 0: the side to which it points is kept.
+    broken.toml:12:1: [classified.clip[0]] has no shape help: give one of `normal`, `box`
+    broken.toml:12:1: [classified.clip[0]] has no shape help: give one of `normal`, `box`
+    broken.toml:13:15: the box's min [1, 1, 1] must not exceed its max [0, 2, 2] on any axis; swap them where it does help: `classified.clip[0].box.min`: The corner with the smallest coordinates, world units.
+    broken.toml:15:11: there is no volume named "fogg" help: did you mean "fog"?
+    broken.toml:10:8: the clips leave nothing of volume 2 help: remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the inside of its box
+    broken.toml:10:8: the clips leave nothing of volume 2 help: remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the inside of its box
+    broken.toml:12:1: [classified.surface[0]] has no shape help: give one of `rectangle`, `sphere`, `box`, `mesh`
+    broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
+    broken.toml:13:10: `colour` must not be negative, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
+    broken.toml:6:1: volumes and surfaces make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
+    broken.toml:12:1: with several volumes, surfaces or clips only `composition`, `surface_depth` and `object_shadows` are known help: leave the other keys out
+    broken.toml:6:15: with several volumes, surfaces or clips the integral without samples is stated for one volume help: leave `compositing` out and give a `step`
+    broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
+    broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
+    broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or keep one volume alone
+    broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
+    broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
+    broken.toml:4:1: `composition`, `surface_depth` and `object_shadows` are about several volumes, surfaces or clips: the scene has none help: leave these keys out
+    broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
+    broken.toml:2:10: `volume` is empty help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
+    broken.toml:2:10: `volume` must be a table, or tables in double brackets, [[…]], not an integer help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
+    --step: several volumes, surfaces and clips have steps of their own: edit the scene
+    mitsuba cannot represent classified: a classified volume; export it to `bundle` help: nothing was written; remove these features from the scene or replace them
+    pbrt cannot represent classified: a classified volume; export it to `bundle` help: nothing was written; remove these features from the scene or replace them
+    two.toml: this scene has no parameter to vary: several volumes, surfaces and clips have no study yet; measure a scene of one volume help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25
+    this scene has no number "opacity"; it has camera.view, camera.right, camera.down, camera.x, camera.y, camera.z
+    "#);
 }

@@ -4,6 +4,7 @@
 //! The student's renderer needs `python3` with NumPy. Where there is none, its tests say so and
 //! test nothing.
 
+use glam::{DMat3, DVec3};
 use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,7 @@ use std::process::Command;
 use volref::compare::{Conditions, Deterministic, Judgement, Picture, judge};
 use volref::exchange::{Export, Format, bundle, export};
 use volref::film::Film;
+use volref::math::{exp, ln_1p};
 use volref::render::{Sampling, plans, render};
 use volref::scene::{Model, Scene};
 
@@ -298,6 +300,79 @@ fn the_student_passes_figure_5_and_fails_without_its_shadow() {
     assert!(judgement.passed, "{}", judgement.reason);
     let wrong = student_film(&scene, &["--mistake", "no-shadow"]);
     assert!(!deterministic(&right, &wrong).passed);
+}
+
+/// Two constant volumes that overlap, by the numbers of their bundle alone, in closed form.
+#[test]
+fn several_volumes_follow_from_their_bundle() {
+    let scene = Scene::load(&root().join("fixtures/scenes/several/two-fogs.toml")).unwrap();
+    let description = description(&bundle(&scene, "fogs").unwrap());
+    let panel = &description["panels"][0];
+    assert_eq!(panel["shows"], "volumes");
+    let ray = &panel["ray"];
+    let [eye, forward, right, up] =
+        ["eye", "forward", "half_right", "half_up"].map(|key| DVec3::from(vector(&ray[key])));
+    let background = DVec3::from(vector(&panel["background"]));
+    let side = 96;
+    let mut pixels = Vec::new();
+    for at in 0..side * side {
+        let place = |at: usize| (2 * at + 1) as f64 / side as f64 - 1.0;
+        let direction = forward + right * place(at % side) - up * place(at / side);
+        let direction = direction / direction.length();
+        // Where the ray is in each, with extinction and colour.
+        let inside = panel["volumes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter_map(|volume| {
+                let grid = &volume["grid"];
+                let row = |row: usize| DVec3::from(vector(&grid["matrix"][row]));
+                let linear = DMat3::from_cols(row(0), row(1), row(2)).transpose();
+                let offset = [0, 1, 2].map(|row| grid["matrix"][row][3].as_f64().unwrap());
+                let inverse = linear.inverse();
+                let (origin, direction) =
+                    (inverse * (eye - DVec3::from(offset)), inverse * direction);
+                let [low, high] = ["box_min", "box_max"].map(|key| DVec3::from(vector(&grid[key])));
+                let (a, b) = ((low - origin) / direction, (high - origin) / direction);
+                let (near, far) = (a.min(b).max_element(), a.max(b).min_element());
+                let look = &volume["transfer_function"];
+                let point = &look["points"][0];
+                let opacity = point["opacity"].as_f64().unwrap();
+                let extinction = -ln_1p(-opacity) / look["reference_length"].as_f64().unwrap();
+                let colour = DVec3::from(vector(&point["colour"]));
+                (near < far).then_some((near, far, extinction, colour))
+            });
+        let inside: Vec<_> = inside.collect();
+        let mut ends: Vec<f64> = inside
+            .iter()
+            .flat_map(|&(near, far, ..)| [near, far])
+            .collect();
+        ends.sort_by(f64::total_cmp);
+        let (mut seen, mut passed) = (DVec3::ZERO, 1.0);
+        for piece in ends.windows(2) {
+            let middle = 0.5 * (piece[0] + piece[1]);
+            let there = inside
+                .iter()
+                .filter(|(near, far, ..)| *near < middle && middle < *far);
+            let (extinction, glow) = there.fold((0.0, DVec3::ZERO), |(sum, glow), (_, _, s, c)| {
+                (sum + s, glow + *c * *s)
+            });
+            if extinction > 0.0 {
+                let through = exp(-extinction * (piece[1] - piece[0]));
+                seen += glow / extinction * (1.0 - through) * passed;
+                passed *= through;
+            }
+        }
+        pixels.push((seen + background * passed).to_array());
+    }
+    let film = film(&scene);
+    for (pixel, expected) in film.radiance().iter().zip(&pixels) {
+        for (value, expected) in pixel.iter().zip(expected) {
+            // 32 bits, of numbers up to 1.
+            let off = (f64::from(*value) - expected).abs();
+            assert!(off <= f64::from(f32::EPSILON), "{value} is not {expected}");
+        }
+    }
 }
 
 /// A volume that a map shears: the matrix of the bundle, and what its formula says, are enough.

@@ -115,6 +115,13 @@ fn what_the_reader_refuses_the_schema_refuses() {
 
 /// A table of a schema: where it stands, and its properties.
 fn tables<'s>(path: &str, schema: &'s Value, found: &mut Vec<(String, &'s Value)>) {
+    // One table, where there may be several.
+    let one = &schema["anyOf"][0];
+    let schema = if one["properties"].is_object() {
+        one
+    } else {
+        schema
+    };
     if let Some(properties) = schema["properties"].as_object() {
         found.push((path.to_owned(), schema));
         for (name, property) in properties {

@@ -17,7 +17,7 @@ use volref::math::{pow, rng::philox4x32_10};
 use volref::naming::{Agreement, ConventionSearch};
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::render::{Sampling, plans, render};
-use volref::scene::format::Kind;
+use volref::scene::format::{Key, Kind};
 use volref::scene::{
     CONVENTIONS, Classified, Compositing, Conventions, FittedSteps, LastStep, Model, Precision,
     Scene, Shadow, StepLength,
@@ -530,11 +530,18 @@ fn read(conventions: &str) -> Result<Conventions, String> {
     Ok(scene.panels[0].classified().unwrap().conventions)
 }
 
+/// Keys that concern a single volume; those of several objects are looked at in `several_volumes.rs`.
+fn keys_of_one_volume() -> impl Iterator<Item = &'static Key> {
+    const OF_SEVERAL: [&str; 3] = ["composition", "surface_depth", "object_shadows"];
+    let keys = CONVENTIONS.keys.iter();
+    keys.filter(|key| !OF_SEVERAL.contains(&key.name))
+}
+
 /// Each key with another value than volref's, and what that is to be told from: volref's own, or a table
 /// where it says how tables are read.
 fn every_value() -> Vec<(String, Conventions, Conventions)> {
     let mut all = Vec::new();
-    for key in CONVENTIONS.keys {
+    for key in keys_of_one_volume() {
         let values: Vec<String> = match key.kind {
             Kind::Choice(words) => words.iter().map(|word| format!("{word:?}")).collect(),
             Kind::Flag => vec!["true".to_owned(), "false".to_owned()],
@@ -637,7 +644,7 @@ fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
 fn every_convention_is_heard() {
     let choices = every_value();
     assert!(choices.len() > CONVENTIONS.keys.len(), "{}", choices.len());
-    for key in CONVENTIONS.keys {
+    for key in keys_of_one_volume() {
         let is_of_key = |line: &str| line.split(' ').next() == Some(key.name);
         assert!(
             choices.iter().any(|(line, ..)| is_of_key(line)),

@@ -120,7 +120,8 @@ fn isosurfaces_are_as_far_as_the_roots_of_the_field() {
             let found = middle(&scene, name);
             assert!((found - 4.5).abs() < 1e-6 * 4.5, "{sampled} {name} {found}");
         }
-        let scene = read("{ value = 0.5, colour = 1 }, { value = -0.5, colour = 1, opacity = 0.25 }");
+        let scene =
+            read("{ value = 0.5, colour = 1 }, { value = -0.5, colour = 1, opacity = 0.25 }");
         assert!((middle(&scene, MEAN) - (0.25 * 3.5 + 0.75 * 4.5)).abs() < 1e-5);
         assert!((middle(&scene, HALF) - 4.5).abs() < 1e-5);
     }

@@ -51,6 +51,7 @@ mod scores;
 mod self_test;
 mod sensitivity;
 mod sentences;
+mod several_volumes;
 mod stochastic;
 mod support;
 mod tracking;

@@ -116,9 +116,10 @@ fn is_composited(model: &Model) -> bool {
     matches!(model, Model::Classified(scene) if scene.mode == Mode::Composited)
 }
 
-/// Made from samples: an integral has one renderer, whose opponent is in `limits.rs`.
+/// Composited from samples of one volume, or projected, or passed: an integral has one renderer, whose opponent is in
+/// `limits.rs`; several volumes agree up to rounding (`several_volumes.rs`).
 fn is_sampled(model: &Model) -> bool {
-    matches!(model, Model::Classified(scene) if !scene.is_continuous())
+    matches!(model, Model::Classified(scene) if !scene.is_continuous() && !scene.has_objects())
 }
 
 #[test]

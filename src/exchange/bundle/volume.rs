@@ -12,7 +12,6 @@ use glam::DVec3;
 pub(super) fn described(scene: &Classified, file: String) -> Entries {
     let transfer_function = &scene.transfer_function;
     let is_lit = scene.phong.is_some() || scene.shadow.is_some();
-    let or_null = |entries: Option<Entries>| entries.map_or(().into(), Json::Object);
     let shadow = scene
         .shadow
         .map(|shadow| shadow_ray(shadow, transfer_function));
@@ -62,12 +61,17 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     entries
 }
 
+/// The object, or null.
+pub(super) fn or_null(entries: Option<Entries>) -> Json {
+    entries.map_or(().into(), Json::Object)
+}
+
 /// A choice, and its meaning.
 fn method(name: &str, formula: &str) -> Json {
     Json::Object(vec![("method", name.into()), ("formula", formula.into())])
 }
 
-fn ray(camera: &Camera) -> Entries {
+pub(super) fn ray(camera: &Camera) -> Entries {
     let parallel = "one ray through the centre of each pixel: with x the column and y the row \
                     within this panel, both from 0, and row 0 at the top, it leaves origin = eye \
                     + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height along \
@@ -98,7 +102,7 @@ fn ray(camera: &Camera) -> Entries {
     entries
 }
 
-fn grid(scene: &Classified, file: String) -> Entries {
+pub(super) fn grid(scene: &Classified, file: String) -> Entries {
     let lattice = scene.grid.lattice();
     let bounds = lattice.bounds();
     let format = "bare float32, little endian, x fastest: with [nx, ny, nz] = nodes, the value of \
@@ -141,7 +145,7 @@ const PLACEMENT: &str = "the matrix has three rows of four numbers: with M its f
     and is not made a line of unit direction: t, steps and lengths are of the world. Gradients of the \
     world are the transpose of M^-1, times those of the grid; eye, light and shading are of the world";
 
-fn interpolation(interpolation: Interpolation) -> Json {
+pub(super) fn interpolation(interpolation: Interpolation) -> Json {
     match interpolation {
         Interpolation::Nearest => method(
             "nearest",
@@ -161,13 +165,13 @@ const CONTINUOUS: &str = "t0 and t1 are where the ray enters and leaves the box,
     inside; a ray that misses the box sees the background. The image is an integral, see compositing; \
     a renderer that samples it begins with this step, and shortens it";
 
-const SAMPLING: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye \
+pub(super) const SAMPLING: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye \
     is inside; a ray that misses the box sees the background. n = ceil((t1 - t0)/step); sample i \
     = 0 ... n - 1 lies at t = t0 + (i + 1/2)*step and stands for the length h = step. The last \
     step is as long as what is left: h = (t1 - t0) - (n - 1)*step, its sample in its middle at \
     t = t0 + (n - 1)*step + h/2";
 
-fn transfer(transfer_function: &TransferFunction) -> Entries {
+pub(super) fn transfer(transfer_function: &TransferFunction) -> Entries {
     let mut entries = vec![(
         "reference_length",
         transfer_function.reference_length.into(),
@@ -210,12 +214,12 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
     entries
 }
 
-const GRADIENT: &str = "stored at the nodes, by central differences: along each axis \
+pub(super) const GRADIENT: &str = "stored at the nodes, by central differences: along each axis \
     (value(i+1) - value(i-1))/(2*spacing). A border node takes the gradient of the nearest inner \
     node: on each axis the index is clamped to 1 ... nodes - 2. An axis of fewer than 3 nodes has \
     the component 0. Between the nodes the three components are interpolated like the values";
 
-fn shading(phong: Phong) -> Entries {
+pub(super) fn shading(phong: Phong) -> Entries {
     let formula = "with n = -gradient/|gradient|, l = normalise(light.position - p), \
                    v = -direction and r = 2*(n.l)*n - l: where n.l > 0, \
                    shade(c) = c*(ambient + diffuse*(n.l)) \
@@ -231,7 +235,7 @@ fn shading(phong: Phong) -> Entries {
     ]
 }
 
-fn shadow_ray(shadow: Shadow, transfer_function: &TransferFunction) -> Entries {
+pub(super) fn shadow_ray(shadow: Shadow, transfer_function: &TransferFunction) -> Entries {
     let share = match transfer_function.appearance {
         Appearance::Formula { .. } => "min(1, exp(-S/100)), S = sum of density*h/reference_step",
         Appearance::Points(_) => "product of (1 - a0(d))^(h/reference_step)",
@@ -248,7 +252,7 @@ fn shadow_ray(shadow: Shadow, transfer_function: &TransferFunction) -> Entries {
     ]
 }
 
-fn light(position: DVec3) -> Entries {
+pub(super) fn light(position: DVec3) -> Entries {
     vec![
         ("position", position.to_array().into()),
         (
@@ -259,7 +263,7 @@ fn light(position: DVec3) -> Entries {
 }
 
 /// Formula of the radiance of a sample: only the factors that the scene has.
-fn radiance(scene: &Classified) -> String {
+pub(super) fn radiance(scene: &Classified) -> String {
     let strength = match scene.transfer_function.appearance {
         Appearance::Formula { .. } => "d^2 * ",
         Appearance::Points(_) => "",

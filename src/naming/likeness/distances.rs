@@ -28,7 +28,7 @@ pub(super) fn distances(scene: &Scene) -> Option<Vec<f64>> {
         match &panel.model {
             Model::Radiative(of) => nearest(of, &of.camera.ray(at, size)),
             Model::Classified(of) if of.mode != Mode::Composited => f64::INFINITY,
-            Model::Classified(of) => half_seen(of, &of.camera.ray(at, size)),
+            Model::Classified(of) => nearest_seen(of, &of.camera.ray(at, size)),
             Model::Curve(_) => f64::INFINITY,
         }
     };
@@ -38,6 +38,17 @@ pub(super) fn distances(scene: &Scene) -> Option<Vec<f64>> {
         })
     });
     Some(rows.collect())
+}
+
+/// Distance of the nearest of all volumes, as if each were alone, and surfaces.
+fn nearest_seen(scene: &Classified, ray: &Ray) -> f64 {
+    if !scene.has_objects() {
+        return half_seen(scene, ray);
+    }
+    let surfaces = scene.objects.surfaces.iter();
+    let hits = surfaces.filter_map(|surface| Some(surface.shape.hit(ray, f64::INFINITY)?.t));
+    let volumes = scene.each_alone().map(|alone| half_seen(&alone, ray));
+    volumes.chain(hits).fold(f64::INFINITY, f64::min)
 }
 
 /// Distance at which a ray has half of the opacity that it has in the end.

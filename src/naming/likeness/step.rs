@@ -44,8 +44,10 @@ impl ComparedCase {
                 if let Model::Classified(scene) = &mut panel.model
                     && !scene.is_continuous()
                 {
-                    scene.step *= factor;
-                    occurs = true;
+                    occurs |= scene.edit_volumes(|volume| {
+                        volume.step *= factor;
+                        true
+                    });
                 }
             }
             let label = format!("step {factor}");

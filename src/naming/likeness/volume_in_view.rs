@@ -28,6 +28,7 @@ impl<'s> VolumeInView<'s> {
         let Panel { width, height, .. } = *panel;
         let size = [width, height];
         match &panel.model {
+            Model::Classified(volume) if volume.has_objects() => None,
             Model::Classified(volume) => Some(VolumeInView {
                 camera: &volume.camera,
                 size,

@@ -26,6 +26,9 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
         Kernel::Conventional(scene) => {
             of_ray_caster(RayCasterFeatures::asked_for(scene), ", plain: true")
         }
+        Kernel::Several(scene) => {
+            format!("Several {{ {} }}", scene.counted_objects())
+        }
         Kernel::Integral(_) => "Integral".to_owned(),
         Kernel::Field(scene) => format!(
             "Field {{ mode: {}, exact: {}, shading: {} }}",

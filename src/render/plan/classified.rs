@@ -10,9 +10,9 @@ use crate::scene::{Classified, Compositing, Conventions, KeyLines, Panel};
 use crate::volume::Interpolation;
 
 const TRANSFER_FUNCTION: &str = "transfer_function";
-const VOLUME: &str = "classified.volume";
-const PHONG: &str = "classified.phong";
-const SHADOW: &str = "classified.shadow";
+pub(super) const VOLUME: &str = "classified.volume";
+pub(super) const PHONG: &str = "classified.phong";
+pub(super) const SHADOW: &str = "classified.shadow";
 const LIGHT: &str = "classified.light";
 const COMPOSITING: &str = "classified.compositing";
 const EARLY_TERMINATION: &str = "classified.early_termination";
@@ -215,7 +215,7 @@ fn null(field: &str, reason: impl Into<String>) -> EffectFinding {
     EffectFinding::Null(field.to_owned(), reason.into())
 }
 
-fn matters(field: &str, reason: impl Into<String>) -> EffectFinding {
+pub(super) fn matters(field: &str, reason: impl Into<String>) -> EffectFinding {
     EffectFinding::Matters(field.to_owned(), reason.into())
 }
 
@@ -247,7 +247,20 @@ fn warnings(scene: &Classified, decisions: &Decisions, key_lines: &KeyLines) -> 
         let message = "the light has no effect: nothing is shaded by it or casts a shadow";
         warn(LIGHT, message.to_owned());
     }
+    warnings.extend(without_effect(scene, key_lines));
     warnings
+}
+
+/// The warning of a transfer function that no volume has, as each has its own.
+pub(super) fn without_effect(scene: &Classified, key_lines: &KeyLines) -> Option<Reason> {
+    let is_own = |volume: usize| {
+        let names = [VOLUME.to_owned(), format!("{VOLUME}[{volume}]")];
+        let keys = names.map(|name| format!("{name}.{TRANSFER_FUNCTION}"));
+        keys.iter().any(|key| key_lines.has(key))
+    };
+    let occurs = key_lines.has(TRANSFER_FUNCTION) && (0..scene.volume_count()).all(is_own);
+    let message = "has no effect: every volume has a transfer function of its own";
+    occurs.then(|| Reason::of(TRANSFER_FUNCTION, message, key_lines))
 }
 
 /// Bias of early ray termination: at most the transmittance at which a ray ends, times the

@@ -20,6 +20,8 @@ pub enum Kernel<'s> {
     },
     /// The ray caster for conventions of other renderers, which leaves nothing out.
     Conventional(&'s Classified),
+    /// The ray caster for several volumes, surfaces and clips.
+    Several(&'s Classified),
     /// The volume-rendering integral of a classified volume, without samples.
     Integral(&'s Classified),
     /// A projection or isosurfaces of a classified volume: exact along each ray, or sampled.
@@ -139,6 +141,9 @@ impl fmt::Display for Kernel<'_> {
             Kernel::Conventional(scene) => {
                 let features = RayCasterFeatures::asked_for(scene);
                 write!(f, "ray caster: {features}, other conventions")
+            }
+            Kernel::Several(scene) => {
+                write!(f, "ray caster: {} merged", scene.counted_objects())
             }
             Kernel::Integral(_) => f.write_str("integral along each ray, piece by piece"),
             Kernel::Field(scene) => {

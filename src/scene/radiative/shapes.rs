@@ -13,7 +13,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// A sphere.
-pub(super) const SPHERE: Key =
+pub(in crate::scene) const SPHERE: Key =
     Key::optional("sphere", Kind::Table(&SPHERE_TABLE)).doc("Shape: a sphere.");
 
 const SPHERE_TABLE: Table = Table::new("A sphere.").keys(&[
@@ -23,7 +23,7 @@ const SPHERE_TABLE: Table = Table::new("A sphere.").keys(&[
 ]);
 
 /// A box.
-pub(super) const BOX: Key =
+pub(in crate::scene) const BOX: Key =
     Key::optional("box", Kind::Table(&BOX_TABLE)).doc("Shape: a box along the axes.");
 
 const BOX_TABLE: Table = Table::new("A box along the axes.").keys(&[
@@ -33,8 +33,9 @@ const BOX_TABLE: Table = Table::new("A box along the axes.").keys(&[
 ]);
 
 /// A rectangle.
-pub(super) const RECTANGLE: Key = Key::optional("rectangle", Kind::Table(&RECTANGLE_TABLE))
-    .doc("Shape: a rectangle or parallelogram.");
+pub(in crate::scene) const RECTANGLE: Key =
+    Key::optional("rectangle", Kind::Table(&RECTANGLE_TABLE))
+        .doc("Shape: a rectangle or parallelogram.");
 
 const RECTANGLE_TABLE: Table = Table::new(
     "A rectangle, or a parallelogram; its front is where edge_u × edge_v points.",
@@ -47,7 +48,7 @@ const RECTANGLE_TABLE: Table = Table::new(
 ]);
 
 /// A mesh.
-pub(super) const MESH: Key =
+pub(in crate::scene) const MESH: Key =
     Key::optional("mesh", Kind::Table(&MESH_TABLE)).doc("Shape: a triangle mesh.");
 
 const MESH_TABLE: Table = Table::new("A triangle mesh.").keys(&[
@@ -99,7 +100,7 @@ fn read_sphere(reader: &Reader) -> SceneResult<Sphere> {
     Sphere::new(centre, radius).map_err(|error| reader.error("radius", error.to_string()))
 }
 
-fn read_box(reader: &Reader) -> SceneResult<Aabb> {
+pub(in crate::scene) fn read_box(reader: &Reader) -> SceneResult<Aabb> {
     let (min, max) = (reader.vector("min")?, reader.vector("max")?);
     Aabb::new(min, max).map_err(|error| reader.error("min", error.to_string()))
 }
@@ -118,7 +119,11 @@ fn read_rectangle(reader: &Reader) -> SceneResult<Rectangle> {
 
 /// The shape of a surface that reflects or refracts. A `solid` one must have an inside, if it is
 /// a box or a mesh.
-pub(super) fn shape(reader: &Reader, files: &mut Files, solid: bool) -> SceneResult<Shape> {
+pub(in crate::scene) fn shape(
+    reader: &Reader,
+    files: &mut Files,
+    solid: bool,
+) -> SceneResult<Shape> {
     let form = BaseShape::read(reader, files, solid)?;
     let transform = ShapeTransform::read(reader)?;
     if let BaseShape::Box(cuboid) = &form {

@@ -299,6 +299,30 @@ impl<'d, 's> Reader<'d, 's> {
         items.iter().enumerate().map(table).collect()
     }
 
+    /// A declared [`Kind::OneOrMore`], which is there: one table, or each of several.
+    pub fn one_or_more(&self, name: &str) -> SceneResult<Vec<Reader<'d, 's>>> {
+        let Kind::OneOrMore(declaration) = self.declared(name).kind else {
+            panic!("{name} is not a table or several")
+        };
+        let path = self.key_path(name);
+        let Some(value) = self.value(name) else {
+            return Err(self.error(name, format!("missing table [{path}]")));
+        };
+        let items = match value.get_ref() {
+            DeValue::Array(items) if items.is_empty() => {
+                return Err(self.error(name, format!("`{name}` is empty")));
+            }
+            DeValue::Array(items) => items,
+            DeValue::Table(_) => {
+                return Ok(vec![self.table_in(name, declaration, value, path)?]);
+            }
+            _ => return Err(self.wrong_type(name, value)),
+        };
+        let table =
+            |(index, item)| self.table_in(name, declaration, item, format!("{path}[{index}]"));
+        items.iter().enumerate().map(table).collect()
+    }
+
     /// A declared [`Kind::Table`]; an empty one if the file leaves it out.
     pub fn table_or_default(&self, name: &str) -> SceneResult<Reader<'d, 's>> {
         static EMPTY: LazyLock<DeTable<'static>> = LazyLock::new(DeTable::new);

@@ -10,6 +10,7 @@ mod densities;
 mod images;
 mod lights;
 mod media;
+mod objects;
 mod projections;
 mod surfaces;
 mod transport;
@@ -94,12 +95,14 @@ impl Mistake {
         for panel in &mut scene.panels {
             occurs |= match (&self.edit, &mut panel.model) {
                 (Edit::Classified(edit), Model::Classified(classified)) => {
-                    // Conventions are about composited samples.
-                    let has_none = |volume: &Classified| {
-                        volume.mode == Mode::Composited
-                            || volume.conventions == Conventions::default()
+                    // Conventions are about composited samples, and of several volumes no renderer has others than
+                    // those about them.
+                    let occurs = classified.edit_volumes(edit);
+                    let is_rendered = match classified.mode {
+                        Mode::Composited => classified.has_conventions_that_are_rendered(),
+                        _ => classified.conventions == Conventions::default(),
                     };
-                    edit(classified) && has_none(classified)
+                    occurs && is_rendered
                 }
                 (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
@@ -188,6 +191,7 @@ fn set<T: PartialEq>(value: &mut T, new: T) -> bool {
 /// The formula for opacity, where the model has one.
 fn opacity_of(model: &mut Model) -> Option<&mut TransferOpacity> {
     match model {
+        Model::Classified(scene) if scene.has_objects() => None,
         Model::Classified(scene) => match &mut scene.transfer_function.appearance {
             Appearance::Formula { opacity, .. } => Some(opacity),
             Appearance::Points(_) => None,
@@ -203,6 +207,7 @@ pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
     [
         images::MISTAKES,
         classified::MISTAKES,
+        objects::MISTAKES,
         projections::MISTAKES,
         media::MISTAKES,
         densities::MISTAKES,

@@ -14,7 +14,7 @@ use volref::render::classified::ray_caster::RayCaster;
 use volref::render::classified::shading::{Shaded, Shading, Unshaded};
 use volref::render::classified::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use volref::render::{Counters, Plan, Sampling, render_counted};
-use volref::scene::{Classified, Compositing, Conventions, Mode, Panel, Shadow};
+use volref::scene::{Classified, Compositing, Conventions, Mode, Objects, Panel, Shadow};
 use volref::volume::{Grid, Interpolation, Lattice, Nearest, Trilinear, relative_gradients};
 
 /// `2^exponent`, exactly.
@@ -97,6 +97,7 @@ pub fn plain(grid: Arc<Grid<f32>>) -> Classified {
         background: DVec3::ZERO,
         camera: Camera::new(eye, centre, DVec3::Y, 0.8).unwrap(),
         conventions: Conventions::default(),
+        objects: Objects::default(),
     }
 }
 

@@ -1,0 +1,150 @@
+//! Several volumes, surfaces and clips in words and numbers.
+
+use super::RawFiles;
+use super::inline_arrays::{Entries, Json};
+use super::volume::{
+    GRADIENT, SAMPLING, grid, interpolation, light, or_null, radiance, ray, shading, shadow_ray,
+    transfer,
+};
+use crate::geometry::{Aabb, Mesh, Shape, Sphere, Transform};
+use crate::scene::{Classified, Clip, Kept, OpaqueSurface};
+
+/// All that is computed for a picture of `scene`, whose grids go to `raw`.
+pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
+    let volumes = scene.each_alone().enumerate();
+    let volumes = volumes.map(|(index, alone)| {
+        let file = raw.grid(&alone.grid);
+        let clips = scene.objects.clips.iter().enumerate();
+        let clips = clips.filter(|(_, clip)| clip.cuts(index));
+        let clips: Vec<usize> = clips.map(|(number, _)| number).collect();
+        volume(&alone, file, clips)
+    });
+    let volumes = volumes.collect();
+    let surfaces = scene.objects.surfaces.iter().map(surface).collect();
+    let clips = scene.objects.clips.iter().map(clip).collect();
+    let shadow = scene.shadow.map(|_| SHADOW);
+    vec![
+        ("shows", "volumes".into()),
+        ("ray", Json::Object(ray(&scene.camera))),
+        ("volumes", Json::List(volumes)),
+        ("surfaces", Json::List(surfaces)),
+        ("surface", SURFACE.into()),
+        ("clips", Json::List(clips)),
+        ("clip", CLIP.into()),
+        ("light", Json::Object(light(scene.light))),
+        ("shadow", shadow.into()),
+        ("merging", MERGING.into()),
+        ("background", scene.background.to_array().into()),
+    ]
+}
+
+fn volume(alone: &Classified, file: String, clips: Vec<usize>) -> Json {
+    let look = &alone.transfer_function;
+    let sampling = vec![("step", alone.step.into()), ("formula", SAMPLING.into())];
+    let shadow = alone.shadow.map(|shadow| shadow_ray(shadow, look));
+    Json::Object(vec![
+        ("grid", Json::Object(grid(alone, file))),
+        ("clips", clips.into()),
+        ("interpolation", interpolation(alone.interpolation)),
+        ("sampling", Json::Object(sampling)),
+        ("transfer_function", Json::Object(transfer(look))),
+        ("gradient", alone.phong.map(|_| GRADIENT).into()),
+        ("phong", or_null(alone.phong.map(shading))),
+        ("shadow", or_null(shadow)),
+        ("radiance", radiance(alone).into()),
+    ])
+}
+
+fn clip(clip: &Clip) -> Json {
+    Json::Object(match clip.kept {
+        Kept::Side { point, normal } => vec![
+            ("kind", "plane".into()),
+            ("point", point.to_array().into()),
+            ("normal", normal.to_array().into()),
+        ],
+        Kept::Inside(Aabb { min, max }) => vec![
+            ("kind", "box".into()),
+            ("min", min.to_array().into()),
+            ("max", max.to_array().into()),
+        ],
+    })
+}
+
+fn surface(surface: &OpaqueSurface) -> Json {
+    let (mut entries, to_world) = match &surface.shape {
+        Shape::Sphere(sphere) => (of_sphere(sphere), None),
+        Shape::Box(bounds) => (of_box(bounds), None),
+        Shape::Mesh(mesh) => (of_mesh(mesh), None),
+        Shape::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
+        Shape::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
+        Shape::PlacedMesh(placed) => (of_mesh(placed.shape()), Some(placed.to_world())),
+        Shape::Rectangle(rectangle) => {
+            let [corner, edge_u, edge_v] = rectangle.corner_and_edges();
+            let entries = vec![
+                ("kind", "rectangle".into()),
+                ("corner", corner.to_array().into()),
+                ("edge_u", edge_u.to_array().into()),
+                ("edge_v", edge_v.to_array().into()),
+            ];
+            (entries, None)
+        }
+    };
+    let rows = to_world.map(Transform::rows).map(|rows| {
+        let rows = rows.map(|row| Json::from(Vec::from(row)));
+        Json::List(rows.into())
+    });
+    entries.extend([
+        ("matrix", rows.unwrap_or(().into())),
+        ("colour", surface.colour.to_array().into()),
+        ("phong", or_null(surface.phong.map(shading))),
+    ]);
+    Json::Object(entries)
+}
+
+fn of_sphere(sphere: &Sphere) -> Entries {
+    vec![
+        ("kind", "sphere".into()),
+        ("centre", sphere.centre().to_array().into()),
+        ("radius", sphere.radius().into()),
+    ]
+}
+
+fn of_box(bounds: &Aabb) -> Entries {
+    vec![
+        ("kind", "box".into()),
+        ("min", bounds.min.to_array().into()),
+        ("max", bounds.max.to_array().into()),
+    ]
+}
+
+fn of_mesh(mesh: &Mesh) -> Entries {
+    let vertices = mesh.vertices().iter();
+    let vertices = vertices.map(|vertex| Json::from(Vec::from(vertex.to_array())));
+    let faces = mesh.faces().iter().map(|face| Json::from(Vec::from(*face)));
+    vec![
+        ("kind", "mesh".into()),
+        ("vertices", Json::List(vertices.collect())),
+        ("triangles", Json::List(faces.collect())),
+    ]
+}
+
+const SURFACE: &str = "surfaces are opaque. With a matrix, the point q of a shape stands at p = M*q + o in \
+    the world, M its first three columns and o the last. Triangles are numbers of vertices, from 0. The \
+    nearest surface that a ray meets, at t = t_hit, ends it: every t1 is at most t_hit, and colour, shaded by \
+    phong with n the normal on the side that is seen and times the share v of the light, stands in the place of \
+    the background";
+
+const CLIP: &str = "of a volume only that is left which all its clips (numbers in the list, from 0) keep: the \
+    points p with normal.(p - point) > 0 of a plane, or the inside of a box. t0 and t1 are where a ray \
+    enters and leaves what is left, and steps are counted from there, on rays towards the light, too";
+
+const SHADOW: &str = "the share v of the light that arrives at a sample or at a surface is the product of the \
+    shares of all volumes, each with t0 where the ray towards the light enters what is left of it, 0 if \
+    it begins inside; and 0 if a surface is on the way to the light";
+
+const MERGING: &str = "each volume is constant over each of its steps, which lie one after the other from t0 \
+    to t1, with the values d and L of the sample in the middle: extinction s = -ln(1 - a0(d))/reference_length, \
+    a0 the opacity of one reference_length. The ends of the steps of all volumes cut the ray into pieces. Over a \
+    piece of length l, with sums over the volumes whose steps cover it: a = 1 - exp(-l*sum(s)), \
+    L = sum(s*L)/sum(s); if some a0 are 1, a = 1, and L is the mean of theirs. C = 0, A = 0; for each piece from \
+    the eye on, C = C + (1 - A)*a*L and A = A + (1 - A)*a; the pixel is C + (1 - A)*background";

@@ -1,0 +1,157 @@
+//! Several volumes in one picture, among surfaces, as plainly as it can be written.
+//!
+//! Where volumes overlap, each absorbs and sends out light as if it were alone: at a distance `t` of a
+//! ray their extinctions add, and their colours are averaged, weighted by extinction (Max 1995, §2: for
+//! particles of several kinds, what they cover and what they glow add up).
+//!
+//! ```text
+//! σ = Σᵢ σᵢ,     c = Σᵢ cᵢ σᵢ / Σᵢ σᵢ
+//! ```
+//!
+//! Each volume is constant over each of its own steps, as [`ray_caster`](super::ray_caster) has it: they
+//! are counted from where the ray enters it, or comes out of the planes that cut it (`clips.rs`), and
+//! values are those at their midpoints. The ends of the steps of all volumes together cut the ray into
+//! pieces. Over each, of length `l`, all is constant, so that the integral has a closed form:
+//!
+//! ```text
+//! L = Σ c a T + B T(end),     a = 1 − Πᵢ (1 − aᵢ(l)),     aᵢ(l) = 1 − (1 − a₀ᵢ)^(l/h₀ᵢ)
+//! ```
+//!
+//! An opacity `a₀` of 1 is an infinite extinction: it hides the finite ones, and several such share equally.
+//! So the order of volumes changes nothing but rounding, and neither does an empty one.
+//!
+//! The nearest surface (`clips.rs`) ends the ray: its radiance stands in the place of the background
+//! `B`, and the pixel is opaque. The visibility of the light, where the scene asks for shadows, is the
+//! product of those through all volumes, each by shadow steps of its own, counted from the point or from
+//! where the ray towards the light enters it; 0 behind a surface. What is cut away casts no shadow.
+//!
+//! Source: Max 1995, "Optical models for direct volume rendering".
+
+use super::clips::{SeveralVolumes, nearest_hit, span, surface_radiance, visibility};
+use super::placement::{gradients, in_volume};
+use super::ray_caster::{Layer, RayCaster, midpoint, step_count};
+use crate::film::Film;
+use crate::geometry::Ray;
+use crate::scene::Classified;
+use crate::volume::{Cell, NodeLine, Reconstruction as _};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The image of `scene`: radiance, background included, and opacity.
+pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
+    let alone: Vec<Classified> = scene.each_alone().collect();
+    let caster = |scene| RayCaster {
+        scene,
+        gradients: gradients(scene),
+    };
+    let volumes = alone.iter().map(caster).collect();
+    let caster = SeveralVolumes { scene, volumes };
+    let pixels: Vec<[f32; 4]> = (0..width * height)
+        .into_par_iter()
+        .map(|index| {
+            let pixel = [index % width, index / width];
+            let seen = caster.cast(&scene.camera.ray(pixel, [width, height]));
+            let radiance = seen.colour + scene.background * seen.transparency;
+            [radiance.x, radiance.y, radiance.z, seen.opacity].map(|value| value as f32)
+        })
+        .collect();
+    Film::with_opacity(width, height, pixels)
+}
+
+/// A step of one volume, from `near` to `far`.
+struct Step {
+    near: f64,
+    far: f64,
+    /// Index of the volume.
+    volume: usize,
+    /// Value of the field at its midpoint.
+    density: f64,
+    /// Extinction, per world unit.
+    extinction: f64,
+    /// Colour towards the eye.
+    colour: DVec3,
+}
+
+impl SeveralVolumes<'_> {
+    /// Everything along `ray`, composited.
+    fn cast(&self, ray: &Ray) -> Layer {
+        let hit = nearest_hit(self.scene, ray);
+        let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
+        let volumes = 0..self.volumes.len();
+        let steps = volumes.flat_map(|volume| self.steps(volume, ray, end));
+        let steps: Vec<Step> = steps.collect();
+        let mut ends: Vec<f64> = steps.iter().flat_map(|it| [it.near, it.far]).collect();
+        ends.sort_by(f64::total_cmp);
+        let mut seen = Layer::EMPTY;
+        for piece in ends.windows(2).filter(|piece| piece[0] < piece[1]) {
+            let covers = |step: &&Step| step.near <= piece[0] && piece[1] <= step.far;
+            let steps: Vec<&Step> = steps.iter().filter(covers).collect();
+            seen = seen.over(self.piece(&steps, piece[1] - piece[0]));
+        }
+        let Some((hit, surface)) = hit else {
+            return seen;
+        };
+        seen.over(Layer {
+            colour: surface_radiance(self, ray, &hit, surface),
+            opacity: 1.0,
+            transparency: 0.0,
+        })
+    }
+
+    /// The steps of a volume along `ray`, up to `end`.
+    fn steps(&self, volume: usize, ray: &Ray, end: f64) -> Vec<Step> {
+        let caster = &self.volumes[volume];
+        let (alone, lattice) = (caster.scene, caster.scene.grid.lattice());
+        let Some(span) = span(self, volume, ray, end) else {
+            return vec![];
+        };
+        let line = NodeLine::new(in_volume(alone, ray), lattice);
+        let count = step_count(span, alone.step);
+        let begin = |index: usize| (span.near + index as f64 * alone.step).min(span.far);
+        let step = |index: usize| {
+            let (t, _) = midpoint(span, alone.step, count, index);
+            let (point, cell) = (ray.at(t), Cell::around(lattice, line.at(t)));
+            let density = alone.interpolation.read(&*alone.grid, &cell);
+            let extinction = alone.transfer_function.extinction(density);
+            let mut colour = DVec3::ZERO;
+            if extinction > 0.0 {
+                let light = alone.transfer_function.emission(density) * visibility(self, point);
+                colour = caster.shade(ray, point, &cell, density) * light;
+            }
+            let is_last = index + 1 == count;
+            Step {
+                near: begin(index),
+                far: if is_last { span.far } else { begin(index + 1) },
+                volume,
+                density,
+                extinction,
+                colour,
+            }
+        };
+        (0..count).map(step).collect()
+    }
+
+    /// A piece of a ray of this `length`, within these steps.
+    fn piece(&self, steps: &[&Step], length: f64) -> Layer {
+        let is_opaque = |step: &Step| step.extinction == f64::INFINITY;
+        let opaque = steps.iter().filter(|step| is_opaque(step)).count();
+        let total: f64 = steps.iter().map(|step| step.extinction).sum();
+        let (mut colour, mut opacity) = (DVec3::ZERO, 0.0);
+        for step in steps.iter().filter(|step| step.extinction > 0.0) {
+            let share = match (opaque, is_opaque(step)) {
+                (0, _) => step.extinction / total,
+                (_, true) => 1.0 / opaque as f64,
+                (_, false) => 0.0,
+            };
+            colour += step.colour * share;
+            let transfer_function = &self.volumes[step.volume].scene.transfer_function;
+            // 1 − (1 − a)(1 − b), with the digits of thin volumes.
+            opacity += transfer_function.opacity(step.density, length) * (1.0 - opacity);
+        }
+        Layer {
+            colour: colour * opacity,
+            opacity,
+            transparency: 1.0 - opacity,
+        }
+    }
+}

@@ -1,0 +1,399 @@
+//! Several volumes, surfaces and clips in one picture.
+//!
+//! Along a ray each volume is a [`Cursor`] that stands at the end of one of its steps; the nearest of
+//! them ends a piece, over which the optical depths of all add up:
+//!
+//! ```text
+//! τ = l Σ σᵢ,     a = 1 − exp(−τ),     c = Σ cᵢ σᵢ / Σ σᵢ
+//! ```
+//!
+//! Steps are looked up one by one, as the ray comes to them. `src/reference/several_volumes.rs` states the
+//! definition, and makes a list of all pieces instead.
+//!
+//! Other renderers compose otherwise: [`Composition`], [`SurfaceDepth`] and [`ObjectShadows`] say how.
+//!
+//! Source: Max 1995, "Optical models for direct volume rendering".
+
+use super::compositing::{CompositingOrder as _, FrontToBack, Layers};
+use super::steps::Steps;
+use crate::geometry::{Aabb, Direction, Hit, Ray, Side, Span, Surface as _, length_of};
+use crate::math::{exp, exp_m1, ln_1p};
+use crate::optics::Appearance;
+use crate::render::counters::{Event, Work};
+use crate::render::pixels::{Pixels, rows};
+use crate::scene::{Classified, Composition, Kept, ObjectShadows, OpaqueSurface, SurfaceDepth};
+use crate::volume::{Cell, Grid, NodeLine, PlacedBox, Reconstruction as _};
+use glam::DVec3;
+
+/// The pixels of `scene`.
+pub(in crate::render) fn cast<W: Work>(
+    scene: &Classified,
+    pixels: &Pixels<'_>,
+) -> (Vec<[f32; 4]>, W) {
+    let caster = Caster::new(scene);
+    let size = [pixels.width, pixels.height];
+    let (image, mut work): (_, W) = rows(
+        pixels,
+        || (),
+        |position, _, (), work: &mut W| {
+            let layers = caster.layers(&scene.camera.ray(position, size), work);
+            let radiance = layers.before(scene.background);
+            [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
+        },
+    );
+    work.count_times(Event::GradientComputed, gradients_computed(scene));
+    (image, work)
+}
+
+/// Gradients computed for the nodes of all volumes.
+pub(in crate::render) fn gradients_computed(scene: &Classified) -> u64 {
+    let shaded = scene.each_alone().filter(|alone| alone.phong.is_some());
+    let nodes = shaded.map(|alone| alone.grid.lattice().node_count() as u64);
+    nodes.sum()
+}
+
+/// A volume with what is made of it once.
+struct Part {
+    /// The scene of it alone.
+    scene: Classified,
+    extent: PlacedBox,
+    gradients: Option<Grid<[f32; 3]>>,
+    planes: Vec<(DVec3, Direction)>,
+    boxes: Vec<Aabb>,
+}
+
+struct Caster<'s> {
+    scene: &'s Classified,
+    parts: Vec<Part>,
+}
+
+/// A volume along a ray.
+struct Cursor<'c> {
+    part: &'c Part,
+    line: NodeLine,
+    span: Span,
+    steps: Steps,
+    /// Number of steps begun.
+    begun: usize,
+    /// Distance at which the next step begins; infinite behind the last.
+    next: f64,
+    /// Extinction in the current step; 0 outside of all.
+    extinction: f64,
+    /// Colour towards the eye in the current step.
+    colour: DVec3,
+}
+
+impl Part {
+    fn new(scene: &Classified, index: usize) -> Part {
+        let alone = scene.alone(index);
+        let (mut planes, mut boxes) = (vec![], vec![]);
+        for clip in scene.clips_of(index) {
+            match clip.kept {
+                Kept::Side { point, normal } => planes.push((point, normal)),
+                Kept::Inside(bounds) => boxes.push(bounds),
+            }
+        }
+        Part {
+            extent: alone.extent(),
+            gradients: alone.phong.map(|_| alone.gradients()),
+            scene: alone,
+            planes,
+            boxes,
+        }
+    }
+
+    /// The span of `ray` in what the clips keep, up to `end`.
+    fn span(&self, ray: &Ray, end: f64, is_clipped: bool) -> Option<Span> {
+        let Span { mut near, mut far } = self.extent.span(ray)?;
+        far = far.min(end);
+        if is_clipped {
+            for bounds in &self.boxes {
+                let inside = bounds.span(ray)?;
+                near = near.max(inside.near);
+                far = far.min(inside.far);
+            }
+            for (point, normal) in &self.planes {
+                let (height, slope) = (normal.dot(ray.origin - *point), normal.dot(*ray.direction));
+                if slope == 0.0 {
+                    // In the plane itself a ray belongs to the side of larger coordinates.
+                    let first = normal.to_array().into_iter().find(|&n| n != 0.0);
+                    if height < 0.0 || height == 0.0 && first < Some(0.0) {
+                        return None;
+                    }
+                } else if slope > 0.0 {
+                    near = near.max(-height / slope);
+                } else {
+                    far = far.min(-height / slope);
+                }
+            }
+        }
+        (near < far).then_some(Span { near, far })
+    }
+
+    fn density<W: Work>(&self, cell: &Cell, work: &mut W) -> f64 {
+        work.count(Event::DensityLookup);
+        self.scene.interpolation.read(&*self.scene.grid, cell)
+    }
+
+    fn node_line(&self, ray: &Ray) -> NodeLine {
+        NodeLine::new(self.extent.line(ray), self.scene.grid.lattice())
+    }
+
+    /// Logarithm of the visibility through the volume along the `span` of a shadow ray, not above 0.
+    fn shadow<W: Work>(&self, ray: &Ray, span: Span, work: &mut W) -> f64 {
+        let Some(shadow) = self.scene.shadow else {
+            return 0.0;
+        };
+        let (line, steps) = (self.node_line(ray), Steps::over(span, shadow.step));
+        let mut sum = 0.0;
+        for index in 0..steps.count() {
+            let (t, length) = steps.sample(index);
+            let cell = Cell::around(self.scene.grid.lattice(), line.at(t));
+            let value = self.density(&cell, work);
+            let references = length / shadow.reference_step;
+            sum += match &self.scene.transfer_function.appearance {
+                Appearance::Formula { .. } => -0.01 * value * references,
+                Appearance::Points(points) => {
+                    let opacity = points.opacity(value);
+                    if opacity == 0.0 || references == 0.0 {
+                        continue;
+                    }
+                    work.count(Event::Attenuation);
+                    references * ln_1p(-opacity)
+                }
+            };
+        }
+        sum
+    }
+}
+
+impl<'s> Caster<'s> {
+    fn new(scene: &'s Classified) -> Caster<'s> {
+        let parts = (0..scene.volume_count()).map(|index| Part::new(scene, index));
+        Caster {
+            scene,
+            parts: parts.collect(),
+        }
+    }
+
+    /// Everything along `ray`, composited.
+    fn layers<W: Work>(&self, ray: &Ray, work: &mut W) -> Layers {
+        let conventions = &self.scene.conventions;
+        let mut hit = self.nearest(ray, work);
+        if conventions.surface_depth == SurfaceDepth::Box {
+            let boxes = self.parts.iter().filter_map(|part| part.extent.span(ray));
+            let entered = boxes.map(|span| span.near).fold(f64::INFINITY, f64::min);
+            hit = hit.filter(|(hit, _)| hit.t <= entered);
+        }
+        let end = match (&hit, conventions.surface_depth) {
+            (None, _) | (_, SurfaceDepth::Behind) => f64::INFINITY,
+            (_, SurfaceDepth::InFront) => 0.0,
+            (Some((hit, _)), _) => hit.t,
+        };
+        let mut cursors: Vec<Cursor<'_>> = self
+            .parts
+            .iter()
+            .filter_map(|part| Cursor::new(part, ray, end))
+            .collect();
+        match conventions.composition {
+            Composition::NearestBox => {
+                cursors.sort_by(|a, b| a.span.near.total_cmp(&b.span.near));
+            }
+            Composition::LastInFront => cursors.reverse(),
+            _ => {}
+        }
+        let mut layers = Layers::default();
+        match conventions.composition {
+            Composition::NearestBox | Composition::LastInFront => {
+                for cursor in &mut cursors {
+                    let of_one = self.merged(std::slice::from_mut(cursor), ray, work);
+                    layers = FrontToBack::add(layers, of_one.colour, of_one.opacity);
+                }
+            }
+            _ => layers = self.merged(&mut cursors, ray, work),
+        }
+        match hit {
+            None => layers,
+            Some((hit, surface)) => {
+                let radiance = self.surface(ray, &hit, surface, work);
+                FrontToBack::add(layers, radiance, 1.0)
+            }
+        }
+    }
+
+    /// The volumes along `ray`, piece by piece.
+    fn merged<W: Work>(&self, cursors: &mut [Cursor<'_>], ray: &Ray, work: &mut W) -> Layers {
+        let nearest = |cursors: &[Cursor<'_>]| {
+            let next = cursors.iter().map(|cursor| cursor.next);
+            next.fold(f64::INFINITY, f64::min)
+        };
+        let mut layers = Layers::default();
+        let mut at = nearest(cursors);
+        while at < f64::INFINITY {
+            for cursor in cursors.iter_mut() {
+                while cursor.next <= at {
+                    cursor.step(self, ray, work);
+                }
+            }
+            let end = nearest(cursors);
+            if let Some((colour, opacity)) = self.piece(cursors, end - at, work) {
+                layers = FrontToBack::add(layers, colour * opacity, opacity);
+            }
+            at = end;
+        }
+        layers
+    }
+
+    /// Colour and opacity of a piece of this length; none of a transparent one.
+    fn piece<W: Work>(
+        &self,
+        cursors: &[Cursor<'_>],
+        length: f64,
+        work: &mut W,
+    ) -> Option<(DVec3, f64)> {
+        let seen = || cursors.iter().filter(|cursor| cursor.extinction > 0.0);
+        seen().next()?;
+        work.count(Event::Attenuation);
+        let composition = self.scene.conventions.composition;
+        let opaque = seen()
+            .filter(|cursor| cursor.extinction == f64::INFINITY)
+            .count();
+        // Opaque ones weigh the same, beside which others have no weight.
+        let weight = |cursor: &Cursor<'_>| match composition {
+            Composition::MeanColours => 1.0,
+            Composition::AddedOpacities => -exp_m1(-cursor.extinction * length),
+            _ if opaque == 0 => cursor.extinction,
+            _ => f64::from(u8::from(cursor.extinction == f64::INFINITY)),
+        };
+        let total: f64 = seen().map(weight).sum();
+        let colour: DVec3 = seen()
+            .map(|cursor| cursor.colour * (weight(cursor) / total))
+            .sum();
+        let opacity = if composition == Composition::AddedOpacities {
+            total.min(1.0)
+        } else {
+            let extinction: f64 = seen().map(|cursor| cursor.extinction).sum();
+            -exp_m1(-extinction * length)
+        };
+        Some((colour, opacity))
+    }
+
+    /// The nearest surface that `ray` hits.
+    fn nearest<W: Work>(&self, ray: &Ray, work: &mut W) -> Option<(Hit, &'s OpaqueSurface)> {
+        let mut nearest = None;
+        let mut limit = f64::INFINITY;
+        for surface in &self.scene.objects.surfaces {
+            work.count(Event::SurfaceTest);
+            if let Some(crossing) = surface.shape.crossing(ray, limit) {
+                limit = crossing.t;
+                nearest = Some((crossing, surface));
+            }
+        }
+        let (crossing, surface) = nearest?;
+        Some((surface.shape.hit_at(ray, &crossing), surface))
+    }
+
+    /// Radiance of a surface at a hit.
+    fn surface<W: Work>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        surface: &OpaqueSurface,
+        work: &mut W,
+    ) -> DVec3 {
+        let point = &hit.point;
+        let mut colour = surface.colour;
+        if let Some(phong) = &surface.phong {
+            let inwards = *point.normal * if hit.side == Side::Front { -1.0 } else { 1.0 };
+            let to_light = Direction::of(self.scene.light - point.position);
+            colour = phong.shade(colour, inwards, to_light, -ray.direction);
+        }
+        match point.towards_point(self.scene.light) {
+            Some((ray, distance)) => colour * self.visibility(&ray, distance, true, work),
+            None => colour,
+        }
+    }
+
+    /// Visibility of the light at `distance` along `ray`, which leaves a surface or a sample.
+    fn visibility<W: Work>(&self, ray: &Ray, distance: f64, of_surface: bool, work: &mut W) -> f64 {
+        if self.scene.shadow.is_none() {
+            return 1.0;
+        }
+        work.count(Event::ShadowRay);
+        let shadows = self.scene.conventions.object_shadows;
+        if shadows != ObjectShadows::NoneOfSurfaces {
+            for surface in &self.scene.objects.surfaces {
+                work.count(Event::SurfaceTest);
+                if surface.shape.blocks(ray, distance) {
+                    return 0.0;
+                }
+            }
+        }
+        if of_surface && shadows == ObjectShadows::NoneOnSurfaces {
+            return 1.0;
+        }
+        let is_clipped = shadows != ObjectShadows::Unclipped;
+        let mut sum = 0.0;
+        for part in &self.parts {
+            if let Some(span) = part.span(ray, distance, is_clipped) {
+                sum += part.shadow(ray, span, work);
+            }
+        }
+        exp(sum)
+    }
+}
+
+impl<'c> Cursor<'c> {
+    fn new(part: &'c Part, ray: &Ray, end: f64) -> Option<Cursor<'c>> {
+        let span = part.span(ray, end, true)?;
+        Some(Cursor {
+            line: part.node_line(ray),
+            steps: Steps::over(span, part.scene.step),
+            part,
+            span,
+            begun: 0,
+            next: span.near,
+            extinction: 0.0,
+            colour: DVec3::ZERO,
+        })
+    }
+
+    /// Begins the next step, or leaves the volume.
+    fn step<W: Work>(&mut self, caster: &Caster<'_>, ray: &Ray, work: &mut W) {
+        let (part, index) = (self.part, self.begun);
+        self.extinction = 0.0;
+        if index == self.steps.count() {
+            self.next = f64::INFINITY;
+            return;
+        }
+        self.begun += 1;
+        self.next = if self.begun < self.steps.count() {
+            (self.span.near + self.begun as f64 * part.scene.step).min(self.span.far)
+        } else {
+            self.span.far
+        };
+        let (t, _) = self.steps.sample(index);
+        let cell = Cell::around(part.scene.grid.lattice(), self.line.at(t));
+        let value = part.density(&cell, work);
+        let look = &part.scene.transfer_function;
+        let (opacity, colour) = look.look(value);
+        if opacity == 0.0 {
+            return;
+        }
+        work.count(Event::EmissionTerm);
+        self.extinction = look.extinction(value);
+        let point = ray.at(t);
+        let to_light = caster.scene.light - point;
+        let mut shaded = colour;
+        if let (Some(phong), Some(gradients)) = (&part.scene.phong, &part.gradients) {
+            work.count(Event::GradientLookup);
+            let gradient = part.scene.interpolation.read(gradients, &cell);
+            shaded = phong.shade(colour, gradient, Direction::of(to_light), -ray.direction);
+        }
+        let visibility = match Ray::new(point, to_light) {
+            Some(ray) => caster.visibility(&ray, length_of(to_light), false, work),
+            None => 1.0,
+        };
+        self.colour = shaded * (look.emission(value) * visibility);
+    }
+}

@@ -1,0 +1,58 @@
+//! The plan for a classified scene of several volumes, surfaces or clips.
+//!
+//! One kernel, compiled for all of it: only what a scene does not have or ask for is left out.
+
+use super::EffectFinding::{Absent, NotAsked};
+use super::classified::{PHONG, SHADOW, VOLUME, matters, without_effect};
+use super::{Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, Reason};
+use crate::scene::{Classified, Panel};
+
+const SURFACE: &str = "classified.surface";
+
+/// The plan for a scene with [objects](crate::scene::Objects).
+pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
+    let key_lines = &panel.key_lines;
+    let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
+    let reason = format!(
+        "{} are merged along each ray, their samples each one step apart",
+        scene.counted_objects()
+    );
+    Plan {
+        panel,
+        decisions: decisions.0,
+        approximations: vec![],
+        warnings: without_effect(scene, key_lines).into_iter().collect(),
+        estimator: Estimator {
+            method: Method::RayCasting,
+            why: Reason::of(VOLUME, reason, key_lines),
+        },
+        kernel: Kernel::Several(scene),
+    }
+}
+
+fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
+    let surfaces = &scene.objects.surfaces;
+    match effect {
+        Effect::Surfaces if surfaces.is_empty() => Absent("the scene has no surfaces"),
+        Effect::Surfaces => matters(SURFACE, "surfaces end rays"),
+        Effect::Absorption => matters(VOLUME, "volumes absorb light"),
+        Effect::Emission => matters(VOLUME, "volumes have colours"),
+        Effect::SingleScattering | Effect::MultipleScattering => {
+            Absent("the classified model has no scattering; shading replaces it")
+        }
+        Effect::SurfaceShadow if surfaces.is_empty() => Absent("the scene has no surfaces"),
+        Effect::MediumShadow | Effect::SurfaceShadow if scene.shadow.is_none() => NotAsked(SHADOW),
+        Effect::MediumShadow => matters(SHADOW, "volumes attenuate light"),
+        Effect::SurfaceShadow => matters(SHADOW, "surfaces block light"),
+        Effect::GradientShading => {
+            let own = scene.objects.volumes.iter().map(|volume| &volume.phong);
+            match own.chain([&scene.phong]).flatten().next() {
+                Some(_) => matters(PHONG, "a volume is shaded by its gradient"),
+                None => NotAsked(PHONG),
+            }
+        }
+        Effect::Heterogeneity => matters(VOLUME, "values of volumes are looked up"),
+        Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
+        Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
+    }
+}

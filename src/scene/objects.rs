@@ -1,0 +1,128 @@
+//! Classified scenes of several volumes, surfaces and clips.
+
+use super::SceneResult;
+use super::clip::{CLIP, Clip};
+use super::files::Files;
+use super::format::{Key, Kind, Range, Rule, Table};
+use super::radiative::{shape_transform, shapes};
+use super::reader::Reader;
+use super::shadow::Shadow;
+use crate::geometry::{Shape, Transform};
+use crate::optics::{Phong, TransferFunction};
+use crate::volume::Grid;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Volumes of a scene at most, and surfaces and clips: each pixel asks all of them.
+pub(super) const MOST: usize = 64;
+
+/// The declaration of `[[classified.surface]]`.
+pub(super) const SURFACE: Table = Table::new("An opaque surface: one shape of one colour, which ends rays; lit as samples are, by Phong's model of `[classified.phong]`, on both sides.")
+    .keys(&[
+        shapes::RECTANGLE,
+        shapes::SPHERE,
+        shapes::BOX,
+        shapes::MESH,
+        shape_transform::SCALE,
+        shape_transform::ROTATE,
+        shape_transform::TRANSLATE,
+        Key::required("colour", Kind::Colour(Range::at_least(0.0)))
+            .doc("Linear radiance of the material before shading."),
+    ])
+    .rules(&[Rule::ExactlyOne("shape", &["rectangle", "sphere", "box", "mesh"])]);
+
+/// Surfaces.
+pub(super) const SURFACES: Key = Key::optional("surface", Kind::Tables(&SURFACE))
+    .doc("Opaque surfaces among the volumes, at most 64.");
+
+/// Clips.
+pub(super) const CLIPS: Key = Key::optional("clip", Kind::Tables(&CLIP))
+    .doc("Planes and boxes that cut volumes, at most 64.");
+
+/// Objects of a classified scene beside its first volume.
+#[derive(Clone, Debug, Default)]
+pub struct Objects {
+    /// The volumes after the first.
+    pub volumes: Vec<Volume>,
+    /// Opaque surfaces.
+    pub surfaces: Vec<OpaqueSurface>,
+    /// Clips of volumes.
+    pub clips: Vec<Clip>,
+}
+
+/// One volume of several.
+#[derive(Clone, Debug)]
+pub struct Volume {
+    /// Values of the field.
+    pub grid: Arc<Grid<f32>>,
+    /// The map of the grid into the world.
+    pub to_world: Option<Transform>,
+    /// Colour and opacity by value.
+    pub transfer_function: TransferFunction,
+    /// Distance between samples along a ray, > 0.
+    pub step: f64,
+    /// Shading by gradient, if asked for.
+    pub phong: Option<Phong>,
+    /// Volume shadow, if asked for: lengths in voxels are this volume's.
+    pub shadow: Option<Shadow>,
+}
+
+/// An opaque surface.
+#[derive(Clone, Debug)]
+pub struct OpaqueSurface {
+    /// Its shape.
+    pub shape: Shape,
+    /// Its colour.
+    pub colour: DVec3,
+    /// Shading, if asked for.
+    pub phong: Option<Phong>,
+}
+
+impl Objects {
+    /// Whether there is nothing beside the first volume.
+    pub fn is_empty(&self) -> bool {
+        self.volumes.is_empty() && self.surfaces.is_empty() && self.clips.is_empty()
+    }
+
+    /// Reads surfaces and clips, given the names of all volumes.
+    pub(super) fn read(
+        reader: &Reader,
+        files: &mut Files,
+        names: &[Option<String>],
+    ) -> SceneResult<Objects> {
+        let (surfaces, clips) = (reader.tables("surface")?, reader.tables("clip")?);
+        for (key, count) in [("surface", surfaces.len()), ("clip", clips.len())] {
+            check_count(reader, key, count)?;
+        }
+        let surface = |reader: &Reader| -> SceneResult<OpaqueSurface> {
+            let shape = shapes::shape(reader, files, false)?;
+            let colour = reader.vector("colour")?;
+            Ok(OpaqueSurface {
+                shape,
+                colour,
+                phong: None,
+            })
+        };
+        let surfaces = surfaces.iter().map(surface).collect::<SceneResult<_>>()?;
+        let clips = clips.iter().map(|clip| Clip::read(clip, names));
+        Ok(Objects {
+            volumes: vec![],
+            surfaces,
+            clips: clips.collect::<SceneResult<_>>()?,
+        })
+    }
+}
+
+/// Refuses more objects of a kind than a scene may have.
+pub(super) fn check_count(reader: &Reader, key: &str, count: usize) -> SceneResult<()> {
+    if count <= MOST {
+        return Ok(());
+    }
+    let message = format!("{count} tables of `{key}` are too many: a scene has at most {MOST}");
+    let help = match key {
+        "surface" => "join shapes to one mesh",
+        "volume" => "join volumes that do not overlap to one grid",
+        _ => "leave out planes that cut nothing",
+    };
+    Err(reader.mistake(key, message, help))
+}

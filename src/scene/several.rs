@@ -1,0 +1,175 @@
+//! The volumes of a classified scene, one by one, and what does not go with several.
+
+use super::clip::{Clip, leave_something};
+use super::conventions::Conventions;
+use super::objects::{Objects, Volume};
+use super::reader::Reader;
+use super::{Classified, SceneResult};
+
+impl Classified {
+    /// Whether it has volumes after the first, surfaces or clips.
+    pub fn has_objects(&self) -> bool {
+        !self.objects.is_empty()
+    }
+
+    /// Whether a renderer has its conventions: of several objects, only those about them.
+    pub fn has_conventions_that_are_rendered(&self) -> bool {
+        !self.has_objects() || self.conventions.is_of_objects_alone()
+    }
+
+    /// Number of volumes.
+    pub fn volume_count(&self) -> usize {
+        1 + self.objects.volumes.len()
+    }
+
+    /// Numbers of volumes, surfaces and clips, in words.
+    pub fn counted_objects(&self) -> String {
+        let counts = [
+            (self.volume_count(), "volume"),
+            (self.objects.surfaces.len(), "surface"),
+            (self.objects.clips.len(), "clip"),
+        ];
+        let words = counts.map(|(count, what)| {
+            let plural = if count == 1 { "" } else { "s" };
+            format!("{count} {what}{plural}")
+        });
+        words.join(", ")
+    }
+
+    /// The scene of one of its volumes, without the others, surfaces and clips.
+    pub fn alone(&self, index: usize) -> Classified {
+        let mut alone = Classified {
+            objects: Objects::default(),
+            ..self.clone()
+        };
+        if let Some(volume) = index
+            .checked_sub(1)
+            .map(|index| &self.objects.volumes[index])
+        {
+            alone.swap(&mut volume.clone());
+        }
+        alone
+    }
+
+    /// The scenes of its volumes.
+    pub fn each_alone(&self) -> impl Iterator<Item = Classified> + '_ {
+        (0..self.volume_count()).map(|index| self.alone(index))
+    }
+
+    /// Edits the scene, then each volume after the first as though it were the only one, and the shading
+    /// of surfaces; true if any edit was.
+    pub fn edit_volumes(&mut self, edit: impl Fn(&mut Classified) -> bool) -> bool {
+        let before = self.alone(0);
+        let mut edited = edit(self);
+        for index in 0..self.objects.volumes.len() {
+            let mut alone = self.alone(index + 1);
+            edited |= edit(&mut alone);
+            // Of all volumes, even if the first gives no occasion to change them.
+            self.conventions = alone.conventions;
+            alone.swap(&mut self.objects.volumes[index]);
+        }
+        for surface in &mut self.objects.surfaces {
+            let mut shaded = before.clone();
+            shaded.phong = surface.phong;
+            edited |= surface.phong.is_some() && edit(&mut shaded);
+            surface.phong = shaded.phong;
+        }
+        edited
+    }
+
+    fn swap(&mut self, volume: &mut Volume) {
+        use std::mem::swap;
+        swap(&mut self.grid, &mut volume.grid);
+        swap(&mut self.to_world, &mut volume.to_world);
+        swap(&mut self.transfer_function, &mut volume.transfer_function);
+        swap(&mut self.step, &mut volume.step);
+        swap(&mut self.phong, &mut volume.phong);
+        swap(&mut self.shadow, &mut volume.shadow);
+    }
+
+    /// Clips of a volume.
+    pub fn clips_of(&self, volume: usize) -> impl Iterator<Item = &Clip> {
+        let clips = self.objects.clips.iter();
+        clips.filter(move |clip| clip.cuts(volume))
+    }
+
+    /// Refuses what has no meaning, or no renderer, beside several volumes, surfaces or clips.
+    pub(super) fn check_objects(&self, reader: &Reader, tables: &[&Reader]) -> SceneResult<()> {
+        if !self.has_objects() {
+            if !self.conventions.concern_objects() {
+                return Ok(());
+            }
+            let message = "`composition`, `surface_depth` and `object_shadows` are about several volumes, \
+                           surfaces or clips: the scene has none";
+            return Err(reader.mistake("conventions", message, "leave these keys out"));
+        }
+        for (key, is_refused, what, help) in [
+            (
+                "mode",
+                self.mode != Mode::Composited,
+                "samples are composited",
+                "leave `mode` out, or keep one volume alone",
+            ),
+            (
+                "compositing",
+                self.continuous,
+                "the integral without samples is stated for one volume",
+                "leave `compositing` out and give a `step`",
+            ),
+            (
+                "compositing",
+                reader.has("compositing"),
+                "samples are composited front to back",
+                "leave `compositing` out: the order changes no more than rounding",
+            ),
+            (
+                "early_termination",
+                reader.has("early_termination"),
+                "no ray is ended early",
+                "leave the key out",
+            ),
+            (
+                "conventions",
+                !self.has_conventions_that_are_rendered(),
+                "only `composition`, `surface_depth` and `object_shadows` are known",
+                "leave the other keys out",
+            ),
+        ] {
+            if is_refused {
+                let message = format!("with several volumes, surfaces or clips {what}");
+                return Err(reader.mistake(key, message, help));
+            }
+        }
+        for (index, (alone, table)) in self.each_alone().zip(tables).enumerate() {
+            if !leave_something(&alone.extent(), self.clips_of(index)) {
+                let message = format!("the clips leave nothing of volume {}", index + 1);
+                let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
+                            normal points, or the inside of its box";
+                return Err(table.mistake("file", message, help));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Conventions {
+    /// Whether anything differs from volref's own that concerns several objects.
+    fn concern_objects(&self) -> bool {
+        let own = Conventions::default();
+        self.composition != own.composition
+            || self.surface_depth != own.surface_depth
+            || self.object_shadows != own.object_shadows
+    }
+
+    /// Whether nothing differs from volref's own but what concerns several objects.
+    fn is_of_objects_alone(&self) -> bool {
+        let own = Conventions::default();
+        let others = Conventions {
+            composition: own.composition,
+            surface_depth: own.surface_depth,
+            object_shadows: own.object_shadows,
+            ..*self
+        };
+        others == own
+    }
+}

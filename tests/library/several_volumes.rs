@@ -1,0 +1,619 @@
+//! Several volumes, surfaces and clips in one classified scene.
+//!
+//! Closed forms are worked out from extinctions, lengths and weights, never by the code they judge. On
+//! generated scenes the fast caster, which streams a merge of steps and adds optical depths, is compared
+//! with the plain one, which lists all pieces and multiplies transparencies.
+
+use glam::{DMat3, DVec3};
+use std::path::Path;
+use volref::film::Film;
+use volref::geometry::Direction;
+use volref::math::rng::philox4x32_10;
+use volref::math::{exp, exp_m1, ln_1p};
+use volref::reference;
+use volref::render::{Effect, Event, Sampling, State, plans, render, render_counted};
+use volref::scene::{Clip, Kept, Model, Scene};
+use volref::variations::mistakes;
+
+const SIDE: usize = 8;
+
+/// A number of 32 bits is rounded by up to half of this, relative to it.
+const ULP: f64 = f32::EPSILON as f64;
+
+/// Writes a grid of `values`, x fastest, whose outermost nodes are corners of a box.
+fn write_grid(folder: &Path, name: &str, nodes: [usize; 3], bounds: [DVec3; 2], values: &[f32]) {
+    let [nx, ny, nz] = nodes;
+    let steps = DVec3::from_array(nodes.map(|nodes| (nodes - 1) as f64));
+    let (first, spacing) = (bounds[0], (bounds[1] - bounds[0]) / steps);
+    let mut bytes = format!(
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: {nx} {ny} {nz}\nencoding: raw\nendian: little\n\
+         space dimension: 3\nspace directions: ({},0,0) (0,{},0) (0,0,{})\nspace origin: ({},{},{})\n\n",
+        spacing.x, spacing.y, spacing.z, first.x, first.y, first.z
+    )
+    .into_bytes();
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    std::fs::write(folder.join(name), bytes).unwrap();
+}
+
+/// A constant volume from `near` to `far` along z, beyond the picture in x and y.
+fn slab(folder: &Path, name: &str, near: f64, far: f64) {
+    let bounds = [DVec3::new(-2.0, -2.0, near), DVec3::new(2.0, 2.0, far)];
+    write_grid(folder, name, [2, 2, 2], bounds, &[1.0; 8]);
+}
+
+/// A transfer function of one colour, and the extinction of its opacity.
+fn look(colour: [f64; 3], opacity: f64) -> (String, f64) {
+    const REFERENCE: f64 = 0.5;
+    let text = format!(
+        "transfer_function = {{ reference_length = {REFERENCE}, point = [{{ value = 0, colour = {colour:?}, opacity = {opacity} }}] }}"
+    );
+    (text, -ln_1p(-opacity) / REFERENCE)
+}
+
+const BACKGROUND: DVec3 = DVec3::new(0.25, 0.5, 0.125);
+
+/// Parallel rays along z, from z = −4 on.
+const VIEW: &str = "[camera]\neye = [0, 0, -4]\ntarget = [0, 0, 0]\northographic_height = 2\n";
+
+fn scene_of(folder: &Path, classified: &str) -> Scene {
+    let text = format!(
+        "film = {{ width = {SIDE}, height = {SIDE} }}\n{VIEW}[classified]\nstep = 0.3\n\
+         background = [0.25, 0.5, 0.125]\n{classified}"
+    );
+    parsed(folder, &text)
+}
+
+fn parsed(folder: &Path, text: &str) -> Scene {
+    Scene::parse(text, &folder.join("scene.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn fast(scene: &Scene) -> Film {
+    let rendered = render(&plans(scene), Sampling::default(), &|| {});
+    rendered.unwrap().film
+}
+
+fn plain(scene: &Scene) -> Film {
+    reference::render(scene, Sampling::default(), &[true]).unwrap()
+}
+
+/// The fast image, which is the plain one up to rounding.
+///
+/// Both evaluate the same samples and the same lengths of pieces; sums of a few numbers of each piece, and
+/// of up to some hundred pieces, round to 53 bits, which is below a thousandth of the rounding to 32 bits.
+/// On a number that lies between two of those, the two may fall to either side: by an ulp of the brightest.
+fn by_both(scene: &Scene) -> Film {
+    let (fast, plain) = (fast(scene), plain(scene));
+    let worst = difference(&fast, &plain);
+    assert!(worst <= ULP * 1.01, "{worst:e}");
+    fast
+}
+
+/// The largest difference of a channel, opacity included, relative to the brightest of both, or to 1.
+fn difference(a: &Film, b: &Film) -> f64 {
+    let brightest = a.brightest().max(b.brightest()).max(1.0);
+    let opacities = a.opacity().unwrap().iter().zip(b.opacity().unwrap());
+    let opacities = opacities.map(|(a, b)| f64::from((a - b).abs()));
+    let channels = a
+        .radiance()
+        .as_flattened()
+        .iter()
+        .zip(b.radiance().as_flattened());
+    let channels = channels.map(|(a, b)| f64::from((a - b).abs()));
+    opacities.chain(channels).fold(0.0, f64::max) / brightest
+}
+
+fn pixels(film: &Film) -> impl Iterator<Item = (DVec3, f64)> + '_ {
+    let opacities = film.opacity().unwrap().iter();
+    let pixels = film.radiance().iter().zip(opacities);
+    pixels.map(|(pixel, opacity)| {
+        let radiance = DVec3::from_array(pixel.map(f64::from));
+        (radiance, f64::from(*opacity))
+    })
+}
+
+fn assert_near(value: DVec3, expected: DVec3) {
+    let off = (value - expected).abs().max_element();
+    assert!(
+        off <= ULP * expected.abs().max_element().max(1.0),
+        "{value} is not {expected}"
+    );
+}
+
+const RED: [f64; 3] = [1.0, 0.25, 0.0];
+const BLUE: [f64; 3] = [0.0, 0.5, 2.0];
+
+#[test]
+fn two_constant_volumes_overlap() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 0.5);
+    slab(folder.path(), "b.nrrd", -0.75, 1.5);
+    let ((red, thin), (blue, dense)) = (look(RED, 0.3), look(BLUE, 0.6));
+    let volume =
+        |file: &str, look: &str| format!("[[classified.volume]]\nfile = '{file}.nrrd'\n{look}\n");
+    let (a, b) = (volume("a", &red), volume("b", &blue));
+    let image = by_both(&scene_of(folder.path(), &format!("{a}{b}")));
+    // Alone, together, alone.
+    let both = (DVec3::from(RED) * thin + DVec3::from(BLUE) * dense) / (thin + dense);
+    let (mut expected, mut passed) = (DVec3::ZERO, 1.0);
+    for (colour, extinction, length) in [
+        (RED.into(), thin, 1.25),
+        (both, thin + dense, 1.25),
+        (BLUE.into(), dense, 1.0),
+    ] {
+        expected += colour * passed * -exp_m1(-extinction * length);
+        passed *= exp(-extinction * length);
+    }
+    for (radiance, opacity) in pixels(&image) {
+        assert_near(radiance, expected + BACKGROUND * passed);
+        assert!((opacity - (1.0 - passed)).abs() <= ULP);
+    }
+    // The order of declaration means nothing.
+    let exchanged = by_both(&scene_of(folder.path(), &format!("{b}{a}")));
+    assert!(difference(&image, &exchanged) <= ULP);
+    // Nor does a volume that is empty, whatever its step.
+    let (clear, _) = look([9.0; 3], 0.0);
+    let empty = volume(
+        "a",
+        &format!("{clear}\nstep = 0.17\ntranslate = [0, 0, 0.3]"),
+    );
+    let with_empty = by_both(&scene_of(folder.path(), &format!("{empty}{a}{b}")));
+    assert!(difference(&image, &with_empty) <= ULP);
+    // Opaque ones share equally, and hide the others.
+    let (black, white) = (look([0.0; 3], 1.0).0, look([1.0; 3], 1.0).0);
+    let opaque = [("b", &black), ("b", &white), ("b", &blue)];
+    let opaque = opaque.map(|(file, look)| volume(file, look)).concat();
+    let grey = by_both(&scene_of(folder.path(), &opaque));
+    assert!(pixels(&grey).all(|pixel| pixel == (DVec3::splat(0.5), 1.0)));
+}
+
+#[test]
+fn a_plane_cuts_a_constant_volume() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 2.0);
+    let (red, extinction) = look(RED, 0.3);
+    let volume = format!("[[classified.volume]]\nfile = 'a.nrrd'\nname = 'fog'\n{red}\n");
+    for (clip, kept) in [
+        // Of the rays at x, what lies behind z = 0.5 − x/2; or before.
+        ("point = [1, 0, 0]\nnormal = [1, 0, 2]", [0.5, 2.0]),
+        ("point = [1, 0, 0]\nnormal = [-1, 0, -2]", [-2.0, 0.5]),
+    ] {
+        let scene = scene_of(
+            folder.path(),
+            &format!("{volume}[[classified.clip]]\n{clip}\nvolumes = ['fog']\n"),
+        );
+        for (index, (radiance, opacity)) in pixels(&by_both(&scene)).enumerate() {
+            // Looking along +z with y up, x grows to the left.
+            let x = 1.0 - 2.0 * ((index % SIDE) as f64 + 0.5) / SIDE as f64;
+            let at = |z: f64| if z.abs() == 2.0 { z } else { 0.5 - 0.5 * x };
+            let depth = extinction * (at(kept[1]) - at(kept[0]));
+            let expected = DVec3::from(RED) * -exp_m1(-depth) + BACKGROUND * exp(-depth);
+            assert_near(radiance, expected);
+            assert!((opacity + exp_m1(-depth)).abs() <= ULP);
+        }
+    }
+    // Of a box in the middle the rays at its sides see nothing.
+    let clip = "[[classified.clip]]\nbox = { min = [-0.5, -9, -1], max = [0.5, 9, 0.5] }\n";
+    let scene = scene_of(folder.path(), &format!("{volume}{clip}"));
+    for (index, (_, opacity)) in pixels(&by_both(&scene)).enumerate() {
+        let is_inside = (2..6).contains(&(index % SIDE));
+        let expected = if is_inside {
+            -exp_m1(-extinction * 1.5)
+        } else {
+            0.0
+        };
+        assert!((opacity - expected).abs() <= ULP, "{index}");
+    }
+}
+
+/// A volume is the sum of the parts on both sides of a plane.
+///
+/// Each of the images is off the integral by what values change from the middle of a step to its ends: with
+/// slopes s of the extinction and c of the colour along a ray, by at most s h/2 and c h/2 at any place, on
+/// average half of that. Over a length l the depth is off by s h l/4, and so is the radiance times twice
+/// the brightest colour, which is what a change of depth can hide or show; and by c h/4 as opacities are at most
+/// 1. Of two images it is twice as much.
+#[test]
+fn a_volume_split_by_a_plane_is_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let bounds = [DVec3::new(-1.0, -1.0, -2.0), DVec3::new(1.0, 1.0, 2.0)];
+    // From 0 to 1 along z.
+    let ramp: Vec<f32> = (0..20).map(|index| (index / 4) as f32 / 4.0).collect();
+    write_grid(folder.path(), "ramp.nrrd", [2, 2, 5], bounds, &ramp);
+    let volume = |name: &str| {
+        format!(
+            "[[classified.volume]]\nfile = 'ramp.nrrd'\nname = '{name}'\n\
+             transfer_function = {{ reference_length = 1, point = [\
+             {{ value = 0, colour = [1, 0, 0], opacity = 0 }}, {{ value = 1, colour = [0, 1, 1], opacity = 0.6 }}] }}\n"
+        )
+    };
+    let whole = scene_of(folder.path(), &volume("a"));
+    let clips = "[[classified.clip]]\npoint = [0, 0.1, 0.2]\nnormal = [0.3, -0.4, 1]\nvolumes = ['a']\n\
+                 [[classified.clip]]\npoint = [0, 0.1, 0.2]\nnormal = [-0.3, 0.4, -1]\nvolumes = ['b']\n";
+    let split = scene_of(
+        folder.path(),
+        &format!("{}{}{clips}", volume("a"), volume("b")),
+    );
+    let (step, length) = (0.3, 4.0);
+    // The slope of −ln(1 − 0.6 v) is steepest at v = 1; v grows by 1/4 per world unit.
+    let (slope, colour) = (0.6 / (1.0 - 0.6) / 4.0, 1.0 / 4.0);
+    let bound = 2.0 * (2.0 * slope * step * length / 4.0 + colour * step / 4.0);
+    let off = difference(&fast(&whole), &by_both(&split));
+    assert!(off > 0.0 && off <= bound, "{off} {bound}");
+    // It vanishes with the step.
+    let [whole, split] = [whole, split].map(|scene| fast(&scene.with_halved_steps(6)));
+    let finer = difference(&whole, &split);
+    assert!(finer <= bound / 64.0, "{finer}");
+}
+
+#[test]
+fn a_surface_in_fog_and_its_shadow() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 2.0);
+    slab(folder.path(), "b.nrrd", 1.0, 2.0);
+    let ((black, thin), (bright, _)) = (look([0.0; 3], 0.2), look([5.0; 3], 0.9));
+    let text = |shadow: &str, more: &str| {
+        format!(
+            "[classified.light]\nposition = [0, 0, -5]\n{shadow}\n\
+             [[classified.volume]]\nfile = 'a.nrrd'\n{black}\n\
+             [[classified.surface]]\ncolour = [0.5, 1, 0.25]\n\
+             rectangle = {{ corner = [-3, -3, 0.5], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }}\n{more}"
+        )
+    };
+    let colour = DVec3::new(0.5, 1.0, 0.25);
+    let lit = by_both(&scene_of(folder.path(), &text("", "")));
+    let passed = exp(-2.5 * thin);
+    for pixel in pixels(&lit) {
+        assert_near(pixel.0, colour * passed);
+        assert_eq!(pixel.1, 1.0);
+    }
+    // What lies behind the surface is hidden: to the last bit, for no step ends behind it.
+    let more = format!("[[classified.volume]]\nfile = 'b.nrrd'\n{bright}\n");
+    assert_eq!(by_both(&scene_of(folder.path(), &text("", &more))), lit);
+    // In the shadow of the fog, which is crossed at a slant.
+    let shadow = "[classified.shadow]\nstep = 0.2\n";
+    let shadowed = by_both(&scene_of(folder.path(), &text(shadow, "")));
+    for (index, (radiance, _)) in pixels(&shadowed).enumerate() {
+        let [x, y] =
+            [index % SIDE, index / SIDE].map(|at| 1.0 - 2.0 * (at as f64 + 0.5) / SIDE as f64);
+        let way = DVec3::new(x, y, 5.5).length() * 2.5 / 5.5;
+        assert_near(radiance, colour * passed * exp(-thin * way));
+    }
+    // Behind another surface it is dark, and so is the fog.
+    let other = "[[classified.surface]]\ncolour = 1\n\
+                 rectangle = { corner = [-3, -3, -4.5], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }\n";
+    let dark = by_both(&scene_of(folder.path(), &text(shadow, other)));
+    assert!(pixels(&dark).all(|pixel| pixel == (DVec3::ZERO, 1.0)));
+    // Phong's model: the cosine at each point.
+    let phong = "[classified.phong]\nambient = 0.25\ndiffuse = 0.5\nspecular = 0\n";
+    let shaded = by_both(&scene_of(folder.path(), &text(phong, "")));
+    for (index, (radiance, _)) in pixels(&shaded).enumerate() {
+        let [x, y] =
+            [index % SIDE, index / SIDE].map(|at| 1.0 - 2.0 * (at as f64 + 0.5) / SIDE as f64);
+        let cosine = 5.5 / DVec3::new(x, y, 5.5).length();
+        assert_near(radiance, colour * (0.25 + 0.5 * cosine) * passed);
+    }
+}
+
+/// What is clipped away casts no shadow, on surfaces and on volumes; what is left does.
+#[test]
+fn clipped_parts_cast_no_shadow() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 0.0);
+    let (black, _) = look([0.0; 3], 0.9);
+    let text = |clip: &str| {
+        format!(
+            "[classified.light]\nposition = [0, 0, -50]\n[classified.shadow]\nstep = 0.1\n{clip}\
+             [[classified.volume]]\nfile = 'a.nrrd'\n{black}\n\
+             [[classified.surface]]\ncolour = 1\n\
+             rectangle = {{ corner = [-3, -3, 0.5], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }}\n"
+        )
+    };
+    let clip = "[[classified.clip]]\npoint = [0, 0, 0]\nnormal = [1, 0, 0]\n";
+    let image = by_both(&scene_of(folder.path(), &text(clip)));
+    for (index, (radiance, _)) in pixels(&image).enumerate() {
+        let is_free = index % SIDE >= SIDE / 2;
+        assert_eq!(is_free, radiance == DVec3::ONE, "{index}");
+        assert!(is_free || radiance.x < 0.01);
+    }
+    let mut mistaken = scene_of(folder.path(), &text(clip));
+    mistaken = mistakes::named("clipped-parts-cast-shadows")
+        .unwrap()
+        .in_scene(&mistaken)
+        .unwrap();
+    assert!(pixels(&fast(&mistaken)).all(|(radiance, _)| radiance.x < 0.01));
+}
+
+#[test]
+fn clips_that_keep_nothing_leave_the_background() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 0.0);
+    let mut scene = scene_of(folder.path(), "[classified.volume]\nfile = 'a.nrrd'\n");
+    let Model::Classified(classified) = &mut scene.panels[0].model else {
+        unreachable!()
+    };
+    // No file may say so.
+    for normal in [Direction::Z, -Direction::Z] {
+        let kept = Kept::Side {
+            point: DVec3::new(0.0, 0.0, -1.0),
+            normal,
+        };
+        classified.objects.clips.push(Clip {
+            kept,
+            volumes: None,
+        });
+    }
+    assert!(pixels(&by_both(&scene)).all(|pixel| pixel == (BACKGROUND, 0.0)));
+}
+
+/// Numbers in [0, 1) for a generated scene.
+struct Numbers(u32, u32);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.1 += 1;
+        f64::from(philox4x32_10([self.1, self.0, 0, 0], [57, 0])[0]) / (1_u64 << 32) as f64
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.next() * count as f64) as usize
+    }
+
+    fn vector(&mut self, size: f64) -> DVec3 {
+        (DVec3::from_array([(); 3].map(|()| self.next())) * 2.0 - 1.0) * size
+    }
+}
+
+/// A generated scene, its parts moved by the rotation about `AXIS` by `angle` degrees.
+fn generated(folder: &Path, number: u32, angle: f64) -> String {
+    const AXIS: DVec3 = DVec3::new(1.0, 2.0, 0.5);
+    let mut numbers = Numbers(number, 0);
+    let turn = DMat3::from_axis_angle(AXIS.normalize(), angle.to_radians());
+    let turned = |v: DVec3| format!("{:?}", (turn * v).to_array());
+    let by_turn = format!(
+        "rotate = {{ axis = {:?}, angle = {angle} }}\n",
+        AXIS.to_array()
+    );
+    let eye = numbers.vector(1.0).normalize() * 4.0;
+    let mut text = format!(
+        "film = {{ width = {SIDE}, height = {SIDE} }}\n\
+         [camera]\neye = {}\ntarget = {}\nup = {}\nvertical_fov = 45\n",
+        turned(eye),
+        turned(numbers.vector(0.2)),
+        turned(DVec3::new(0.1, 1.0, -0.3)),
+    );
+    let shared = numbers.below(2) == 0;
+    if shared {
+        text += "[transfer_function]\nfloor = 0.3\nreference_length = 0.3\ncolormap = 'heat'\n";
+    }
+    text += &format!(
+        "[classified]\nstep = 0.21\nbackground = {:?}\n",
+        numbers.vector(0.5).abs().to_array()
+    );
+    text += &format!("light = {{ position = {} }}\n", turned(numbers.vector(3.0)));
+    if numbers.below(3) > 0 {
+        text += "phong = { ambient = 0.2, diffuse = 0.7, specular = 0.4, shininess = 9 }\n";
+    }
+    if numbers.below(3) > 0 {
+        text += "shadow = { step = 0.33, reference_step = 0.4 }\n";
+    }
+    let count = 1 + numbers.below(4);
+    for volume in 0..count {
+        let nodes = [(); 3].map(|()| 2 + numbers.below(3));
+        let (centre, size) = (numbers.vector(0.7), numbers.vector(0.5).abs() + 0.3);
+        let values: Vec<f32> = (0..nodes.iter().product())
+            .map(|_| numbers.next() as f32)
+            .collect();
+        let file = format!("{number}-{volume}.nrrd");
+        write_grid(
+            folder,
+            &file,
+            nodes,
+            [centre - size, centre + size],
+            &values,
+        );
+        text += &format!("[[classified.volume]]\nfile = '{file}'\nname = 'v{volume}'\n");
+        // A map of its own before that of all would need a matrix.
+        text += &by_turn;
+        if !shared || numbers.below(2) == 0 {
+            let opacities = [0.0, numbers.next(), [1.0, 0.5][numbers.below(2)]];
+            let [c0, c1, c2] = [(); 3].map(|()| numbers.vector(1.0).abs().to_array());
+            let [o0, o1, o2] = opacities;
+            text += &format!(
+                "transfer_function = {{ reference_length = 0.35, point = [\
+                 {{ value = 0.2, colour = {c0:?}, opacity = {o0} }}, {{ value = 0.5, colour = {c1:?}, opacity = {o1} }}, \
+                 {{ value = 0.9, colour = {c2:?}, opacity = {o2} }}] }}\n"
+            );
+        }
+        if numbers.below(3) == 0 {
+            text += &format!("step = {}\n", 0.05 + 0.3 * numbers.next());
+        }
+    }
+    for _ in 0..numbers.below(3) {
+        let (at, colour) = (numbers.vector(0.8), numbers.vector(1.0).abs().to_array());
+        let shape = match numbers.below(3) {
+            0 => format!("sphere = {{ centre = {:?}, radius = 0.3 }}", at.to_array()),
+            1 => format!(
+                "box = {{ min = {:?}, max = {:?} }}",
+                (at - 0.2).to_array(),
+                (at + 0.3).to_array()
+            ),
+            _ => format!(
+                "rectangle = {{ corner = {:?}, edge_u = [0.9, 0, 0.2], edge_v = [0.1, 0.8, 0] }}",
+                at.to_array()
+            ),
+        };
+        text += &format!("[[classified.surface]]\ncolour = {colour:?}\n{shape}\n{by_turn}");
+    }
+    for _ in 0..numbers.below(3) {
+        let (point, normal) = (numbers.vector(0.3), numbers.vector(1.0));
+        text += &format!(
+            "[[classified.clip]]\npoint = {}\nnormal = {}\n",
+            turned(point),
+            turned(normal)
+        );
+        if numbers.below(2) == 0 {
+            text += &format!("volumes = ['v{}']\n", numbers.below(count));
+        }
+    }
+    text
+}
+
+#[test]
+fn generated_scenes_agree_and_turn_with_their_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut compared, mut worst, mut farthest) = (0, 0.0_f64, 0.0_f64);
+    for number in 0..250 {
+        let text = generated(folder.path(), number, 0.0);
+        let Ok(scene) = Scene::parse(&text, &folder.path().join("scene.toml")) else {
+            continue; // clips that leave nothing
+        };
+        if !scene.panels[0].classified().unwrap().has_objects() {
+            continue;
+        }
+        compared += 1;
+        let (fast, plain) = (fast(&scene), plain(&scene));
+        let off = difference(&fast, &plain);
+        assert!(off <= 1.01 * ULP, "{off:e}\n{text}");
+        worst = worst.max(off);
+        // Points turn with some roundings, 1e-15; samples, which jump nowhere but at borders, with them.
+        let turned = parsed(folder.path(), &generated(folder.path(), number, 37.0));
+        let off = difference(&fast, &by_both(&turned));
+        assert!(off <= 1e-6, "{off:e}\n{text}");
+        farthest = farthest.max(off);
+    }
+    println!("{compared} scenes: fast against plain {worst:e}, turned {farthest:e}");
+    assert!(compared > 150, "{compared}");
+}
+
+/// The order of volumes, and a volume that is empty, change no more than rounding.
+#[test]
+fn generated_scenes_in_another_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut compared = 0;
+    for number in 0..120 {
+        let text = generated(folder.path(), number, 0.0);
+        let Ok(mut scene) = Scene::parse(&text, &folder.path().join("scene.toml")) else {
+            continue;
+        };
+        let before = fast(&scene);
+        let Model::Classified(classified) = &mut scene.panels[0].model else {
+            unreachable!()
+        };
+        let count = classified.objects.volumes.len();
+        if count < 2 {
+            continue;
+        }
+        compared += 1;
+        classified.objects.volumes.swap(0, count - 1);
+        for clip in &mut classified.objects.clips {
+            for index in clip.volumes.iter_mut().flatten() {
+                *index = match *index {
+                    1 => count,
+                    last if last == count => 1,
+                    other => other,
+                };
+            }
+        }
+        let off = difference(&before, &fast(&scene));
+        assert!(off <= 1.01 * ULP, "{off:e}\n{text}");
+    }
+    assert!(compared > 30, "{compared}");
+}
+
+/// Every value of every convention about several objects makes a picture of its own, and the right one is
+/// without.
+#[test]
+fn conventions_of_others_are_heard() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 0.5);
+    slab(folder.path(), "b.nrrd", -1.0, 1.5);
+    let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.15));
+    let picture = |conventions: &str| {
+        let text = format!(
+            "[classified.shadow]\n[classified.light]\nposition = [3, 0, -4]\n{conventions}\n\
+             [[classified.volume]]\nfile = 'a.nrrd'\nname = 'a'\n{red}\n\
+             [[classified.volume]]\nfile = 'b.nrrd'\n{blue}\n\
+             [[classified.clip]]\npoint = [0.5, 0, 0]\nnormal = [-1, 0, 0.2]\nvolumes = ['a']\n\
+             [[classified.surface]]\ncolour = 1\nsphere = {{ centre = [0.2, 0, -0.4], radius = 0.7 }}\n"
+        );
+        fast(&scene_of(folder.path(), &text))
+    };
+    let mut known = vec![("volref's own".to_owned(), picture(""))];
+    for (key, values) in [
+        (
+            "composition",
+            &[
+                "nearest-box",
+                "last-in-front",
+                "added-opacities",
+                "mean-colours",
+            ][..],
+        ),
+        ("surface_depth", &["behind", "in-front", "box"]),
+        (
+            "object_shadows",
+            &["unclipped", "none-of-surfaces", "none-on-surfaces"],
+        ),
+    ] {
+        for value in values {
+            let line = format!("{key} = '{value}'");
+            let new = picture(&format!("[classified.conventions]\n{line}"));
+            for (other, old) in &known {
+                assert!(difference(&new, old) > 1e-3, "{line} looks like {other}");
+            }
+            known.push((line, new));
+        }
+    }
+}
+
+#[test]
+fn plans_say_what_is_merged_and_count_it() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 0.0);
+    let (red, _) = look(RED, 0.3);
+    let text = format!(
+        "[classified.shadow]\n[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n\
+         [[classified.volume]]\nfile = 'a.nrrd'\ntranslate = [0, 0, 1]\n{red}\n\
+         [[classified.surface]]\ncolour = 1\nsphere = {{ centre = [0, 0, 0], radius = 0.5 }}\n"
+    );
+    let scene = scene_of(folder.path(), &text);
+    let plans = plans(&scene);
+    assert_eq!(
+        plans[0].kernel.to_string(),
+        "ray caster: 2 volumes, 1 surface, 0 clips merged"
+    );
+    for (effect, state) in [
+        (Effect::Surfaces, State::On),
+        (Effect::SurfaceShadow, State::On),
+        (Effect::MediumShadow, State::On),
+        (Effect::GradientShading, State::Omitted),
+        (Effect::AnisotropicPhase, State::Elided),
+    ] {
+        assert_eq!(plans[0].state(effect), state, "{effect}");
+    }
+    assert_eq!(plans[0].warnings, []);
+    // A transfer function that no volume has.
+    let text =
+        format!("[transfer_function]\n[classified]\n[classified.volume]\nfile = 'a.nrrd'\n{red}\n");
+    let unused = parsed(folder.path(), &text);
+    let warnings = &volref::render::plans(&unused)[0].warnings;
+    assert_eq!(warnings[0].field.as_deref(), Some("transfer_function"));
+    let work = render_counted(&plans, Sampling::default(), &|| {})
+        .unwrap()
+        .work[0];
+    for event in [
+        Event::DensityLookup,
+        Event::SurfaceTest,
+        Event::ShadowRay,
+        Event::Attenuation,
+    ] {
+        assert!(work[event] > 0, "{event:?}");
+    }
+    let expected = plans[0].predicted_work(Sampling::default());
+    for event in Event::ALL {
+        assert!(plans[0].may_do(event) || work[event] == 0, "{event:?}");
+        if let Some(amount) = expected.of(event) {
+            assert_eq!(amount.count, work[event], "{event:?}");
+        }
+    }
+}
