@@ -16,10 +16,12 @@ pub mod ray_caster;
 mod rounded_places;
 mod shading;
 mod steps;
+mod stored_values;
 mod work;
 
 pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
 pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;
+pub use stored_values::as_stored;
 pub use work::RayWork;

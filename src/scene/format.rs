@@ -106,6 +106,8 @@ impl Key {
 pub enum Kind {
     /// A whole number from `.0` to `.1`.
     Count(u64, u64),
+    /// Three whole numbers x, y, z, each from `.0` to `.1`.
+    Counts(u64, u64),
     /// A finite number in a range.
     Number(Range),
     /// Three finite numbers x, y, z.
@@ -227,6 +229,9 @@ impl Kind {
     pub fn expected(&self) -> String {
         match self {
             Kind::Count(low, high) => format!("a whole number from {low} to {high}"),
+            Kind::Counts(low, high) => {
+                format!("three whole numbers from {low} to {high}, such as [64, 64, 32]")
+            }
             Kind::Number(_) => "a number".into(),
             Kind::Vector => "three numbers, such as [0, 1, 0]".into(),
             Kind::Matrix => {
@@ -368,6 +373,9 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
     let three = |item: Value| several(3, item);
     let mut schema = match key.kind {
         Kind::Count(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
+        Kind::Counts(low, high) => {
+            three(json!({ "type": "integer", "minimum": low, "maximum": high }))
+        }
         Kind::Number(range) => number_schema(range),
         Kind::Vector => three(json!({ "type": "number" })),
         Kind::Matrix => three(several(4, json!({ "type": "number" }))),

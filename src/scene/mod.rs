@@ -11,6 +11,7 @@ pub mod format;
 mod key_lines;
 mod length;
 mod load;
+mod node_formula;
 mod placement;
 mod procedural_xml;
 mod radiative;
@@ -24,7 +25,7 @@ mod volume;
 pub use classified::{Classified, Compositing, Shadow};
 pub use conventions::{
     ALTERNATIVES, Alternative, CONVENTIONS, Conventions, FittedSteps, Gradient, LastStep,
-    LightColour, Precision, StepLength,
+    LightColour, Precision, StepLength, StoredValues,
 };
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};

@@ -2,6 +2,7 @@
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
+use super::node_formula::{FORMULA, FORMULA_KEYS};
 use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
 use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_format};
@@ -10,20 +11,46 @@ use std::path::Path;
 /// The declaration of a table that names a volume file.
 pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&KEYS);
 
-/// The same with a map that places the volume in the world.
+/// The same, or a formula, with a map that places the volume in the world.
 pub(super) const PLACED_VOLUME: Table =
-    Table::new(VOLUME.doc)
+    Table::new("The file a grid of densities comes from, or the formula of its values.")
         .keys(&PLACED_KEYS)
-        .rules(&[Rule::Apart([
-            &["transform"],
-            &["scale", "rotate", "translate"],
-        ])]);
+        .rules(&[
+            Rule::ExactlyOne("source", &["file", "field"]),
+            Rule::Apart([&["file"], &FORMULA_KEYS]),
+            Rule::Apart([&["field"], OF_FILES]),
+            Rule::Apart([&["transform"], &["scale", "rotate", "translate"]]),
+        ]);
 
-const PLACED_KEYS: [Key; 11] = {
+/// Keys of volumes from files alone.
+const OF_FILES: &[&str] = &[
+    "resolution",
+    "padding",
+    "replace_non_finite",
+    "orientation",
+    "detached_anywhere",
+];
+
+const PLACED_KEYS: [Key; 20] = {
     let [a, b, c, d, e, f, g] = KEYS;
+    let a = Key::optional(a.name, a.kind).doc(a.doc);
     let f = f.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged.");
     let [scale, rotate, translate] = STEPS;
-    [a, b, c, d, e, f, g, TRANSFORM, scale, rotate, translate]
+    let [
+        field,
+        nodes,
+        spacing,
+        origin,
+        value,
+        slope,
+        every,
+        bright,
+        spot,
+    ] = FORMULA;
+    [
+        a, b, c, d, e, f, g, TRANSFORM, scale, rotate, translate, field, nodes, spacing, origin,
+        value, slope, every, bright, spot,
+    ]
 };
 
 const KEYS: [Key; 7] = [
