@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// Scene file (TOML), or a case of the suite
     scene: PathBuf,
-    /// Format: mitsuba (3, XML), pbrt (v4), or bundle (a classified volume as
-    /// numbers and formulas)
+    /// Format: mitsuba (3, XML), pbrt (v4), bundle (a classified volume as
+    /// numbers and formulas); or its grid alone: raw, nrrd or npy
     #[arg(long, value_name = "FORMAT")]
     to: Format,
     /// Folder to write into; created if it does not exist
@@ -62,6 +62,9 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     }
     for command in &commands {
         text.push_str(&format!("  {command}\n"));
+    }
+    if matches!(format, Format::Raw | Format::Nrrd | Format::Npy) {
+        text.push_str(&in_a_scene(&scene, &export));
     }
     let value = json!({
         "schema": "volref/export/1",
@@ -111,8 +114,19 @@ fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
             .into_iter()
             .map(|name| format!("pbrt {}", quoted(name)))
             .collect(),
-        Format::Bundle => Vec::new(),
+        Format::Bundle | Format::Raw | Format::Nrrd | Format::Npy => Vec::new(),
     }
+}
+
+/// The table of a scene that reads the grid, with the map that places it.
+fn in_a_scene(scene: &Scene, export: &Export) -> String {
+    let file = &export.main;
+    let mut text = format!("\nin a scene beside it:\n  [classified.volume]\n  file = {file:?}\n");
+    let volume = scene.panels[0].classified();
+    if let Some(map) = volume.and_then(|volume| volume.to_world) {
+        text.push_str(&format!("  transform = {:?}\n", map.rows()));
+    }
+    text
 }
 
 /// A path quoted for a shell.

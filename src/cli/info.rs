@@ -1,21 +1,26 @@
 //! `volref info FILE`
 
 use super::Outcome;
-use super::failure::{Failure, bad_input};
+use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
+use super::suite::named_scene;
+use crate::files::regular_file;
+use crate::geometry::Transform;
 use crate::math::{Sum, ln};
+use crate::scene::{Panel, Scene};
 use crate::volume::{
     Centring, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, NonFinite, Orientation, Stored,
     load_hashed, volume_formats,
 };
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Show the contents of a volume file: position, storage, values
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     // `help` lists the formats.
-    #[arg(help = format!("Volume file: {}", volume_formats()))]
+    #[arg(help = format!("Volume file: {}; or a scene, or a case of the suite, with a classified volume", volume_formats()))]
     file: PathBuf,
     /// Point clouds: nodes along the longest side of the grid [default: one point per voxel, on
     /// average]
@@ -139,6 +144,11 @@ struct Bin {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[&arguments.file])?;
+    if let Some(file) = scene_file(&arguments.file) {
+        let info = of_scene(&Scene::load(&file)?, &arguments.file)?;
+        let text = describe(&info);
+        return arguments.json.instead_of(text, &info).map(Outcome::from);
+    }
     let mut options = LoadOptions {
         centring: arguments.centring.as_deref().map(|name| match name {
             CELLS => Centring::Cells,
@@ -160,30 +170,73 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &info).map(Outcome::from)
 }
 
-fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
-    let lattice = loaded.grid.lattice();
-    let bounds = lattice.bounds();
-    let values = ValueStatistics::of(&loaded.grid);
-    let (cloud, stored, space) = match &loaded.stored {
-        Stored::Cloud { points, extent } => {
-            let cloud = CloudJson {
-                points: *points,
-                min: extent.min.to_array(),
-                max: extent.max.to_array(),
-            };
-            (Some(cloud), None, None)
-        }
-        Stored::Samples(layout) => (None, Some(stored(layout, &values)), layout.space),
+/// Longest text that is looked at for a scene.
+const MOST_BYTES: u64 = 1 << 24;
+
+/// The scene file behind an argument that names a scene or a case; descriptions of raw samples are TOML, too.
+fn scene_file(given: &Path) -> Option<PathBuf> {
+    let is_case = !given.exists() && given.extension().is_none();
+    let file = match is_case {
+        true => named_scene(given).ok()?.file,
+        false => given.to_owned(),
     };
-    let files = loaded.files.iter().map(|file| FileJson {
-        path: file.path.display().to_string(),
-        blake3: file.hash.clone(),
+    let is_toml = file
+        .extension()
+        .is_some_and(|it| it.eq_ignore_ascii_case("toml"));
+    let text = is_toml.then(|| regular_file::read(&file, MOST_BYTES).ok())??;
+    let table: toml::Table = String::from_utf8(text).ok()?.parse().ok()?;
+    ["classified", "radiative", "curve", "panel"]
+        .iter()
+        .any(|model| table.contains_key(*model))
+        .then_some(file)
+}
+
+/// The volume of a scene.
+fn of_scene(scene: &Scene, given: &Path) -> Result<Info, Failure> {
+    let volumes: Vec<_> = scene.panels.iter().filter_map(Panel::classified).collect();
+    let is_one = |other| {
+        volumes
+            .iter()
+            .all(|volume| Arc::ptr_eq(&volume.grid, other))
+    };
+    let Some(volume) = volumes.first().filter(|first| is_one(&first.grid)) else {
+        let count = if volumes.is_empty() {
+            "no"
+        } else {
+            "more than one"
+        };
+        let message = format!("{} has {count} classified volume", given.display());
+        let help = "give the file of a volume, or a scene of one";
+        return Err(Failure::new(Exit::BadInput, message, Some(help)));
+    };
+    let inputs = &scene.panels[0].inputs;
+    let files = inputs.iter().map(|input| FileJson {
+        path: input.name.clone(),
+        blake3: input.hash.clone(),
     });
+    let format = match inputs.is_empty() {
+        true => "formula of a scene",
+        false => "volume of a scene",
+    };
+    let placed = placed(&volume.grid, volume.to_world, given, format);
+    let files = files.collect();
+    Ok(Info { files, ..placed })
+}
+
+/// What is said of any grid.
+fn placed(
+    grid: &Grid<f32>,
+    to_world: Option<Transform>,
+    given: &Path,
+    format: &'static str,
+) -> Info {
+    let lattice = grid.lattice();
+    let bounds = lattice.bounds();
     Info {
         schema: "volref/info/1",
-        file: arguments.file.display().to_string(),
-        format: loaded.format,
-        files: files.collect(),
+        file: given.display().to_string(),
+        format,
+        files: Vec::new(),
         nodes: lattice.nodes(),
         spacing: lattice.spacing().to_array(),
         first: lattice.first().to_array(),
@@ -193,11 +246,42 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
             Centring::Nodes => NODES,
             Centring::Cells => CELLS,
         },
-        to_world: loaded.to_world.map(|map| map.rows()),
+        to_world: to_world.map(|map| map.rows()),
+        space: None,
+        cloud: None,
+        stored: None,
+        values: ValueStatistics::of(grid),
+    }
+}
+
+fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
+    let placed = placed(
+        &loaded.grid,
+        loaded.to_world,
+        &arguments.file,
+        loaded.format,
+    );
+    let (cloud, stored, space) = match &loaded.stored {
+        Stored::Cloud { points, extent } => {
+            let cloud = CloudJson {
+                points: *points,
+                min: extent.min.to_array(),
+                max: extent.max.to_array(),
+            };
+            (Some(cloud), None, None)
+        }
+        Stored::Samples(layout) => (None, Some(stored(layout, &placed.values)), layout.space),
+    };
+    let files = loaded.files.iter().map(|file| FileJson {
+        path: file.path.display().to_string(),
+        blake3: file.hash.clone(),
+    });
+    Info {
+        files: files.collect(),
         space,
         cloud,
         stored,
-        values,
+        ..placed
     }
 }
 

@@ -14,6 +14,7 @@
 
 use super::parts::{MOST_PARTS, Part, Seen, percent};
 use super::pixels::Pixels;
+use super::seams::seams;
 use super::stochastic::BLOCK;
 use crate::film::{CHANNELS, Film};
 use std::ops::Range;
@@ -85,6 +86,7 @@ pub(crate) fn measured(golden: &Film, test: &Film, seen: &Seen) -> Option<Vec<St
     ];
     let mut sentences: Vec<String> = sentences.into_iter().flatten().collect();
     sentences.extend(in_parts(&sums, &parts));
+    sentences.extend(seams(&pixels, seen));
     sentences.extend(in_a_box(&pixels, &sums));
     Some(sentences)
 }

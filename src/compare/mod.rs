@@ -25,6 +25,7 @@ mod pixels;
 mod precision;
 mod promise;
 mod refinement;
+mod seams;
 mod sensitivity;
 pub mod significance;
 pub mod stochastic;

@@ -14,6 +14,8 @@ pub struct Seen {
     pub border: Option<Vec<bool>>,
     /// Width of a pixel at the volume's centre, to the right and down, in voxels along x, y and z.
     pub voxels: Option<[[f64; 3]; 2]>,
+    /// Node coordinates of what a pixel shows of the volume, row by row; none where it shows nothing.
+    pub nodes: Option<Vec<Option<[f64; 3]>>>,
 }
 
 impl Seen {

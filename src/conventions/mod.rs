@@ -18,6 +18,7 @@ pub mod ray_caster;
 mod rounded_places;
 mod shading;
 mod steps;
+mod stored_values;
 mod work;
 
 pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
@@ -25,4 +26,5 @@ pub use field_caster::FieldCaster;
 pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;
+pub use stored_values::as_stored;
 pub use work::RayWork;

@@ -13,7 +13,8 @@ use super::classifier::Classifier;
 use super::normals::Gradients;
 use super::opacity::Correction;
 use super::shading::ShadedSample;
-use super::steps::{StepRule, Steps, step_in_world};
+use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world};
+use super::stored_values::as_stored;
 use super::work::RayWork;
 use crate::film::Film;
 use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
@@ -30,7 +31,8 @@ use rayon::prelude::*;
 /// it; one ray through the centre of each pixel.
 pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
     let [width, height] = size;
-    let caster = RayCaster::new(scene);
+    let scene = as_stored(scene);
+    let caster = RayCaster::new(&scene);
     let pixels = (0..width * height).into_par_iter();
     let pixels = pixels.map(|index| caster.pixel([index % width, index / width], size).0);
     Film::with_opacity(width, height, pixels.collect())
@@ -175,7 +177,10 @@ impl<'s> RayCaster<'s> {
         let longest = longest.into_iter().fold(0.0, f64::max);
         let lengths = [scene.voxel(), longest];
         let step = step_in_world(scene.step, measure, inside.direction, sizes, lengths);
-        let steps = Steps::new(span, step, rule);
+        let ends = [span.near, span.far].map(|t| line.at(t).0);
+        let cuts = scene.conventions.brick_steps;
+        let cuts = cuts.map_or(Vec::new(), |edge| brick_faces(span, ends, edge));
+        let steps = StepsInParts::new(span, step, rule, &cuts);
         let reversed = scene.compositing == Compositing::BackToFront;
         for done in 0..steps.count {
             let index = if reversed {
@@ -277,6 +282,24 @@ impl<'s> RayCaster<'s> {
 
     /// The point of the grid, in nodes, that is read at `point`.
     fn looked_up(&self, point: NodePoint) -> NodePoint {
+        let NodePoint(at) = self.as_cells(point);
+        let at = match self.scene.conventions.fraction_bits {
+            Some(bits) => {
+                let units = f64::from(1_u32 << bits);
+                (at * units).round() / units
+            }
+            None => at,
+        };
+        let Some(edge) = self.scene.conventions.brick_values.map(f64::from) else {
+            return NodePoint(at);
+        };
+        // No farther than to the last node of the brick.
+        let first = (at / edge).floor().max(DVec3::ZERO) * edge;
+        NodePoint(at.min(first + (edge - 1.0)))
+    }
+
+    /// The point of the grid that lies at `point`, if nodes are taken for the centres of cells.
+    fn as_cells(&self, point: NodePoint) -> NodePoint {
         let Some(cells) = self.cells_per_spacing() else {
             return point;
         };

@@ -154,6 +154,59 @@ impl Steps {
     }
 }
 
+/// Steps counted anew in each of the parts of a span.
+#[derive(Clone, Debug)]
+pub struct StepsInParts {
+    /// Steps of each part, with the number of those before.
+    parts: Vec<(usize, Steps)>,
+    /// Number of steps.
+    pub count: usize,
+    /// Length of a whole step in the first part, > 0.
+    pub step: f64,
+}
+
+impl StepsInParts {
+    /// Steps of length `step` from the beginning of `span` on, and from each of the `cuts` in it, in rising order.
+    pub fn new(span: Span, step: f64, rule: StepRule, cuts: &[f64]) -> StepsInParts {
+        let begins = std::iter::once(span.near).chain(cuts.iter().copied());
+        let ends = cuts.iter().copied().chain([span.far]);
+        let mut count = 0;
+        let parts = begins.zip(ends).map(|(begin, end)| {
+            let steps = Steps::new(Span::new(begin, end), step, rule);
+            let before = count;
+            count += steps.count;
+            (before, steps)
+        });
+        let parts: Vec<(usize, Steps)> = parts.collect();
+        let step = parts[0].1.step;
+        StepsInParts { parts, count, step }
+    }
+
+    /// As [`Steps::sample`].
+    pub fn sample(&self, index: usize) -> (f64, f64) {
+        let part = self.parts.partition_point(|(before, _)| *before <= index);
+        let (before, steps) = self.parts[part - 1];
+        steps.sample(index - before)
+    }
+}
+
+/// Distances within `span` at which a ray enters another brick of `edge` cells, from the node coordinates of both ends.
+pub fn brick_faces(span: Span, [near, far]: [DVec3; 2], edge: u32) -> Vec<f64> {
+    let edge = f64::from(edge);
+    let mut faces = Vec::new();
+    for axis in 0..3 {
+        let (a, b) = (near[axis], far[axis]);
+        let bricks = (a.min(b) / edge).floor() as i64 + 1..(a.max(b) / edge).ceil() as i64;
+        faces.extend(bricks.map(|brick| {
+            let share = (brick as f64 * edge - a) / (b - a);
+            span.near + share * span.length()
+        }));
+    }
+    faces.sort_by(f64::total_cmp);
+    faces.dedup();
+    faces
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -238,6 +291,35 @@ mod tests {
         };
         assert_eq!(all(8.0, one_sample(LastStep::Whole)), [(10.0, 8.0)]);
         assert_eq!(all(0.75, one_sample(LastStep::Whole)), [(2.75, 0.75)]);
+    }
+
+    #[test]
+    fn steps_begin_anew_in_each_part() {
+        let rule = StepRule::at(0.5);
+        let span = Span::new(2.0, 3.0);
+        // From node 1.5 to node 4.5 along x, back along y: faces of bricks of two cells at 2 and 4.
+        let ends = [DVec3::new(1.5, 4.0, 1.0), DVec3::new(4.5, 1.0, 1.0)];
+        let cuts = brick_faces(span, ends, 2);
+        let expected = [2.0 + 0.5 / 3.0, 2.0 + 2.0 / 3.0, 2.0 + 2.5 / 3.0];
+        assert_eq!(cuts.len(), 3);
+        assert!(
+            cuts.iter()
+                .zip(expected)
+                .all(|(cut, right)| (cut - right).abs() < 1e-15)
+        );
+        let steps = StepsInParts::new(span, 0.375, rule, &[2.5]);
+        let all: Vec<_> = (0..steps.count).map(|index| steps.sample(index)).collect();
+        let expected = [
+            (2.1875, 0.375),
+            (2.4375, 0.125),
+            (2.6875, 0.375),
+            (2.9375, 0.125),
+        ];
+        assert_eq!(all, expected);
+        let whole = StepsInParts::new(span, 0.375, rule, &[]);
+        let plain = Steps::new(span, 0.375, rule);
+        assert_eq!(whole.count, plain.count);
+        assert!((0..plain.count).all(|index| whole.sample(index) == plain.sample(index)));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Scenes for other renderers.
 //!
 //! [`export`] writes a scene in the format of another renderer: participating media for [Mitsuba 3]
-//! and [pbrt-v4], classified volumes as a plain bundle of numbers. A scene that a format cannot
+//! and [pbrt-v4], classified volumes as a plain bundle of numbers, or their grids alone. A scene that a format cannot
 //! express is a [`Refusal`] that names each reason; nothing is approximated. If a scene must be
 //! changed slightly, because other renderers move rays off surfaces by more than rounding, a
 //! comment in the file states it.
@@ -17,6 +17,7 @@ mod export_files;
 mod export_scene;
 mod files;
 mod forms;
+mod grid_files;
 mod limits;
 mod mitsuba;
 mod mixture;
@@ -42,11 +43,24 @@ pub enum Format {
     Pbrt,
     /// A classified volume or a curve, as numbers and formulas.
     Bundle,
+    /// The grid of a classified volume: bare samples, described in TOML.
+    Raw,
+    /// The grid of a classified volume, as NRRD.
+    Nrrd,
+    /// The grid of a classified volume, as NPY, described in TOML.
+    Npy,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 3] = [Format::Mitsuba, Format::Pbrt, Format::Bundle];
+    pub const ALL: [Format; 6] = [
+        Format::Mitsuba,
+        Format::Pbrt,
+        Format::Bundle,
+        Format::Raw,
+        Format::Nrrd,
+        Format::Npy,
+    ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -54,6 +68,9 @@ impl Format {
             Format::Mitsuba => "mitsuba",
             Format::Pbrt => "pbrt",
             Format::Bundle => "bundle",
+            Format::Raw => "raw",
+            Format::Nrrd => "nrrd",
+            Format::Npy => "npy",
         }
     }
 }
@@ -100,8 +117,12 @@ pub fn export_at(
     exposure: Option<f64>,
 ) -> Result<Export, Refusal> {
     let name = &plain(name);
-    if format == Format::Bundle {
-        return bundle::bundle_at(scene, name, exposure);
+    match format {
+        Format::Bundle => return bundle::bundle_at(scene, name, exposure),
+        Format::Raw | Format::Nrrd | Format::Npy => {
+            return grid_files::grid_files(scene, format, name);
+        }
+        Format::Mitsuba | Format::Pbrt => {}
     }
     let [panel] = &scene.panels[..] else {
         let what = "several pictures side by side; write a scene of each panel";
@@ -121,7 +142,7 @@ pub fn export_at(
     match format {
         Format::Mitsuba => mitsuba::scene(panel, radiative, name),
         Format::Pbrt => pbrt::scene(panel, radiative, name),
-        Format::Bundle => unreachable!("answered above"),
+        _ => unreachable!("answered above"),
     }
 }
 
@@ -148,7 +169,10 @@ mod tests {
             assert_eq!(format.to_string().parse(), Ok(format));
         }
         let error = "Mitsuba".parse::<Format>().unwrap_err();
-        assert!(error.contains("mitsuba, pbrt, bundle"), "{error}");
+        assert!(
+            error.contains("mitsuba, pbrt, bundle, raw, nrrd, npy"),
+            "{error}"
+        );
     }
 
     #[test]

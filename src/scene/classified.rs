@@ -4,7 +4,7 @@ use super::SceneResult;
 use super::camera::View;
 use super::conventions::{CONVENTIONS, Conventions};
 use super::files::Files;
-use super::format::{Key, Kind, Range, Table};
+use super::format::{Key, Kind, Range, Table, joined};
 use super::length::Length;
 use super::mode::{MODE, Mode};
 use super::objects::{CLIPS, Objects, SURFACES, Volume};
@@ -12,8 +12,7 @@ use super::placement::PlacedGrid;
 use super::reader::Reader;
 use super::shadow::Shadow;
 use super::transfer_function::TRANSFER_FUNCTION;
-use super::volume::PLACED_KEYS;
-use super::volume::PLACED_RULES;
+use super::volume::{PLACED_KEYS, PLACED_RULES};
 use crate::geometry::{Aabb, Camera, Surface as _, Transform, length_of};
 use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::volume::{
@@ -53,37 +52,23 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
 ]);
 
 /// A volume, its place, and what is its own where there are several.
-const VOLUME: Table = Table::new("The file a grid of densities comes from.")
-    .keys(&VOLUME_KEYS)
-    .rules(&PLACED_RULES);
+const VOLUME: Table =
+    Table::new("The file a grid of densities comes from, or the formula of its values.")
+        .keys(&VOLUME_KEYS)
+        .rules(&PLACED_RULES);
 
-const VOLUME_KEYS: [Key; 15] = {
-    let [a, b, c, d, e, f, g, h, i, j, k] = PLACED_KEYS;
-    let name = Key::optional("name", Kind::Text).doc("Name of the volume, for clips.");
-    let transfer_function = Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
-        .doc("Colour and opacity by density of this volume, in place of the scene's.");
-    let step = Key::optional("step", Kind::Length)
-        .doc("Distance between samples of this volume, in place of the scene's: world units or voxels of its own.");
-    let phong = Key::optional("phong", Kind::Table(&PHONG))
-        .doc("Shading of this volume, in place of the scene's.");
+const VOLUME_KEYS: [Key; 24] = joined(
+    PLACED_KEYS,
     [
-        a,
-        b,
-        c,
-        d,
-        e,
-        f,
-        g,
-        h,
-        i,
-        j,
-        k,
-        name,
-        transfer_function,
-        step,
-        phong,
-    ]
-};
+        Key::optional("name", Kind::Text).doc("Name of the volume, for clips."),
+        Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
+            .doc("Colour and opacity by density of this volume, in place of the scene's."),
+        Key::optional("step", Kind::Length)
+            .doc("Distance between samples of this volume, in place of the scene's: world units or voxels of its own."),
+        Key::optional("phong", Kind::Table(&PHONG))
+            .doc("Shading of this volume, in place of the scene's."),
+    ],
+);
 
 /// The choice of `compositing` without samples.
 const CONTINUOUS: &str = "continuous";

@@ -257,6 +257,42 @@ conventions! {
         .beside_others(),
     ];
 
+    "stored_values" = stored_values: StoredValues = words("f32" of
+        "f32" = StoredValues::F32,
+        "f16" = StoredValues::F16,
+        "u16" = StoredValues::U16,
+        "u8" = StoredValues::U8
+    ),
+    "Numbers in which values are stored at the nodes: floating point of 32 or 16 bits; or whole numbers of 16 or 8 bits, which stand for the range from the smallest value of the volume to the largest.",
+    [
+        other("stores values in half precision", |it| it.stored_values = StoredValues::F16),
+        other(
+            "stores values in 16 bits, over their range",
+            |it| it.stored_values = StoredValues::U16,
+        ),
+        other(
+            "stores values in 8 bits, over their range",
+            |it| it.stored_values = StoredValues::U8,
+        ),
+    ];
+
+    "fraction_bits" = fraction_bits: Option<u32> = count(2..=16),
+    "Bits of the fractions of a voxel by which values are interpolated between nodes: 8 in the units of graphics processors that filter textures. If left out, they are not rounded.",
+    [
+        other(
+            "interpolates values by fractions of 8 bits",
+            |it| it.fraction_bits = Some(8),
+        ),
+    ];
+
+    "brick_values" = brick_values: Option<u32> = count(2..=65_536),
+    "Nodes to an edge of bricks that the volume is stored in, without layers of their neighbours: from the last node of a brick to the first of the next along an axis, values are those of the former. If left out, values are interpolated everywhere.",
+    [];
+
+    "brick_steps" = brick_steps: Option<u32> = count(1..=65_536),
+    "Cells to an edge of bricks at whose faces the steps of a ray are counted anew, the last one in each as `last_step` says. If left out, they are counted once, from the face of the volume.",
+    [];
+
     "opacity" = linear_opacity: bool = words("exact" of "exact" = false, "linear" = true),
     "Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0).",
     [
@@ -733,6 +769,19 @@ pub enum ObjectShadows {
     NoneOfSurfaces,
     /// None of volumes on surfaces.
     NoneOnSurfaces,
+}
+
+/// Numbers in which values are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoredValues {
+    /// Floating point of 32 bits, those of the grid.
+    F32,
+    /// Floating point of 16 bits.
+    F16,
+    /// Whole numbers of 16 bits over the range of the values.
+    U16,
+    /// Whole numbers of 8 bits over the range of the values.
+    U8,
 }
 
 /// Treatment of the step that is cut off by the back face.

@@ -1,5 +1,6 @@
 //! The files that scenes name: each is read once and recorded with its hash.
 
+use super::node_formula::read_formula;
 use super::placement::PlacedGrid;
 use super::reader::Reader;
 use super::volume::VolumeRequest;
@@ -7,7 +8,7 @@ use super::{SceneError, SceneResult};
 use crate::files::regular_file;
 use crate::files::regular_file::{OpenError, ReadError};
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
-use crate::volume::{self, FileRead, Grid, VolumeFault};
+use crate::volume::{self, FileRead, Grid, Lattice, NodeFormula, VolumeFault};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -32,6 +33,7 @@ const MOST_TEXT_BYTES: u64 = 1 << 20;
 pub(super) struct Files<'p> {
     folder: &'p Path,
     grids: Vec<LoadedGrid>,
+    formulas: Vec<(NodeFormula, Arc<Grid<f32>>)>,
     meshes: BTreeMap<String, (Arc<Mesh>, InputFile)>,
     closed: BTreeMap<String, Arc<ClosedMesh>>,
     used: Vec<InputFile>,
@@ -43,6 +45,7 @@ impl<'p> Files<'p> {
         Files {
             folder,
             grids: Vec::new(),
+            formulas: Vec::new(),
             meshes: BTreeMap::new(),
             closed: BTreeMap::new(),
             used: Vec::new(),
@@ -77,6 +80,9 @@ impl<'p> Files<'p> {
         help: &str,
     ) -> SceneResult<()> {
         grid.check_densities().map_err(|error| {
+            if reader.has("field") {
+                return reader.mistake("field", error.to_string(), help);
+            }
             let path = self.folder.join(reader.text("file").unwrap_or_default());
             reader.mistake("file", format!("{}: {error}", path.display()), help)
         })
@@ -84,8 +90,43 @@ impl<'p> Files<'p> {
 
     /// The values that a table of [placed volumes](super::volume::PLACED_KEYS) asks for: finite.
     pub(super) fn placed_values(&mut self, reader: &Reader) -> SceneResult<PlacedGrid> {
+        if reader.has("field") {
+            let (formula, lattice) = read_formula(reader)?;
+            let grid = self.computed(reader, formula, lattice)?;
+            let to_world = None;
+            return PlacedGrid { grid, to_world }.moved(reader);
+        }
         let request = VolumeRequest::read(reader, true)?;
         self.loaded(reader, request)?.moved(reader)
+    }
+
+    /// The grid of a formula: those of a scene together have as many nodes as one may have.
+    fn computed(
+        &mut self,
+        reader: &Reader,
+        formula: NodeFormula,
+        lattice: Lattice,
+    ) -> SceneResult<Arc<Grid<f32>>> {
+        let mut known = self.formulas.iter();
+        if let Some((_, grid)) =
+            known.find(|(of, grid)| *of == formula && *grid.lattice() == lattice)
+        {
+            return Ok(grid.clone());
+        }
+        let others = self
+            .formulas
+            .iter()
+            .map(|(_, grid)| grid.lattice().node_count());
+        let count = others.sum::<usize>() + lattice.node_count();
+        if count > NodeFormula::MOST_NODES {
+            let message = format!(
+                "the formulas of this scene have {count} nodes together, too many: at most 2^27 are computed, which take 512 MiB"
+            );
+            return Err(reader.mistake("nodes", message, "give fewer nodes, or fewer panels"));
+        }
+        let grid = Arc::new(reader.accepted(formula.grid(lattice))?);
+        self.formulas.push((formula, grid.clone()));
+        Ok(grid)
     }
 
     fn loaded(&mut self, reader: &Reader, request: VolumeRequest) -> SceneResult<PlacedGrid> {

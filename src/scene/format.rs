@@ -65,6 +65,21 @@ pub struct Key {
     pub doc: &'static str,
 }
 
+/// The keys of `first`, then those of `second`: `N` in all.
+pub(super) const fn joined<const A: usize, const B: usize, const N: usize>(
+    first: [Key; A],
+    second: [Key; B],
+) -> [Key; N] {
+    assert!(A + B == N);
+    let mut all = [first[0]; N];
+    let mut at = 0;
+    while at < N {
+        all[at] = if at < A { first[at] } else { second[at - A] };
+        at += 1;
+    }
+    all
+}
+
 impl Key {
     /// A key without which the file is incomplete.
     pub const fn required(name: &'static str, kind: Kind) -> Key {
@@ -106,6 +121,8 @@ impl Key {
 pub enum Kind {
     /// A whole number from `.0` to `.1`.
     Count(u64, u64),
+    /// Three whole numbers x, y, z, each from `.0` to `.1`.
+    Counts(u64, u64),
     /// A finite number in a range.
     Number(Range),
     /// Three finite numbers x, y, z.
@@ -236,6 +253,9 @@ impl Kind {
         match self {
             Kind::Count(low, high) if low == high => format!("the number {low}"),
             Kind::Count(low, high) => format!("a whole number from {low} to {high}"),
+            Kind::Counts(low, high) => {
+                format!("three whole numbers from {low} to {high}, such as [64, 64, 32]")
+            }
             Kind::Number(_) => "a number".into(),
             Kind::Vector => "three numbers, such as [0, 1, 0]".into(),
             Kind::Matrix => {
@@ -390,6 +410,9 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
     let three = |item: Value| several(3, item);
     let mut schema = match key.kind {
         Kind::Count(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
+        Kind::Counts(low, high) => {
+            three(json!({ "type": "integer", "minimum": low, "maximum": high }))
+        }
         Kind::Number(range) => number_schema(range),
         Kind::Vector => three(json!({ "type": "number" })),
         Kind::Matrix => three(several(4, json!({ "type": "number" }))),

@@ -13,6 +13,7 @@ mod key_lines;
 mod length;
 mod load;
 mod mode;
+mod node_formula;
 mod objects;
 mod placement;
 mod procedural_xml;
@@ -30,7 +31,7 @@ pub use classified::{Classified, Compositing};
 pub use clip::{Clip, Kept};
 pub use conventions::{
     ALTERNATIVES, Alternative, CONVENTIONS, Composition, Conventions, FittedSteps, Gradient,
-    LastStep, LightColour, ObjectShadows, Precision, StepLength, SurfaceDepth,
+    LastStep, LightColour, ObjectShadows, Precision, StepLength, StoredValues, SurfaceDepth,
 };
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};

@@ -56,7 +56,11 @@ impl PlacedGrid {
         placed.check().map_err(|(message, help)| {
             let keys = ["transform", "scale", "rotate", "translate"];
             let given = keys.into_iter().find(|key| reader.has(key));
-            reader.mistake(given.unwrap_or("file"), message, help)
+            reader.mistake(
+                given.unwrap_or(if reader.has("field") { "field" } else { "file" }),
+                message,
+                help,
+            )
         })?;
         Ok(placed)
     }

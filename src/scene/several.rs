@@ -4,7 +4,7 @@ use super::clip::{Clip, leave_something};
 use super::conventions::Conventions;
 use super::objects::{Objects, Volume};
 use super::reader::Reader;
-use super::{Classified, SceneResult};
+use super::{Classified, Mode, SceneResult};
 
 impl Classified {
     /// Whether it has volumes after the first, surfaces or clips.

@@ -1,7 +1,8 @@
 //! The file of a grid, and its options.
 
 use super::SceneResult;
-use super::format::{Key, Kind, Range, Rule, Table};
+use super::format::{Key, Kind, Range, Rule, Table, joined};
+use super::node_formula::{FORMULA, FORMULA_KEYS};
 use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
 use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_format};
@@ -11,17 +12,30 @@ use std::path::Path;
 pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&KEYS);
 
 /// Rules of [`PLACED_KEYS`].
-pub(super) const PLACED_RULES: [Rule; 1] = [Rule::Apart([
-    &["transform"],
-    &["scale", "rotate", "translate"],
-])];
+pub(super) const PLACED_RULES: [Rule; 4] = [
+    Rule::ExactlyOne("source", &["file", "field"]),
+    Rule::Apart([&["file"], &FORMULA_KEYS]),
+    Rule::Apart([&["field"], OF_FILES]),
+    Rule::Apart([&["transform"], &["scale", "rotate", "translate"]]),
+];
 
-/// The same with a map that places the volume in the world.
-pub(super) const PLACED_KEYS: [Key; 11] = {
+/// Keys of volumes from files alone.
+const OF_FILES: &[&str] = &[
+    "resolution",
+    "padding",
+    "replace_non_finite",
+    "orientation",
+    "detached_anywhere",
+];
+
+/// The same, or a formula, with a map that places the volume in the world.
+pub(super) const PLACED_KEYS: [Key; 20] = {
     let [a, b, c, d, e, f, g] = KEYS;
+    let a = Key::optional(a.name, a.kind).doc(a.doc);
     let f = f.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged.");
     let [scale, rotate, translate] = STEPS;
-    [a, b, c, d, e, f, g, TRANSFORM, scale, rotate, translate]
+    let of_a_file = [a, b, c, d, e, f, g, TRANSFORM, scale, rotate, translate];
+    joined(of_a_file, FORMULA)
 };
 
 const KEYS: [Key; 7] = [

@@ -329,7 +329,7 @@ fn missing_and_contradictory() {
         said.push_str(&after(old, new));
     }
     assert_shown!(said, @r#"
-    scene.toml:10:1: missing key `file` in [classified.volume] help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
+    scene.toml:10:1: [classified.volume] has no source help: give one of `file`, `field`
     scene.toml:8:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
     scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]
@@ -395,6 +395,57 @@ fn transfer_functions_by_points() {
     scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point`, or `floor` and `colormap`
     scene.toml:11:18: `reference_step`: a length must be positive and finite, got 0 help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
     broken.toml:6:13: the axis of a table of points goes from its first to its last help: remove `densities`
+    "#);
+}
+
+/// Grids by formula: what is none, and what does not stand beside one.
+#[test]
+fn formulas() {
+    let mut said = String::new();
+    let ramp = "field = \"ramp\"\nslope = [1, 0, 0]\n";
+    let spots = "field = \"spots\"\n";
+    for new in [
+        "field = \"rampp\"\nnodes = [8, 8, 8]",
+        "field = \"ramp\"\nslope = [1, 0, 0]",
+        "field = \"ramp\"\nnodes = [8, 8, 8]",
+        &format!("{spots}nodes = [8, 8, 8]"),
+        &format!("{ramp}nodes = [8, 0, 8]"),
+        &format!("{ramp}nodes = [8, 8]"),
+        &format!("{ramp}nodes = [8, 8.5, 8]"),
+        &format!("{ramp}nodes = [1024, 1024, 129]"),
+        &format!("{ramp}nodes = [8, 8, 8]\nspacing = [1, 0, 1]"),
+        &format!("{ramp}nodes = [8, 8, 8]\nevery = 4"),
+        &format!("{ramp}nodes = [8, 8, 8]\nresolution = 4"),
+        &format!("{ramp}nodes = [8, 8, 8]\nvalue = 0.1"),
+        &format!("{ramp}nodes = [8, 8, 8]\nvalue = -2"),
+        &format!("{spots}nodes = [8, 8, 8]\nevery = 4\nbright = 0.3"),
+        &format!("{spots}nodes = [8, 8, 8]\nslope = [1, 0, 0]"),
+        &format!("{spots}nodes = [8, 8, 8]\nspot = [{{ node = [3, 8, 2] }}]"),
+        &format!("{spots}nodes = [8, 8, 8]\nspot = [{{ value = 2 }}]"),
+        &format!("file = \"cloud.obj\"\n{ramp}nodes = [8, 8, 8]"),
+    ] {
+        let old = "file = \"cloud.obj\"\nresolution = 8\npadding = 1\n";
+        said.push_str(&after(old, &format!("{new}\n")));
+    }
+    assert_shown!(said, @r#"
+    scene.toml:11:9: `field` must be one of "ramp", "spots", but is "rampp" help: did you mean "ramp"?
+    scene.toml:11:9: a formula needs `nodes`, the size of its grid help: give it, such as nodes = [64, 64, 32]
+    scene.toml:11:9: the field "ramp" needs `slope`, its change from node to node help: give it, such as slope = [0.5, 0, 0.25]
+    scene.toml:11:9: the field "spots" has none help: give `every`, such as every = 32, or `spot`, such as spot = [{ node = [3, 4, 5] }]
+    scene.toml:13:9: `nodes` must lie in [1, 134217728], got 0 help: `classified.volume.nodes`: With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB.
+    scene.toml:13:9: `nodes` must be three whole numbers from 1 to 134217728, such as [64, 64, 32] help: `classified.volume.nodes`: With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB.
+    scene.toml:13:9: `nodes` must be three whole numbers from 1 to 134217728, such as [64, 64, 32] help: `classified.volume.nodes`: With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB.
+    scene.toml:13:9: 1024 × 1024 × 129 nodes are too many: a formula is computed at no more than 2^27, which take 512 MiB help: give fewer nodes, or a file of that size
+    scene.toml:14:11: the node spacing must be positive and finite on every axis, and not below 2.3e-308, got [1, 0, 1] help: `classified.volume.spacing`: With `field`: distance between nodes along x, y and z, world units; 1 if left out.
+    scene.toml:14:9: `every` has no effect on the field "ramp" help: `classified.volume.every`: Of spots: a spot at the first node of each brick of so many nodes to an edge, that is at nodes whose numbers are multiples of it; along an axis of no more nodes, at the middle one.
+    scene.toml:14:14: [classified.volume] mixes `field` with `resolution` help: give either `field`, or `resolution`, `padding`, `replace_non_finite`, `orientation`, `detached_anywhere`
+    scene.toml:12:9: a ramp of `value` 0.1 and `slope` [1, 0, 0] over 8 × 8 × 8 nodes has values that 32-bit numbers do not hold exactly: give multiples of one power of two, such as 0.125, of which no value has more than 2^24 help: `classified.volume.slope`: Of a ramp, the change from node to node along x, y and z; exact are powers of two.
+    scene.toml:11:9: voxel (0, 0, 0) holds -2: densities must be finite and not negative help: for other values, give [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
+    scene.toml:14:10: 0.3 is not exact in 32 bits, which hold 0.30000001192092896: give that, or a multiple of a power of two help: `classified.volume.bright`: Of spots: the value at the nodes that `every` tells; 1 if left out.
+    scene.toml:13:9: `slope` has no effect on the field "spots" help: `classified.volume.slope`: Of a ramp, the change from node to node along x, y and z; exact are powers of two.
+    scene.toml:13:8: there is no node (3, 8, 2): nodes are counted from 0, the last is (7, 7, 7) help: `classified.volume.spot`: Of spots: single nodes, with their values.
+    scene.toml:13:9: missing key `node` in [classified.volume.spot[0]] help: `classified.volume.spot[0].node`: Its numbers along x, y and z, counted from 0.
+    scene.toml:12:9: [classified.volume] has more than one source: `file`, `field` help: keep exactly one of `file`, `field`
     "#);
 }
 

@@ -131,3 +131,86 @@ fn bad_arguments() {
     export("fog.toml", "mitsuba", "out").expect(2, &["fog.xml: it is a folder"]);
     assert_eq!(folder.files(), before);
 }
+
+/// The grid of a scene alone: by a formula, with the map that places it.
+#[test]
+fn grids_alone() {
+    let folder = Folder::new();
+    let scene = "[classified.volume]\nfield = \"ramp\"\nnodes = [3, 2, 2]\nslope = [0.5, 0.25, 0]\n\
+                 translate = [1, 0, 0]\nspacing = [0.1, 1, 1]\n";
+    folder.write("ramp.toml", scene);
+    assert_shown!(folder.volref(&["export", "ramp.toml", "--to", "raw", "-o", "out"]).shown(), @r#"
+    exit code 0
+    --- stdout
+    out/ramp.raw.toml: 225 bytes
+    out/ramp.raw: 48 bytes
+
+    in a scene beside it:
+      [classified.volume]
+      file = "ramp.raw.toml"
+      transform = [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
+    "#);
+    assert_shown!(folder.text("out/ramp.raw.toml"), @r#"
+    file = "ramp.raw"
+    type = "float32"
+    endian = "little"
+    nodes = [3, 2, 2] # x, y, z; x runs fastest in the file
+    spacing = [0.1, 1.0, 1.0]
+    origin = [0.0, 0.0, 0.0] # position of the first node
+    centring = "nodes"
+    header_bytes = 0
+    "#);
+    let raw = folder.read("out/ramp.raw");
+    let values: Vec<f32> = raw
+        .chunks(4)
+        .map(|word| f32::from_le_bytes(word.try_into().unwrap()))
+        .collect();
+    assert_eq!(values[..6], [0.0, 0.5, 1.0, 0.25, 0.75, 1.25]);
+    folder
+        .volref(&["export", "ramp.toml", "--to", "nrrd", "-o", "out"])
+        .expect(0, &[]);
+    folder
+        .volref(&["export", "ramp.toml", "--to", "npy", "-o", "out"])
+        .expect(0, &[]);
+    let header = String::from_utf8_lossy(&folder.read("out/ramp.nrrd")).into_owned();
+    assert_shown!(header[..header.find("\n\n").unwrap()], @r#"
+    NRRD0004
+    type: float
+    dimension: 3
+    space dimension: 3
+    sizes: 3 2 2
+    space directions: (0.1,0,0) (0,1,0) (0,0,1)
+    space origin: (0,0,0)
+    kinds: domain domain domain
+    centerings: node node node
+    endian: little
+    encoding: raw
+    "#);
+    // What volref says of all three is what it says of the scene.
+    let values = |file: &str| folder.volref(&["info", file, "--json"]).json()["values"].clone();
+    let right = values("ramp.toml");
+    assert_eq!(right["max"], 1.25);
+    for file in ["out/ramp.raw.toml", "out/ramp.nrrd", "out/ramp.npy.toml"] {
+        assert_eq!(values(file), right, "{file}");
+    }
+    // None of a scene without a grid, and none written in part.
+    folder.write("gem.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("fog.toml", SCENE);
+    let before = folder.files();
+    let run = folder.volref(&["export", "fog.toml", "--to", "nrrd", "-o", "out"]);
+    run.expect(
+        2,
+        &["nrrd cannot represent classified: a scene that is no classified volume"],
+    );
+    folder.write(
+        "both.toml",
+        scene.to_owned() + "[[panel]]\n[[panel]]\nclassified.volume.slope = [1, 0, 0]\n",
+    );
+    let run = folder.volref(&["export", "both.toml", "--to", "npy", "-o", "out"]);
+    run.expect(
+        2,
+        &["npy cannot represent panel: panels of several volumes"],
+    );
+    folder.remove("both.toml");
+    assert_eq!(folder.files(), before);
+}

@@ -198,7 +198,7 @@ fn files_that_are_no_volumes() {
     folder.write("scene.toml", "[classified]\n");
     for (file, part) in [
         ("nowhere.vol", "nowhere.vol: there is no such file"),
-        ("scene.toml", "scene.toml:1:2: unknown field `classified`"),
+        ("scene.toml", "missing table [classified.volume]"),
         ("detached.nhdr", "detached.raw: there is no such file"),
         ("smoke.vdb", "smoke.vdb: unsupported file extension"),
     ] {
@@ -515,4 +515,51 @@ fn oblique_axes() {
     );
     let stored = folder.volref(&["info", "oblique.nrrd", "--as-stored", "--json"]);
     assert!(stored.json()["to_world"].is_null());
+}
+
+/// The volume of a scene: by a formula, and from a file; scenes without one say so.
+#[test]
+fn a_scene() {
+    let folder = with(&["grid.nii"]);
+    let volume = "[classified.volume]\nfield = \"spots\"\nnodes = [5, 4, 3]\nspacing = [1, 0.5, 2]\norigin = [0, 0, -1]\nspot = [{ node = [1, 2, 0], value = 0.5 }]\n";
+    folder.write("spots.toml", volume);
+    assert_shown!(folder.volref(&["info", "spots.toml"]).shown(), @r"
+    exit code 0
+    --- stdout
+    spots.toml: formula of a scene
+
+    nodes       5 × 4 × 3, 60 in total
+    spacing     (1, 0.5, 2)
+    first node  (0, 0, -1)
+    box         (0, 0, -1) to (4, 1.5, 3), centred on nodes
+    values      0 to 0.5, mean 0.008333333
+                59 zero, 1 nonzero
+
+    histogram, bars logarithmic
+            0 to 0.03125  59  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
+      0.03125 to  0.0625   0
+       0.0625 to 0.09375   0
+      0.09375 to   0.125   0
+        0.125 to  0.1562   0
+       0.1562 to  0.1875   0
+       0.1875 to  0.2188   0
+       0.2188 to    0.25   0
+         0.25 to  0.2812   0
+       0.2812 to  0.3125   0
+       0.3125 to  0.3438   0
+       0.3438 to   0.375   0
+        0.375 to  0.4062   0
+       0.4062 to  0.4375   0
+       0.4375 to  0.4688   0
+       0.4688 to     0.5   1  ▇▇▇▇▇▇▇
+    ");
+    folder.write("scan.toml", "[classified.volume]\nfile = \"grid.nii\"\n");
+    let run = folder.volref(&["info", "scan.toml"]);
+    for part in ["volume of a scene", "4 × 3 × 2"] {
+        assert!(run.stdout.contains(part), "{}", run.stdout);
+    }
+    folder.write("curve.toml", "[curve]\n");
+    folder
+        .volref(&["info", "curve.toml"])
+        .expect(2, &["curve.toml has no classified volume"]);
 }

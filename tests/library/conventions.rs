@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
 use volref::conventions::{
-    CATALOGUE, FirstSamples, Profile, bounds_of_rounded_places, images_of_first_samples,
+    CATALOGUE, FirstSamples, Profile, as_stored, bounds_of_rounded_places, images_of_first_samples,
     ray_caster::RayCaster, under,
 };
 use volref::film::{Bits, Film};
@@ -20,7 +20,7 @@ use volref::render::{Sampling, plans, render};
 use volref::scene::format::{Key, Kind};
 use volref::scene::{
     CONVENTIONS, Classified, Compositing, Conventions, FittedSteps, LastStep, Model, Precision,
-    Scene, Shadow, StepLength,
+    Scene, Shadow, StepLength, StoredValues,
 };
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
@@ -48,7 +48,7 @@ fn scene(value: impl Fn([usize; 3]) -> f64) -> Classified {
 fn seen(scene: &Classified, conventions: Conventions) -> [f64; 2] {
     let mut scene = scene.clone();
     scene.conventions = conventions;
-    let [red, _, _, opacity] = RayCaster::new(&scene).pixel([0, 0], [1, 1]).0;
+    let [red, _, _, opacity] = RayCaster::new(&as_stored(&scene)).pixel([0, 0], [1, 1]).0;
     [red.into(), opacity.into()]
 }
 
@@ -254,6 +254,63 @@ fn colours_of_classified_nodes() {
             "{name}: {opacity}"
         );
     }
+}
+
+/// Values in few bits, and fractions between them: one sample at a quarter of a voxel beyond the middle layer.
+#[test]
+fn values_and_fractions_in_few_bits() {
+    let mut scene = scene(|[_, _, k]| [0.0, 0.3, 1.0][k]);
+    scene.step = 1.0;
+    let seen = |set: fn(&mut Conventions)| {
+        let mut conventions = Conventions {
+            first_sample: 0.625,
+            ..Conventions::default()
+        };
+        set(&mut conventions);
+        seen(&scene, conventions)[1]
+    };
+    let half = |value: f64| f64::from(half::f16::from_f64(value));
+    for (name, found, [value, part]) in [
+        ("as they are", seen(|_| ()), [f64::from(0.3_f32), 0.25]),
+        (
+            "half",
+            seen(|it| it.stored_values = StoredValues::F16),
+            [half(0.3), 0.25],
+        ),
+        (
+            "16 bits",
+            seen(|it| it.stored_values = StoredValues::U16),
+            // 19660.5 of 65535 in decimals, a little more in 32 bits.
+            [19661.0 / 65535.0, 0.25],
+        ),
+        (
+            "8 bits",
+            seen(|it| it.stored_values = StoredValues::U8),
+            [77.0 / 255.0, 0.25],
+        ),
+        (
+            "fractions of two bits",
+            seen(|it| it.fraction_bits = Some(2)),
+            [f64::from(0.3_f32), 0.25],
+        ),
+    ] {
+        let expected = value + (1.0 - value) * part;
+        assert!(
+            (found - expected).abs() < ROUNDING,
+            "{name}: {found} {expected}"
+        );
+    }
+    // An eighth is half of a unit of two bits: rounded away from the layer before.
+    let eighth = |fraction_bits| {
+        let conventions = Conventions {
+            first_sample: 0.5625,
+            fraction_bits,
+            ..Conventions::default()
+        };
+        self::seen(&scene, conventions)[1]
+    };
+    assert!((eighth(None) - (0.3 + 0.7 * 0.125)).abs() < ROUNDING);
+    assert!((eighth(Some(2)) - (0.3 + 0.7 * 0.25)).abs() < ROUNDING);
 }
 
 /// Parallel light is light from far away, in shading and in shadows.
@@ -553,6 +610,8 @@ fn every_value() -> Vec<(String, Conventions, Conventions)> {
                 vec!["0.02".to_owned(), "0.05".to_owned()]
             }
             Kind::Number(_) => vec!["0.0".to_owned(), "1.0".to_owned()],
+            // Of three nodes to an axis.
+            Kind::Count(least, _) if key.name.starts_with("brick_") => vec![least.to_string()],
             Kind::Count(least, _) => vec![(least + 2).to_string(), (least + 14).to_string()],
             _ => panic!("{}: a kind without values here", key.name),
         };
@@ -632,6 +691,7 @@ fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
     }
     let pixels = scenes.into_iter().flat_map(|mut scene| {
         scene.conventions = conventions;
+        let scene = as_stored(&scene);
         let caster = RayCaster::new(&scene);
         let pixels = (0..64).map(|index| caster.pixel([index % 8, index / 8], [8, 8]).0);
         pixels.collect::<Vec<_>>()

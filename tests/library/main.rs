@@ -5,6 +5,7 @@
 
 mod any_scene;
 mod architecture;
+mod bricks;
 mod common;
 mod comparators;
 mod conventions;

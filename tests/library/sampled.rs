@@ -22,7 +22,7 @@ fn golden(name: &str) -> Film {
     Film::from_exr(&std::fs::read(file).unwrap()).unwrap()
 }
 
-fn table_of(scene: &Path) -> toml::Table {
+pub fn table_of(scene: &Path) -> toml::Table {
     std::fs::read_to_string(scene).unwrap().parse().unwrap()
 }
 
@@ -30,12 +30,12 @@ fn scene(name: &str) -> toml::Table {
     table_of(&root().join(format!("fixtures/scenes/sampled/{name}.toml")))
 }
 
-fn number(value: &toml::Value) -> f64 {
+pub fn number(value: &toml::Value) -> f64 {
     let whole = value.as_integer().map(|whole| whole as f64);
     value.as_float().or(whole).unwrap()
 }
 
-fn vector(value: &toml::Value) -> DVec3 {
+pub fn vector(value: &toml::Value) -> DVec3 {
     let numbers: Vec<f64> = value.as_array().unwrap().iter().map(number).collect();
     DVec3::from_slice(&numbers)
 }
@@ -108,7 +108,7 @@ fn every_case_can_be_met() {
 }
 
 /// A ray of a camera through the centre of each pixel: origin and unit direction.
-fn rays(scene: &toml::Table) -> Vec<(DVec3, DVec3)> {
+pub fn rays(scene: &toml::Table) -> Vec<(DVec3, DVec3)> {
     let (film, camera) = (&scene["film"], &scene["camera"]);
     let [width, height] = ["width", "height"].map(|key| number(&film[key]));
     let eye = vector(&camera["eye"]);
@@ -136,7 +136,7 @@ fn rays(scene: &toml::Table) -> Vec<(DVec3, DVec3)> {
 
 /// Distances at which a ray enters and leaves the box of this half size around the origin; equal where
 /// it misses.
-fn span(half: DVec3, (origin, direction): (DVec3, DVec3)) -> [f64; 2] {
+pub fn span(half: DVec3, (origin, direction): (DVec3, DVec3)) -> [f64; 2] {
     let mut span = [0.0, f64::INFINITY];
     for axis in 0..3 {
         let ends = [-half[axis], half[axis]].map(|at| (at - origin[axis]) / direction[axis]);
@@ -155,7 +155,7 @@ fn span(half: DVec3, (origin, direction): (DVec3, DVec3)) -> [f64; 2] {
 }
 
 /// Samples, value and length of step, from front to back, in front of the background.
-fn composited(scene: &toml::Table, samples: &[(f64, f64)]) -> DVec3 {
+pub fn composited(scene: &toml::Table, samples: &[(f64, f64)]) -> DVec3 {
     let background = scene["classified"].get("background");
     let reference = number(&scene["transfer_function"]["reference_length"]);
     let points = points(scene);

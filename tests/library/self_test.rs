@@ -12,6 +12,8 @@ fn the_suite_catches_every_mistake() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let names = [
         "figures",
+        "bricks",
+        "placed/uneven",
         "smoke",
         "fog/absorption",
         "fog/forward",

@@ -206,6 +206,7 @@ fn places_that_the_scene_tells() {
     let opacity = |i: usize| [0.1, 0.6, 1.0][i / WIDTH * 3 / HEIGHT];
     let is_border = |i: usize| i / WIDTH % 27 == 26;
     let seen = Seen {
+        nodes: None,
         opacity: Some((0..WIDTH * HEIGHT).map(opacity).collect()),
         border: Some((0..WIDTH * HEIGHT).map(is_border).collect()),
         distances: Some(
@@ -267,6 +268,45 @@ fn places_that_the_scene_tells() {
         noise(&|is_silent| if is_silent { 1.5 } else { 1.0 }),
         noise(&|is_silent| if is_silent { 1.0 } else { 1.5 }),
     )]);
+}
+
+/// What is seen of a volume whose nodes lie a pixel apart to the right, along z.
+fn seen_along_z() -> Seen {
+    let node = |i: usize| Some([0.0, 20.0 - 0.1 * (i / WIDTH) as f64, (i % WIDTH) as f64]);
+    Seen {
+        voxels: Some([[0.0, 0.0, 1.0], [0.0, -0.1, 0.0]]),
+        nodes: Some((0..WIDTH * HEIGHT).map(node).collect()),
+        ..Seen::default()
+    }
+}
+
+/// At borders of bricks of 16 nodes the difference jumps, by a layer or by all that lies behind.
+#[test]
+fn seams_of_bricks() {
+    let said = |added: &dyn Fn(usize) -> f32| {
+        let test = with(|x, _, [i, _]| x + added(i));
+        measured_difference(&hills([0.0; 2]), &test, &seen_along_z()).join("; ")
+    };
+    let layers =
+        |last: usize, edge: usize| said(&|z| if z % edge == last % edge { 0.03 } else { 0.0 });
+    let of_layers = layers(15, 16);
+    check(vec![
+        row(
+            "seams every 16 voxels along z, at all 5 borders seen: there the difference jumps",
+            of_layers.clone(),
+            // As many layers, elsewhere in each brick.
+            layers(12, 16),
+        ),
+        row(
+            "seams every 16 voxels along z",
+            said(&|z| 0.02 * ((z / 16) as f32)),
+            // A difference that grows without a jump.
+            said(&|z| 0.001 * z as f32),
+        ),
+        // Two borders alone, or borders of another size.
+        row("seams", of_layers.clone(), layers(31, 32)),
+        row("seams", of_layers, layers(23, 24)),
+    ]);
 }
 
 #[test]

@@ -283,8 +283,13 @@ impl ComparedCase {
 
     fn seen(&self) -> Seen {
         let volume = VolumeInView::of(&self.scene);
+        let distances = distances(&self.scene);
         Seen {
-            distances: distances(&self.scene),
+            nodes: volume
+                .as_ref()
+                .zip(distances.as_ref())
+                .and_then(|(view, at)| view.nodes(at)),
+            distances,
             opacity: self.golden.opacity().map(<[f32]>::to_vec),
             border: volume.as_ref().and_then(VolumeInView::border),
             voxels: volume.as_ref().and_then(VolumeInView::voxels),

@@ -1,6 +1,6 @@
 //! The image of a classified volume under conventions of other renderers, by their own ray caster.
 
-use crate::conventions::{RayWork, ray_caster::RayCaster};
+use crate::conventions::{RayWork, as_stored, ray_caster::RayCaster};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
@@ -10,7 +10,8 @@ pub(in crate::render) fn cast<W: Work>(
     scene: &Classified,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
-    let caster = RayCaster::new(scene);
+    let scene = as_stored(scene);
+    let caster = RayCaster::new(&scene);
     let size = [pixels.width, pixels.height];
     let (image, mut work): (_, W) = rows(
         pixels,

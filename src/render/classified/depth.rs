@@ -78,9 +78,9 @@ impl<'s> LayersOfPanel<'s> {
             Mode::Projection(_) => {
                 Some("a projection has no depth: leave `mode` out, or ask for isosurfaces")
             }
-            _ if volume.has_objects() => {
-                Some("several volumes, surfaces and clips have no depth yet: render one volume alone")
-            }
+            _ if volume.has_objects() => Some(
+                "several volumes, surfaces and clips have no depth yet: render one volume alone",
+            ),
             Mode::Composited if volume.is_continuous() => Some(
                 "the integral without samples has no depth yet: state a step, in the scene or by --step",
             ),

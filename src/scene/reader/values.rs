@@ -127,6 +127,34 @@ impl<'d, 's> Reader<'d, 's> {
         self.present(name, read, u64::to_string)
     }
 
+    /// A declared [`Kind::Counts`] that is required.
+    pub fn counts(&self, name: &str) -> SceneResult<[u64; 3]> {
+        let value = self.optional_counts(name)?;
+        Ok(value.expect("required"))
+    }
+
+    /// A declared [`Kind::Counts`] that may be left out.
+    pub fn optional_counts(&self, name: &str) -> SceneResult<Option<[u64; 3]>> {
+        let Kind::Counts(low, high) = self.declared(name).kind else {
+            panic!("{name} is not three counts")
+        };
+        let read = |value: &Spanned<DeValue>| {
+            let expected = self.declared(name).kind.expected();
+            let wrong = || self.error(name, format!("`{name}` must be {expected}"));
+            let items = array(value).filter(|items| items.len() == 3);
+            let mut counts = [0; 3];
+            for (count, item) in counts.iter_mut().zip(items.ok_or_else(wrong)?) {
+                let DeValue::Integer(integer) = item.get_ref() else {
+                    return Err(wrong());
+                };
+                *count = whole_number(name, integer.as_str(), integer.radix(), [low, high])
+                    .map_err(|message| self.error(name, message))?;
+            }
+            Ok(counts)
+        };
+        self.present(name, read, |counts| format!("{counts:?}"))
+    }
+
     /// A declared [`Kind::Number`] that is required or has a default.
     pub fn number(&self, name: &str) -> SceneResult<f64> {
         let value = self.optional_number(name)?;

@@ -3,8 +3,8 @@
 use super::densities::{
     cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x, half_a_voxel_back_along_y,
     half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x, half_a_voxel_on_along_y,
-    half_a_voxel_on_along_z, in_classified, rows_as_long_as_columns, unsigned, upside_down,
-    x_and_y_exchanged, x_and_z_exchanged, y_and_z_exchanged,
+    half_a_voxel_on_along_z, in_classified, rows_as_long_as_columns, signed_as_unsigned,
+    upside_down, without_low_byte, x_and_y_exchanged, x_and_z_exchanged, y_and_z_exchanged,
 };
 use super::{Edit, Mistake, set};
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
@@ -203,14 +203,19 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Classified(|scene| in_classified(scene, rows_as_long_as_columns)),
     },
     Mistake {
-        name: "signed-read-as-unsigned",
-        advice: "values below 0 are shown as the largest: the numbers of the file are signed, 16 bits each",
-        edit: Edit::Classified(|scene| in_classified(scene, unsigned)),
-    },
-    Mistake {
         name: "volume-upside-down",
         advice: "the volume is upside down: y grows upwards",
         edit: Edit::Classified(|scene| in_classified(scene, upside_down)),
+    },
+    Mistake {
+        name: "signed-read-as-unsigned",
+        advice: "values below 0 are read as large ones: they are stored as signed numbers, and read as unsigned ones of as many bits",
+        edit: Edit::Classified(|scene| in_classified(scene, signed_as_unsigned)),
+    },
+    Mistake {
+        name: "low-byte-left-out",
+        advice: "of values of 16 bits the lower 8 are left out, so that values are in steps of 256: keep 16 bits, or scale the range of the volume to 8",
+        edit: Edit::Classified(|scene| in_classified(scene, without_low_byte)),
     },
     Mistake {
         name: "transform-ignored",

@@ -139,7 +139,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
 ];
 
-type GridValues = Arc<Grid<f32>>;
+pub(super) type GridValues = Arc<Grid<f32>>;
 
 /// The classified volume with its grid edited by the same functions that edit those of media.
 pub(super) fn in_classified(
@@ -232,6 +232,36 @@ pub(super) fn rows_as_long_as_columns(grid: &GridValues) -> Option<GridValues> {
         .flatten()
 }
 
+/// Whole numbers, some below 0, of the fewest bits that hold them: 8, 16 or 32.
+pub(super) fn signed_as_unsigned(grid: &GridValues) -> Option<GridValues> {
+    let (low, high) = whole_range(grid)?;
+    let holds = |bits: i32| low >= -exp2(bits - 1) && high < exp2(bits - 1);
+    let bits = [8, 16, 32].into_iter().find(|&bits| holds(bits))?;
+    let past = exp2(bits) as f32;
+    let unsigned = |value| if value < 0.0 { value + past } else { value };
+    (low < 0.0).then(|| mapped(grid, unsigned)).flatten()
+}
+
+/// Whole numbers of 16 bits, some of more than 8.
+pub(super) fn without_low_byte(grid: &GridValues) -> Option<GridValues> {
+    let (low, high) = whole_range(grid)?;
+    let are_of_two_bytes = low >= 0.0 && (256.0..65536.0).contains(&high);
+    let high_byte = |value: f32| (value / 256.0).floor() * 256.0;
+    let lost = are_of_two_bytes.then(|| mapped(grid, high_byte)).flatten();
+    lost.filter(|lost| lost.values() != grid.values())
+}
+
+/// The range of values that are whole numbers.
+fn whole_range(grid: &GridValues) -> Option<(f64, f64)> {
+    let are_whole = grid.values().iter().all(|value| value.fract() == 0.0);
+    are_whole.then(|| grid.range())
+}
+
+/// A power of two.
+fn exp2(bits: i32) -> f64 {
+    (1_u64 << bits) as f64
+}
+
 /// Rows in the reverse order along y.
 pub(super) fn upside_down(grid: &GridValues) -> Option<GridValues> {
     let lattice = grid.lattice();
@@ -241,22 +271,16 @@ pub(super) fn upside_down(grid: &GridValues) -> Option<GridValues> {
 }
 
 /// The value of each node is that of the index that `source` gives.
-fn rearranged(grid: &GridValues, source: impl Fn([usize; 3]) -> usize) -> Option<GridValues> {
+pub(super) fn rearranged(
+    grid: &GridValues,
+    source: impl Fn([usize; 3]) -> usize,
+) -> Option<GridValues> {
     let (lattice, values) = (*grid.lattice(), grid.values());
     let moved = (0..values.len()).map(|index| values[source(lattice.node(index))]);
     Grid::new(lattice, moved.collect()).ok().map(Arc::new)
 }
 
-/// Whole numbers of 16 bits with a sign, read without it.
-pub(super) fn unsigned(grid: &GridValues) -> Option<GridValues> {
-    let is_of_16_bits = |value: &f32| value.fract() == 0.0 && (-32768.0..32768.0).contains(value);
-    let values = grid.values();
-    let occurs = values.iter().all(is_of_16_bits) && values.iter().any(|&value| value < 0.0);
-    let read = |value| if value < 0.0 { value + 65536.0 } else { value };
-    occurs.then(|| mapped(grid, read)).flatten()
-}
-
-fn mapped(grid: &GridValues, map: fn(f32) -> f32) -> Option<GridValues> {
+fn mapped(grid: &GridValues, map: impl Fn(f32) -> f32) -> Option<GridValues> {
     let values = grid.values().iter().map(|&value| map(value)).collect();
     Grid::new(*grid.lattice(), values).ok().map(Arc::new)
 }

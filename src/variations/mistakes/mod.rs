@@ -5,6 +5,7 @@
 //! the suite rejects every mistake, and failing images are [compared with it](crate::naming::likeness) to
 //! name the mistake.
 
+mod bricks;
 mod classified;
 mod densities;
 mod images;
@@ -209,6 +210,7 @@ pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
         classified::MISTAKES,
         objects::MISTAKES,
         projections::MISTAKES,
+        bricks::MISTAKES,
         media::MISTAKES,
         densities::MISTAKES,
         lights::MISTAKES,

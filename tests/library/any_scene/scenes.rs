@@ -191,7 +191,11 @@ impl Written {
             keys.give("background", choices.radiance());
         }
         let map = place_of_volume(choices);
-        keys.give("volume", self.volume(choices, points, map));
+        let volume = match choices.one_in(4) {
+            true => formula(choices, map),
+            false => self.volume(choices, points, map),
+        };
+        keys.give("volume", volume);
         if choices.one_in(2) {
             keys.give(
                 "light",
@@ -533,6 +537,53 @@ fn place_of_volume(choices: &mut Choices<'_>) -> Keys {
         _ => place(choices, &mut keys),
     }
     keys
+}
+
+/// A formula in place of a file: mostly of numbers that are exact in 32 bits.
+fn formula(choices: &mut Choices<'_>, mut keys: Keys) -> String {
+    let nodes: [usize; 3] = std::array::from_fn(|_| choices.pick(&[2, 1, 3, 5, 9]));
+    keys.give("nodes", format!("{nodes:?}"));
+    let value = |choices: &mut Choices<'_>| match choices.one_in(8) {
+        true => choices.number(FINITE, [0.0, 1.0]),
+        false => choices.pick(&[0.125, 0.0, 0.5, 1.0, -0.25]),
+    };
+    if choices.one_in(2) {
+        let spacing = [0; 3].map(|_| choices.length(POSITIVE, [0.1, 1.0]));
+        keys.give("spacing", format!("{spacing:?}"));
+    }
+    if choices.one_in(4) {
+        keys.give("origin", choices.place([-2.0, 2.0]));
+    }
+    if choices.one_in(2) {
+        keys.give("value", format!("{:?}", value(choices)));
+    }
+    if choices.one_in(4) {
+        keys.give("centring", quoted(choices.pick(&["nodes", "cells"])));
+    }
+    if choices.one_in(2) {
+        keys.give("field", quoted("ramp"));
+        let slope = [0; 3].map(|_| value(choices));
+        keys.give("slope", format!("{slope:?}"));
+        return keys.inline();
+    }
+    keys.give("field", quoted("spots"));
+    let few = choices.one_in(2);
+    if few {
+        keys.give("every", choices.count(2, 4, 1 << 27));
+        if choices.one_in(2) {
+            keys.give("bright", format!("{:?}", value(choices)));
+        }
+    }
+    if !few || choices.one_in(2) {
+        let spots: Vec<String> = (0..1 + choices.below(3))
+            .map(|_| {
+                let node = nodes.map(|count| choices.below(count + 1).min(count - 1));
+                format!("{{ node = {node:?}, value = {:?} }}", value(choices))
+            })
+            .collect();
+        keys.give("spot", format!("[{}]", spots.join(", ")));
+    }
+    keys.inline()
 }
 
 /// Values of g: between −1 and 1.

@@ -1,0 +1,110 @@
+//! The grid of a classified volume, as a file of its own: bare samples, NRRD or NPY.
+//!
+//! Values are those of volref, float32 and little endian, x fastest, in the coordinates of the volume: a map that places
+//! it in the world is not applied to them, and stands in the scene.
+
+use super::{Export, Format, Refusal};
+use crate::scene::{Panel, Scene};
+use crate::volume::{Centring, Grid};
+use std::fmt::Display;
+use std::sync::Arc;
+
+/// `NAME.nrrd`; or `NAME.raw` or `NAME.npy`, with sizes, type, spacing and origin beside it in `NAME.raw.toml` or
+/// `NAME.npy.toml`, by which volref reads them.
+pub(super) fn grid_files(scene: &Scene, format: Format, name: &str) -> Result<Export, Refusal> {
+    let grid = only_grid(scene, format)?;
+    let mut samples = match format {
+        Format::Nrrd => nrrd_header(grid).into_bytes(),
+        Format::Npy => npy_header(grid),
+        _ => Vec::new(),
+    };
+    let header = samples.len();
+    samples.extend(grid.values().iter().flat_map(|value| value.to_le_bytes()));
+    let file = format!("{name}.{format}");
+    if format == Format::Nrrd {
+        let files = vec![(file.clone(), samples)];
+        return Ok(Export { main: file, files });
+    }
+    let main = format!("{file}.toml");
+    let description = description(grid, &file, header).into_bytes();
+    let files = vec![(main.clone(), description), (file, samples)];
+    Ok(Export { main, files })
+}
+
+/// The grid that all panels show.
+fn only_grid(scene: &Scene, format: Format) -> Result<&Grid<f32>, Refusal> {
+    let grids: Option<Vec<&Arc<Grid<f32>>>> = scene
+        .panels
+        .iter()
+        .map(|panel: &Panel| panel.classified().map(|volume| &volume.grid))
+        .collect();
+    let Some(grids) = grids else {
+        let what = "a scene that is no classified volume: media go to `mitsuba` or `pbrt`";
+        return Err(Refusal::of(format, "classified", what));
+    };
+    let first = grids[0];
+    if grids.iter().any(|grid| !Arc::ptr_eq(grid, first)) {
+        let what = "panels of several volumes; write a scene of each";
+        return Err(Refusal::of(format, "panel", what));
+    }
+    Ok(first)
+}
+
+fn joined<T: Display>(items: [T; 3], separator: &str) -> String {
+    items.map(|item| item.to_string()).join(separator)
+}
+
+fn centring(grid: &Grid<f32>) -> [&'static str; 2] {
+    match grid.lattice().centring() {
+        Centring::Nodes => ["nodes", "node"],
+        Centring::Cells => ["cells", "cell"],
+    }
+}
+
+/// Axes x, y, z, by the directions of the steps along them.
+fn nrrd_header(grid: &Grid<f32>) -> String {
+    let lattice = grid.lattice();
+    let [x, y, z] = lattice.spacing().to_array();
+    let [_, each] = centring(grid);
+    format!(
+        "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: {}\n\
+         space directions: ({x},0,0) (0,{y},0) (0,0,{z})\nspace origin: ({})\n\
+         kinds: domain domain domain\ncenterings: {each} {each} {each}\n\
+         endian: little\nencoding: raw\n\n",
+        joined(lattice.nodes(), " "),
+        joined(lattice.first().to_array(), ","),
+    )
+}
+
+/// Source: "NPY format", version 1.0 (numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
+fn npy_header(grid: &Grid<f32>) -> Vec<u8> {
+    let [nx, ny, nz] = grid.lattice().nodes();
+    let shape = format!("({nz}, {ny}, {nx})");
+    let mut text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
+    // Data begin at a multiple of 64, after 10 bytes, the text and the end of the line.
+    let padding = (64 - (10 + text.len() + 1) % 64) % 64;
+    text.extend(std::iter::repeat_n(' ', padding));
+    text.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\0".to_vec();
+    bytes.extend((text.len() as u16).to_le_bytes());
+    bytes.extend(text.bytes());
+    bytes
+}
+
+/// Description of raw samples, as volref reads it.
+fn description(grid: &Grid<f32>, file: &str, header_bytes: usize) -> String {
+    let lattice = grid.lattice();
+    let number = |number: f64| format!("{number:?}");
+    let [nodes, spacing, origin] = [
+        joined(lattice.nodes(), ", "),
+        joined(lattice.spacing().to_array().map(number), ", "),
+        joined(lattice.first().to_array().map(number), ", "),
+    ];
+    let [centring, _] = centring(grid);
+    format!(
+        "file = {file:?}\ntype = \"float32\"\nendian = \"little\"\n\
+         nodes = [{nodes}] # x, y, z; x runs fastest in the file\n\
+         spacing = [{spacing}]\norigin = [{origin}] # position of the first node\n\
+         centring = {centring:?}\nheader_bytes = {header_bytes}\n"
+    )
+}

@@ -1,0 +1,125 @@
+//! The grid of a classified volume by a formula, in place of a file.
+
+use super::SceneResult;
+use super::format::{Key, Kind, Range, Table};
+use super::reader::Reader;
+use crate::volume::{Centring, Lattice, LatticeError, NodeFormula};
+use glam::DVec3;
+
+/// Values that a grid holds.
+const STORED: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
+
+/// Nodes along an axis, at most: those of a grid of one row.
+const MOST: u64 = NodeFormula::MOST_NODES as u64;
+
+/// Keys that belong to `field`.
+pub(super) const FORMULA_KEYS: [&str; 8] = [
+    "nodes", "spacing", "origin", "value", "slope", "every", "bright", "spot",
+];
+
+/// The declarations of `field` and its keys.
+pub(super) const FORMULA: [Key; 9] = [
+    Key::optional("field", Kind::Choice(&["ramp", "spots"]))
+        .doc("In place of `file`, a formula for the value of node (i, j, k), counted from 0: \"ramp\" is `value` + `slope`·(i, j, k); \"spots\" is `value` but at single nodes. Values that 32-bit numbers do not hold exactly are refused."),
+    Key::optional("nodes", Kind::Counts(1, MOST))
+        .doc("With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB."),
+    Key::optional("spacing", Kind::Vector)
+        .doc("With `field`: distance between nodes along x, y and z, world units; 1 if left out."),
+    Key::optional("origin", Kind::Vector)
+        .doc("With `field`: position of the first node, world units; the origin if left out."),
+    Key::optional("value", Kind::Number(STORED))
+        .doc("With `field`: of a ramp, the value of the first node; of spots, that of all other nodes; 0 if left out."),
+    Key::optional("slope", Kind::Vector)
+        .doc("Of a ramp, the change from node to node along x, y and z; exact are powers of two."),
+    Key::optional("every", Kind::Count(2, MOST))
+        .doc("Of spots: a spot at the first node of each brick of so many nodes to an edge, that is at nodes whose numbers are multiples of it; along an axis of no more nodes, at the middle one."),
+    Key::optional("bright", Kind::Number(STORED))
+        .doc("Of spots: the value at the nodes that `every` tells; 1 if left out."),
+    Key::optional("spot", Kind::Tables(&SPOT))
+        .doc("Of spots: single nodes, with their values."),
+];
+
+const SPOT: Table = Table::new("A node with a value of its own.").keys(&[
+    Key::required("node", Kind::Counts(0, MOST - 1))
+        .doc("Its numbers along x, y and z, counted from 0."),
+    Key::or("value", Kind::Number(STORED), "1.0").doc("Its value."),
+]);
+
+/// The formula of a volume table, and the lattice of its nodes.
+pub(super) fn read_formula(reader: &Reader) -> SceneResult<(NodeFormula, Lattice)> {
+    let formula = reader.text("field")?;
+    let lattice = read_lattice(reader)?;
+    let value = reader.optional_number("value")?.unwrap_or(0.0);
+    let is_ramp = formula == "ramp";
+    let others: &[&str] = match is_ramp {
+        true => &["every", "bright", "spot"],
+        false => &["slope"],
+    };
+    if let Some(other) = others.iter().find(|key| reader.has(key)) {
+        let message = format!("`{other}` has no effect on the field {formula:?}");
+        return Err(reader.error(other, message));
+    }
+    if is_ramp {
+        let Some(slope) = reader.optional_vector("slope")? else {
+            let message = "the field \"ramp\" needs `slope`, its change from node to node";
+            return Err(reader.mistake(
+                "field",
+                message,
+                "give it, such as slope = [0.5, 0, 0.25]",
+            ));
+        };
+        return Ok((NodeFormula::Ramp { value, slope }, lattice));
+    }
+    let every = reader.optional_count("every")?.map(|nodes| nodes as usize);
+    let every = match every {
+        Some(nodes) => Some((nodes, reader.optional_number("bright")?.unwrap_or(1.0))),
+        None => None,
+    };
+    let spots = reader.tables("spot")?;
+    if every.is_none() && spots.is_empty() {
+        let message = "the field \"spots\" has none";
+        let help =
+            "give `every`, such as every = 32, or `spot`, such as spot = [{ node = [3, 4, 5] }]";
+        return Err(reader.mistake("field", message, help));
+    }
+    let spot = |spot: &Reader| {
+        let node = spot.counts("node")?.map(|index| index as usize);
+        Ok((node, spot.number("value")?))
+    };
+    let formula = NodeFormula::Spots {
+        value,
+        every,
+        spots: spots.iter().map(spot).collect::<SceneResult<_>>()?,
+    };
+    Ok((formula, lattice))
+}
+
+fn read_lattice(reader: &Reader) -> SceneResult<Lattice> {
+    let Some(nodes) = reader.optional_counts("nodes")? else {
+        let message = "a formula needs `nodes`, the size of its grid";
+        return Err(reader.mistake("field", message, "give it, such as nodes = [64, 64, 32]"));
+    };
+    let [x, y, z] = nodes;
+    let count = x.checked_mul(y).and_then(|plane| plane.checked_mul(z));
+    if count.is_none_or(|count| count > MOST) {
+        let message = format!(
+            "{x} × {y} × {z} nodes are too many: a formula is computed at no more than 2^27, which take 512 MiB"
+        );
+        return Err(reader.mistake("nodes", message, "give fewer nodes, or a file of that size"));
+    }
+    let spacing = reader.optional_vector("spacing")?.unwrap_or(DVec3::ONE);
+    let first = reader.optional_vector("origin")?.unwrap_or(DVec3::ZERO);
+    let centring = match reader.optional_text("centring")?.as_deref() {
+        Some("cells") => Centring::Cells,
+        _ => Centring::Nodes,
+    };
+    let lattice = Lattice::new(nodes.map(|count| count as usize), spacing, first)
+        .and_then(|lattice| lattice.with_centring(centring));
+    lattice.map_err(|error| {
+        let key = match error {
+            LatticeError::First(_) => "origin",
+            _ => "spacing",
+        };
+        reader.error(key, error.to_string())
+    })
+}

@@ -1,0 +1,104 @@
+//! Mistakes in volumes that are stored in bricks, or as an atlas of their slices.
+//!
+//! Bricks have 8 to 128 nodes to an edge: brick m holds nodes n·m to n·m + n − 1 along each axis.
+
+use super::densities::{GridValues, in_classified, rearranged};
+use super::{Edit, Mistake, set};
+use crate::scene::Classified;
+use crate::volume::{Grid, Interpolation};
+use std::sync::Arc;
+
+macro_rules! mistakes {
+    ($($edge:literal)+) => { &[
+        $(Mistake {
+            name: concat!("brick-borders-doubled-", $edge),
+            advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and the last layer of each is there twice: a layer that two bricks share counts once in the position of what follows"),
+            edit: Edit::Classified(|scene| in_classified(scene, |grid| doubled(grid, $edge))),
+        },
+        Mistake {
+            name: concat!("brick-borders-dropped-", $edge),
+            advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and a layer between any two is missing: bricks follow each other without a gap"),
+            edit: Edit::Classified(|scene| in_classified(scene, |grid| dropped(grid, $edge))),
+        },
+        Mistake {
+            name: concat!("brick-borders-clamped-", $edge),
+            advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and values are not interpolated across their borders: a brick needs the first layer of the next"),
+            edit: Edit::Classified(|scene| clamped(scene, $edge)),
+        },
+        Mistake {
+            name: concat!("samples-counted-from-bricks-of-", $edge),
+            advice: concat!("samples are counted anew from the face of each brick of ", $edge, " cells: they lie at whole steps from where the ray enters the volume, whatever it is stored in"),
+            edit: Edit::Classified(|scene| {
+                let occurs = !scene.is_continuous() && has_borders(scene, $edge);
+                occurs && set(&mut scene.conventions.brick_steps, Some($edge))
+            }),
+        },)+
+        Mistake {
+            name: "atlas-width-wrong",
+            advice: "slices of the volume are taken from the wrong places of their atlas: of an atlas of nx by ny slices, slice k is in column k mod nx and row floor(k / nx), not floor(k / ny); a square one hides it",
+            edit: Edit::Classified(|scene| in_classified(scene, of_a_wrong_atlas)),
+        },
+    ] };
+}
+
+pub(super) const MISTAKES: &[Mistake] = mistakes!(8 16 32 64 128);
+
+/// True if bricks of so many nodes to an edge have borders within the volume.
+fn has_borders(scene: &Classified, edge: usize) -> bool {
+    let nodes = scene.grid.lattice().nodes();
+    nodes.iter().any(|&count| count > edge)
+}
+
+/// Each layer before a border twice.
+fn doubled(grid: &GridValues, edge: usize) -> Option<GridValues> {
+    by_layers(grid, edge, |index, _| index - index / edge)
+}
+
+/// A layer at each border left out; beyond the last that there is, it is repeated.
+fn dropped(grid: &GridValues, edge: usize) -> Option<GridValues> {
+    by_layers(grid, edge, |index, last| (index + index / edge).min(last))
+}
+
+/// The layer of each index along any axis is that of another.
+fn by_layers(
+    grid: &GridValues,
+    edge: usize,
+    source: impl Fn(usize, usize) -> usize,
+) -> Option<GridValues> {
+    let lattice = grid.lattice();
+    let nodes = lattice.nodes();
+    let moved = |node: [usize; 3]| [0, 1, 2].map(|axis| source(node[axis], nodes[axis] - 1));
+    let has_borders = nodes.iter().any(|&count| count > edge);
+    has_borders
+        .then(|| rearranged(grid, |node| lattice.index(moved(node))))
+        .flatten()
+}
+
+fn clamped(scene: &mut Classified, edge: u32) -> bool {
+    let occurs = !scene.is_continuous()
+        && scene.interpolation == Interpolation::Trilinear
+        && has_borders(scene, edge as usize);
+    occurs && set(&mut scene.conventions.brick_values, Some(edge))
+}
+
+/// The slices of an atlas whose rows are counted by their own number, as deep as the atlas is wide in
+/// powers of two; what lies beyond the last slice is empty.
+fn of_a_wrong_atlas(grid: &GridValues) -> Option<GridValues> {
+    let (lattice, values) = (*grid.lattice(), grid.values());
+    let [nx, ny, nz] = lattice.nodes();
+    let columns = (0..32)
+        .map(|bits| 1_usize << bits)
+        .find(|columns| columns * columns >= nz)?;
+    let rows = nz.div_ceil(columns);
+    if rows == columns {
+        return None;
+    }
+    let plane = nx * ny;
+    let slices = (0..nz).flat_map(|k| {
+        let read = k % columns + columns * (k / rows % rows);
+        let slice = values.get(read * plane..(read + 1) * plane);
+        (0..plane).map(move |index| slice.map_or(0.0, |slice| slice[index]))
+    });
+    let moved = Grid::new(lattice, slices.collect()).ok()?;
+    (moved.values() != values).then(|| Arc::new(moved))
+}
