@@ -305,7 +305,7 @@ fn the_student_passes_figure_5_and_fails_without_its_shadow() {
 /// Two constant volumes that overlap, by the numbers of their bundle alone, in closed form.
 #[test]
 fn several_volumes_follow_from_their_bundle() {
-    let scene = Scene::load(&root().join("fixtures/scenes/several/two-fogs.toml")).unwrap();
+    let scene = Scene::load(&root().join("fixtures/scenes/scenes/two-fogs.toml")).unwrap();
     let description = description(&bundle(&scene, "fogs").unwrap());
     let panel = &description["panels"][0];
     assert_eq!(panel["shows"], "volumes");
@@ -406,7 +406,7 @@ fn the_student_places_a_volume() {
 #[test]
 fn the_student_projects() {
     let field = |name: &str| {
-        let path = root().join(format!("fixtures/scenes/projections/{name}.toml"));
+        let path = root().join(format!("fixtures/scenes/scenes/{name}.toml"));
         let mut scene = Scene::load(&path).unwrap();
         for panel in &mut scene.panels {
             (panel.width, panel.height) = (28, 28);

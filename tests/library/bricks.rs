@@ -203,7 +203,7 @@ fn grids_written_and_read_again_are_the_same() {
         "bricks/spots-of-8",
         "bricks/end-of-4097",
         "sampled/slope",
-        "placed/turned",
+        "scenes/turned",
     ] {
         let case = suite.select(&[name.to_owned()]).unwrap()[0];
         let mut scene = case.load_scene().unwrap();

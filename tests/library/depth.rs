@@ -156,10 +156,10 @@ fn the_plain_definition_agrees() {
         "sampled/opaque",
         "sampled/nearest-blocks",
         "sampled/thin",
-        "placed/sheared",
-        "placed/mirrored",
+        "scenes/sheared",
+        "scenes/mirrored",
         "scenes/mean-depth",
-        "projections/isosurfaces",
+        "scenes/isosurfaces",
     ] {
         let scene = Scene::load(&root.join(format!("{name}.toml"))).unwrap();
         for (kind, wanted) in Depth::ALL {

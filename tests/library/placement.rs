@@ -714,7 +714,7 @@ fn goldens_of_placed_volumes() {
             None,
         ),
     ] {
-        let scene = Scene::load(&root.join(format!("fixtures/scenes/placed/{name}.toml"))).unwrap();
+        let scene = Scene::load(&root.join(format!("fixtures/scenes/scenes/{name}.toml"))).unwrap();
         let scene = volume(&scene);
         let nodes = scene.grid.lattice().nodes();
         let last = DVec3::from_array(nodes.map(|nodes| (nodes - 1) as f64));
@@ -737,7 +737,7 @@ fn goldens_of_placed_volumes() {
             let function = &scene.transfer_function;
             (function.colour(value), function.reference_opacity(value))
         };
-        let file = root.join(format!("golden/placed/{name}.exr"));
+        let file = root.join(format!("golden/scenes/{name}.exr"));
         let film = Film::from_exr(&std::fs::read(file).unwrap()).unwrap();
         let (worst, seen) = farthest(&film, scene, &box_, &field, &look, 0.5 * box_.voxel);
         assert!(

@@ -13,7 +13,7 @@ fn the_suite_catches_every_mistake() {
     let names = [
         "figures",
         "bricks",
-        "placed/uneven",
+        "scenes/uneven",
         "smoke",
         "fog/absorption",
         "fog/forward",

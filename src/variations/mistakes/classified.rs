@@ -8,7 +8,7 @@ use super::densities::{
 };
 use super::{Edit, Mistake, set};
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
-use crate::scene::{Classified, Gradient, Shadow, StepLength};
+use crate::scene::{Classified, Gradient, Mode, Shadow, StepLength};
 use crate::volume::Interpolation;
 use glam::DVec3;
 
@@ -288,8 +288,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
 ];
 
-/// Another reference length, from the old one and the step.
+/// Another reference length, from the old one and the step. Only composited samples have one.
 fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
+    if scene.mode != Mode::Composited {
+        return false;
+    }
     let length = &mut scene.transfer_function.reference_length;
     let new = edit(*length, scene.step);
     new.is_normal() && set(length, new)
@@ -305,8 +308,10 @@ fn shadowed(scene: &mut Classified, edit: fn(&mut Shadow) -> bool) -> bool {
 
 fn coloured(scene: &mut Classified, edit: fn(&Colormap) -> Colormap) -> bool {
     match &mut scene.transfer_function.appearance {
-        Appearance::Formula { colormap, .. } => set(colormap, edit(colormap)),
-        Appearance::Points(_) => false,
+        Appearance::Formula { colormap, .. } if scene.mode.uses_transfer_function() => {
+            set(colormap, edit(colormap))
+        }
+        _ => false,
     }
 }
 
@@ -318,7 +323,8 @@ const POINTS: usize = 4096;
 /// would be one of opacities then, so scenes that have one are left alone.
 fn strengthened(scene: &mut Classified, strength: fn(f64) -> f64) -> bool {
     let transfer_function = &scene.transfer_function;
-    if scene.shadow.is_some() || matches!(transfer_function.appearance, Appearance::Points(_)) {
+    let is_table = matches!(transfer_function.appearance, Appearance::Points(_));
+    if scene.shadow.is_some() || is_table || scene.mode != Mode::Composited {
         return false;
     }
     let most = scene.grid.range().1;

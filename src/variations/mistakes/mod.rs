@@ -194,8 +194,8 @@ fn opacity_of(model: &mut Model) -> Option<&mut TransferOpacity> {
     match model {
         Model::Classified(scene) if scene.has_objects() => None,
         Model::Classified(scene) => match &mut scene.transfer_function.appearance {
-            Appearance::Formula { opacity, .. } => Some(opacity),
-            Appearance::Points(_) => None,
+            Appearance::Formula { opacity, .. } if scene.mode == Mode::Composited => Some(opacity),
+            _ => None,
         },
         Model::Curve(Curve::Formula { opacity, .. }) => Some(opacity),
         Model::Curve(Curve::Points(_)) | Model::Radiative(_) => None,
