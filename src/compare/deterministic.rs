@@ -188,7 +188,7 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
 /// own, small errors of the reference, so that their mean needs no allowance for roundings that do not
 /// average out, such as of an image of one colour.
 fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool) -> Judgement {
-    let opacity = opacity::difference(reference, test, asked);
+    let opacity = opacity::difference(reference, test, asked, tolerance);
     let black = lone_black_pixels(reference, test);
     let allowed = match test.quantisation() {
         Some(of) if of.blended => "one and a half codes + 0.001 + 1 %",
@@ -291,13 +291,15 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool
             at(reference)
         );
         (false, reason)
-    } else if let Some(found) = opacity.as_ref().filter(|found| found.bias.abs() > 1.0) {
+    } else if let Some(found) = &opacity
+        && found.mean.abs() > tolerance_of_mean(found.golden)
+    {
         let reason = format!(
             "the colours agree, and the opacity of every pixel is close, but too {} on the whole: its mean is off by \
              {:.3e}, {:.1} times what is allowed",
             if found.mean > 0.0 { "high" } else { "low" },
             found.mean,
-            found.bias.abs()
+            found.mean.abs() / tolerance_of_mean(found.golden)
         );
         (false, reason)
     } else {

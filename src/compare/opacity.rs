@@ -4,7 +4,6 @@
 //! Such a channel says nothing of the volume: it is compared only where [a case asks for
 //! opacity](super::Conditions::opacity).
 
-use super::deterministic::{tolerance, tolerance_of_mean};
 use crate::film::Film;
 use crate::math::Sum;
 
@@ -18,13 +17,18 @@ pub(super) struct OpacityDifference {
     pub worst_at: usize,
     /// Mean of test minus reference.
     pub mean: f64,
-    /// That mean in allowed ones.
-    pub bias: f64,
+    /// Mean of the reference.
+    pub golden: f64,
 }
 
-/// The comparison; `None` where an image has no opacity, or where that of `test` is all 0 or all 1 and not `asked`
+/// The comparison, by the `tolerance` of each value; `None` where an image has no opacity, or where that of `test` is all 0 or all 1 and not `asked`
 /// for.
-pub(super) fn difference(reference: &Film, test: &Film, asked: bool) -> Option<OpacityDifference> {
+pub(super) fn difference(
+    reference: &Film,
+    test: &Film,
+    asked: bool,
+    tolerance: fn(f64) -> f64,
+) -> Option<OpacityDifference> {
     let (golden, opacity) = (reference.opacity()?, test.opacity()?);
     let is_all = |value: f32| opacity.iter().all(|&opacity| opacity == value);
     if !asked && (is_all(0.0) || is_all(1.0)) {
@@ -37,7 +41,7 @@ pub(super) fn difference(reference: &Film, test: &Film, asked: bool) -> Option<O
         worst: 0.0,
         worst_at: 0,
         mean: 0.0,
-        bias: 0.0,
+        golden: 0.0,
     };
     let (mut sum, mut differences) = (Sum::default(), Sum::default());
     for (index, (&golden, &test)) in golden.iter().zip(opacity).enumerate() {
@@ -56,6 +60,6 @@ pub(super) fn difference(reference: &Film, test: &Film, asked: bool) -> Option<O
     }
     let count = golden.len() as f64;
     found.mean = differences.value() / count;
-    found.bias = found.mean / tolerance_of_mean(sum.value() / count);
+    found.golden = sum.value() / count;
     Some(found)
 }

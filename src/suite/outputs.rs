@@ -259,20 +259,20 @@ impl Outputs {
         if let Some((role, file)) = beside.first()
             && images.len() != 1
         {
+            let (what, of_replicates) = match role {
+                Role::Depth => ("depth", "are several, with seeds of their own"),
+                _ => ("variance", "are several, whose spread says it already"),
+            };
             return Err(OutputError::Beside {
                 case: case.to_owned(),
                 file: file.clone(),
-                what: if *role == Role::Depth {
-                    "depth"
-                } else {
-                    "variance"
-                },
+                what,
                 there: if images.is_empty() {
                     "is none"
                 } else if is_refined {
                     "are several, with smaller and smaller steps"
                 } else {
-                    "are several, with seeds of their own"
+                    of_replicates
                 },
             });
         }

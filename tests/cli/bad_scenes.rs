@@ -154,7 +154,7 @@ fn modes_and_what_contradicts_them() {
     scene.toml:9:8: `mode = "isosurface"` needs a value help: give [[classified.isosurface]] with `value` and `colour`, once for each surface
     scene.toml:10:25: `value` must be finite, got inf help: `classified.isosurface[0].value`: Value of the volume, in the unit of its file.
     scene.toml:10:50: `opacity` must lie in [0, 1], got 2 help: `classified.isosurface[0].opacity`: Fraction of the light behind that is absorbed.
-    scene.toml:12:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities.
+    scene.toml:12:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     scene.toml:10:52: two isosurfaces have the value 1 help: leave one of them out: they are one surface
     scene.toml:10:14: 65 isosurfaces are too many: a scene has at most 64 help: `classified.isosurface`: The surfaces of `mode = "isosurface"`, at most 64.
     scene.toml:11:10: nothing casts a shadow with `mode = "isosurface"` help: leave the table out, or `mode`

@@ -24,6 +24,16 @@ fn rendered(folder: &Folder, more: &[&str]) -> Film {
     Film::from_exr(&folder.read("right.exr")).unwrap()
 }
 
+/// Fails unless the command ended with `code` and prints all the `parts`.
+fn prints(run: &Run, code: i32, parts: &[&str]) {
+    assert_eq!(run.code, code, "{}\n{}", run.message(), run.stdout);
+    let printed: Vec<&str> = run.stdout.split_whitespace().collect();
+    let printed = printed.join(" ");
+    for part in parts {
+        assert!(printed.contains(part), "{part:?} is not in: {printed}");
+    }
+}
+
 fn validate(folder: &Folder, film: &Film, more: &[&str]) -> Run {
     folder.write("out/smoke/plain.exr", film.to_exr().unwrap());
     folder.volref(&[&["validate", CASE, "--outputs", "out"], more].concat())
@@ -33,38 +43,43 @@ fn validate(folder: &Folder, film: &Film, more: &[&str]) -> Run {
 fn opacity_that_is_wrong_is_named() {
     let folder = asking("mean");
     let right = rendered(&folder, &[]);
-    validate(&folder, &right, &[]).expect(
+    prints(
+        &validate(&folder, &right, &[]),
         0,
         &["the case asks for mean depth as well, and the image has none"],
     );
-    let edits: [(&str, fn(f32) -> f32); 4] = [
-        ("opaque-background", |_| 1.0),
-        ("opacity-not-written", |_| 0.0),
-        ("transmittance-for-opacity", |opacity| 1.0 - opacity),
-        ("opacity-blended-by-itself", |opacity| opacity * opacity),
-    ];
-    for (name, edit) in edits {
-        let run = validate(&folder, &right.clone().map_opacity(edit), &[]);
-        run.expect(
-            1,
-            &[
-                "the colours agree; the opacity of",
-                &format!("looks like  {name} (1 of 1 case)"),
-            ],
-        );
+    for name in [
+        "opaque-background",
+        "opacity-not-written",
+        "transmittance-for-opacity",
+        "opacity-blended-by-itself",
+    ] {
+        let wrong = right.clone().map_opacity(|opacity| match name {
+            "opaque-background" => 1.0,
+            "opacity-not-written" => 0.0,
+            "transmittance-for-opacity" => 1.0 - opacity,
+            _ => opacity * opacity,
+        });
+        let run = validate(&folder, &wrong, &[]);
+        let looks_like = format!("looks like {name} (1 of 1 case)");
+        prints(&run, 1, &["the colours agree; the opacity of", &looks_like]);
     }
     let run = validate(
         &folder,
         &right.clone().map_opacity(|opacity| 0.8 * opacity),
         &[],
     );
-    run.expect(
+    prints(
+        &run,
         1,
         &["the colours are right: the difference is in opacity alone"],
     );
     assert!(!run.stdout.contains("looks like"), "{}", run.stdout);
-    validate(&folder, &right.without_opacity(), &[])
-        .expect(0, &["the image has no fourth channel"]);
+    prints(
+        &validate(&folder, &right.without_opacity(), &[]),
+        0,
+        &["the image has no fourth channel"],
+    );
 }
 
 /// A case that does not ask takes a channel of one value for one that nobody wrote.
@@ -74,10 +89,14 @@ fn a_channel_of_one_value_counts_only_where_it_is_asked_for() {
     let right = rendered(&folder, &[]);
     for value in [0.0, 1.0] {
         let written = right.clone().map_opacity(|_| value);
-        validate(&folder, &written, &[]).expect(0, &["pass"]);
+        validate(&folder, &written, &[]).expect(0, &[]);
     }
     let halved = right.map_opacity(|opacity| 0.5 * opacity);
-    validate(&folder, &halved, &["--explain", "0"]).expect(1, &["the colours agree"]);
+    prints(
+        &validate(&folder, &halved, &["--explain", "0"]),
+        1,
+        &["the colours agree"],
+    );
 }
 
 #[test]
@@ -105,10 +124,10 @@ fn colours_without_their_background_are_declared() {
         Film::with_opacity(right.width(), right.height(), alone.collect())
     };
     for (name, film) in [("premultiplied", pixels(false)), ("straight", pixels(true))] {
-        validate(&folder, &film, &["--alpha", name]).expect(0, &["pass"]);
+        validate(&folder, &film, &["--alpha", name]).expect(0, &[]);
         let profile = format!("name = \"mine\"\nalpha = \"{name}\"\n");
         folder.write("mine.toml", profile);
-        validate(&folder, &film, &["--as", "mine.toml"]).expect(0, &["pass"]);
+        validate(&folder, &film, &["--as", "mine.toml"]).expect(0, &[]);
         assert_eq!(
             validate(&folder, &film, &["--explain", "0"]).code,
             1,
@@ -122,15 +141,19 @@ fn colours_without_their_background_are_declared() {
 fn depth_is_judged_where_it_is_asked_for() {
     let folder = asking("half-along-view");
     let right = rendered(&folder, &["--depth=half-along-view"]);
-    validate(&folder, &right, &[]).expect(0, &["pass"]);
+    validate(&folder, &right, &[]).expect(0, &[]);
     let plain = rendered(&folder, &["--depth=half-along-view", "--reference"]);
-    validate(&folder, &plain, &[]).expect(0, &["pass"]);
+    validate(&folder, &plain, &[]).expect(0, &[]);
     let other = rendered(&folder, &["--depth"]);
     let said = "it is the mean depth, and the case asks for the half-along-view one";
-    validate(&folder, &other, &[]).expect(1, &["the image agrees; the depth of", said]);
+    prints(
+        &validate(&folder, &other, &[]),
+        1,
+        &["the image agrees; the depth of", said],
+    );
     let depth = right.depth().unwrap().iter().map(|t| 1.2 * t).collect();
     let run = validate(&folder, &right.clone().with_depth(depth), &[]);
-    run.expect(1, &["is off by more than half a step and 0.1 %"]);
+    prints(&run, 1, &["is off by more than half a step and 0.1 %"]);
     // Beside an array.
     folder
         .volref(&[
