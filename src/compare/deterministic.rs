@@ -2,7 +2,7 @@
 //!
 //! A pixel agrees if every channel does: `|test − golden| ≤ 1e-3 + 1 % of golden`. All but
 //! 0.02 % of the pixels must agree, none may be far off, and the differences must not add up.
-//! Opacity, where both images have it, is judged likewise ([`opacity`](super::opacity)).
+//! Opacity, where both images have it, is judged likewise (`opacity.rs`).
 //! Structural and mean-pooled metrics are no substitute: of sixteen seeded faults they caught
 //! between one and twelve, this rule all.
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use volref::film::Depth;
+use volref::math::{exp_m1, ln, ln_1p, tan};
 use volref::reference;
 use volref::render::depth;
 use volref::scene::Scene;
@@ -43,10 +44,10 @@ fn middle(scene: &Scene, name: &str) -> f64 {
 fn a_constant_volume_has_the_depth_of_its_closed_form() {
     let folder = tempfile::tempdir().unwrap();
     for opacity in [1e-6, 0.1, 0.5, 0.9, 0.999] {
-        let extinction = -f64::ln_1p(-opacity);
+        let extinction = -ln_1p(-opacity);
         for step in [0.5, 0.1, 0.3] {
             let scene = constant(folder.path(), opacity, step, "");
-            let mean = 3.0 + 1.0 / extinction - 2.0 / f64::exp_m1(2.0 * extinction);
+            let mean = 3.0 + 1.0 / extinction - 2.0 / exp_m1(2.0 * extinction);
             // Within a step the light is lost before its middle: by σ h²/12 at most, to first order in σ h, and never by
             // more than half a step. The number is kept in 32 bits; that of 1e-6 is the difference of two millions.
             let bound = (extinction * step * step / 12.0).min(0.5 * step) + 3e-7 * mean + 1e-9;
@@ -55,7 +56,7 @@ fn a_constant_volume_has_the_depth_of_its_closed_form() {
                 (found - mean).abs() <= bound,
                 "{opacity} {step}: {found} {mean}"
             );
-            let half = 3.0 + 2_f64.ln() / extinction;
+            let half = 3.0 + ln(2.0) / extinction;
             let found = middle(&scene, HALF);
             if half < 5.0 {
                 assert!(
@@ -76,10 +77,10 @@ fn along_the_view_the_face_of_a_box_is_a_plane() {
     let scene = constant(folder.path(), 0.999_999_999, 0.5, "");
     let along_ray = depth(&scene, named(HALF)).unwrap();
     let along_view = depth(&scene, named("half-along-view")).unwrap();
-    let from_face = 2_f64.ln() / -f64::ln_1p(-0.999_999_999);
+    let from_face = ln(2.0) / -ln_1p(-0.999_999_999);
     for (index, (ray, view)) in along_ray.iter().zip(&along_view).enumerate() {
         let [x, y] =
-            [index % 5, index / 5].map(|at| (at as f64 - 2.0) / 2.5 * 10_f64.to_radians().tan());
+            [index % 5, index / 5].map(|at| (at as f64 - 2.0) / 2.5 * tan(10_f64.to_radians()));
         let slant = (1.0 + x * x + y * y).sqrt();
         let right = 3.0 * slant + from_face;
         assert!(
