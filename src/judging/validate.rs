@@ -185,8 +185,8 @@ fn with_what_is_asked(
         let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
         let others = Depth::ALL.into_iter().map(|(_, other)| other);
         let mut others = others.filter(|&other| other != asked);
-        if let Some(other) =
-            others.find(|&other| judged_as(other).is_ok_and(|found| found.agrees()))
+        if let Some(other) = others
+            .find(|&other| judged_as(other).is_ok_and(|found| found.seen > 0 && found.agrees()))
         {
             reason.push_str(&format!(
                 "; it is the {other} depth, and the case asks for the {asked} one"

@@ -8,7 +8,10 @@ const SCENE: &str = "fixtures/scenes/smoke/plain.toml";
 
 /// The folder of a suite whose case asks for opacity and for a depth.
 fn asking(depth: &str) -> Folder {
-    let folder = Folder::with_goldens();
+    let folder = Folder::with_suite();
+    // Opaque enough for half of the light to be lost.
+    folder.edit(SCENE, "0.2 voxels", "0.01 voxels");
+    folder.accept_all();
     let manifest = "fixtures/cases/smoke/plain.toml";
     let text = String::from_utf8(folder.read(manifest)).unwrap();
     folder.write(
