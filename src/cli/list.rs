@@ -53,6 +53,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             "shows": case.shows,
             "computes": case.computes,
             "exposure": case.exposure,
+            "opacity": case.opacity,
+            "depth": case.depth.map(|depth| depth.to_string()),
         }));
     }
     let mut value = json!({ "schema": "volref/list/1", "cases": entries });

@@ -141,6 +141,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         film.width(),
         film.height()
     );
+    if let (Some(file), Some(depth)) = (&depth_file, arguments.depth) {
+        text.push_str(&format!(
+            "{}: {depth} depth of each pixel\n",
+            file.display()
+        ));
+    }
     if let Some(note) = brightness_note(&film, format, arguments.exposure) {
         text.push_str(&note);
     }

@@ -78,8 +78,8 @@ pub struct Arguments {
     /// [default: as in the profile]
     #[arg(long, value_name = "BITS")]
     bits: Option<Bits>,
-    /// Colours of images with opacity leave out the background of the scene: premultiplied by opacity, or straight
-    /// [default: as in the profile, else they contain it]
+    /// Colours of .exr and .npy images with opacity leave out the background of the scene: premultiplied by opacity, or
+    /// straight [default: as in the profile, else they contain it]
     #[arg(long, value_name = "ALPHA")]
     alpha: Option<Alpha>,
     /// Accept images that are right under other conventions than the golden's, and say which
@@ -434,8 +434,8 @@ impl Judge<'_> {
             .arguments
             .alpha
             .or(profile.and_then(|profile| profile.alpha));
-        let output = before_background(rendered.output, alpha, case);
-        let output = declared(output, bits, case);
+        let output = declared(rendered.output, bits, case);
+        let output = before_background(output, alpha, case);
         let mut judged = validate_at(look, case, store, output, profile);
         if profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);

@@ -26,6 +26,8 @@ pub struct DepthDifference {
     pub outside: usize,
     /// Pixels that have a depth.
     pub seen: usize,
+    /// Mean distance from the right depth, of pixels that have both.
+    pub mean: f64,
     /// The worst of them: its index, its depth and the right one.
     pub worst: Option<(usize, f32, f32)>,
 }
@@ -37,10 +39,11 @@ impl DepthDifference {
         let mut found = DepthDifference {
             outside: 0,
             seen: 0,
+            mean: 0.0,
             worst: None,
         };
         let height = right.len() / width;
-        let mut most = 0.0;
+        let (mut most, mut sum, mut both) = (0.0, 0.0, 0_usize);
         for (index, &at) in right.iter().enumerate().filter(|(_, at)| at.is_finite()) {
             found.seen += 1;
             let [x, y] = [index % width, index / width];
@@ -62,6 +65,10 @@ impl DepthDifference {
             let is_edge = ends || f64::from(far) - f64::from(near) > AT_AN_EDGE * tolerance;
             let [low, high] = if is_edge { [near, far] } else { [at, at] };
             let depth = f64::from(test[index]);
+            if depth.is_finite() {
+                sum += (depth - f64::from(at)).abs();
+                both += 1;
+            }
             let off = (f64::from(low) - depth).max(depth - f64::from(high));
             let is_nothing = ends && (!depth.is_finite() || depth <= 0.0);
             // NaN is off, too.
@@ -78,6 +85,7 @@ impl DepthDifference {
                 }
             }
         }
+        found.mean = sum / both.max(1) as f64;
         found
     }
 

@@ -56,7 +56,7 @@ impl Gate for Deterministic {
          golden: that is one tolerance. At most 0.02 % of the pixels may disagree (rays that graze \
          an edge), none by more than 20 tolerances, and the mean of a channel may be off by a tenth \
          of a tolerance. No single pixel may be black among neighbours that are not. Opacity, where \
-         both images have it and the test image's is not 1 or 0 everywhere, is one more channel."
+         both images have it, is one more channel; 1 or 0 everywhere counts only in cases that ask for opacity."
     }
 
     fn metrics(&self) -> &'static [Metric] {

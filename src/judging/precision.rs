@@ -1,7 +1,7 @@
 //! Images as they are declared: of 8 bits, or without the background of their scene.
 
 use crate::compare::{Picture, recognised};
-use crate::film::{Alpha, Bits, Encoding, Film, Origin};
+use crate::film::{Alpha, Bits, Encoding, Film, Origin, Quantisation};
 use crate::scene::{Model, Scene};
 use crate::suite::{Case, Output};
 
@@ -18,7 +18,8 @@ pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
     }
 }
 
-/// `output` for `case`, with its images declared to be colours without the background of their scene.
+/// `output` for `case`, with its images declared to be colours without the background of their scene. An image of 8 bits
+/// is recognised before that.
 pub fn before_background(output: Output, alpha: Option<Alpha>, case: &Case) -> Output {
     let Some(alpha) = alpha else {
         return output;
@@ -28,20 +29,42 @@ pub fn before_background(output: Output, alpha: Option<Alpha>, case: &Case) -> O
         // Said where the scene is judged.
         Err(_) => return output,
     };
-    let background = backgrounds(&scene);
+    let has_volume = scene
+        .panels
+        .iter()
+        .any(|panel| panel.classified().is_some());
+    let has_none = |picture: &Picture| picture.radiance().and_then(Film::opacity).is_none();
+    if has_volume && matches!(&output, Output::Picture(picture) if has_none(picture)) {
+        return Output::Unusable(format!(
+            "the image has no opacity, and --alpha {alpha} is declared: write the fourth channel of an .exr or .npy, \
+             or leave --alpha out where colours contain the background"
+        ));
+    }
     let of = |picture| match picture {
-        Picture::Radiance(film) => {
-            let columns = film.width().max(1);
-            let behind =
-                |index: usize| background.get(index % columns).copied().unwrap_or_default();
-            Picture::Radiance(film.before(alpha, behind))
-        }
+        Picture::Radiance(film) => Picture::Radiance(with_background(film, alpha, &scene)),
         codes => codes,
     };
     match output {
         Output::Picture(picture) => Output::Picture(Box::new(of(*picture))),
         Output::Refined(pictures) => Output::Refined(pictures.into_iter().map(of).collect()),
         other => other,
+    }
+}
+
+/// `film`, whose colours are declared to be `alpha`, before the background of `scene`.
+pub(super) fn with_background(film: Film, alpha: Alpha, scene: &Scene) -> Film {
+    let background = backgrounds(scene);
+    let columns = film.width().max(1);
+    let quantisation = film.quantisation();
+    let quantisation = quantisation.or_else(|| Quantisation::recognised(&film, 0.0));
+    let behind = |index: usize| background.get(index % columns).copied().unwrap_or_default();
+    let film = film.before(alpha, behind);
+    match quantisation {
+        Some(of) => film.quantised(Quantisation {
+            blended: true,
+            ..of
+        }),
+        None => film,
     }
 }
 

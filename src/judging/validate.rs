@@ -3,7 +3,7 @@
 use super::decide::cases_at;
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
-use super::precision::{known, known_radiance, read_otherwise};
+use super::precision::{known, known_radiance, read_otherwise, with_background};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::{DepthDifference, OUTLIERS_OF_DEPTH};
@@ -12,7 +12,7 @@ use crate::compare::{
     precision_in_words,
 };
 use crate::conventions::Profile;
-use crate::film::{Depth, Film};
+use crate::film::{Alpha, Depth, Film};
 use crate::render;
 use crate::suite::{Case, Output, Store};
 use std::time::Instant;
@@ -184,10 +184,11 @@ fn with_what_is_asked(
     if !found.agrees() {
         let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
         let others = Depth::ALL.into_iter().map(|(_, other)| other);
-        let mut others = others.filter(|&other| other != asked);
-        if let Some(other) = others
-            .find(|&other| judged_as(other).is_ok_and(|found| found.seen > 0 && found.agrees()))
-        {
+        let others = others.filter(|&other| other != asked).filter_map(|other| {
+            let found = judged_as(other).ok()?;
+            (found.seen > 0 && found.agrees()).then_some((found.mean, other))
+        });
+        if let Some((_, other)) = others.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
             reason.push_str(&format!(
                 "; it is the {other} depth, and the case asks for the {asked} one"
             ));
@@ -275,6 +276,28 @@ fn other_encoding(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Op
     agrees.then(|| format!("the image agrees where its codes are declared with --bits {bits}"))
 }
 
+/// Statement that an image agrees once the background of the scene is added.
+fn without_background(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Option<String> {
+    let film = picture.radiance().filter(|film| film.opacity().is_some())?;
+    let golden = Picture::Radiance(checked.golden.film.clone());
+    let agrees = |alpha: &Alpha| {
+        let film = with_background(film.clone(), *alpha, &checked.scene);
+        let judgement = judge(
+            &Deterministic,
+            &golden,
+            &Picture::Radiance(film),
+            &checked.conditions(case),
+        );
+        judgement.is_ok_and(|judgement| judgement.passed)
+    };
+    let alpha = [Alpha::Premultiplied, Alpha::Straight]
+        .into_iter()
+        .find(agrees)?;
+    Some(format!(
+        "the colours leave out the background of the scene: the image agrees where that is declared with --alpha {alpha}"
+    ))
+}
+
 fn judged(
     case: &Case,
     gate: &'static dyn ImageGate,
@@ -321,6 +344,7 @@ fn with_words(
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
         said.extend(other_encoding(case, checked, picture));
+        said.extend(without_background(case, checked, picture));
         if !said.is_empty() {
             drop_as_if(&mut finding.reason, &mut finding.as_if);
         }

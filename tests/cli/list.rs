@@ -28,10 +28,12 @@ fn json() {
         {
           "class": "deterministic",
           "computes": "what the scene says",
+          "depth": null,
           "exposure": 0.0,
           "family": "plots",
           "gate": "deterministic",
           "name": "plots/curve",
+          "opacity": false,
           "scene": "fixtures/scenes/plots/curve.toml",
           "shows": "a diamond",
           "source": "a test"

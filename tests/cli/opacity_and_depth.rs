@@ -131,12 +131,19 @@ fn colours_without_their_background_are_declared() {
         let profile = format!("name = \"mine\"\nalpha = \"{name}\"\n");
         folder.write("mine.toml", profile);
         validate(&folder, &film, &["--as", "mine.toml"]).expect(0, &[]);
-        assert_eq!(
-            validate(&folder, &film, &["--explain", "0"]).code,
-            1,
-            "{name}"
-        );
+        let said = format!("the image agrees where that is declared with --alpha {name}");
+        prints(&validate(&folder, &film, &["--explain", "0"]), 1, &[&said]);
+        // Every value rounded to a code, as display buffers hold them.
+        let code = |value: f32| (255.0 * value).round() / 255.0;
+        let codes: Vec<[f32; 4]> = (0..film.radiance().len())
+            .map(|index| film.pixel(index).map(code))
+            .collect();
+        let codes = Film::with_opacity(film.width(), film.height(), codes);
+        validate(&folder, &codes, &["--alpha", name, "--bits", "8-linear"]).expect(0, &[]);
     }
+    let without = right.clone().without_opacity();
+    let run = validate(&folder, &without, &["--alpha", "straight"]);
+    prints(&run, 4, &["the image has no opacity, and --alpha straight is declared"]);
     validate(&folder, &right, &["--alpha", "masked"]).expect(2, &["premultiplied or straight"]);
 }
 
@@ -196,7 +203,7 @@ fn depth_that_cannot_be_had_is_refused() {
         "[classified]\n",
         "[classified]\ncompositing = \"continuous\"\n",
     );
-    render(&["-o", "a.exr", "--depth"]).expect(2, &["state a step"]);
+    render(&["-o", "a.exr", "--depth"]).expect(2, &["give --step"]);
     let manifest = "fixtures/cases/smoke/plain.toml";
     let text = String::from_utf8(folder.read(manifest)).unwrap();
     folder.write(

@@ -82,7 +82,7 @@ impl<'s> LayersOfPanel<'s> {
                 "several volumes, surfaces and clips have no depth yet: render one volume alone",
             ),
             Mode::Composited if volume.is_continuous() => Some(
-                "the integral without samples has no depth yet: state a step, in the scene or by --step",
+                "the integral without samples has no depth yet: give --step, or leave out `compositing`",
             ),
             _ if volume.conventions != Conventions::default() => Some(
                 "depth is that of volref's own conventions: leave out [classified.conventions]",

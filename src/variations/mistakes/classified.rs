@@ -277,6 +277,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Classified(|scene| set(&mut scene.background, DVec3::ONE)),
     },
     Mistake {
+        name: "background-black",
+        advice: "the background behind the volume is black, or was left out: the scene gives its colour; colours that leave it out are declared with --alpha",
+        edit: Edit::Classified(|scene| set(&mut scene.background, DVec3::ZERO)),
+    },
+    Mistake {
         name: "viewed-too-wide",
         advice: "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)",
         edit: Edit::Classified(|scene| {

@@ -12,9 +12,17 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "extremum-from-zero",
         advice: "the largest or smallest value begins at 0, and is never on the other side of it: begin with the first value of the ray",
         edit: Edit::Classified(|scene| {
-            faulty(scene, ProjectionFault::BeginsAtZero, |of| {
-                matches!(of, Projected::Maximum | Projected::Minimum)
-            })
+            // Where all values are on the side of 0 from which it is approached, nothing changes.
+            let (least, most) = scene.grid.range();
+            let changes = match &scene.mode {
+                Mode::Projection(projection) => match projection.of {
+                    Projected::Maximum => least < 0.0,
+                    Projected::Minimum => most > 0.0,
+                    _ => false,
+                },
+                _ => false,
+            };
+            changes && faulty(scene, ProjectionFault::BeginsAtZero, |_| true)
         }),
     },
     Mistake {
