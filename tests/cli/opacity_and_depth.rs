@@ -143,7 +143,11 @@ fn colours_without_their_background_are_declared() {
     }
     let without = right.clone().without_opacity();
     let run = validate(&folder, &without, &["--alpha", "straight"]);
-    prints(&run, 4, &["the image has no opacity, and --alpha straight is declared"]);
+    prints(
+        &run,
+        4,
+        &["the image has no opacity, and --alpha straight is declared"],
+    );
     validate(&folder, &right, &["--alpha", "masked"]).expect(2, &["premultiplied or straight"]);
 }
 
