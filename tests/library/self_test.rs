@@ -13,7 +13,7 @@ fn the_suite_catches_every_mistake() {
     let names = [
         "figures",
         "bricks",
-        "scenes/uneven",
+        "scenes",
         "smoke",
         "fog/absorption",
         "fog/forward",
