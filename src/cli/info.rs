@@ -223,7 +223,7 @@ fn of_scene(scene: &Scene, given: &Path) -> Result<Info, Failure> {
     Ok(Info { files, ..placed })
 }
 
-/// What is said of any grid.
+/// Facts of any grid.
 fn placed(
     grid: &Grid<f32>,
     to_world: Option<Transform>,

@@ -52,7 +52,7 @@ impl<'s> FieldCaster<'s> {
     /// The pixel that `ray` is seen in, radiance and opacity, by samples, and its work.
     pub fn pixel(&self, ray: &Ray) -> ([f32; 4], RayWork) {
         let mut work = RayWork::default();
-        let samples = self.samples(ray);
+        let samples = samples(self.scene, ray);
         work.density_lookups = samples.len() as u64;
         let pixel = match &self.scene.mode {
             Mode::Composited => unreachable!("composited samples have kernels of their own"),
@@ -71,28 +71,6 @@ impl<'s> FieldCaster<'s> {
             }
         };
         (pixel, work)
-    }
-
-    /// The surfaces that `ray` passes, with their distances, in order.
-    pub fn passed_along(&self, surfaces: &Isosurfaces, ray: &Ray) -> Vec<(f64, Isosurface)> {
-        passed(surfaces, &self.samples(ray))
-    }
-
-    /// The samples of `ray`, from the eye on; none where it misses the volume.
-    fn samples(&self, ray: &Ray) -> Vec<Sample> {
-        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
-        let Some(span) = self.extent.span(ray) else {
-            return vec![];
-        };
-        let line = NodeLine::new(self.extent.line(ray), lattice);
-        let steps = Steps::new(span, scene.step, StepRule::at(0.5));
-        let sample = |index: usize| {
-            let (t, length) = steps.sample(index);
-            let cell = Cell::around(lattice, line.at(t));
-            let value = scene.interpolation.read(&*scene.grid, &cell);
-            Sample { t, length, value }
-        };
-        (0..steps.count).map(sample).collect()
     }
 
     /// The pixel of a ray with this number; none where it misses the volume.
@@ -162,6 +140,32 @@ impl<'s> FieldCaster<'s> {
         let to_light = Direction::of(scene.light - ray.at(t));
         phong.shade(colour, gradient, to_light, -ray.direction)
     }
+}
+
+/// The surfaces that `ray` passes in `scene`, by samples, with their distances, in order.
+pub fn sampled_surfaces(
+    scene: &Classified,
+    surfaces: &Isosurfaces,
+    ray: &Ray,
+) -> Vec<(f64, Isosurface)> {
+    passed(surfaces, &samples(scene, ray))
+}
+
+/// The samples of `ray`, from the eye on; none where it misses the volume.
+fn samples(scene: &Classified, ray: &Ray) -> Vec<Sample> {
+    let (extent, lattice) = (scene.extent(), scene.grid.lattice());
+    let Some(span) = extent.span(ray) else {
+        return vec![];
+    };
+    let line = NodeLine::new(extent.line(ray), lattice);
+    let steps = Steps::new(span, scene.step, StepRule::at(0.5));
+    let sample = |index: usize| {
+        let (t, length) = steps.sample(index);
+        let cell = Cell::around(lattice, line.at(t));
+        let value = scene.interpolation.read(&*scene.grid, &cell);
+        Sample { t, length, value }
+    };
+    (0..steps.count).map(sample).collect()
 }
 
 /// The number of a ray with these samples.

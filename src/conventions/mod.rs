@@ -22,7 +22,7 @@ mod stored_values;
 mod work;
 
 pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
-pub use field_caster::FieldCaster;
+pub use field_caster::{FieldCaster, sampled_surfaces};
 pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;

@@ -261,41 +261,40 @@ fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
 /// Statement that a PNG agrees if its codes are those of the other curve.
 fn other_encoding(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Option<String> {
     let (film, bits) = read_otherwise(case, picture)?;
-    let golden = &checked.golden.film;
-    if !golden.is_comparable(&film) {
-        return None;
-    }
-    let (golden, film) = (Picture::Radiance(golden.clone()), Picture::Radiance(film));
-    let judgement = if case.is_limit() && checked.profile.is_none() {
-        refinement::judge_one(checked, film.radiance()?)
-    } else {
-        let (gate, _) = default_gate(&golden, &film);
-        judge(gate, &golden, &film, &checked.conditions(case)).ok()?
-    };
-    let agrees = judgement.passed && judgement.undecided.is_none();
-    agrees.then(|| format!("the image agrees where its codes are declared with --bits {bits}"))
+    let said = format!("the image agrees where its codes are declared with --bits {bits}");
+    agrees(case, checked, film).then_some(said)
 }
 
 /// Statement that an image agrees once the background of the scene is added.
 fn without_background(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Option<String> {
     let film = picture.radiance().filter(|film| film.opacity().is_some())?;
-    let golden = Picture::Radiance(checked.golden.film.clone());
-    let agrees = |alpha: &Alpha| {
-        let film = with_background(film.clone(), *alpha, &checked.scene);
-        let judgement = judge(
-            &Deterministic,
-            &golden,
-            &Picture::Radiance(film),
-            &checked.conditions(case),
-        );
-        judgement.is_ok_and(|judgement| judgement.passed)
+    let agrees_as = |alpha: &Alpha| {
+        let whole = with_background(film.clone(), *alpha, &checked.scene);
+        // In front of black nothing is added, and nothing explained.
+        whole.radiance() != film.radiance() && agrees(case, checked, whole)
     };
     let alpha = [Alpha::Premultiplied, Alpha::Straight]
         .into_iter()
-        .find(agrees)?;
+        .find(agrees_as)?;
     Some(format!(
         "the colours leave out the background of the scene: the image agrees where that is declared with --alpha {alpha}"
     ))
+}
+
+/// True if `film`, read in another way than it was judged, agrees.
+fn agrees(case: &Case, checked: &CheckedGolden, film: Film) -> bool {
+    let golden = &checked.golden.film;
+    if !golden.is_comparable(&film) {
+        return false;
+    }
+    let judgement = if case.is_limit() && checked.profile.is_none() {
+        Ok(refinement::judge_one(checked, &film))
+    } else {
+        let (golden, film) = (Picture::Radiance(golden.clone()), Picture::Radiance(film));
+        let (gate, _) = default_gate(&golden, &film);
+        judge(gate, &golden, &film, &checked.conditions(case))
+    };
+    judgement.is_ok_and(|judgement| judgement.passed && judgement.undecided.is_none())
 }
 
 fn judged(

@@ -49,7 +49,7 @@ pub enum Kept {
 }
 
 impl Clip {
-    /// Whether it cuts the volume of that index.
+    /// True if it cuts the volume of that index.
     pub fn cuts(&self, volume: usize) -> bool {
         let listed = self.volumes.as_ref();
         listed.is_none_or(|listed| listed.contains(&volume))
@@ -121,7 +121,7 @@ struct Corner {
     planes: Vec<usize>,
 }
 
-/// Whether anything of a box lies within what all clips keep.
+/// True if the parts that all clips keep have something of a box in common.
 ///
 /// The solid that is left is followed by its corners, half-space by half-space: those inside stay, and
 /// edges (pairs of corners with two planes in common) that leave have a new one.

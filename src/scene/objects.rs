@@ -3,8 +3,8 @@
 use super::SceneResult;
 use super::clip::{CLIP, Clip};
 use super::files::Files;
-use super::format::{Key, Kind, Range, Rule, Table};
-use super::radiative::{shape_transform, shapes};
+use super::format::{Key, Kind, Range, Table, joined};
+use super::radiative::shapes;
 use super::reader::Reader;
 use super::shadow::Shadow;
 use crate::geometry::{Shape, Transform};
@@ -18,18 +18,14 @@ pub(super) const MOST: usize = 64;
 
 /// The declaration of `[[classified.surface]]`.
 pub(super) const SURFACE: Table = Table::new("An opaque surface: one shape of one colour, which ends rays; lit as samples are, by Phong's model of `[classified.phong]`, on both sides.")
-    .keys(&[
-        shapes::RECTANGLE,
-        shapes::SPHERE,
-        shapes::BOX,
-        shapes::MESH,
-        shape_transform::SCALE,
-        shape_transform::ROTATE,
-        shape_transform::TRANSLATE,
-        Key::required("colour", Kind::Colour(Range::at_least(0.0)))
-            .doc("Linear radiance of the material before shading."),
-    ])
-    .rules(&[Rule::ExactlyOne("shape", &["rectangle", "sphere", "box", "mesh"])]);
+    .keys(&SURFACE_KEYS)
+    .rules(&[shapes::ONE_SHAPE]);
+
+const SURFACE_KEYS: [Key; 8] = joined(
+    shapes::SURFACE_KEYS,
+    [Key::required("colour", Kind::Colour(Range::at_least(0.0)))
+        .doc("Linear radiance of the material before shading.")],
+);
 
 /// Surfaces.
 pub(super) const SURFACES: Key = Key::optional("surface", Kind::Tables(&SURFACE))
@@ -79,7 +75,7 @@ pub struct OpaqueSurface {
 }
 
 impl Objects {
-    /// Whether there is nothing beside the first volume.
+    /// True if there is nothing beside the first volume.
     pub fn is_empty(&self) -> bool {
         self.volumes.is_empty() && self.surfaces.is_empty() && self.clips.is_empty()
     }

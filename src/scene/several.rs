@@ -7,12 +7,12 @@ use super::reader::Reader;
 use super::{Classified, Mode, SceneResult};
 
 impl Classified {
-    /// Whether it has volumes after the first, surfaces or clips.
+    /// True if it has volumes after the first, surfaces or clips.
     pub fn has_objects(&self) -> bool {
         !self.objects.is_empty()
     }
 
-    /// Whether a renderer has its conventions: of several objects, only those about them.
+    /// True if a renderer has its conventions: of several objects, only those about them.
     pub fn has_conventions_that_are_rendered(&self) -> bool {
         !self.has_objects() || self.conventions.is_of_objects_alone()
     }
@@ -153,7 +153,7 @@ impl Classified {
 }
 
 impl Conventions {
-    /// Whether anything differs from volref's own that concerns several objects.
+    /// True if a convention about several objects is not volref's own.
     fn concern_objects(&self) -> bool {
         let own = Conventions::default();
         self.composition != own.composition
@@ -161,7 +161,7 @@ impl Conventions {
             || self.object_shadows != own.object_shadows
     }
 
-    /// Whether nothing differs from volref's own but what concerns several objects.
+    /// True if all conventions but those about several objects are volref's own.
     fn is_of_objects_alone(&self) -> bool {
         let own = Conventions::default();
         let others = Conventions {

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use volref::compare::Picture;
 use volref::film::Film;
-use volref::geometry::{Camera, Ray, Transform};
+use volref::geometry::{Camera, Ray, Span, Transform};
 use volref::judging::{Verdict, validate};
 use volref::math::{exp, ln};
 use volref::naming::{Predictions, Search, likeness};
@@ -87,6 +87,15 @@ fn noise(seed: u64, nodes: [usize; 3]) -> Arc<Grid<f32>> {
         let value = 2.0 * hash(seed, 2 * index + 1) - 1.0;
         if is_zero { 0.0 } else { value as f32 }
     })
+}
+
+/// [`rays`] with their spans in the volume, of those longer than `least`.
+fn spans(scene: &Classified, count: usize, least: f64) -> Vec<(Ray, Span)> {
+    let rays = rays(scene, count).into_iter();
+    let with_span = rays.filter_map(|ray| Some((ray, scene.extent().span(&ray)?)));
+    with_span
+        .filter(|(_, span)| span.length() > least)
+        .collect()
 }
 
 /// Rays through a volume from all sides, some of them along edges and through nodes.
@@ -167,14 +176,7 @@ fn projections_are_those_of_brute_force() {
         };
         let field_along = ExactField::new(&scene);
         let mut seen = 0;
-        for ray in rays(&scene, 60) {
-            let Some(span) = scene
-                .extent()
-                .span(&ray)
-                .filter(|span| span.length() > 1e-9)
-            else {
-                continue;
-            };
+        for (ray, span) in spans(&scene, 60, 1e-9) {
             seen += 1;
             let (h, steep) = (span.length() / PLACES as f64, steepest(&scene, &ray));
             let at = |place: usize| field(&scene, &ray, span.near + (place as f64 + 0.5) * h);
@@ -226,14 +228,7 @@ fn isosurfaces_are_the_roots_of_the_field() {
             ..exact(grid, Mode::Composited)
         };
         let field_along = ExactField::new(&scene);
-        for ray in rays(&scene, 80) {
-            let Some(span) = scene
-                .extent()
-                .span(&ray)
-                .filter(|span| span.length() > 1e-9)
-            else {
-                continue;
-            };
+        for (ray, span) in spans(&scene, 80, 1e-9) {
             let h = span.length() / PLACES as f64;
             let steep = steepest(&scene, &ray);
             let found = field_along.passed_along(&surfaces(&values, 0.5), &ray);
@@ -321,14 +316,7 @@ fn a_ramp_has_closed_forms() {
             Some(_) => 1.0 + slope.dot(matrix.inverse() * (point - offset)),
         };
         let field_along = ExactField::new(&scene);
-        for ray in rays(&scene, 100) {
-            let Some(span) = scene
-                .extent()
-                .span(&ray)
-                .filter(|span| span.length() > 1e-6)
-            else {
-                continue;
-            };
+        for (ray, span) in spans(&scene, 100, 1e-6) {
             let [a, b] = [span.near, span.far].map(|t| value(ray.at(t)));
             let exactly = |of| field_along.number_along(&projection(of), &ray).unwrap();
             for (of, right) in [

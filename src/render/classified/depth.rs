@@ -1,12 +1,12 @@
 //! Depth of a classified volume, from the optical depths along a ray.
 //!
-//! What a ray passes is summed as optical depths `τ`, in which opacity is `1 − e^(−τ)` and half of it is reached at
+//! Steps and surfaces that a ray passes are summed as optical depths `τ`, in which opacity is `1 − e^(−τ)` and half of it is reached at
 //! `ln 2`: the sums keep their digits in thin volumes. The plain definition is
 //! [`reference::depth`](crate::reference::depth).
 
 use super::modes::ExactField;
 use super::steps::Steps;
-use crate::conventions::FieldCaster;
+use crate::conventions::sampled_surfaces;
 use crate::film::Depth;
 use crate::geometry::Ray;
 use crate::math::{exp, exp_m1, ln, ln_1p};
@@ -40,7 +40,7 @@ pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
     Ok(pixels.into_par_iter().map(of_pixel).collect())
 }
 
-/// What a ray passes: a step through the volume, or a surface.
+/// A step of a ray through the volume, or a surface that it passes.
 struct Layer {
     /// Distance of its middle from the eye.
     t: f64,
@@ -64,7 +64,6 @@ impl Layer {
 struct LayersOfPanel<'s> {
     volume: &'s Classified,
     size: [usize; 2],
-    caster: FieldCaster<'s>,
     /// The field without samples.
     exact: Option<ExactField<'s>>,
 }
@@ -94,7 +93,6 @@ impl<'s> LayersOfPanel<'s> {
             None => Ok(LayersOfPanel {
                 volume,
                 size: [panel.width, panel.height],
-                caster: FieldCaster::new(volume),
                 exact: volume.is_exact().then(|| ExactField::new(volume)),
             }),
         }
@@ -106,7 +104,7 @@ impl<'s> LayersOfPanel<'s> {
         };
         let passed = match &self.exact {
             Some(field) => field.passed_along(surfaces, ray),
-            None => self.caster.passed_along(surfaces, ray),
+            None => sampled_surfaces(self.volume, surfaces, ray),
         };
         let layer = |(t, surface): (f64, Isosurface)| Layer::of((t, 0.0), surface.opacity);
         passed.into_iter().map(layer).collect()

@@ -1,12 +1,12 @@
 //! Shapes in scenes.
 
-use super::shape_transform::ShapeTransform;
+use super::shape_transform::{self, ShapeTransform};
 use crate::geometry::{
     Aabb, Boundary, ClosedMesh, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape,
     ShapeError, Sphere, Surface, Transform, length_of,
 };
 use crate::scene::files::Files;
-use crate::scene::format::{Key, Kind, Range, Table};
+use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use crate::scene::{SceneError, SceneResult};
 use glam::DVec3;
@@ -55,6 +55,21 @@ const MESH_TABLE: Table = Table::new("A triangle mesh.").keys(&[
     Key::required("file", Kind::Text)
         .doc("Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front."),
 ]);
+
+/// Keys of a surface: one shape, moved.
+pub(in crate::scene) const SURFACE_KEYS: [Key; 7] = [
+    RECTANGLE,
+    SPHERE,
+    BOX,
+    MESH,
+    shape_transform::SCALE,
+    shape_transform::ROTATE,
+    shape_transform::TRANSLATE,
+];
+
+/// The rule of those keys.
+pub(in crate::scene) const ONE_SHAPE: Rule =
+    Rule::ExactlyOne("shape", &["rectangle", "sphere", "box", "mesh"]);
 
 /// A shape where its own keys put it.
 enum BaseShape {

@@ -1,33 +1,31 @@
 //! Surfaces: a shape with a material.
 
-use super::{AreaLight, Object, radiance, shape_transform, shapes};
+use super::{AreaLight, Object, radiance, shapes};
 use crate::optics::{Material, Sides};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
-use crate::scene::format::{Key, Kind, Range, Rule, Table};
+use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
 use crate::scene::reader::Reader;
 
 /// The declaration of `[[radiative.surface]]`.
 pub(super) const SURFACE: Table = Table::new("A surface: one shape and its material.")
-    .keys(&[
-        shapes::RECTANGLE,
-        shapes::SPHERE,
-        shapes::BOX,
-        shapes::MESH,
-        shape_transform::SCALE,
-        shape_transform::ROTATE,
-        shape_transform::TRANSLATE,
+    .keys(&KEYS)
+    .rules(&[
+        shapes::ONE_SHAPE,
+        Rule::ExactlyOne("material", &["diffuse", "mirror", "glass", "emitter"]),
+    ]);
+
+const KEYS: [Key; 11] = joined(
+    shapes::SURFACE_KEYS,
+    [
         Key::optional("diffuse", Kind::Table(&DIFFUSE))
             .doc("Material: reflects with the same radiance in every direction."),
         Key::optional("mirror", Kind::Table(&MIRROR))
             .doc("Material: reflects as a perfect mirror."),
         Key::optional("glass", Kind::Table(&GLASS)).doc("Material: smooth, clear glass."),
         Key::optional("emitter", Kind::Table(&EMITTER)).doc("Material: emits light."),
-    ])
-    .rules(&[
-        Rule::ExactlyOne("shape", &["rectangle", "sphere", "box", "mesh"]),
-        Rule::ExactlyOne("material", &["diffuse", "mirror", "glass", "emitter"]),
-    ]);
+    ],
+);
 
 const EMITTER: Table = Table::new("Emits light and reflects none.").keys(&[
     Key::required("radiance", Kind::Colour(Range::at_least(0.0)))

@@ -67,7 +67,7 @@ impl Mistake {
         matches!(self.edit, Edit::Pixels(_) | Edit::Image(_) | Edit::Alpha(_))
     }
 
-    /// Whether it edits the opacity of the finished image, and no colour.
+    /// True if it edits the opacity of the finished image, and no colour.
     pub fn is_of_opacity(&self) -> bool {
         matches!(self.edit, Edit::Alpha(_))
     }

@@ -14,15 +14,11 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Classified(|scene| {
             // Where all values are on the side of 0 from which it is approached, nothing changes.
             let (least, most) = scene.grid.range();
-            let changes = match &scene.mode {
-                Mode::Projection(projection) => match projection.of {
-                    Projected::Maximum => least < 0.0,
-                    Projected::Minimum => most > 0.0,
-                    _ => false,
-                },
+            faulty(scene, ProjectionFault::BeginsAtZero, |of| match of {
+                Projected::Maximum => least < 0.0,
+                Projected::Minimum => most > 0.0,
                 _ => false,
-            };
-            changes && faulty(scene, ProjectionFault::BeginsAtZero, |_| true)
+            })
         }),
     },
     Mistake {
@@ -165,7 +161,7 @@ fn surfaced(scene: &mut Classified, edit: impl Fn(&mut Isosurfaces) -> bool) -> 
 }
 
 /// Makes a mistake in projections of some kind.
-fn faulty(scene: &mut Classified, fault: ProjectionFault, of: fn(Projected) -> bool) -> bool {
+fn faulty(scene: &mut Classified, fault: ProjectionFault, of: impl Fn(Projected) -> bool) -> bool {
     projected(scene, |projection| {
         of(projection.of) && set(&mut projection.fault, Some(fault))
     })
