@@ -85,7 +85,9 @@ pub(super) fn encode_values(shape: &[usize], values: impl Iterator<Item = f32>) 
     let mut bytes = b"\x93NUMPY\x01\0".to_vec();
     bytes.extend((text.len() as u16).to_le_bytes());
     bytes.extend(text.bytes());
-    bytes.extend(values.flat_map(f32::to_le_bytes));
+    for value in values {
+        bytes.extend_from_slice(&value.to_le_bytes());
+    }
     bytes
 }
 

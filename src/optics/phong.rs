@@ -29,8 +29,8 @@ impl Phong {
     ///
     /// The normal is `−∇d/|∇d|`, out of the dense part. A zero gradient has no normal: such a
     /// sample keeps its unshaded colour.
-    // A call would hand all of it over in memory.
-    #[inline]
+    // Always: a call would hand all of it over in memory.
+    #[inline(always)]
     pub fn shade(
         &self,
         colour: DVec3,
