@@ -14,6 +14,7 @@
 //! | [`effects`] | the effects that a scene needs, and the instructions saved |
 //! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
 //! | [`peers`] | exports to Mitsuba, pbrt and bundles |
+//! | [`reported`] | public reports of wrong images, and what is said of each |
 //! | [`working_on_volref`] | checks, self-test, fuzzing, speed |
 //!
 //! The chapters are the files `src/guide/*.md`, readable in the repository as well. A test runs every
@@ -57,6 +58,9 @@ pub mod hard_cases {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/peers.md")]
 pub mod peers {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/reported.md")]
+pub mod reported {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/working_on_volref.md")]
 pub mod working_on_volref {}

@@ -107,7 +107,7 @@ fn takes_volrefs(conventions: &Conventions) -> bool {
         && conventions.normal_bits == volrefs.normal_bits
         && conventions.cell_centred == volrefs.cell_centred
         && conventions.box_space_normals == volrefs.box_space_normals
-        && conventions.vector_normals == volrefs.vector_normals
+        && conventions.normal_transform == volrefs.normal_transform
 }
 
 /// Weights of a node's neighbours and of itself along an axis.

@@ -21,7 +21,7 @@ use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, Precision, Scene};
+use crate::scene::{Classified, Compositing, NormalTransform, Precision, Scene};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
@@ -166,7 +166,7 @@ impl<'s> RayCaster<'s> {
     fn cast(&self, ray: &Ray, rule: StepRule, work: &mut RayWork) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
-        let Some(span) = self.extent.span(ray) else {
+        let Some(span) = self.span(ray) else {
             return seen;
         };
         let inside = self.extent.line(ray);
@@ -182,12 +182,10 @@ impl<'s> RayCaster<'s> {
         let cuts = cuts.map_or(Vec::new(), |edge| brick_faces(span, ends, edge));
         let steps = StepsInParts::new(span, step, rule, &cuts);
         let reversed = scene.compositing == Compositing::BackToFront;
-        for done in 0..steps.count {
-            let index = if reversed {
-                steps.count - 1 - done
-            } else {
-                done
-            };
+        let most = scene.conventions.most_steps;
+        let count = most.map_or(steps.count, |most| steps.count.min(most as usize));
+        for done in 0..count {
+            let index = if reversed { count - 1 - done } else { done };
             let (t, length) = steps.sample(index);
             let (point, node_point) = (ray.at(t), line.at(t));
             let looked_up = self.looked_up(node_point);
@@ -245,11 +243,15 @@ impl<'s> RayCaster<'s> {
                 opacity,
                 transparency: 1.0 - opacity,
             };
+            let sum = seen.colour + sample.colour;
             seen = if reversed {
                 sample.over(seen)
             } else {
                 seen.over(sample)
             };
+            if scene.conventions.added_colours {
+                seen.colour = sum;
+            }
             seen = seen.rounded(scene.conventions.precision);
             if let Compositing::EarlyTermination(threshold) = scene.compositing
                 && seen.transparency < threshold
@@ -261,6 +263,19 @@ impl<'s> RayCaster<'s> {
             }
         }
         seen
+    }
+
+    /// The part of `ray` within the volume.
+    fn span(&self, ray: &Ray) -> Option<Span> {
+        let ahead = self.extent.span(ray)?;
+        if !self.scene.conventions.starts_behind_eye {
+            return Some(ahead);
+        }
+        let edges: f64 = self.extent.edges().map(length_of).into_iter().sum();
+        let back = edges + length_of(ray.origin - self.centre());
+        let from_behind = Ray::new(ray.origin - ray.direction * back, *ray.direction)?;
+        let whole = self.extent.span(&from_behind)?;
+        Some(Span::new(whole.near - back, ahead.far))
     }
 
     /// The density in `cell`.
@@ -331,8 +346,13 @@ impl<'s> RayCaster<'s> {
             _ if self.scene.conventions.box_space_normals => {
                 gradient * self.scene.grid.lattice().bounds().size()
             }
-            Some(map) if self.scene.conventions.vector_normals => map.vector(gradient),
-            Some(map) if !gradients.are_of_the_world() => map.gradient_map() * gradient,
+            Some(map) if !gradients.are_of_the_world() => {
+                match self.scene.conventions.normal_transform {
+                    NormalTransform::Gradient => map.gradient_map() * gradient,
+                    NormalTransform::Vector => map.vector(gradient),
+                    NormalTransform::None => gradient,
+                }
+            }
             _ => gradient,
         }
     }

@@ -22,6 +22,7 @@ mod hypothesis;
 mod kept;
 mod opacity;
 mod prediction;
+mod registration;
 mod step;
 mod volume_in_view;
 
@@ -196,6 +197,9 @@ pub(crate) fn likeness_with(
             .entry(failed.index)
             .or_insert_with(|| failed.fitted_numbers(&clock));
         fit.or(failed.fitted_step(&clock));
+        if !fit.agrees {
+            fit.or(failed.fitted_place(&clock));
+        }
         let is_explained = fit.is_explained || fit.agrees;
         if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
             pair_searches += 1;

@@ -49,8 +49,13 @@ impl TransferFunction {
 
     /// Extinction at `value`, per world unit: `−ln(1 − a)/h0`; infinite for an opacity of 1.
     pub fn extinction(&self, value: f64) -> f64 {
+        self.extinction_of(self.reference_opacity(value))
+    }
+
+    /// Extinction of an `opacity` over the reference length, per world unit.
+    pub fn extinction_of(&self, opacity: f64) -> f64 {
         // Not −0 where it is transparent.
-        (-ln_1p(-self.reference_opacity(value))).abs() / self.reference_length
+        (-ln_1p(-opacity)).abs() / self.reference_length
     }
 
     /// Colour of the material.

@@ -18,6 +18,9 @@
 //! ```
 //!
 //! An opacity `a₀` of 1 is an infinite extinction: it hides the finite ones, and several such share equally.
+//! Where the opacity of a volume is modulated, `a₀` is that of its value times a factor, by a second number at
+//! the same place, such as the length of the gradient (Levoy 1988, §3).
+//!
 //! So the order of volumes changes nothing but rounding, and neither does an empty one.
 //!
 //! The nearest surface (`clips.rs`) ends the ray: its radiance stands in the place of the background
@@ -25,14 +28,17 @@
 //! product of those through all volumes, each by shadow steps of its own, counted from the point or from
 //! where the ray towards the light enters it; 0 behind a surface. What is cut away casts no shadow.
 //!
-//! Source: Max 1995, "Optical models for direct volume rendering".
+//! Sources: Max 1995, "Optical models for direct volume rendering"; Levoy 1988, "Display of surfaces from
+//! volume data".
 
 use super::clips::{SeveralVolumes, nearest_hit, span, surface_radiance, visibility};
 use super::placement::{gradients, in_volume};
 use super::ray_caster::{Layer, RayCaster, midpoint, step_count};
 use crate::film::Film;
 use crate::geometry::Ray;
-use crate::scene::Classified;
+use crate::math::ln_1p;
+use crate::optics::over_length;
+use crate::scene::{Classified, Modulation};
 use crate::volume::{Cell, NodeLine, Reconstruction as _};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -64,8 +70,8 @@ struct Step {
     far: f64,
     /// Index of the volume.
     volume: usize,
-    /// Value of the field at its midpoint.
-    density: f64,
+    /// Opacity over the reference length at its midpoint.
+    opacity: f64,
     /// Extinction, per world unit.
     extinction: f64,
     /// Colour towards the eye.
@@ -112,10 +118,14 @@ impl SeveralVolumes<'_> {
             let (t, _) = midpoint(span, alone.step, count, index);
             let (point, cell) = (ray.at(t), Cell::around(lattice, line.at(t)));
             let density = alone.interpolation.read(&*alone.grid, &cell);
-            let extinction = alone.transfer_function.extinction(density);
+            let transfer_function = &alone.transfer_function;
+            let factor = |modulation: &Modulation| modulation.factor(alone.interpolation, &cell);
+            let factor = self.scene.modulation_of(volume).map_or(1.0, factor);
+            let opacity = transfer_function.reference_opacity(density) * factor;
+            let extinction = -ln_1p(-opacity) / transfer_function.reference_length;
             let mut colour = DVec3::ZERO;
             if extinction > 0.0 {
-                let light = alone.transfer_function.emission(density) * visibility(self, point);
+                let light = transfer_function.emission(density) * visibility(self, point);
                 colour = caster.shade(ray, point, &cell, density) * light;
             }
             let is_last = index + 1 == count;
@@ -123,7 +133,7 @@ impl SeveralVolumes<'_> {
                 near: begin(index),
                 far: if is_last { span.far } else { begin(index + 1) },
                 volume,
-                density,
+                opacity,
                 extinction,
                 colour,
             }
@@ -145,8 +155,9 @@ impl SeveralVolumes<'_> {
             };
             colour += step.colour * share;
             let transfer_function = &self.volumes[step.volume].scene.transfer_function;
+            let lengths = length / transfer_function.reference_length;
             // 1 − (1 − a)(1 − b), with the digits of thin volumes.
-            opacity += transfer_function.opacity(step.density, length) * (1.0 - opacity);
+            opacity += over_length(step.opacity, lengths) * (1.0 - opacity);
         }
         Layer {
             colour: colour * opacity,

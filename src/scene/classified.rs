@@ -7,6 +7,7 @@ use super::files::Files;
 use super::format::{Key, Kind, Range, Table, joined};
 use super::length::Length;
 use super::mode::{MODE, Mode};
+use super::modulation::{MODULATION, Modulation};
 use super::objects::{CLIPS, Objects, SURFACES, Volume};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
@@ -57,7 +58,7 @@ const VOLUME: Table =
         .keys(&VOLUME_KEYS)
         .rules(&PLACED_RULES);
 
-const VOLUME_KEYS: [Key; 24] = joined(
+const VOLUME_KEYS: [Key; 25] = joined(
     PLACED_KEYS,
     [
         Key::optional("name", Kind::Text).doc("Name of the volume, for clips."),
@@ -67,6 +68,8 @@ const VOLUME_KEYS: [Key; 24] = joined(
             .doc("Distance between samples of this volume, in place of the scene's: world units or voxels of its own."),
         Key::optional("phong", Kind::Table(&PHONG))
             .doc("Shading of this volume, in place of the scene's."),
+        Key::optional("modulation", Kind::Table(&MODULATION))
+            .doc("Factors of opacities by a second number at each place."),
     ],
 );
 
@@ -152,6 +155,7 @@ pub(super) struct VolumeTable<'r, 'd, 's> {
     pub name: Option<String>,
     pub placed: PlacedGrid,
     pub transfer_function: TransferFunction,
+    pub modulation: Option<Modulation>,
 }
 
 /// More samples on one ray than this are a mistake in the scene, not a wish.
@@ -233,8 +237,10 @@ impl Classified {
             step,
             phong: own.or(phong),
             shadow: shadows.as_ref().map(|shadows| shadows[index]),
+            modulation: volume.modulation,
         });
         let first = parts.next().expect("a volume");
+        objects.modulation = first.modulation;
         let volumes = parts.collect();
         let scene = Classified {
             grid: first.grid,

@@ -293,6 +293,18 @@ conventions! {
     "Cells to an edge of bricks at whose faces the steps of a ray are counted anew, the last one in each as `last_step` says. If left out, they are counted once, from the face of the volume.",
     [];
 
+    "most_steps" = most_steps: Option<u32> = count(1..=16_777_216),
+    "Steps of a ray at most: what lies behind them is not seen. If left out, there are as many as its way through the volume takes.",
+    [];
+
+    "ray_start" = starts_behind_eye: bool = words("eye" of "eye" = false, "box" = true),
+    "Beginning of the steps of a ray whose eye is within the volume: the eye, or where its line enters the volume behind the eye (box).",
+    [];
+
+    "blending" = added_colours: bool = words("over" of "over" = false, "added" = true),
+    "Colours of the samples of a ray, multiplied by their opacities: each in front of those behind it (over), or added.",
+    [];
+
     "opacity" = linear_opacity: bool = words("exact" of "exact" = false, "linear" = true),
     "Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0).",
     [
@@ -497,8 +509,12 @@ conventions! {
         ),
     ];
 
-    "normal_transform" = vector_normals: bool = words("gradient" of "gradient" = false, "vector" = true),
-    "Map of gradients of a volume that a map places: by its inverse transpose, as gradients are; or by itself, as vectors are (vector).",
+    "normal_transform" = normal_transform: NormalTransform = words("gradient" of
+        "gradient" = NormalTransform::Gradient,
+        "vector" = NormalTransform::Vector,
+        "none" = NormalTransform::None
+    ),
+    "Map of gradients of a volume that a map places: by its inverse transpose, as gradients are; by itself, as vectors are (vector); or none.",
     [];
 
     "shading_point" = texture_shading_point: bool = words("sample" of "sample" = false, "texture" = true),
@@ -821,6 +837,17 @@ pub enum FittedSteps {
     Up,
     /// A whole number, rounded down.
     Down,
+}
+
+/// Map of the gradients of a volume that a map places in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalTransform {
+    /// The inverse transpose, as gradients are mapped.
+    Gradient,
+    /// The map itself, as vectors are mapped.
+    Vector,
+    /// None: gradients stay in the coordinates of the volume.
+    None,
 }
 
 /// Gradient for shading.

@@ -100,6 +100,15 @@ impl<'p> Files<'p> {
         self.loaded(reader, request)?.moved(reader)
     }
 
+    /// The values of a file, whatever place it has.
+    pub(super) fn of_request(
+        &mut self,
+        reader: &Reader,
+        request: VolumeRequest,
+    ) -> SceneResult<Arc<Grid<f32>>> {
+        Ok(self.loaded(reader, request)?.grid)
+    }
+
     /// The grid of a formula: those of a scene together have as many nodes as one may have.
     fn computed(
         &mut self,

@@ -6,6 +6,7 @@ use super::curve::CURVE;
 use super::files::{Files, InputFile};
 use super::format::{Key, Kind, Rule, Table};
 use super::key_lines::{KeyLines, Lines};
+use super::modulation::Modulation;
 use super::objects::check_count;
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
@@ -480,6 +481,7 @@ fn read_classified(
             reader: volume,
             name,
             transfer_function: read_transfer_function(table, opacity, voxel)?,
+            modulation: Modulation::read(volume, &placed, files)?,
             placed,
         });
     }

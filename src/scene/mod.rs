@@ -13,6 +13,7 @@ mod key_lines;
 mod length;
 mod load;
 mod mode;
+mod modulation;
 mod node_formula;
 mod objects;
 mod placement;
@@ -31,7 +32,8 @@ pub use classified::{Classified, Compositing};
 pub use clip::{Clip, Kept};
 pub use conventions::{
     ALTERNATIVES, Alternative, CONVENTIONS, Composition, Conventions, FittedSteps, Gradient,
-    LastStep, LightColour, ObjectShadows, Precision, StepLength, StoredValues, SurfaceDepth,
+    LastStep, LightColour, NormalTransform, ObjectShadows, Precision, StepLength, StoredValues,
+    SurfaceDepth,
 };
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};
@@ -43,6 +45,7 @@ pub use load::{Model, Panel, SCENE, Scene};
 pub use mode::{
     Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection, ProjectionFault, Window,
 };
+pub use modulation::Modulation;
 pub use objects::{Objects, OpaqueSurface, Volume};
 pub use procedural_xml::{ProceduralMedium, read_procedural};
 pub use radiative::{AreaLight, Body, Object, Radiative, Scattering};

@@ -4,6 +4,7 @@ use super::SceneResult;
 use super::clip::{CLIP, Clip};
 use super::files::Files;
 use super::format::{Key, Kind, Range, Table, joined};
+use super::modulation::Modulation;
 use super::radiative::shapes;
 use super::reader::Reader;
 use super::shadow::Shadow;
@@ -44,6 +45,8 @@ pub struct Objects {
     pub surfaces: Vec<OpaqueSurface>,
     /// Clips of volumes.
     pub clips: Vec<Clip>,
+    /// Modulation of the opacity of the first volume.
+    pub modulation: Option<Modulation>,
 }
 
 /// One volume of several.
@@ -61,6 +64,8 @@ pub struct Volume {
     pub phong: Option<Phong>,
     /// Volume shadow, if asked for: lengths in voxels are this volume's.
     pub shadow: Option<Shadow>,
+    /// Modulation of its opacity.
+    pub modulation: Option<Modulation>,
 }
 
 /// An opaque surface.
@@ -75,9 +80,21 @@ pub struct OpaqueSurface {
 }
 
 impl Objects {
-    /// True if there is nothing beside the first volume.
+    /// True if there is nothing but the first volume, and no modulation of its opacity.
     pub fn is_empty(&self) -> bool {
-        self.volumes.is_empty() && self.surfaces.is_empty() && self.clips.is_empty()
+        self.volumes.is_empty()
+            && self.surfaces.is_empty()
+            && self.clips.is_empty()
+            && self.modulation.is_none()
+    }
+
+    /// True if the opacity of the only volume is modulated, and there is nothing else.
+    pub(super) fn are_modulation_alone(&self) -> bool {
+        let others = Objects {
+            modulation: None,
+            ..self.clone()
+        };
+        !self.is_empty() && others.is_empty()
     }
 
     /// Reads surfaces and clips, given the names of all volumes.
@@ -105,6 +122,7 @@ impl Objects {
             volumes: vec![],
             surfaces,
             clips: clips.collect::<SceneResult<_>>()?,
+            modulation: None,
         })
     }
 }

@@ -2,12 +2,13 @@
 
 use super::clip::{Clip, leave_something};
 use super::conventions::Conventions;
+use super::modulation::Modulation;
 use super::objects::{Objects, Volume};
 use super::reader::Reader;
 use super::{Classified, Mode, SceneResult};
 
 impl Classified {
-    /// True if it has volumes after the first, surfaces or clips.
+    /// True if it has volumes after the first, surfaces, clips or modulated opacities.
     pub fn has_objects(&self) -> bool {
         !self.objects.is_empty()
     }
@@ -36,7 +37,7 @@ impl Classified {
         words.join(", ")
     }
 
-    /// The scene of one of its volumes, without the others, surfaces and clips.
+    /// The scene of one of its volumes, without the others, surfaces, clips and modulation.
     pub fn alone(&self, index: usize) -> Classified {
         let mut alone = Classified {
             objects: Objects::default(),
@@ -85,6 +86,14 @@ impl Classified {
         swap(&mut self.step, &mut volume.step);
         swap(&mut self.phong, &mut volume.phong);
         swap(&mut self.shadow, &mut volume.shadow);
+    }
+
+    /// Modulation of the opacity of a volume.
+    pub fn modulation_of(&self, volume: usize) -> Option<&Modulation> {
+        match volume.checked_sub(1) {
+            None => self.objects.modulation.as_ref(),
+            Some(index) => self.objects.volumes[index].modulation.as_ref(),
+        }
     }
 
     /// Clips of a volume.
@@ -136,9 +145,19 @@ impl Classified {
             ),
         ] {
             if is_refused {
-                let message = format!("with several volumes, surfaces or clips {what}");
+                let with = if self.objects.are_modulation_alone() {
+                    "modulated opacities"
+                } else {
+                    "several volumes, surfaces or clips"
+                };
+                let message = format!("with {with} {what}");
                 return Err(reader.mistake(key, message, help));
             }
+        }
+        let is_modulated = |index| self.modulation_of(index).is_some();
+        if self.shadow.is_some() && (0..self.volume_count()).any(is_modulated) {
+            let message = "modulated opacities cast no shadow that is rendered";
+            return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
         }
         for (index, (alone, table)) in self.each_alone().zip(tables).enumerate() {
             if !leave_something(&alone.extent(), self.clips_of(index)) {

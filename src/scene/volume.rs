@@ -65,6 +65,14 @@ pub(super) struct VolumeRequest {
 }
 
 impl VolumeRequest {
+    /// The request of a grid as it is stored.
+    pub(super) fn of_grid(file: String) -> VolumeRequest {
+        let mut options = LoadOptions::default();
+        options.splatting.padding = 0;
+        options.orientation = Orientation::Oblique;
+        VolumeRequest { file, options }
+    }
+
     /// The request of a table; `oblique` says whether axes may point anywhere.
     pub(super) fn read(reader: &Reader, oblique: bool) -> SceneResult<VolumeRequest> {
         let file = reader.text("file")?;

@@ -1,7 +1,7 @@
 //! Gradients of a scalar grid, computed once and stored at its nodes.
 
 use super::{Grid, Lattice, Scalar};
-use crate::geometry::Transform;
+use crate::geometry::{Transform, length_of};
 use crate::math::power_of_two_below;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,6 +32,24 @@ pub fn placed_gradients<T: Scalar>(grid: &Grid<T>, to_world: &Transform) -> Grid
     let unit = power_of_two_below(grid.lattice().voxel());
     let map = to_world.gradient_map();
     gradients_over(grid, unit, |gradient| map * gradient)
+}
+
+/// Lengths of the gradients at the nodes, per world unit, of a grid that `to_world` places, if any.
+pub fn gradient_lengths(grid: &Grid<f32>, to_world: Option<&Transform>) -> Grid<f32> {
+    let unit = power_of_two_below(grid.lattice().voxel());
+    let length = |gradient: &[f32; 3]| {
+        let mut gradient = DVec3::from_array(gradient.map(f64::from));
+        if let Some(to_world) = to_world {
+            // By the inverse transpose, whose rows these are.
+            let rows = DVec3::AXES.map(|axis| to_world.vector_to_object(axis));
+            gradient = DVec3::from_array(rows.map(|row| row.dot(gradient)));
+        }
+        // Of the smallest volumes it is beyond the range of `f32`.
+        (length_of(gradient) / unit).min(f64::from(f32::MAX)) as f32
+    };
+    let relative = relative_gradients(grid);
+    let values = relative.values().iter().map(length).collect();
+    Grid::new(*grid.lattice(), values).expect("one number per node")
 }
 
 /// Gradients per `unit` of length, a power of two, changed by `map`.

@@ -48,7 +48,7 @@ pub use field::{DensityField, DensityRange};
 pub use file::{Loaded, load, load_hashed, volume_format, volume_formats};
 pub use format::{Stored, VolumeFormat};
 pub use fractal::{FractalDensity, FractalParameters, MOST_OCTAVES};
-pub use gradient::{gradients, placed_gradients, relative_gradients};
+pub use gradient::{gradient_lengths, gradients, placed_gradients, relative_gradients};
 pub use grid::{Grid, GridError};
 pub use grid_density::GridDensity;
 pub use interpolation::{Cell, Interpolation, Lerp, Node, Scalar};

@@ -36,6 +36,7 @@ documents! {
     fog_and_smoke: "src/guide/fog_and_smoke.md",
     hard_cases: "src/guide/hard_cases.md",
     peers: "src/guide/peers.md",
+    reported: "src/guide/reported.md",
     scenes: "src/guide/scenes.md",
     several_machines: "src/guide/several_machines.md",
     sensitivities: "src/guide/sensitivities.md",

@@ -11,7 +11,7 @@ use volref::conventions::{
     ray_caster::RayCaster, under,
 };
 use volref::film::{Bits, Film};
-use volref::geometry::Transform;
+use volref::geometry::{Camera, Transform};
 use volref::judging::{Verdict, validate};
 use volref::math::{pow, rng::philox4x32_10};
 use volref::naming::{Agreement, ConventionSearch};
@@ -612,6 +612,8 @@ fn every_value() -> Vec<(String, Conventions, Conventions)> {
             Kind::Number(_) => vec!["0.0".to_owned(), "1.0".to_owned()],
             // Of three nodes to an axis.
             Kind::Count(least, _) if key.name.starts_with("brick_") => vec![least.to_string()],
+            // Of rays of some four.
+            Kind::Count(least, _) if key.name == "most_steps" => vec![(least + 1).to_string()],
             Kind::Count(least, _) => vec![(least + 2).to_string(), (least + 14).to_string()],
             _ => panic!("{}: a kind without values here", key.name),
         };
@@ -681,7 +683,9 @@ fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
         [0.0, 0.0, 1.4, 0.0],
     ];
     sheared.to_world = Some(Transform::from_rows(rows).unwrap());
-    let mut scenes = vec![bright, shadowed, flat, ended, coarse, sheared];
+    let mut within = uneven.clone();
+    within.camera = Camera::new(DVec3::splat(0.6), DVec3::ZERO, DVec3::Y, 0.6).unwrap();
+    let mut scenes = vec![bright, shadowed, flat, ended, coarse, sheared, within];
     for corner in 0..8 {
         let side = |axis: usize| if corner >> axis & 1 == 1 { 4.0 } else { -3.0 };
         for mut scene in [uneven.clone(), long.clone()] {

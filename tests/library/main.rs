@@ -47,6 +47,7 @@ mod radiative_scenes;
 mod ray_caster;
 mod reference;
 mod report;
+mod reported;
 mod sampled;
 mod scores;
 mod self_test;

@@ -166,6 +166,74 @@ fn two_constant_volumes_overlap() {
     assert!(pixels(&grey).all(|pixel| pixel == (DVec3::splat(0.5), 1.0)));
 }
 
+/// A constant volume whose opacity is halved where the second number is 1: −ln(1 − a/2)/h0 per unit.
+#[test]
+fn a_second_number_modulates_opacity() {
+    let folder = tempfile::tempdir().unwrap();
+    let bounds = [DVec3::new(-2.0, -2.0, -1.0), DVec3::new(2.0, 2.0, 1.0)];
+    let write = |name, nodes, values: &[f32]| {
+        write_grid(folder.path(), name, nodes, bounds, values);
+    };
+    write("a.nrrd", [2, 2, 2], &[1.0; 8]);
+    write("ones.nrrd", [2, 2, 2], &[1.0; 8]);
+    write("other.nrrd", [3, 2, 2], &[1.0; 12]);
+    let (red, _) = look(RED, 0.6);
+    let scene = |file: &str, modulation: &str| {
+        let volume = format!("[classified.volume]\nfile = '{file}.nrrd'\n{red}\n");
+        format!("{volume}[classified.volume.modulation]\n{modulation}\n")
+    };
+    let half = "point = [{ value = 0, factor = 0 }, { value = 2, factor = 1 }]";
+    let text = scene("a", &format!("file = 'ones.nrrd'\n{half}"));
+    let opacity = -exp_m1(ln_1p(-0.3) / 0.5 * 2.0);
+    let expected = DVec3::from(RED) * opacity + BACKGROUND * (1.0 - opacity);
+    for (radiance, seen) in pixels(&by_both(&scene_of(folder.path(), &text))) {
+        assert_near(radiance, expected);
+        assert!((seen - opacity).abs() <= ULP);
+    }
+    // The gradient of values 1 + 3 z on three nodes of z, turned and stretched: 3 in the volume, 2 in the world.
+    let slope: Vec<f32> = (0..12)
+        .map(|index| -2.0 + 3.0 * (index / 4) as f32)
+        .collect();
+    write("slope.nrrd", [2, 2, 3], &slope);
+    let placed = "scale = [1, 1, 1.5]\nrotate = { axis = [1, 0, 0], angle = 90 }\n";
+    let text = scene("slope", &format!("of = 'gradient'\n{half}"));
+    let text = text.replace("slope.nrrd'\n", &format!("slope.nrrd'\n{placed}"));
+    let seen_along_y = text.replace("factor = 1", "factor = 0.5");
+    let image = by_both(&scene_of(folder.path(), &seen_along_y));
+    // Twice the half-width of the volume, which its turn puts along z.
+    let opacity = -exp_m1(ln_1p(-0.3) / 0.5 * 4.0);
+    assert!(pixels(&image).all(|(_, seen)| (seen - opacity).abs() <= ULP));
+    let refused = |text: &str| {
+        let text = format!("film = {{ width = 4, height = 4 }}\n[classified]\n{text}");
+        let error = Scene::parse(&text, &folder.path().join("scene.toml")).unwrap_err();
+        error.to_string()
+    };
+    for (modulation, words) in [
+        (half.to_owned(), "has no source"),
+        (format!("of = 'gradient'\nfile = 'a.nrrd'\n{half}"), "mixes"),
+        (
+            format!("file = 'other.nrrd'\n{half}"),
+            "the volume has [2, 2, 2] nodes, and this file [3, 2, 2]",
+        ),
+        (
+            format!("of = 'gradient'\n{half}\n[classified.shadow]"),
+            "modulated opacities cast no shadow",
+        ),
+        (
+            format!("of = 'gradient'\n{half}\n[classified.conventions]\njitter = true"),
+            "with modulated opacities only",
+        ),
+        (
+            "of = 'gradient'\npoint = [{ value = 1, factor = 0 }, { value = 0, factor = 1 }]"
+                .to_owned(),
+            "in order",
+        ),
+    ] {
+        let said = refused(&scene("a", &modulation));
+        assert!(said.contains(words), "{modulation}: {said}");
+    }
+}
+
 #[test]
 fn a_plane_cuts_a_constant_volume() {
     let folder = tempfile::tempdir().unwrap();

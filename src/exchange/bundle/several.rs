@@ -7,7 +7,7 @@ use super::volume::{
     transfer,
 };
 use crate::geometry::{Aabb, Mesh, Shape, Sphere, Transform};
-use crate::scene::{Classified, Clip, Kept, OpaqueSurface};
+use crate::scene::{Classified, Clip, Kept, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
 pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
@@ -17,7 +17,12 @@ pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
         let clips = scene.objects.clips.iter().enumerate();
         let clips = clips.filter(|(_, clip)| clip.cuts(index));
         let clips: Vec<usize> = clips.map(|(number, _)| number).collect();
-        volume(&alone, file, clips)
+        volume(
+            &alone,
+            file,
+            clips,
+            scene.modulation_of(index).map(|it| modulated(it, raw)),
+        )
     });
     let volumes = volumes.collect();
     let surfaces = scene.objects.surfaces.iter().map(surface).collect();
@@ -38,11 +43,11 @@ pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
     ]
 }
 
-fn volume(alone: &Classified, file: String, clips: Vec<usize>) -> Json {
+fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Option<Json>) -> Json {
     let look = &alone.transfer_function;
     let sampling = vec![("step", alone.step.into()), ("formula", SAMPLING.into())];
     let shadow = alone.shadow.map(|shadow| shadow_ray(shadow, look));
-    Json::Object(vec![
+    let mut entries = vec![
         ("grid", Json::Object(grid(alone, file))),
         ("clips", clips.into()),
         ("interpolation", interpolation(alone.interpolation)),
@@ -52,6 +57,18 @@ fn volume(alone: &Classified, file: String, clips: Vec<usize>) -> Json {
         ("phong", or_null(alone.phong.map(shading))),
         ("shadow", or_null(shadow)),
         ("radiance", radiance(alone).into()),
+    ];
+    entries.extend(modulation.map(|modulation| ("modulation", modulation)));
+    Json::Object(entries)
+}
+
+fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut RawFiles) -> Json {
+    let points = factors.points().iter();
+    let points = points.map(|point| Json::from([point.value, point.opacity]));
+    Json::Object(vec![
+        ("file", raw.grid(grid).into()),
+        ("points", Json::List(points.collect())),
+        ("formula", MODULATION.into()),
     ])
 }
 
@@ -141,6 +158,9 @@ const CLIP: &str = "of a volume only that is left which all its clips (numbers i
 const SHADOW: &str = "the share v of the light that arrives at a sample or at a surface is the product of the \
     shares of all volumes, each with t0 where the ray towards the light enters what is left of it, 0 if \
     it begins inside; and 0 if a surface is on the way to the light";
+
+const MODULATION: &str = "a0(d) of `merging` is multiplied by the factor of w, in straight lines between the points (w, factor) and \
+    constant beyond; w is interpolated in this grid as d is in that of the volume, at the same nodes";
 
 const MERGING: &str = "each volume is constant over each of its steps, which lie one after the other from t0 \
     to t1, with the values d and L of the sample in the middle: extinction s = -ln(1 - a0(d))/reference_length, \

@@ -77,9 +77,11 @@ const KNOWN: f64 = 4.0;
 /// Part of a last step that counts as an error: the derivative at the wrong place.
 const CURVED: f64 = 0.5;
 
-/// Range of the fit: shares down to a quarter and up to four times a number, others this many of
+/// Range of the fit: shares down to a twentieth and up to ten times a number, others this many of
 /// their steps away.
-const SHARES: [f64; 2] = [-0.75, 3.0];
+const SHARES: [f64; 2] = [-0.95, 9.0];
+/// Range of shares outside which a change is a finding, or nothing.
+const NEARBY: [f64; 2] = [-0.75, 3.0];
 const FARTHEST: f64 = 16.0;
 
 /// Values of all channels of all cells.
@@ -317,10 +319,13 @@ impl<'f> Fitting<'f> {
         })
     }
 
-    /// True if a number of `fit` has the least or the largest change that is tried.
+    /// True if a number of `fit` has so large a change that a fit may have been stopped there, not found.
     fn is_at_an_end(&self, fit: &Fit) -> bool {
         let mut changes = fit.numbers.iter().zip(&fit.changes);
-        changes.any(|(&at, change)| range(&self.numbers[at]).contains(change))
+        changes.any(|(&at, change)| match self.numbers[at].quantity.unit {
+            Unit::Share => !(NEARBY[0]..NEARBY[1]).contains(change),
+            Unit::Absolute(_) => range(&self.numbers[at]).contains(change),
+        })
     }
 
     /// The scene rendered with the changes, in noise anew; nothing if the time is over.

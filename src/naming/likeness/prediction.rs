@@ -91,6 +91,12 @@ pub(super) fn predicted(
     (detail, samples): (Detail, u32),
     clock: &SearchClock<'_>,
 ) -> Option<Film> {
+    let plans_of_edited = plans(edited);
+    // A block of a scene that the change has left without random numbers is no mean, but one ray.
+    let detail = match detail {
+        Detail::Blocks(_) if !plans_of_edited.iter().all(Plan::is_sampled) => Detail::Whole,
+        detail => detail,
+    };
     let key = clock.predictions().key(&[
         &scene.canonical_text(),
         &format!("{:?}", input_hashes(scene)),
@@ -108,7 +114,7 @@ pub(super) fn predicted(
         samples: Some(samples),
         seed: Seed::Given(SEED + seed),
     };
-    let film = render_coarse(&plans(edited), sampling, detail, &|| clock.is_stopped()).ok()?;
+    let film = render_coarse(&plans_of_edited, sampling, detail, &|| clock.is_stopped()).ok()?;
     if let Some(key) = key {
         clock.predictions().put(&key, &film);
     }
@@ -173,7 +179,7 @@ mod tests {
     use crate::compare::cells::Cells;
     use crate::conventions::Profile;
     use crate::render::{RenderError, render};
-    use crate::scene::Model;
+    use crate::scene::{Model, Scattering};
     use std::path::Path;
 
     /// A scene of the suite with fewer pixels.
@@ -232,6 +238,30 @@ mod tests {
         let [first, second, again] = [&scene, &under, &scene].map(|scene| of(scene).unwrap());
         assert_ne!(first.radiance(), second.radiance());
         assert_eq!(first.radiance(), again.radiance());
+    }
+
+    /// One ray through a block of a scene without random numbers would be no mean of its pixels.
+    #[test]
+    fn a_change_that_leaves_no_random_numbers_is_seen_whole() {
+        let scene = small("smoke/cornell.toml", [19, 21]);
+        let mut edited = scene.clone();
+        let Model::Radiative(radiative) = &mut edited.panels[0].model else {
+            panic!("a radiative scene");
+        };
+        radiative.scattering = Scattering::None;
+        let folder = tempfile::tempdir().unwrap();
+        let predictions = Predictions::in_folder(folder.path());
+        let search = Search {
+            budget: None,
+            predictions: &predictions,
+            interrupted: &|| false,
+            progress: &|_| (),
+        };
+        let clock = SearchClock::start(&search, "", 1);
+        let look = (blocks(&scene).unwrap(), 16);
+        let film = |edited| predicted(&scene, edited, ("a change", 0), look, &clock).unwrap();
+        assert_eq!(film(&edited).width(), 19);
+        assert_eq!(film(&scene).width(), 2);
     }
 
     /// Blocks leave out what is left over at the edges, and are the means of their pixels.

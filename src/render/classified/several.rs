@@ -21,7 +21,9 @@ use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::Appearance;
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
-use crate::scene::{Classified, Composition, Kept, ObjectShadows, OpaqueSurface, SurfaceDepth};
+use crate::scene::{
+    Classified, Composition, Kept, Modulation, ObjectShadows, OpaqueSurface, SurfaceDepth,
+};
 use crate::volume::{Cell, Grid, NodeLine, PlacedBox, Reconstruction as _};
 use glam::DVec3;
 
@@ -58,6 +60,7 @@ struct Part {
     scene: Classified,
     extent: PlacedBox,
     gradients: Option<Grid<[f32; 3]>>,
+    modulation: Option<Modulation>,
     planes: Vec<(DVec3, Direction)>,
     boxes: Vec<Aabb>,
 }
@@ -97,6 +100,7 @@ impl Part {
             extent: alone.extent(),
             gradients: alone.phong.map(|_| alone.gradients()),
             scene: alone,
+            modulation: scene.modulation_of(index).cloned(),
             planes,
             boxes,
         }
@@ -376,12 +380,16 @@ impl<'c> Cursor<'c> {
         let cell = Cell::around(part.scene.grid.lattice(), self.line.at(t));
         let value = part.density(&cell, work);
         let look = &part.scene.transfer_function;
-        let (opacity, colour) = look.look(value);
+        let (mut opacity, colour) = look.look(value);
+        if let Some(modulation) = &part.modulation {
+            work.count(Event::DensityLookup);
+            opacity *= modulation.factor(part.scene.interpolation, &cell);
+        }
         if opacity == 0.0 {
             return;
         }
         work.count(Event::EmissionTerm);
-        self.extinction = look.extinction(value);
+        self.extinction = look.extinction_of(opacity);
         let point = ray.at(t);
         let to_light = caster.scene.light - point;
         let mut shaded = colour;

@@ -1,14 +1,16 @@
 //! Mistakes in ray casters of classified volumes.
 
 use super::densities::{
-    cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x, half_a_voxel_back_along_y,
-    half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x, half_a_voxel_on_along_y,
-    half_a_voxel_on_along_z, in_classified, rows_as_long_as_columns, signed_as_unsigned,
-    upside_down, without_low_byte, x_and_y_exchanged, x_and_z_exchanged, y_and_z_exchanged,
+    as_cubes, cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x,
+    half_a_voxel_back_along_y, half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x,
+    half_a_voxel_on_along_y, half_a_voxel_on_along_z, in_classified, part, rows_as_long_as_columns,
+    signed_as_unsigned, upside_down, without_low_byte, x_and_y_exchanged, x_and_z_exchanged,
+    y_and_z_exchanged,
 };
 use super::{Edit, Mistake, set};
+use crate::geometry::length_of;
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
-use crate::scene::{Classified, Gradient, Mode, Shadow, StepLength};
+use crate::scene::{Classified, Gradient, Mode, NormalTransform, Shadow, StepLength};
 use crate::volume::Interpolation;
 use glam::DVec3;
 
@@ -32,6 +34,53 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "opacity-doubled",
         advice: "the volume is too dense, as though opacities were stated over half their reference length: how long is a voxel?",
         edit: Edit::Classified(|scene| referred(scene, |reference, _| 0.5 * reference)),
+    },
+    Mistake {
+        name: "opacity-corrected-twice",
+        advice: "opacities are corrected for the step once more after they were: the exponent is step / reference length, once",
+        edit: Edit::Classified(|scene| {
+            referred(scene, |reference, step| reference * reference / step)
+        }),
+    },
+    Mistake {
+        name: "unit-distance-of-zero",
+        advice: "all that is not transparent is opaque, as though opacities were stated over no length: the unit distance is not 0",
+        edit: Edit::Classified(|scene| {
+            referred(scene, |reference, _| {
+                reference * f64::EPSILON * f64::EPSILON
+            })
+        }),
+    },
+    Mistake {
+        name: "colours-added",
+        advice: "the colours of samples are added, whatever lies before them: each is multiplied by the transmittance of the samples in front of it",
+        edit: Edit::Classified(|scene| {
+            !scene.is_continuous() && set(&mut scene.conventions.added_colours, true)
+        }),
+    },
+    Mistake {
+        name: "rays-end-too-soon",
+        advice: "rays end after as many steps as the longest edge of the volume takes: a diagonal takes up to 1.7 times as many",
+        edit: Edit::Classified(|scene| {
+            let longest = scene
+                .extent()
+                .edges()
+                .map(length_of)
+                .into_iter()
+                .fold(0.0, f64::max);
+            let steps = longest / scene.step;
+            let most = (0.5..1e7).contains(&steps).then(|| steps.round() as u32);
+            !scene.is_continuous() && most.is_some() && set(&mut scene.conventions.most_steps, most)
+        }),
+    },
+    Mistake {
+        name: "samples-behind-the-eye",
+        advice: "with the eye inside the volume rays begin behind it, where their line enters the box: they begin at the eye, at t = 0",
+        edit: Edit::Classified(|scene| {
+            !scene.is_continuous()
+                && eye_is_inside(scene)
+                && set(&mut scene.conventions.starts_behind_eye, true)
+        }),
     },
     Mistake {
         name: "transparency-not-normalised",
@@ -183,6 +232,26 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Classified(|scene| in_classified(scene, cells_for_nodes)),
     },
     Mistake {
+        name: "voxels-taken-for-cubes",
+        advice: "voxels are cubes: the spacing along each axis is that of the file",
+        edit: Edit::Classified(|scene| in_classified(scene, as_cubes)),
+    },
+    Mistake {
+        name: "last-slices-missing",
+        advice: "the last slice along each axis is missing: n nodes have n - 1 cells between them, and all are seen",
+        edit: Edit::Classified(|scene| in_classified(scene, |grid| part(grid, [0; 3], [1; 3]))),
+    },
+    Mistake {
+        name: "last-slice-missing-along-z",
+        advice: "the last slice along z is missing: n nodes have n - 1 cells between them, and all are seen",
+        edit: Edit::Classified(|scene| in_classified(scene, |grid| part(grid, [0; 3], [0, 0, 1]))),
+    },
+    Mistake {
+        name: "outermost-slices-missing",
+        advice: "the first and the last slice along each axis are missing: the volume ends at its outermost nodes",
+        edit: Edit::Classified(|scene| in_classified(scene, |grid| part(grid, [1; 3], [1; 3]))),
+    },
+    Mistake {
         name: "volume-axes-exchanged",
         advice: "x and z of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
         edit: Edit::Classified(|scene| in_classified(scene, x_and_z_exchanged)),
@@ -236,7 +305,22 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Classified(|scene| {
             scene.to_world.is_some()
                 && scene.phong.is_some()
-                && set(&mut scene.conventions.vector_normals, true)
+                && set(
+                    &mut scene.conventions.normal_transform,
+                    NormalTransform::Vector,
+                )
+        }),
+    },
+    Mistake {
+        name: "normals-not-turned",
+        advice: "normals stay as they are in the volume while it turns: gradients go to the world by the transpose of the inverse matrix",
+        edit: Edit::Classified(|scene| {
+            scene.to_world.is_some()
+                && scene.phong.is_some()
+                && set(
+                    &mut scene.conventions.normal_transform,
+                    NormalTransform::None,
+                )
         }),
     },
     Mistake {
@@ -259,6 +343,21 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "the volume has no colour: map densities to colours by the scene's colour map",
         edit: Edit::Classified(|scene| {
             coloured(scene, |_| Colormap::named("white").expect("a map of ours"))
+        }),
+    },
+    Mistake {
+        name: "one-colour",
+        advice: "all samples have one colour, that of the first point of the transfer function: look colours up as opacities are",
+        edit: Edit::Classified(|scene| {
+            let Appearance::Points(points) = &scene.transfer_function.appearance else {
+                return false;
+            };
+            let mut all = points.points().to_vec();
+            let first = all[0].colour;
+            all.iter_mut().for_each(|point| point.colour = first);
+            let one = TransferPoints::new(all).map(Appearance::Points);
+            let uses = scene.mode.uses_transfer_function();
+            uses && one.is_ok_and(|one| set(&mut scene.transfer_function.appearance, one))
         }),
     },
     Mistake {
@@ -301,6 +400,12 @@ fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
     let length = &mut scene.transfer_function.reference_length;
     let new = edit(*length, scene.step);
     new.is_normal() && set(length, new)
+}
+
+fn eye_is_inside(scene: &Classified) -> bool {
+    let extent = scene.extent();
+    let eye = extent.to_volume(scene.camera.eye());
+    eye.clamp(extent.bounds.min, extent.bounds.max) == eye
 }
 
 fn shaded(scene: &mut Classified, edit: fn(&mut Phong) -> bool) -> bool {

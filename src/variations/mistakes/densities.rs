@@ -198,6 +198,33 @@ pub(super) fn cells_for_nodes(grid: &GridValues) -> Option<GridValues> {
     on(lattice.with_centring(Centring::Cells).ok()?, grid)
 }
 
+/// Every spacing is the shortest, about the same centre.
+pub(super) fn as_cubes(grid: &GridValues) -> Option<GridValues> {
+    let old = grid.lattice();
+    let spacing = DVec3::splat(old.voxel());
+    let middle = old.bounds().centre();
+    let steps = DVec3::from_array(old.nodes().map(|count| (count - 1) as f64));
+    let lattice = Lattice::new(old.nodes(), spacing, middle - 0.5 * steps * spacing).ok()?;
+    (spacing != old.spacing()).then_some(())?;
+    on(lattice.with_centring(old.centring()).ok()?, grid)
+}
+
+/// Without so many of the first and of the last layers along each axis that has more.
+pub(super) fn part(grid: &GridValues, first: [usize; 3], last: [usize; 3]) -> Option<GridValues> {
+    let old = grid.lattice();
+    let nodes = old.nodes();
+    let left = [0, 1, 2].map(|axis| nodes[axis].saturating_sub(first[axis] + last[axis]));
+    left.iter().all(|&count| count > 1).then_some(())?;
+    let lattice = Lattice::new(left, old.spacing(), old.position(first)).ok()?;
+    let lattice = lattice.with_centring(old.centring()).ok()?;
+    let source = |index| {
+        let [i, j, k] = lattice.node(index);
+        old.index([i + first[0], j + first[1], k + first[2]])
+    };
+    let values = (0..lattice.node_count()).map(|index| grid.values()[source(index)]);
+    Grid::new(lattice, values.collect()).ok().map(Arc::new)
+}
+
 /// The values of `grid` at the nodes of another lattice.
 fn on(lattice: Lattice, grid: &GridValues) -> Option<GridValues> {
     let grid = Grid::new(lattice, grid.values().to_vec());

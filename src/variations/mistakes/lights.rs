@@ -24,6 +24,15 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Light(|light| intensity(light, 0.0)),
     },
     Mistake {
+        name: "lights-after-the-first-left-out",
+        advice: "only the first light shines: each vertex of a path is connected to all of them, or to one chosen at random, divided by its probability",
+        edit: Edit::Radiative(|scene| {
+            let occurs = scene.lights.len() > 1;
+            scene.lights.truncate(1);
+            occurs
+        }),
+    },
+    Mistake {
         name: "sun-over-pi",
         advice: "directional light is too dark by a factor of pi: irradiance is measured on a plane perpendicular to it; do not divide it by anything",
         edit: Edit::Light(|light| irradiance(light, 1.0 / PI)),

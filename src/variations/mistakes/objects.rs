@@ -49,6 +49,24 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
+        name: "modulation-left-out",
+        advice: "the second number at each place, such as the length of the gradient, has no effect: multiply opacities by its factor",
+        edit: Edit::Classified(|scene| scene.objects.modulation.take().is_some()),
+    },
+    Mistake {
+        name: "classified-by-the-second-number",
+        advice: "colours and opacities are those of the second number: it gives the factor of opacities alone",
+        edit: Edit::Classified(|scene| {
+            let modulation = scene.objects.modulation.as_ref();
+            let second = modulation.map(|modulation| modulation.grid.clone());
+            second.is_some_and(|grid| {
+                let occurs = *grid != *scene.grid;
+                scene.grid = grid;
+                occurs
+            })
+        }),
+    },
+    Mistake {
         name: "surfaces-behind-volumes",
         advice: "surfaces lie behind all volumes: a ray ends at the nearest surface, and what is behind it is not sampled",
         edit: Edit::Classified(|scene| placed(scene, SurfaceDepth::Behind)),

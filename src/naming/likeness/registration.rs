@@ -1,0 +1,296 @@
+//! Registration: the place, size and turn of a volume that would explain an image, however far they are off.
+//!
+//! Derivatives at the scene as it is lead to the image only from nearby. So image and renderings are blurred first,
+//! by less and less (coarse to fine: Lucas & Kanade 1981, "An iterative image registration technique"); each step is
+//! one of Levenberg and Marquardt, by differences of renderings where the last step has led.
+
+use super::clock::SearchClock;
+use super::compared_case::ComparedCase;
+use super::fit::{Candidate, Fitted, LEFT};
+use crate::compare::cells::Cells;
+use crate::compare::change_in_words;
+use crate::scene::Scene;
+use crate::sensitivity::{Number, Unit, numbers};
+
+/// Numbers that are sought together, one set after the other until one explains the image.
+const SETS: [&[&str]; 3] = [
+    &["grid.x", "grid.y", "grid.z"],
+    &["grid.x", "grid.y", "grid.z", "turn.x", "turn.y", "turn.z"],
+    &["grid.x", "grid.y", "grid.z", "size.x", "size.y", "size.z"],
+];
+
+/// Radii of the blur, in parts of the width of the image.
+const RADII: [f64; 4] = [1.0 / 6.0, 1.0 / 12.0, 1.0 / 24.0, 0.0];
+
+/// Largest number of steps at each radius, but for those of more than [`CLOSE`] at the last.
+const STEPS: usize = 5;
+const LAST_STEPS: usize = 12;
+
+/// Differences of a blurred image are over this many steps of a number.
+const COARSE: f64 = 5.0;
+
+/// Share of the step of a number below which a step is the last.
+const CLOSE: f64 = 0.002;
+
+/// Smallest change of a number that is stated, in its steps.
+const LEAST: f64 = 0.2;
+
+/// First damping, and the factors after steps that lead nearer and away.
+const DAMPING: f64 = 1e-3;
+const NEARER: f64 = 0.2;
+const AWAY: f64 = 10.0;
+
+/// Damping beyond which no step leads nearer.
+const MOST_DAMPING: f64 = 1e3;
+
+/// Pixels of all channels.
+type Values = Vec<f64>;
+
+impl ComparedCase {
+    /// The place, size or turn of the volume, if it explains most of the difference. Nothing in noise, where each step
+    /// would take many samples.
+    pub fn fitted_place(&self, clock: &SearchClock<'_>) -> Fitted {
+        if self.is_sampled() {
+            return Fitted::default();
+        }
+        let found = SETS.iter().find_map(|set| {
+            let of_set = |number: &Number| set.contains(&number.quantity.name);
+            let numbers: Vec<_> = numbers(self.scene()).into_iter().filter(of_set).collect();
+            let is_whole = numbers.len() == set.len();
+            is_whole
+                .then(|| Registration::new(self, numbers, clock).candidate())
+                .flatten()
+        });
+        self.report(found.into_iter().collect())
+    }
+}
+
+struct Registration<'r> {
+    case: &'r ComparedCase,
+    clock: &'r SearchClock<'r>,
+    numbers: Vec<Number>,
+    test: Values,
+    columns: usize,
+}
+
+impl<'r> Registration<'r> {
+    fn new(case: &'r ComparedCase, numbers: Vec<Number>, clock: &'r SearchClock<'r>) -> Self {
+        let film = case.in_fit()[1].film();
+        Registration {
+            case,
+            clock,
+            numbers,
+            test: case.in_fit()[1].values(),
+            columns: film.width(),
+        }
+    }
+
+    /// Changes that explain most of the difference; nothing if the time is over.
+    fn candidate(&self) -> Option<Candidate> {
+        let mut changes = vec![0.0; self.numbers.len()];
+        let mut last = vec![0.0; self.numbers.len()];
+        for part in RADII {
+            let radius = (part * self.columns as f64).round() as usize;
+            (changes, last) = self.nearest(changes, radius)?;
+        }
+        let is_stated = |at: usize| changes[at].abs() >= LEAST * self.numbers[at].step;
+        let stated: Vec<usize> = (0..changes.len()).filter(|&at| is_stated(at)).collect();
+        let words = stated.iter().map(|&at| {
+            let number = &self.numbers[at];
+            let error = last[at].abs().max(CLOSE * number.step);
+            let unit = number.quantity.unit.name();
+            change_in_words(&number.words(), unit, changes[at], Some(error))
+        });
+        let words = words.collect::<Vec<_>>().join(" and ");
+        let kept = (0..changes.len()).map(|at| if is_stated(at) { changes[at] } else { 0.0 });
+        let predicted = self.predicted(&kept.collect::<Vec<_>>())?;
+        let worth_saying =
+            !stated.is_empty() && self.case.is_explained_but_for(&predicted, LEFT)?;
+        worth_saying.then_some(Candidate {
+            words,
+            left: self.case.share_left(&predicted)?.max(0.0),
+            agrees: self.case.agrees(&predicted),
+            in_noise: self.case.in_noise(&predicted),
+            is_explained: self
+                .case
+                .is_explained_but_for(&predicted, self.case.may_leave())?,
+            predicted,
+        })
+    }
+
+    /// The changes, from these on, that lead nearest to the image, both blurred; and the last step.
+    fn nearest(&self, mut changes: Vec<f64>, radius: usize) -> Option<(Vec<f64>, Vec<f64>)> {
+        let test = blurred(&self.test, self.columns, radius);
+        let rest = |values: &Values| -> Values {
+            let values = blurred(values, self.columns, radius);
+            values
+                .iter()
+                .zip(&test)
+                .map(|(now, test)| test - now)
+                .collect()
+        };
+        let (scale, most) = match radius {
+            0 => (1.0, LAST_STEPS),
+            _ => (COARSE, STEPS),
+        };
+        let mut now = rest(&self.rendered(&changes)?);
+        let mut damping = DAMPING;
+        let mut last = vec![f64::INFINITY; changes.len()];
+        for _ in 0..most {
+            let mut derivatives = Vec::new();
+            for at in 0..changes.len() {
+                let mut moved = changes.clone();
+                moved[at] += scale * self.numbers[at].step;
+                let moved = rest(&self.rendered(&moved)?);
+                derivatives.push(
+                    now.iter()
+                        .zip(&moved)
+                        .map(|(a, b)| a - b)
+                        .collect::<Values>(),
+                );
+            }
+            let squares = |a: &Values| -> f64 { a.iter().map(|x| x * x).sum() };
+            let before = squares(&now);
+            loop {
+                let step = damped_step(&derivatives, &now, damping)?;
+                let step: Vec<f64> = (0..step.len())
+                    .map(|at| step[at] * scale * self.numbers[at].step)
+                    .collect();
+                let next: Vec<f64> = changes.iter().zip(&step).map(|(a, b)| a + b).collect();
+                let seen = self.rendered(&next).map(|seen| rest(&seen));
+                if let Some(seen) = seen.filter(|seen| squares(seen) < before) {
+                    (changes, now, last) = (next, seen, step);
+                    damping *= NEARER;
+                    break;
+                }
+                if self.clock.is_late() {
+                    return None;
+                }
+                damping *= AWAY;
+                if damping > MOST_DAMPING {
+                    return Some((changes, last));
+                }
+            }
+            let is_close = |at: usize| last[at].abs() < CLOSE * self.numbers[at].step;
+            if (0..last.len()).all(is_close) {
+                break;
+            }
+        }
+        Some((changes, last))
+    }
+
+    fn changed(&self, changes: &[f64]) -> Option<Scene> {
+        let mut scene = self.case.scene().clone();
+        for (number, &change) in self.numbers.iter().zip(changes) {
+            if number.quantity.unit == Unit::Share && change <= -1.0 {
+                return None;
+            }
+            if change != 0.0 {
+                scene = number.changed(&scene, change)?;
+            }
+        }
+        Some(scene)
+    }
+
+    fn rendered(&self, changes: &[f64]) -> Option<Values> {
+        Some(self.predicted(changes)?.values())
+    }
+
+    fn predicted(&self, changes: &[f64]) -> Option<Cells> {
+        if self.clock.is_late() {
+            return None;
+        }
+        let of = self.numbers.iter().zip(changes);
+        let label: String = of
+            .map(|(number, change)| format!("{}={change} ", number.name()))
+            .collect();
+        let edited = self.changed(changes)?;
+        let cells = self.case.predicted_with(&edited, &label, self.clock)?;
+        cells.has_size_of(self.case.in_fit()[0]).then_some(cells)
+    }
+}
+
+/// The step that leads nearest to the end of `rest`, by `derivatives`, with the diagonal of their squares damped.
+fn damped_step(derivatives: &[Values], rest: &Values, damping: f64) -> Option<Vec<f64>> {
+    let product = |a: &Values, b: &Values| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let size = derivatives.len();
+    let mut rows: Vec<Vec<f64>> = (0..size)
+        .map(|i| {
+            let mut row: Vec<f64> = derivatives
+                .iter()
+                .map(|d| product(&derivatives[i], d))
+                .collect();
+            row[i] *= 1.0 + damping;
+            row.push(product(&derivatives[i], rest));
+            row
+        })
+        .collect();
+    // Gauss's elimination: positive definite, so that no pivot is sought.
+    for i in 0..size {
+        let pivot = rows[i].clone();
+        if pivot[i] <= 0.0 {
+            return None;
+        }
+        for (_, row) in rows.iter_mut().enumerate().filter(|(j, _)| *j != i) {
+            let factor = row[i] / pivot[i];
+            row.iter_mut()
+                .zip(&pivot)
+                .for_each(|(x, p)| *x -= factor * p);
+        }
+    }
+    let step: Vec<f64> = (0..size).map(|i| rows[i][size] / rows[i][i]).collect();
+    step.iter().all(|x| x.is_finite()).then_some(step)
+}
+
+/// Means over squares of `2 · radius + 1` pixels, those beyond the edges left out, made twice.
+fn blurred(values: &Values, columns: usize, radius: usize) -> Values {
+    if radius == 0 {
+        return values.clone();
+    }
+    let rows = values.len() / 3 / columns;
+    let along = |values: &Values, count: usize, stride: usize| -> Values {
+        let mut means = vec![0.0; values.len()];
+        for (at, mean) in means.iter_mut().enumerate() {
+            let place = at / stride % count;
+            let (first, last) = (
+                place.saturating_sub(radius),
+                (place + radius).min(count - 1),
+            );
+            let sum: f64 = (first..=last)
+                .map(|other| values[at - place * stride + other * stride])
+                .sum();
+            *mean = sum / (last - first + 1) as f64;
+        }
+        means
+    };
+    let once = |values: &Values| along(&along(values, columns, 3), rows, 3 * columns);
+    once(&once(values))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_solves_the_normal_equations() {
+        let derivatives = vec![vec![1.0, 0.0, 1.0], vec![0.0, 2.0, 1.0]];
+        // 3 and -1 of them.
+        let rest = vec![3.0, -2.0, 2.0];
+        let step = damped_step(&derivatives, &rest, 0.0).unwrap();
+        assert!((step[0] - 3.0).abs() < 1e-14 && (step[1] + 1.0).abs() < 1e-14);
+        assert_eq!(damped_step(&[vec![0.0; 3]], &rest, 0.0), None);
+    }
+
+    #[test]
+    fn a_blur_keeps_constants_and_spreads_points() {
+        let constant = vec![2.5; 5 * 4 * 3];
+        assert_eq!(blurred(&constant, 5, 1), constant);
+        let mut point = vec![0.0; 9 * 9 * 3];
+        point[3 * (4 + 9 * 4)] = 81.0;
+        let spread = blurred(&point, 9, 1);
+        // Twice the mean of three along each axis: weights 1, 2, 3, 2, 1 over 9.
+        assert!((spread[3 * (4 + 9 * 4)] - 9.0).abs() < 1e-12);
+        assert!((spread[3 * (2 + 9 * 4)] - 3.0).abs() < 1e-12);
+        assert_eq!(spread[3 * (1 + 9 * 4)], 0.0);
+    }
+}

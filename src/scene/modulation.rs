@@ -1,0 +1,88 @@
+//! Modulation: a second number at each place, by which opacities are multiplied.
+
+use super::SceneResult;
+use super::files::Files;
+use super::format::{Key, Kind, Range, Rule, Table};
+use super::placement::PlacedGrid;
+use super::reader::Reader;
+use super::volume::VolumeRequest;
+use crate::optics::{TransferPoint, TransferPoints};
+use crate::volume::{Cell, Grid, Interpolation, Reconstruction as _, gradient_lengths};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The declaration of `[classified.volume.modulation]`.
+pub(super) const MODULATION: Table = Table::new("Multiplies opacities over the reference length by a factor, by a second number at each place: the length of the gradient, or the values of another file.").keys(&[
+    Key::optional("of", Kind::Choice(&["gradient"]))
+        .doc("The second number: the length of the gradient at the nodes, by central differences, in values per world unit."),
+    Key::optional("file", Kind::Text)
+        .doc("A grid of the second number, at the same nodes as the volume."),
+    Key::required("point", Kind::Tables(&POINT))
+        .doc("Factors, in order of the second number, joined by straight lines and constant beyond the outermost."),
+]).rules(&[Rule::ExactlyOne("source", &["of", "file"])]);
+
+const POINT: Table = Table::new("The factor of one number.").keys(&[
+    Key::required(
+        "value",
+        Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
+    )
+    .doc("The second number."),
+    Key::required("factor", Kind::Number(Range::closed(0.0, 1.0))).doc("Factor of the opacity."),
+]);
+
+/// Factors of opacity by a second field.
+#[derive(Clone, Debug)]
+pub struct Modulation {
+    /// The second number at the nodes of the volume.
+    pub grid: Arc<Grid<f32>>,
+    /// Factors as opacities, without colours.
+    pub factors: TransferPoints,
+}
+
+impl Modulation {
+    pub(super) fn read(
+        volume: &Reader,
+        placed: &PlacedGrid,
+        files: &mut Files,
+    ) -> SceneResult<Option<Modulation>> {
+        let Some(reader) = volume.table("modulation")? else {
+            return Ok(None);
+        };
+        let rows = reader.tables("point")?;
+        let point = |row: &Reader| -> SceneResult<TransferPoint> {
+            Ok(TransferPoint {
+                value: row.number("value")?,
+                colour: DVec3::ZERO,
+                opacity: row.number("factor")?,
+            })
+        };
+        let points = rows.iter().map(point).collect::<SceneResult<Vec<_>>>()?;
+        let factors = TransferPoints::new(points).map_err(|error| match error.index {
+            None => reader.error("point", error.message),
+            Some(index) => rows[index].error("value", error.message),
+        })?;
+        let grid = match reader.optional_text("file")? {
+            None => Arc::new(gradient_lengths(&placed.grid, placed.to_world.as_ref())),
+            Some(file) => {
+                let grid = files.of_request(&reader, VolumeRequest::of_grid(file))?;
+                let [own, other] = [&placed.grid, &grid].map(|grid| grid.lattice().nodes());
+                if own != other {
+                    let message = format!(
+                        "the volume has {own:?} nodes, and this file {other:?}: it holds one number for each"
+                    );
+                    let help = "resample one of them to the nodes of the other";
+                    return Err(reader.mistake("file", message, help));
+                }
+                // At the nodes of the volume, wherever its own file says that it is.
+                let values = grid.values().to_vec();
+                Arc::new(Grid::new(*placed.grid.lattice(), values).expect("as many nodes"))
+            }
+        };
+        Ok(Some(Modulation { grid, factors }))
+    }
+
+    /// The factor in `cell`.
+    pub fn factor(&self, interpolation: Interpolation, cell: &Cell) -> f64 {
+        self.factors.opacity(interpolation.read(&*self.grid, cell))
+    }
+}
