@@ -1,4 +1,4 @@
-"""Writes linear RGB images, 32-bit floats, with nothing but NumPy."""
+"""Writes linear RGB images, with opacity or without, 32-bit floats, with nothing but NumPy."""
 
 import argparse
 import struct
@@ -26,11 +26,11 @@ def write_npy(path, image):
 def write_pfm(path, image):
     height, width, _ = image.shape
     header = f"PF\n{width} {height}\n-1.0\n".encode()  # minus: little endian
-    path.write_bytes(header + image[::-1].astype("<f4").tobytes())
+    path.write_bytes(header + image[::-1, :, :3].astype("<f4").tobytes())  # no opacity
 
 
 def write_exr(path, image):
-    write_channels(path, dict(zip("RGB", image.transpose(2, 0, 1))))
+    write_channels(path, dict(zip("RGBA", image.transpose(2, 0, 1))))
 
 
 def write_channels(path, planes):

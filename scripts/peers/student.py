@@ -5,8 +5,8 @@
     student.py DIR/SCENE.json OUTPUT               # OUTPUT: .npy, .pfm or .exr
 
 All that it knows of a scene stands in the bundle, formulas included; comments say what code is
-for. It renders volumes whose transfer function is a formula, plots of such functions, and projections and
-isosurfaces of any volume. To see how a wrong renderer is found out, let it make a mistake: `student.py --mistake gamma ...`. Numbers
+for. It renders volumes, several together with their clips, projections and isosurfaces of one, and plots of transfer
+functions; surfaces are refused. To see how a wrong renderer is found out, let it make a mistake: `student.py --mistake gamma ...`. Numbers
 of n rays or samples are arrays of length n, vectors have the shape (3, n).
 """
 
@@ -52,6 +52,15 @@ def transparency(density, floor):
     return np.clip((np.exp(-(density**2)) - floor) / (1 - floor), 0, 1)
 
 
+def by_points(points, key, value):
+    """The curve through the points of a table, in straight lines; of two at one value the later holds there."""
+    at, of = (np.array([point[name] for point in points], float) for name in ("value", key))
+    right = np.searchsorted(at, value, "right").clip(1, len(at) - 1)
+    width = at[right] - at[right - 1]
+    share = np.where(width > 0, (value - at[right - 1]) / np.where(width > 0, width, 1), 1).clip(0, 1)
+    return of[right - 1].T + (of[right] - of[right - 1]).T * share
+
+
 def into(grid):
     """From the world into a grid: the inverse of its matrix, if it has one, and what is subtracted before."""
     matrix = np.array(grid.get("matrix", np.eye(3, 4)))
@@ -95,6 +104,12 @@ def central_differences(values, spacing):
     return gradient
 
 
+def box_span(corners, origins, directions):
+    with np.errstate(divide="ignore"):
+        a, b = ((column(corner) - origins) / directions for corner in corners)
+    return np.minimum(a, b).max(axis=0), np.maximum(a, b).min(axis=0)
+
+
 class Volume:
     def __init__(self, panel, folder):
         self.panel, self.grid = panel, panel["grid"]
@@ -110,31 +125,41 @@ class Volume:
             self.light = column(panel["light"]["position"])
 
     def span(self, origins, directions):
-        """Where rays enter and leave the box; those that miss it leave before they enter."""
+        """Where rays enter and leave what clips leave of the box; those that miss it leave before they enter."""
         inverse, offset = into(self.grid)
-        origins, directions = inverse @ (origins - offset), inverse @ directions
-        with np.errstate(divide="ignore"):
-            a = (column(self.grid["box_min"]) - origins) / directions
-            b = (column(self.grid["box_max"]) - origins) / directions
-        return np.minimum(a, b).max(axis=0).clip(0), np.maximum(a, b).min(axis=0)
+        corners = self.grid["box_min"], self.grid["box_max"]
+        near, far = box_span(corners, inverse @ (origins - offset), inverse @ directions)
+        for clip in self.panel.get("clips", []):
+            if clip["kind"] == "box":
+                begin, end = box_span((clip["min"], clip["max"]), origins, directions)
+            else:
+                height = dot(column(clip["normal"]), origins - column(clip["point"]))
+                slope = dot(column(clip["normal"]), directions)
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    at = -height / slope
+                begin = np.where(slope > 0, at, np.where((slope == 0) & (height <= 0), np.inf, -np.inf))
+                end = np.where(slope < 0, at, np.inf)
+            near, far = np.maximum(near, begin), np.minimum(far, end)
+        return near.clip(0), far
+
+    def opacity_of_reference(self, density):
+        transfer = self.panel["transfer_function"]
+        if transfer["kind"] == "table":
+            return by_points(transfer["points"], "opacity", density)
+        return 1 - transparency(density, transfer["floor"])
 
     def opacity(self, density, step):
-        transfer = self.panel["transfer_function"]
-        references = step / transfer["reference_length"]
+        references = step / self.panel["transfer_function"]["reference_length"]
         if mistake == "no-opacity-correction":
             references = 1
-        return 1 - transparency(density, transfer["floor"]) ** references
+        return 1 - (1 - self.opacity_of_reference(density)) ** references
 
     def colour(self, density):
         transfer = self.panel["transfer_function"]
         if transfer["kind"] == "table":
-            points = transfer["points"]
-            colours, position = zip(*((point["colour"], point["value"]) for point in points))
-            if len(set(position)) < len(position):
-                sys.exit("this renderer knows no steps in a table")
-        else:
-            colours = transfer["colours"]
-            position = np.linspace(0, 1, len(colours))
+            return by_points(transfer["points"], "colour", density)
+        colours = transfer["colours"]
+        position = np.linspace(0, 1, len(colours))
         return np.array([np.interp(density, position, channel) for channel in zip(*colours)])
 
     def shade(self, colour, points, to_eye, two_sided=False):
@@ -158,20 +183,27 @@ class Volume:
         """The share of light that the volume between each point and the light lets through."""
         shadow, distance = self.panel["shadow"], length(self.light - points)
         directions = (self.light - points) / distance
-        far = np.minimum(self.span(points, directions)[1], distance)
-        total = np.zeros(len(far))
-        for rays, t, step in samples(np.zeros(len(far)), far, shadow["step"]):
-            total[rays] += self.density.at(points[:, rays] + t * directions[:, rays]) * step
-        return np.minimum(1, np.exp(-total / shadow["reference_step"] / 100))
+        near, far = self.span(points, directions)
+        far = np.minimum(far, distance)
+        by_table = self.panel["transfer_function"]["kind"] == "table"
+        near, total = near.clip(0), np.zeros(len(far))
+        for rays, t, step in samples(near, far, shadow["step"]):
+            density = self.density.at(points[:, rays] + t * directions[:, rays])
+            if by_table:
+                with np.errstate(divide="ignore"):
+                    density = -np.log1p(-self.opacity_of_reference(density))
+            total[rays] += density * step / shadow["reference_step"]
+        return np.exp(-total) if by_table else np.minimum(1, np.exp(-total / 100))
 
-    def radiance(self, density, points, to_eye):
-        """What samples send to the eye."""
+    def radiance(self, density, points, to_eye, shading_volumes=None):
+        """What samples send to the eye, in the shadow of volumes: of its own, if it is alone."""
         colour = self.colour(density)
         if self.panel["phong"]:
             colour = self.shade(colour, points, to_eye)
         if self.panel["shadow"] and mistake != "no-shadow":
-            colour = colour * self.light_arriving(points)
-        return density**2 * colour
+            for volume in shading_volumes or [self]:
+                colour = colour * volume.light_arriving(points)
+        return colour if self.panel["transfer_function"]["kind"] == "table" else density**2 * colour
 
 
 def rays_of(panel):
@@ -205,7 +237,7 @@ def draw_volume(panel, folder):
     backwards = panel["compositing"]["method"] == "back-to-front"
     near, far = volume.span(eye, directions)
     for rays, t, step in samples(near, far, panel["sampling"]["step"], backwards):
-        points = eye + t * directions[:, rays]
+        points = eye_of(eye, rays) + t * directions[:, rays]
         density = volume.density.at(points)
         a = volume.opacity(density, step)
         # Most of the volume is empty; its samples change nothing.
@@ -218,8 +250,61 @@ def draw_volume(panel, folder):
         else:
             colour[:, rays] += (1 - opacity[rays]) * a * light
             opacity[rays] += (1 - opacity[rays]) * a
-    colour += (1 - opacity) * column(panel["background"])
-    return colour.T.reshape(panel["height"], panel["width"], 3)
+    return picture(panel, colour, opacity)
+
+
+def picture(panel, colour, opacity):
+    """Colours before the background, and opacity."""
+    colour = colour + (1 - opacity) * column(panel["background"])
+    return np.vstack([colour, opacity]).T.reshape(panel["height"], panel["width"], 4)
+
+
+def draw_volumes(panel, folder):
+    """Several volumes, each constant over each of its steps: the ends of all steps cut a ray into pieces."""
+    if panel["surfaces"]:
+        sys.exit("this renderer knows no surfaces")
+    volumes = []
+    for volume in panel["volumes"]:
+        clips = [panel["clips"][index] for index in volume["clips"]]
+        volumes.append(Volume(volume | {"clips": clips, "light": panel["light"]}, folder))
+    eye, directions = rays_of(panel)
+    count = directions.shape[1]
+    colour, opacity = np.zeros((3, count)), np.zeros(count)
+    spans = [volume.span(eye, directions) for volume in volumes]
+    # Of each volume: the step that a ray is in, where that ends, its extinction and its light.
+    index = np.full((len(volumes), count), -1)
+    end = np.array([np.where(near < far, near, np.inf) for near, far in spans])
+    extinction, light = np.zeros((len(volumes), count)), np.zeros((len(volumes), 3, count))
+    position = end.min(axis=0)
+    while np.isfinite(position).any():
+        for k, (volume, (near, far)) in enumerate(zip(volumes, spans)):
+            rays = np.flatnonzero((end[k] == position) & np.isfinite(position))
+            index[k, rays] += 1
+            extinction[k, rays], begin = 0, end[k, rays]
+            step = volume.panel["sampling"]["step"]
+            goes_on = index[k, rays] < np.ceil((far - near)[rays] / step)
+            end[k, rays] = np.where(goes_on, np.minimum(near[rays] + (index[k, rays] + 1) * step, far[rays]), np.inf)
+            rays, begin = rays[goes_on], begin[goes_on]
+            points = eye_of(eye, rays) + (begin + end[k, rays]) / 2 * directions[:, rays]
+            density = volume.density.at(points)
+            with np.errstate(divide="ignore"):
+                a0 = volume.opacity_of_reference(density)
+                extinction[k, rays] = -np.log1p(-a0) / volume.panel["transfer_function"]["reference_length"]
+            seen = a0 > 0  # its other samples change nothing
+            light[k][:, rays[seen]] = volume.radiance(
+                density[seen], points[:, seen], -directions[:, rays[seen]], volumes
+            )
+        following = end.min(axis=0)
+        total = extinction.sum(axis=0)
+        rays = np.flatnonzero((total > 0) & np.isfinite(following))
+        # What is opaque hides what is not.
+        weight = np.where(np.isinf(total), np.isinf(extinction), extinction)[:, rays]
+        sent = (weight[:, None] * light[:, :, rays]).sum(axis=0) / weight.sum(axis=0)
+        a = 1 - np.exp(-total[rays] * (following[rays] - position[rays]))
+        colour[:, rays] += (1 - opacity[rays]) * a * sent
+        opacity[rays] += (1 - opacity[rays]) * a
+        position = following
+    return picture(panel, colour, opacity)
 
 
 def draw_field(panel, folder):
@@ -331,17 +416,16 @@ def main():
         sys.exit(f"{options.bundle}: not a bundle that this renderer knows")
     pictures = []
     for panel in bundle["panels"]:
-        if "mode" not in panel and panel.get("transfer_function", panel)["kind"] != "formula":
-            sys.exit("this renderer knows transfer functions by formula only, not by table")
-        draw = {"volume": draw_volume, "plot": draw_plot}[panel["shows"]]
+        draw = {"volume": draw_volume, "volumes": draw_volumes, "plot": draw_plot}[panel["shows"]]
         if "mode" in panel:
             draw = draw_field
         pictures.append(draw(panel, options.bundle.parent))
-    image = np.concatenate(pictures, axis=1)  # side by side
+    channels = min(one.shape[2] for one in pictures)  # a plot has no opacity
+    image = np.concatenate([one[:, :, :channels] for one in pictures], axis=1)  # side by side
     if mistake == "upside-down":
         image = image[::-1]
     if mistake == "gamma":
-        image = image ** (1 / 2.2)
+        image[:, :, :3] **= 1 / 2.2
     write_image(options.output, image)
 
 

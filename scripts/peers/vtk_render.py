@@ -38,7 +38,7 @@ SHADER = {
     "g_opacityThreshold = 1.0 - 1.0 / 255.0;": "g_opacityThreshold = 1.0;",
     # For a light that has a place, it distorts normals by the proportions of the box,
     "(in_textureToEye[0] * vec4(shading_gradient.xyz, 0.0)).xyz":
-        "(in_modelViewMatrix * in_volumeMatrix[0] * vec4(shading_gradient.xyz, 0.0)).xyz",
+        "(transpose(inverse(mat3(in_modelViewMatrix * in_volumeMatrix[0]))) * shading_gradient.xyz)",
     # gives neither ambient light nor highlight a colour, and so no factor of d^2,
     "in_ambient[lightingComponent] * ambient +": "in_ambient[lightingComponent] * color.rgb +",
     "in_specular[lightingComponent] * specular;":
@@ -50,22 +50,31 @@ SHADER = {
 }  # fmt: skip
 
 
+def parts_of(panel):
+    """The volumes of a panel, of which there is one but in "volumes"."""
+    return panel.get("volumes", [panel])
+
+
 def obstacles(panel):
     """What of a panel VTK's model has no word for."""
-    if panel["shows"] != "volume":
+    if panel["shows"] == "plot":
         return ["a plot, which is no volume"]
     if "mode" in panel and panel["mode"]["name"] not in BLENDS:
         return [f"mode = {panel['mode']['name']!r}"]
     found = []
-    values = [point["value"] for point in (panel["transfer_function"] or {}).get("points", [])]
-    if len(set(values)) < len(values):
-        found.append("a table with a jump (VTK's runs in straight lines)")
-    if "mode" not in panel and panel["compositing"]["method"] == "continuous" and panel["sampling"] is None:
+    parts = parts_of(panel)
+    for part in parts:
+        values = [point["value"] for point in (part["transfer_function"] or {}).get("points", [])]
+        if len(set(values)) < len(values):
+            found.append("a table with a jump (VTK's runs in straight lines)")
+    if panel.get("compositing", {}).get("method") == "continuous" and panel["sampling"] is None:
         found.append("a continuous integral without a step")
-    if "matrix" in panel["grid"]:
-        found.append("a volume placed by a matrix")
     if panel["shadow"]:
         found.append("the volume shadow (VTK scatters light by a model of its own)")
+    if any(surface["kind"] != "sphere" for surface in panel.get("surfaces", [])):
+        found.append("surfaces other than spheres (this script knows no others)")
+    if any(part["clips"] != parts[0]["clips"] for part in parts if "clips" in part):
+        found.append("clips of some of the volumes (VTK's mapper cuts all alike)")
     return found
 
 
@@ -149,10 +158,9 @@ def looks_of(vtk, panel, stock):
     return looks
 
 
-def mapper_of(vtk, panel, folder, step):
+def image_of(vtk, grid, folder):
     from vtk.util.numpy_support import numpy_to_vtk
 
-    grid = panel["grid"]
     nodes, spacing, first = (np.array(grid[key]) for key in ("nodes", "spacing", "first_node"))
     box_min, box_max = np.array(grid["box_min"]), np.array(grid["box_max"])
     values = np.fromfile(folder / grid["file"], "<f4").reshape(nodes[::-1])
@@ -174,22 +182,46 @@ def mapper_of(vtk, panel, folder, step):
         image.SetOrigin(first)
         attributes = image.GetPointData()
     attributes.SetScalars(numpy_to_vtk(np.ascontiguousarray(values).ravel(), deep=True))
+    return image
+
+
+def planes_of(panel):
+    """Points and normals of the planes that clip the volumes."""
+    for index in parts_of(panel)[0].get("clips", []):
+        clip = panel["clips"][index]
+        if clip["kind"] == "plane":
+            yield clip["point"], clip["normal"]
+            continue
+        for axis in np.eye(3):
+            yield clip["min"], axis
+            yield clip["max"], -axis
+
+
+def mapper_of(vtk, panel, folder, step):
+    parts = parts_of(panel)
     mapper = vtk.vtkGPUVolumeRayCastMapper()
-    mapper.SetInputData(image)
+    for port, part in enumerate(parts):
+        mapper.SetInputDataObject(port, image_of(vtk, part["grid"], folder))
+    for point, normal in planes_of(panel):
+        plane = vtk.vtkPlane()
+        plane.SetOrigin(point)
+        plane.SetNormal(normal)
+        mapper.AddClippingPlane(plane)
     mapper.AutoAdjustSampleDistancesOff()
     mapper.LockSampleDistanceToInputSpacingOff()
     mapper.UseJitteringOff()
     mode = panel.get("mode", {"exact": False})
     if mode["exact"]:
         step = step or panel["sampling"]["step"] / 16
-    mapper.SetSampleDistance(step or panel["sampling"]["step"])
+    # Several volumes have one step.
+    mapper.SetSampleDistance(step or min(part["sampling"]["step"] for part in parts))
     if "mode" in panel:
         getattr(mapper, f"SetBlendModeTo{BLENDS[mode['name']]}")()
     return mapper
 
 
 def camera_of(vtk, panel):
-    ray, grid = panel["ray"], panel["grid"]
+    ray = panel["ray"]
     eye, forward, up = (np.array(ray[key]) for key in ("eye", "forward", "half_up"))
     camera = vtk.vtkCamera()
     camera.SetPosition(eye)
@@ -200,21 +232,77 @@ def camera_of(vtk, panel):
         camera.SetParallelScale(ray["orthographic_height"] / 2)
     else:
         camera.SetViewAngle(2 * np.degrees(np.arctan(np.linalg.norm(up))))
-    reach = np.abs(np.array([grid["box_min"], grid["box_max"]]) - eye).max(0)
-    camera.SetClippingRange(1e-3 * np.linalg.norm(reach), 2 * np.linalg.norm(reach))
+    corners = np.concatenate([corners_of(part["grid"]) for part in parts_of(panel)])
+    reach = np.linalg.norm(np.abs(corners - eye).max(0))
+    camera.SetClippingRange(1e-3 * reach, 2 * reach)
     return camera
 
 
-def picture(vtk, panel, mapper, look, stock):
+def corners_of(grid):
+    """The corners of the box of a grid in the world."""
+    ends = np.array([grid["box_min"], grid["box_max"]])
+    corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2], 1] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+    return corners @ np.array(grid.get("matrix", np.eye(3, 4))).T
+
+
+def volume_of(vtk, mapper, parts, looks):
+    """The volume, or several as one."""
+    volumes = []
+    for part, look in zip(parts, looks):
+        volume = vtk.vtkVolume()
+        volume.SetProperty(look)
+        if "matrix" in part["grid"]:
+            matrix = vtk.vtkMatrix4x4()
+            matrix.DeepCopy(np.vstack([part["grid"]["matrix"], [0, 0, 0, 1]]).ravel())
+            volume.SetUserMatrix(matrix)
+        volumes.append(volume)
+    if len(volumes) == 1:
+        volumes[0].SetMapper(mapper)
+        return volumes[0]
+    together = vtk.vtkMultiVolume()
+    together.SetMapper(mapper)
+    for port, volume in enumerate(volumes):
+        together.SetVolume(volume, port)
+    return together
+
+
+def actor_of(vtk, surface, look):
+    """A sphere, lit as the volumes are by their look."""
+    source = vtk.vtkSphereSource()
+    source.SetRadius(surface["radius"])
+    source.SetCenter(surface["centre"])
+    source.SetThetaResolution(512)
+    source.SetPhiResolution(512)
+    mapper = vtk.vtkPolyDataMapper()
+    mapper.SetInputConnection(source.GetOutputPort())
+    actor = vtk.vtkActor()
+    actor.SetMapper(mapper)
+    if surface["matrix"]:
+        matrix = vtk.vtkMatrix4x4()
+        matrix.DeepCopy(np.vstack([surface["matrix"], [0, 0, 0, 1]]).ravel())
+        actor.SetUserMatrix(matrix)
+    material = actor.GetProperty()
+    material.SetInterpolationToPhong()
+    material.SetColor(surface["colour"])
+    material.SetSpecularColor(1, 1, 1)
+    lit = bool(surface["phong"])
+    material.SetAmbient(look.GetAmbient() if lit else 1)
+    material.SetDiffuse(look.GetDiffuse() if lit else 0)
+    material.SetSpecular(look.GetSpecular() if lit else 0)
+    material.SetSpecularPower(look.GetSpecularPower())
+    return actor
+
+
+def picture(vtk, panel, mapper, looks, stock):
     """The picture as floats: VTK's usual buffers hold 8 bits, too few to be judged."""
-    volume = vtk.vtkVolume()
-    volume.SetMapper(mapper)
-    volume.SetProperty(look)
+    volume = volume_of(vtk, mapper, parts_of(panel), looks)
     if not stock:
         for theirs, ours in SHADER.items():
             volume.GetShaderProperty().AddFragmentShaderReplacement(theirs, False, ours, False)
     renderer = vtk.vtkRenderer()
     renderer.AddVolume(volume)
+    for surface in panel.get("surfaces", []):
+        renderer.AddActor(actor_of(vtk, surface, looks[0]))
     renderer.SetActiveCamera(camera_of(vtk, panel))
     renderer.SetTwoSidedLighting(False)
     renderer.SetAutomaticLightCreation(False)
@@ -246,9 +334,11 @@ def picture(vtk, panel, mapper, look, stock):
 
 
 def render(vtk, panel, folder, step, stock):
+    parts = parts_of(panel)
+    stock = stock or len(parts) > 1  # the shader of several volumes has other lines
     mapper = mapper_of(vtk, panel, folder, step)
-    looks = looks_of(vtk, panel, stock)
-    pictures = [picture(vtk, panel, mapper, look, stock) for look in looks]
+    looks = zip(*(looks_of(vtk, part, stock) for part in parts))
+    pictures = [picture(vtk, panel, mapper, of_all, stock) for of_all in looks]
     behind = 1 - pictures[0][:, :, 3:]
     return sum(p[:, :, :3] for p in pictures) + behind * panel["background"]
 

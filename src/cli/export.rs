@@ -4,7 +4,7 @@ use super::Outcome;
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::named_scene;
-use crate::exchange::{self, Export, Format, Refusal};
+use crate::exchange::{self, Export, ExportFault, Format, Refusal};
 use crate::film::CHANNELS;
 use crate::scene::Scene;
 use serde_json::json;
@@ -80,7 +80,13 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Failure {
-        let help = "nothing was written; remove these features from the scene or replace them";
+        // Nothing of a scene of another model could be removed.
+        let is_model =
+            |fault: &ExportFault| ["classified", "curve", "radiative"].contains(&&*fault.key);
+        let help = match refusal.faults.iter().any(is_model) {
+            true => "nothing was written",
+            false => "nothing was written; remove these features from the scene or replace them",
+        };
         Failure::new(Exit::BadInput, refusal.to_string(), Some(help))
     }
 }

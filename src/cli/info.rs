@@ -7,7 +7,7 @@ use super::suite::named_scene;
 use crate::files::regular_file;
 use crate::geometry::Transform;
 use crate::math::{Sum, ln};
-use crate::scene::{Panel, Scene};
+use crate::scene::{Scene, SceneVolume};
 use crate::volume::{
     Centring, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, NonFinite, Orientation, Stored,
     load_hashed, volume_formats,
@@ -145,7 +145,7 @@ struct Bin {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[&arguments.file])?;
     if let Some(file) = scene_file(&arguments.file) {
-        let info = of_scene(&Scene::load(&file)?, &arguments.file)?;
+        let info = of_scene(&Scene::load_volumes(&file)?, &arguments.file)?;
         let text = describe(&info);
         return arguments.json.instead_of(text, &info).map(Outcome::from);
     }
@@ -191,14 +191,9 @@ fn scene_file(given: &Path) -> Option<PathBuf> {
         .then_some(file)
 }
 
-/// The volume of a scene.
-fn of_scene(scene: &Scene, given: &Path) -> Result<Info, Failure> {
-    let volumes: Vec<_> = scene.panels.iter().filter_map(Panel::classified).collect();
-    let is_one = |other| {
-        volumes
-            .iter()
-            .all(|volume| Arc::ptr_eq(&volume.grid, other))
-    };
+/// The volume of a scene, of whose panels each shows one.
+fn of_scene(volumes: &[SceneVolume], given: &Path) -> Result<Info, Failure> {
+    let is_one = |other| volumes.iter().all(|it| Arc::ptr_eq(&it.grid, other));
     let Some(volume) = volumes.first().filter(|first| is_one(&first.grid)) else {
         let count = if volumes.is_empty() {
             "no"
@@ -209,12 +204,11 @@ fn of_scene(scene: &Scene, given: &Path) -> Result<Info, Failure> {
         let help = "give the file of a volume, or a scene of one";
         return Err(Failure::new(Exit::BadInput, message, Some(help)));
     };
-    let inputs = &scene.panels[0].inputs;
-    let files = inputs.iter().map(|input| FileJson {
+    let files = volume.inputs.iter().map(|input| FileJson {
         path: input.name.clone(),
         blake3: input.hash.clone(),
     });
-    let format = match inputs.is_empty() {
+    let format = match volume.inputs.is_empty() {
         true => "formula of a scene",
         false => "volume of a scene",
     };

@@ -37,7 +37,7 @@ mod verdicts;
 mod verify;
 mod visible_report;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use std::process::ExitCode;
 
 pub use embedded::SuiteFiles;
@@ -114,7 +114,7 @@ fn run() -> Exit {
             } else {
                 Exit::Passed
             };
-            output::print_usage(&error);
+            output::print_usage(&Arguments::command(), error);
             return exit;
         }
     };

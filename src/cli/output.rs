@@ -9,6 +9,7 @@ use crate::files::regular_file;
 use crate::files::regular_file::{Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
 use clap::Args;
+use clap::error::{ContextKind, ContextValue};
 use serde::Serialize;
 use serde_json::json;
 use std::ffi::OsString;
@@ -113,9 +114,13 @@ fn print_error_object(exit: Exit, message: String, help: Option<String>) {
 
 /// Writes clap's message about the command line, or the help. If the arguments contain control
 /// characters, which the message repeats, it has no colours.
-pub fn print_usage(error: &clap::Error) {
+pub fn print_usage(command: &clap::Command, mut error: clap::Error) {
     if !error.use_stderr() {
         return note_error(error.print());
+    }
+    if let Some(tip) = missing_equals(command, &error) {
+        let tips = ContextValue::StyledStrs(vec![tip.into()]);
+        error.insert(ContextKind::Suggested, tips);
     }
     print_error_object(Exit::BadInput, error.to_string(), None);
     let mut arguments = std::env::args_os();
@@ -128,6 +133,31 @@ pub fn print_usage(error: &clap::Error) {
     } else {
         write!(io::stderr(), "{}", printable(&error.to_string()))
     };
+}
+
+/// A remedy where a value that `=` joins to its option, as in `--depth=mean`, stands by itself: then there is an
+/// argument too many.
+fn missing_equals(command: &clap::Command, error: &clap::Error) -> Option<String> {
+    let is_value = |text: &str| !text.starts_with('-');
+    match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(text)) if is_value(text) => {}
+        _ => return None,
+    }
+    let arguments: Vec<String> = std::env::args_os()
+        .map(|argument| argument.to_string_lossy().into_owned())
+        .collect();
+    let command = command.find_subcommand(arguments.get(1)?)?;
+    let joins = |option: &str| {
+        let name = option.strip_prefix("--");
+        let mut known = command.get_arguments();
+        known.any(|it| it.get_long() == name && name.is_some() && it.is_require_equals_set())
+    };
+    let mut pairs = arguments.windows(2);
+    let pair = pairs.find(|pair| joins(&pair[0]) && is_value(&pair[1]))?;
+    let [option, value] = [&pair[0], &pair[1]];
+    Some(format!(
+        "'{option}' takes its value after '=': '{option}={value}'"
+    ))
 }
 
 /// `--json`: the result as JSON instead of text.

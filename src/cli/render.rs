@@ -7,9 +7,9 @@ use super::{Outcome, progress};
 use crate::film::{Depth, Film, FilmFormat};
 use crate::math;
 use crate::reference;
-use crate::render::plan::Reason;
+use crate::render::plan::{Method, Reason};
 use crate::render::{self, Plan, Sampling, Seed};
-use crate::scene::{Conventions, Length, Model, Scene, samples};
+use crate::scene::{Conventions, Length, Mode, Model, Scene, samples};
 use crate::sensitivity::number;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -147,7 +147,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             file.display()
         ));
     }
-    if let Some(note) = brightness_note(&film, format, arguments.exposure) {
+    if let Some(note) = brightness_note(&film, format, arguments.exposure, &plans) {
         text.push_str(&note);
     }
     let warnings = warnings_of_all(&plans);
@@ -160,7 +160,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             effect\n",
         );
     }
-    let value = json!({
+    let mut value = json!({
         "schema": "volref/render/1",
         "scene": arguments.scene,
         "output": arguments.output,
@@ -170,6 +170,10 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         "seconds": seconds,
         "warnings": warnings,
     });
+    if let Some(depth) = arguments.depth {
+        let file = depth_file.as_deref().unwrap_or(&arguments.output);
+        value["depth"] = json!({ "kind": depth.to_string(), "file": file });
+    }
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
@@ -238,7 +242,12 @@ pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
 }
 
 /// A note on an image that is black, or too dark to see as a preview.
-fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<String> {
+fn brightness_note(
+    film: &Film,
+    format: FilmFormat,
+    exposure: f64,
+    plans: &[Plan<'_>],
+) -> Option<String> {
     let mut lit: Vec<f32> = film
         .radiance()
         .iter()
@@ -246,8 +255,7 @@ fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<Str
         .filter(|&brightest| brightest > 0.0)
         .collect();
     if lit.is_empty() {
-        let empty = "note: the image is black: no ray reaches anything that emits light\n";
-        return Some(empty.to_owned());
+        return Some(format!("note: the image is black: {}\n", why_black(plans)));
     }
     // The brightest hundredth of what is lit: a single hot pixel says nothing.
     lit.sort_by(f32::total_cmp);
@@ -259,6 +267,25 @@ fn brightness_note(film: &Film, format: FilmFormat, exposure: f64) -> Option<Str
         ));
     }
     None
+}
+
+/// The reason for which the image of a scene is black.
+fn why_black(plans: &[Plan<'_>]) -> String {
+    if let [plan] = plans
+        && let Some(volume) = plan.panel.classified()
+    {
+        if plan.estimator.method == Method::Background {
+            return plan.estimator.why.reason.clone();
+        }
+        if volume.mode != Mode::Composited {
+            let (least, most) = volume.grid.range();
+            let [least, most] = [least as f32, most as f32];
+            return format!(
+                "no value that is shown has a colour; those of the volume go from {least} to {most}"
+            );
+        }
+    }
+    "no ray reaches anything that emits light".to_owned()
 }
 
 /// The format of an image to be written, of linear `values`.

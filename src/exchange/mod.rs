@@ -131,7 +131,8 @@ pub fn export_at(
     let radiative = match &panel.model {
         Model::Radiative(radiative) => radiative,
         Model::Classified(_) => {
-            let what = "a classified volume; export it to `bundle`";
+            let what = "a classified volume: media have coefficients, and no transfer function; export the scene to \
+                        `bundle`, or its grid alone to `raw`, `nrrd` or `npy`";
             return Err(Refusal::of(format, "classified", what));
         }
         Model::Curve(_) => {

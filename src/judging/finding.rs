@@ -33,7 +33,8 @@ impl Judged {
             (Some(golden), Some(codes)) => codes.size() == (golden.width(), golden.height()),
             _ => false,
         };
-        self.result.cause == Cause::Mismatch && comparable()
+        let is_open = self.result.cause == Cause::Mismatch && !self.result.is_right_if_declared;
+        is_open && comparable()
     }
 }
 
@@ -56,6 +57,8 @@ pub struct CaseFinding {
     pub fit: Option<Box<FitMap>>,
     /// The part of the reason that says no more than "as if".
     pub as_if: Option<String>,
+    /// The image is right once it is declared as the reason says.
+    pub is_right_if_declared: bool,
 }
 
 impl CaseFinding {
@@ -70,6 +73,7 @@ impl CaseFinding {
             detectable: Vec::new(),
             fit: None,
             as_if: None,
+            is_right_if_declared: false,
         }
     }
 
@@ -98,6 +102,7 @@ impl CaseFinding {
             detectable: self.detectable,
             fit: self.fit,
             as_if: self.as_if,
+            is_right_if_declared: self.is_right_if_declared,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,

@@ -1,6 +1,7 @@
 //! Verdicts on cases: `verify`, `validate` and the self-test.
 
 pub(crate) mod decide;
+mod depth;
 pub(crate) mod evidence;
 pub(crate) mod finding;
 pub(crate) mod measured;

@@ -1,19 +1,19 @@
 //! Another renderer's image against the golden of a case.
 
 use super::decide::cases_at;
+use super::depth::{self, DepthComparison};
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::measured;
 use super::precision::{known, known_radiance, read_otherwise, with_background};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
-use crate::compare::depth::{DepthDifference, OUTLIERS_OF_DEPTH};
+use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
     Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
     precision_in_words,
 };
 use crate::conventions::Profile;
-use crate::film::{Alpha, Depth, Film};
-use crate::render;
+use crate::film::{Alpha, Film};
 use crate::suite::{Case, Output, Store};
 use std::time::Instant;
 
@@ -123,10 +123,6 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     }
 }
 
-/// Opacity below which a depth is not compared: rounded to 8 bits, as buffers hold it, the weights of its mean are off
-/// by a fifth.
-const FAINTEST: f32 = 0.01;
-
 /// `finding` with the depth of `picture`, where the case asks for depth; and notes on results that are asked for
 /// and not there.
 fn with_what_is_asked(
@@ -153,23 +149,14 @@ fn with_what_is_asked(
     if finding.verdict != Verdict::Pass {
         return (finding, notes);
     }
-    let judged_as = |asked: Depth| {
-        let mut right = render::depth(&checked.scene, asked)?;
-        let opacity = checked.golden.film.opacity();
-        for (depth, &opacity) in right.iter_mut().zip(opacity.unwrap_or_default()) {
-            if opacity < FAINTEST {
-                *depth = f32::INFINITY;
-            }
-        }
-        Ok::<_, String>(DepthDifference::of(
-            &right,
-            depth,
-            film.width(),
-            checked.longest_step(),
-        ))
+    let compared = DepthComparison {
+        scene: &checked.scene,
+        opacity: checked.golden.film.opacity(),
+        width: film.width(),
+        step: checked.longest_step(),
     };
-    let found = match judged_as(asked) {
-        Ok(found) => found,
+    let found = match compared.right(asked) {
+        Ok(right) => compared.of(&right, depth),
         Err(reason) => {
             let reason = String::from("depth cannot be judged: ") + &reason;
             return (
@@ -183,15 +170,8 @@ fn with_what_is_asked(
         .insert(OUTLIERS_OF_DEPTH.0.to_owned(), found.outside as f64);
     if !found.agrees() {
         let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
-        let others = Depth::ALL.into_iter().map(|(_, other)| other);
-        let others = others.filter(|&other| other != asked).filter_map(|other| {
-            let found = judged_as(other).ok()?;
-            (found.seen > 0 && found.agrees()).then_some((found.mean, other))
-        });
-        if let Some((_, other)) = others.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
-            reason.push_str(&format!(
-                "; it is the {other} depth, and the case asks for the {asked} one"
-            ));
+        if let Some(cause) = depth::cause(&compared, asked, depth) {
+            reason.push_str(&format!("; it is {cause}"));
         }
         finding = CaseFinding {
             metrics: finding.metrics,
@@ -276,8 +256,14 @@ fn without_background(case: &Case, checked: &CheckedGolden, picture: &Picture) -
     let alpha = [Alpha::Premultiplied, Alpha::Straight]
         .into_iter()
         .find(agrees_as)?;
+    let what = match alpha {
+        Alpha::Premultiplied => "leave out the background of the scene",
+        Alpha::Straight => {
+            "are not multiplied by opacity, and leave out the background of the scene"
+        }
+    };
     Some(format!(
-        "the colours leave out the background of the scene: the image agrees where that is declared with --alpha {alpha}"
+        "the colours {what}: the image agrees where that is declared with --alpha {alpha}"
     ))
 }
 
@@ -343,7 +329,9 @@ fn with_words(
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
         said.extend(other_encoding(case, checked, picture));
-        said.extend(without_background(case, checked, picture));
+        let declaration = without_background(case, checked, picture);
+        finding.is_right_if_declared = declaration.is_some();
+        said.extend(declaration);
         if !said.is_empty() {
             drop_as_if(&mut finding.reason, &mut finding.as_if);
         }

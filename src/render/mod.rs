@@ -39,7 +39,7 @@ mod progress;
 pub mod radiative;
 
 pub use crate::scene::{Sampling, Seed};
-pub use classified::depth::depth;
+pub use classified::depth::{depth, first_opacity};
 pub use counters::{Counters, Event};
 pub use error::RenderError;
 pub use footprint::{Footprint, footprint};

@@ -147,6 +147,8 @@ struct Found {
     fit: Option<Box<FitMap>>,
     #[serde(default)]
     as_if: Option<String>,
+    #[serde(default)]
+    is_right_if_declared: bool,
     evidence: Evidence,
 }
 
@@ -251,6 +253,7 @@ impl ResultFolder {
             cause: judged.result.cause,
             fit: judged.result.fit.clone(),
             as_if: judged.result.as_if.clone(),
+            is_right_if_declared: judged.result.is_right_if_declared,
             evidence: Evidence {
                 golden: None,
                 test: None,
@@ -340,6 +343,7 @@ impl ResultFolder {
                     cause: of_case.cause,
                     fit: of_case.fit,
                     as_if: of_case.as_if,
+                    is_right_if_declared: of_case.is_right_if_declared,
                     ..of_case.result
                 },
                 evidence: of_case.evidence,

@@ -228,7 +228,6 @@ impl Classified {
             .map(|reader| Conventions::read(&reader))
             .transpose()?;
         let conventions = conventions.unwrap_or_default();
-        let tables: Vec<&Reader> = volumes.iter().map(|it| it.reader).collect();
         let parts = volumes.into_iter().zip(steps).zip(phongs).enumerate();
         let mut parts = parts.map(|(index, ((volume, step), own))| Volume {
             grid: volume.placed.grid,
@@ -270,7 +269,7 @@ impl Classified {
         scene
             .check_brightness()
             .map_err(|message| reader.error("volume", message))?;
-        scene.check_objects(reader, &tables)?;
+        scene.check_objects(reader, &names)?;
         Ok(scene)
     }
 
@@ -590,7 +589,16 @@ fn read_shadows(
     let reference_steps = looks.iter().zip(lengths).map(reference_step);
     let reference_steps = reference_steps.collect::<SceneResult<Vec<f64>>>()?;
     if given.is_none() {
-        reader.resolved("reference_step", reference_steps[0]);
+        let first = reference_steps[0];
+        let is_one = reference_steps.iter().all(|&step| step == first);
+        let texts = reference_steps.iter().map(f64::to_string);
+        reader.resolved(
+            "reference_step",
+            match is_one {
+                true => first.to_string(),
+                false => texts.collect::<Vec<_>>().join(", ") + ", volume by volume",
+            },
+        );
     }
     let step = reader.length("step")?;
     let shadow = |(&reference_step, lengths): (&f64, &[f64; 2])| {

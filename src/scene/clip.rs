@@ -69,7 +69,13 @@ impl Clip {
             }
         };
         let volumes = if reader.has("volumes") {
-            let named = reader.words("volumes")?.into_iter();
+            let named = reader.words("volumes")?;
+            if named.is_empty() {
+                let message = "`volumes` is empty: the clip cuts nothing";
+                let help = "name the volumes that are cut, or leave the key out: then all are";
+                return Err(reader.mistake("volumes", message, help));
+            }
+            let named = named.into_iter();
             Some(
                 named
                     .map(|name| index_of(reader, &name, names))
@@ -113,6 +119,16 @@ fn half_spaces(kept: &Kept) -> Vec<(DVec3, f64)> {
             axes.collect()
         }
     }
+}
+
+/// True if a clip keeps all of a box.
+pub(super) fn keeps_all(clip: &Clip, extent: &PlacedBox) -> bool {
+    half_spaces(&clip.kept).iter().all(|(normal, offset)| {
+        let corners = extent.bounds.corners().into_iter();
+        corners
+            .map(|corner| normal.dot(extent.in_world(corner)))
+            .all(|height| height >= *offset)
+    })
 }
 
 /// A corner of a convex solid, and the numbers of the planes that meet there.

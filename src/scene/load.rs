@@ -204,6 +204,11 @@ impl Scene {
 
     /// Reads the scene file at `path` and the files it names.
     pub fn load(path: &Path) -> SceneResult<Scene> {
+        Scene::parse(&Scene::text(path)?, path)
+    }
+
+    /// The text of the scene file at `path`.
+    pub(super) fn text(path: &Path) -> SceneResult<String> {
         let name = path.display().to_string();
         let mistake = |message: String, help: &str| {
             SceneError::new(&name, "", None, message, Some(help.to_owned()))
@@ -224,9 +229,7 @@ impl Scene {
         }
         let bytes = regular_file::read(path, MOST_BYTES)
             .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|_| unreadable("the scene is not UTF-8 text".into()))?;
-        Scene::parse(&text, path)
+        String::from_utf8(bytes).map_err(|_| unreadable("the scene is not UTF-8 text".into()))
     }
 
     /// Reads a scene from `text`; `path` names it in messages, and paths in the scene are relative
@@ -315,7 +318,7 @@ impl Scene {
 }
 
 /// The root table of each panel: the scene itself, or the scene with the panel's keys put in.
-fn panel_tables<'s>(
+pub(super) fn panel_tables<'s>(
     document: &Document<'s>,
     mut root: Spanned<DeTable<'s>>,
 ) -> SceneResult<Vec<Spanned<DeTable<'s>>>> {
@@ -439,7 +442,21 @@ fn read_classified(
 ) -> SceneResult<Classified> {
     let tables = reader.one_or_more("volume")?;
     check_count(reader, "volume", tables.len())?;
-    let is_shared = tables.iter().any(|table| !table.has("transfer_function"));
+    let without_own = tables
+        .iter()
+        .filter(|table| !table.has("transfer_function"));
+    let without_own: Vec<_> = without_own.collect();
+    let is_shared = !without_own.is_empty();
+    // Beside volumes that have one, it is forgotten rather than left to the default.
+    if let Some(table) = without_own.first()
+        && without_own.len() < tables.len()
+        && !root.has("transfer_function")
+    {
+        let message = "this volume has no transfer function, and others have one of their own";
+        let help = "give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes \
+                    without one: an empty table is the formula with its defaults";
+        return Err(table.mistake_here(message, help));
+    }
     let shared = root.table_or_default("transfer_function")?;
     let shared_opacity = is_shared
         .then(|| OpacityByValue::read(&shared))

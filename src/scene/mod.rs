@@ -27,6 +27,7 @@ mod shadow;
 mod transfer_function;
 mod transport_fault;
 mod volume;
+mod volumes;
 
 pub use classified::{Classified, Compositing};
 pub use clip::{Clip, Kept};
@@ -54,3 +55,4 @@ pub use requested_sampling::{Sampling, Seed};
 pub use sampling::samples;
 pub use shadow::Shadow;
 pub use transport_fault::TransportFault;
+pub use volumes::SceneVolume;

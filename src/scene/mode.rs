@@ -177,13 +177,11 @@ impl Mode {
     /// The mode of `[classified]`, without keys that contradict it; `order` is that of compositing.
     pub(super) fn read(reader: &Reader, order: &str) -> SceneResult<Mode> {
         let Some(name) = reader.optional_text("mode")? else {
-            let modes = "choose what a pixel shows with `mode`, or leave the key out";
-            without(
-                reader,
-                MODE[1..].iter().map(|key| key.name),
-                "composited samples have none",
-                modes,
-            )?;
+            let help = "choose what a pixel shows with `mode`, or leave the key out";
+            for Key { name, .. } in &MODE[1..] {
+                let message = format!("composited samples have no `{name}`");
+                without(reader, [*name], &message, help)?;
+            }
             return Ok(Mode::Composited);
         };
         let nothing = "leave the key out";

@@ -1,11 +1,12 @@
 //! The volumes of a classified scene, one by one, and what does not go with several.
 
-use super::clip::{Clip, leave_something};
+use super::clip::{Clip, keeps_all, leave_something};
 use super::conventions::Conventions;
 use super::modulation::Modulation;
 use super::objects::{Objects, Volume};
 use super::reader::Reader;
 use super::{Classified, Mode, SceneResult};
+use crate::volume::PlacedBox;
 
 impl Classified {
     /// True if it has volumes after the first, surfaces, clips or modulated opacities.
@@ -102,8 +103,26 @@ impl Classified {
         clips.filter(move |clip| clip.cuts(volume))
     }
 
+    /// Numbers of the clips, from 0, that keep all of each volume that they are for.
+    pub fn clips_that_cut_nothing(&self) -> impl Iterator<Item = usize> + '_ {
+        let extents: Vec<_> = self.each_alone().map(|alone| alone.extent()).collect();
+        let clips = self.objects.clips.iter().enumerate();
+        let idle = clips.filter(move |(_, clip)| {
+            let mut cut = extents
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| clip.cuts(*index));
+            cut.all(|(_, extent)| keeps_all(clip, extent))
+        });
+        idle.map(|(number, _)| number)
+    }
+
     /// Refuses what has no meaning, or no renderer, beside several volumes, surfaces or clips.
-    pub(super) fn check_objects(&self, reader: &Reader, tables: &[&Reader]) -> SceneResult<()> {
+    pub(super) fn check_objects(
+        &self,
+        reader: &Reader,
+        names: &[Option<String>],
+    ) -> SceneResult<()> {
         if !self.has_objects() {
             if !self.conventions.concern_objects() {
                 return Ok(());
@@ -159,15 +178,38 @@ impl Classified {
             let message = "modulated opacities cast no shadow that is rendered";
             return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
         }
-        for (index, (alone, table)) in self.each_alone().zip(tables).enumerate() {
-            if !leave_something(&alone.extent(), self.clips_of(index)) {
-                let message = format!("the clips leave nothing of volume {}", index + 1);
-                let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
-                            normal points, or the inside of its box";
-                return Err(table.mistake("file", message, help));
-            }
+        for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
+            self.check_clips_of(index, &alone.extent(), name.as_deref(), reader)?;
         }
         Ok(())
+    }
+
+    /// Refuses clips that leave nothing of a volume: the first that does so alone, or with those before it.
+    fn check_clips_of(
+        &self,
+        index: usize,
+        extent: &PlacedBox,
+        name: Option<&str>,
+        reader: &Reader,
+    ) -> SceneResult<()> {
+        let clips = self.objects.clips.iter().enumerate();
+        let clips: Vec<_> = clips.filter(|(_, clip)| clip.cuts(index)).collect();
+        let leave_nothing = |clips: &[(usize, &Clip)]| {
+            !leave_something(extent, clips.iter().map(|(_, clip)| *clip))
+        };
+        let alone = clips.iter().find(|clip| leave_nothing(&[**clip]));
+        let count = (1..=clips.len()).find(|&count| leave_nothing(&clips[..count]));
+        let (number, which) = match (alone, count) {
+            (Some((number, _)), _) => (*number, "this clip leaves"),
+            (None, Some(count)) => (clips[count - 1].0, "this clip and those before it leave"),
+            (None, None) => return Ok(()),
+        };
+        let name = name.map_or(String::new(), |name| format!(", {name:?}"));
+        let message = format!("{which} nothing of volume {}{name}", index + 1);
+        let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
+                    normal points, or the inside of its box";
+        let tables = reader.tables("clip")?;
+        Err(tables[number].mistake_here(message, help))
     }
 }
 

@@ -8,7 +8,7 @@ mod view;
 
 use super::number::{Number, Quantity};
 use crate::files::misspelling::nearest;
-use crate::scene::{Classified, Model, Radiative, Scene};
+use crate::scene::{Classified, Model, Panel, Radiative, Scene};
 
 /// All numbers of `scene` that have a name: none of a plot.
 pub fn numbers(scene: &Scene) -> Vec<Number> {
@@ -47,10 +47,15 @@ pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
             "this scene has no number {name:?}: a plot has none"
         ));
     }
+    let mut panels = scene.panels.iter().filter_map(Panel::classified);
+    let why = match panels.any(Classified::has_objects) {
+        true => ": several volumes, surfaces and clips have none of their own",
+        false => "",
+    };
     Err(match nearest(name, names.iter().map(String::as_str)) {
         Some(near) => format!("this scene has no number {name:?}; did you mean {near:?}?"),
         None => format!(
-            "this scene has no number {name:?}; it has {}",
+            "this scene has no number {name:?}; it has {}{why}",
             names.join(", ")
         ),
     })

@@ -159,8 +159,8 @@ fn modes_and_what_contradicts_them() {
     scene.toml:10:14: 65 isosurfaces are too many: a scene has at most 64 help: `classified.isosurface`: The surfaces of `mode = "isosurface"`, at most 64.
     scene.toml:11:10: nothing casts a shadow with `mode = "isosurface"` help: leave the table out, or `mode`
     scene.toml:11:10: isosurfaces have colours of their own help: leave the key out
-    scene.toml:9:10: composited samples have none help: choose what a pixel shows with `mode`, or leave the key out
-    scene.toml:9:14: composited samples have none help: choose what a pixel shows with `mode`, or leave the key out
+    scene.toml:9:10: composited samples have no `window` help: choose what a pixel shows with `mode`, or leave the key out
+    scene.toml:9:14: composited samples have no `isosurface` help: choose what a pixel shows with `mode`, or leave the key out
     "#);
 }
 
@@ -804,6 +804,7 @@ fn volumes_surfaces_and_clips() {
         "[[classified.clip]]\nvolumes = [\"fog\"]\n".into(),
         "[[classified.clip]]\nbox = { min = [1, 1, 1], max = [0, 2, 2] }\n".into(),
         "[[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nvolumes = [\"fogg\"]\n".into(),
+        "[[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\nvolumes = []\n".into(),
         "[[classified.clip]]\npoint = [0, 0, 90]\nnormal = [0, 0, 1]\nvolumes = [\"fog\"]\n".into(),
         "[[classified.clip]]\npoint = [0.5, 0, 0]\nnormal = [1, 1, 0]\nvolumes = [\"fog\"]\n\
          [[classified.clip]]\npoint = [0.4, 0, 0]\nnormal = [-1, -1, 0]\n"
@@ -830,8 +831,17 @@ fn volumes_surfaces_and_clips() {
         ("[classified]\n", "[classified]\nmode = \"mean\"\n"),
         ("\"fog\"\n", "\"cloud\"\n"),
         ("\"fog\"\n", "\"fog\"\nstep = 1e-30\n"),
+        (
+            "[transfer_function]\n[classified]\n",
+            "[classified]\nshadow = {}\n",
+        ),
     ] {
-        broken(TWO.replace(old, new));
+        let own = "\"fog\"\n[classified.volume.transfer_function]\n";
+        let text = TWO.replace(old, new);
+        broken(match new.contains("shadow") {
+            true => text.replace("\"fog\"\n", own),
+            false => text,
+        });
     }
     let one = "[classified]\n[classified.volume]\nfile = \"cloud.obj\"\n";
     broken(format!(
@@ -860,8 +870,9 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: [classified.clip[0]] has no shape help: give one of `normal`, `box`
     broken.toml:13:15: the box's min [1, 1, 1] must not exceed its max [0, 2, 2] on any axis; swap them where it does help: `classified.clip[0].box.min`: The corner with the smallest coordinates, world units.
     broken.toml:15:11: there is no volume named "fogg" help: did you mean "fog"?
-    broken.toml:10:8: the clips leave nothing of volume 2 help: remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the inside of its box
-    broken.toml:10:8: the clips leave nothing of volume 2 help: remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the inside of its box
+    broken.toml:15:11: `volumes` is empty: the clip cuts nothing help: name the volumes that are cut, or leave the key out: then all are
+    broken.toml:12:1: this clip leaves nothing of volume 2, "fog" help: remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the inside of its box
+    broken.toml:16:1: this clip and those before it leave nothing of volume 2, "fog" help: remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the inside of its box
     broken.toml:12:1: [classified.surface[0]] has no shape help: give one of `rectangle`, `sphere`, `box`, `mesh`
     broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:13:10: `colour` must not be negative, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
@@ -873,14 +884,15 @@ fn volumes_surfaces_and_clips() {
     broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or keep one volume alone
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
+    broken.toml:6:1: this volume has no transfer function, and others have one of their own help: give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes without one: an empty table is the formula with its defaults
     broken.toml:4:1: `composition`, `surface_depth` and `object_shadows` are about several volumes, surfaces or clips: the scene has none help: leave these keys out
     broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` is empty help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` must be a table, or tables in double brackets, [[…]], not an integer help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     --step: several volumes, surfaces and clips have steps of their own: edit the scene
-    mitsuba cannot represent classified: a classified volume; export it to `bundle` help: nothing was written; remove these features from the scene or replace them
-    pbrt cannot represent classified: a classified volume; export it to `bundle` help: nothing was written; remove these features from the scene or replace them
+    mitsuba cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
+    pbrt cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
     two.toml: this scene has no parameter to vary: several volumes, surfaces and clips have no study yet; measure a scene of one volume help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25
-    this scene has no number "opacity"; it has camera.view, camera.right, camera.down, camera.x, camera.y, camera.z
+    this scene has no number "opacity"; it has camera.view, camera.right, camera.down, camera.x, camera.y, camera.z: several volumes, surfaces and clips have none of their own
     "#);
 }

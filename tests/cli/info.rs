@@ -558,6 +558,18 @@ fn a_scene() {
     for part in ["volume of a scene", "4 × 3 × 2"] {
         assert!(run.stdout.contains(part), "{}", run.stdout);
     }
+    // Values that the default transfer function does not take.
+    let below =
+        "[classified.volume]\nfield = \"ramp\"\nnodes = [3, 2, 2]\nslope = [1, 0, 0]\nvalue = -1\n";
+    folder.write("below.toml", below);
+    folder
+        .volref(&["render", "below.toml", "-o", "below.exr"])
+        .expect(2, &["transfer_function.point"]);
+    let run = folder.volref(&["info", "below.toml"]);
+    run.expect(0, &[]);
+    for part in ["3 × 2 × 2", "-1 to 1, mean 0", "4 of them negative"] {
+        assert!(run.stdout.contains(part), "{}", run.stdout);
+    }
     folder.write("curve.toml", "[curve]\n");
     folder
         .volref(&["info", "curve.toml"])

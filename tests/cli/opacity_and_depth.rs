@@ -2,6 +2,7 @@
 
 use crate::folder::{Folder, ROOM, Run};
 use volref::film::Film;
+use volref::scene::Scene;
 
 const CASE: &str = "smoke/plain";
 const SCENE: &str = "fixtures/scenes/smoke/plain.toml";
@@ -132,7 +133,10 @@ fn colours_without_their_background_are_declared() {
         folder.write("mine.toml", profile);
         validate(&folder, &film, &["--as", "mine.toml"]).expect(0, &[]);
         let said = format!("the image agrees where that is declared with --alpha {name}");
-        prints(&validate(&folder, &film, &["--explain", "0"]), 1, &[&said]);
+        // A declaration explains the image: nothing else is named.
+        let run = validate(&folder, &film, &[]);
+        prints(&run, 1, &[&said]);
+        assert!(!run.stdout.contains("looks like"), "{}", run.stdout);
         // Every value rounded to a code, as display buffers hold them.
         let code = |value: f32| (255.0 * value).round() / 255.0;
         let codes: Vec<[f32; 4]> = (0..film.radiance().len())
@@ -182,6 +186,75 @@ fn depth_is_judged_where_it_is_asked_for() {
     let run = folder.volref(&["validate", CASE, "--outputs", "out", "--json"]);
     assert_eq!(run.json()["cases"][0]["metrics"]["outlier_depths"], 0.0);
     run.expect(0, &[]);
+}
+
+/// Distances from elsewhere, and values of depth buffers, are told from those that are only wrong.
+#[test]
+fn wrong_depths_have_their_cause() {
+    let folder = asking("mean");
+    let right = rendered(&folder, &["--depth"]);
+    let along_view = rendered(&folder, &["--depth=mean-along-view"]);
+    let scene = Scene::load(&folder.path(SCENE)).unwrap();
+    let volume = scene.panels[0].classified().unwrap();
+    let size = [right.width(), right.height()];
+    let mapped = |of: &dyn Fn(usize, f64) -> f64| {
+        let depth = right.depth().unwrap().iter().enumerate();
+        let depth = depth.map(|(index, &at)| of(index, f64::from(at)) as f32);
+        right.clone().with_depth(depth.collect())
+    };
+    let entry = |index: usize, at: f64| {
+        let ray = volume.camera.ray([index % size[0], index / size[0]], size);
+        let span = volume.extent().span(&ray);
+        at - span.map_or(0.0, |span| span.near)
+    };
+    let first = volref::render::first_opacity(&scene, false).unwrap();
+    let seen = along_view.depth().unwrap();
+    let (near, far) = (0.5, 40.0);
+    let buffer = |index: usize, _: f64| match f64::from(seen[index]) {
+        z if z.is_finite() => far / (far - near) * (1.0 - near / z),
+        _ => 1.0,
+    };
+    let share = |index: usize, _: f64| match f64::from(seen[index]) {
+        z if z.is_finite() => (z - near) / (far - near),
+        _ => 1.0,
+    };
+    for (film, said) in [
+        (
+            along_view.clone(),
+            "it is the mean-along-view depth, and the case asks for the mean one",
+        ),
+        (
+            mapped(&entry),
+            "it is the distance from where the ray enters the volume: count from the eye",
+        ),
+        (
+            mapped(&|index, _| f64::from(first[index])),
+            "it is the distance of the first sample of any opacity, and the case asks for the mean depth",
+        ),
+        (
+            mapped(&buffer),
+            "it is the value of a depth buffer, 0 at the near plane, about 0.500, and 1 at the far one, about ",
+        ),
+        (
+            mapped(&share),
+            "it is a share of the way, 0 at the near plane, about 0.500, and 1 at the far one, about ",
+        ),
+    ] {
+        prints(
+            &validate(&folder, &film, &[]),
+            1,
+            &["the image agrees; the depth of", said],
+        );
+    }
+    for wrong in [
+        mapped(&|_, at| 1.2 * at),
+        mapped(&|index, at| at + [0.0, 1.0][index % 2]),
+        mapped(&|index, _| [0.1, 0.7, 0.4][index % 3]),
+    ] {
+        let run = validate(&folder, &wrong, &[]);
+        prints(&run, 1, &["is off by more than half a step"]);
+        assert!(!run.stdout.contains("; it is"), "{}", run.stdout);
+    }
 }
 
 #[test]

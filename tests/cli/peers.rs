@@ -402,6 +402,42 @@ fn the_student_places_a_volume() {
     assert!(judgement.passed, "{}", judgement.reason);
 }
 
+/// Volumes by tables, placed, clipped and several together, and parallel rays: colours and opacity.
+#[test]
+fn the_student_renders_scenes_without_surfaces() {
+    if !python() {
+        return;
+    }
+    for name in [
+        "scenes/turned",
+        "scenes/uneven",
+        "scenes/sheared",
+        "scenes/mirrored",
+        "scenes/oblique",
+        "scenes/shadowed",
+        "scenes/opacity-over-grey",
+        "scenes/clipped-apart",
+        "scenes/clipped-head",
+        "scenes/rings-in-waves",
+        "scenes/three-in-shadow",
+        "scenes/two-fogs",
+        "sampled/parallel-z-up",
+        "sampled/thick-slices",
+    ] {
+        let path = root().join(format!("fixtures/scenes/{name}.toml"));
+        let mut scene = Scene::load(&path).unwrap();
+        for panel in &mut scene.panels {
+            (panel.width, panel.height) = (32, 32);
+        }
+        let (right, test) = (film(&scene), student_film(&scene, &[]));
+        let judgement = deterministic(&right, &test);
+        assert!(judgement.passed, "{name}: {}", judgement.reason);
+        let opacities = right.opacity().unwrap().iter().zip(test.opacity().unwrap());
+        let worst = opacities.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(worst < 1e-5, "{name}: {worst}");
+    }
+}
+
 /// Projections and isosurfaces, from the words and numbers of a bundle alone; what is exact is sampled finely there.
 #[test]
 fn the_student_projects() {

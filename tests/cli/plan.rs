@@ -213,6 +213,89 @@ point = { position = [3, 3, 3], intensity = 1 }
     assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
 }
 
+/// Values that nothing shows, and clips that cut nothing, are said before and after rendering.
+#[test]
+fn what_is_not_seen() {
+    let folder = Folder::with_scenes();
+    let grid = "[film]\nwidth = 4\nheight = 4\n[classified]\n{keys}\n[classified.volume]\nfield = \"ramp\"\n\
+                nodes = [3, 3, 3]\nslope = [0, 0, 1]\nvalue = 1\n";
+    for (keys, warning, note) in [
+        (
+            "mode = \"isosurface\"\nisosurface = [{ value = 7, colour = 1 }, { value = 2, colour = 1 }]",
+            "no ray meets the surface of the value 7: the values of the volume go from 1 to 3",
+            "",
+        ),
+        (
+            "mode = \"isosurface\"\nisosurface = [{ value = 7, colour = 1 }]",
+            "no ray meets the surface of the value 7: the values of the volume go from 1 to 3",
+            "the image is black: no isosurface with an opacity parts the values of the volume, from 1 to 3",
+        ),
+        (
+            "mode = \"mean\"\nwindow = { low = 3, high = 4 }",
+            "all is black: the window begins at 3, and the values of the volume go from 1 to 3",
+            "the image is black: no value that is shown has a colour; those of the volume go from 1 to 3",
+        ),
+        (
+            "mode = \"maximum\"\nwindow = { low = -1, high = 0 }",
+            "all is white: the window ends at 0, and the values of the volume go from 1 to 3",
+            "",
+        ),
+        ("mode = \"sum\"\nwindow = { low = 3, high = 8 }", "", ""),
+        ("mode = \"maximum\"\nwindow = { low = 2, high = 8 }", "", ""),
+    ] {
+        folder.write("values.toml", grid.replace("{keys}", keys));
+        let run = folder.volref(&["plan", "values.toml"]);
+        run.expect(0, &[]);
+        assert_eq!(
+            run.stdout.contains("warnings"),
+            !warning.is_empty(),
+            "{keys}"
+        );
+        assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
+        let run = folder.volref(&["render", "values.toml", "-o", "values.exr"]);
+        run.expect(0, &[]);
+        assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
+        assert_eq!(run.stdout.contains("black: no"), !note.is_empty(), "{keys}");
+        assert!(run.stdout.contains(note), "{keys}: {}", run.stdout);
+    }
+    let clip = |x: f64| format!("[[classified.clip]]\npoint = [{x}, 0, 0]\nnormal = [1, 0, 0]\n");
+    let clips = clip(-9.0) + &clip(0.5);
+    folder.write(
+        "clips.toml",
+        format!("{}{clips}", folder.text("scene.toml")),
+    );
+    let run = folder.volref(&["plan", "clips.toml"]);
+    run.expect(0, &[]);
+    let idle = "this clip cuts nothing: all of its volumes is on the side that it keeps  (classified.clip[0]";
+    assert_eq!(
+        run.stdout.matches("cuts nothing").count(),
+        1,
+        "{}",
+        run.stdout
+    );
+    assert!(run.stdout.contains(idle), "{}", run.stdout);
+}
+
+/// Each of several volumes has a reference step of its own.
+#[test]
+fn shadows_of_several_volumes() {
+    let folder = Folder::with_scenes();
+    let volume = |length: &str| {
+        format!(
+            "[[classified.volume]]\nfile = \"cloud.obj\"\n[classified.volume.transfer_function]\n\
+             reference_length = {length}\npoint = [{{ value = 0, colour = 1, opacity = 0.5 }}]\n"
+        )
+    };
+    for (second, said) in [("0.25", "0.25  "), ("0.5", "0.25, 0.5, volume by volume  ")] {
+        let volumes = volume("0.25") + &volume(second);
+        folder.write("two.toml", format!("[classified.shadow]\n{volumes}"));
+        let run = folder.volref(&["plan", "two.toml"]);
+        run.expect(0, &[]);
+        let line = format!("  classified.shadow.reference_step  {said}");
+        assert!(run.stdout.contains(&line), "{}", run.stdout);
+    }
+}
+
 /// Nothing ends a path between white walls: said before the work, which would take a minute and fail.
 #[test]
 fn a_white_enclosure() {

@@ -122,6 +122,29 @@ fn json() {
     "#);
 }
 
+/// Values that `=` joins to their option; the file of depths in JSON.
+#[test]
+fn depth_and_its_file() {
+    let folder = Folder::with_scenes();
+    let render =
+        |more: &[&str]| folder.volref(&[&["render", "scene.toml", "-o", "a.exr"], more].concat());
+    render(&["--depth", "half"])
+        .expect(2, &["'--depth' takes its value after '=': '--depth=half'"]);
+    render(&["--json", "a.json"])
+        .expect(2, &["'--json' takes its value after '=': '--json=a.json'"]);
+    let other = render(&["--depth", "--bogus"]);
+    other.expect(2, &["--bogus"]);
+    assert!(!other.stderr.contains("after '='"), "{}", other.stderr);
+    let json = render(&["--json", "--depth=half"]).json();
+    let expected = serde_json::json!({ "kind": "half", "file": "a.exr" });
+    assert_eq!(json["depth"], expected);
+    let beside = ["render", "scene.toml", "-o", "a.npy", "--depth", "--json"];
+    let json = folder.volref(&beside).json();
+    let expected = serde_json::json!({ "kind": "mean", "file": "a.depth.npy" });
+    assert_eq!(json["depth"], expected);
+    assert!(render(&["--json"]).json()["depth"].is_null());
+}
+
 #[test]
 fn an_existing_image_is_replaced_and_nothing_left_beside_it() {
     let folder = Folder::with_scenes();

@@ -15,7 +15,7 @@ use volref::render::{Sampling, plans, render};
 use volref::scene::{Classified, Scene};
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
-use volref::volume::Grid;
+use volref::volume::{Grid, Lattice};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -352,6 +352,79 @@ fn mistakes_of_bricks_are_named() {
         let said = named(&case, rendered(&wrong));
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
+}
+
+/// Axes in another direction or order are named in cases of every family with grids, whatever places them: each is made here
+/// from the nodes of the right volume.
+#[test]
+fn reversed_and_exchanged_axes_are_named() {
+    type Source = fn([usize; 3], [usize; 3]) -> [usize; 3];
+    let reversed_x: Source = |[i, j, k], [nx, _, _]| [nx - 1 - i, j, k];
+    let reversed_z: Source = |[i, j, k], [_, _, nz]| [i, j, nz - 1 - k];
+    // A file read as though z ran fastest.
+    let other_order: Source = |[i, j, k], [nx, ny, nz]| {
+        let index = k + nz * (j + ny * i);
+        [index % nx, index / nx % ny, index / (nx * ny)]
+    };
+    // array[x, y, z] of an array whose axes are z, y, x.
+    let other_indices: Source = |[i, j, k], [nx, _, nz]| [k.min(nx - 1), j, i.min(nz - 1)];
+    let suite = Suite::open(root()).unwrap();
+    for (name, source, mistake) in [
+        ("scenes/turned", reversed_z, "volume-reversed-along-z"),
+        ("scenes/oblique", reversed_x, "volume-reversed-along-x"),
+        (
+            "scenes/maximum-exact",
+            reversed_z,
+            "volume-reversed-along-z",
+        ),
+        (
+            "sampled/perspective-z-up",
+            reversed_z,
+            "volume-reversed-along-z",
+        ),
+        (
+            "sampled/parallel-z-up",
+            reversed_x,
+            "volume-reversed-along-x",
+        ),
+        (
+            "bricks/ramp-37-19-10",
+            reversed_z,
+            "volume-reversed-along-z",
+        ),
+        ("scenes/turned", other_order, "volume-axes-exchanged"),
+        ("bricks/ramp-31-32-33", other_order, "volume-axes-exchanged"),
+        ("scenes/oblique", other_indices, "volume-indices-reversed"),
+        (
+            "bricks/ramp-37-19-10",
+            other_indices,
+            "volume-indices-reversed",
+        ),
+    ] {
+        let case = suite.select(&[name.to_owned()]).unwrap()[0];
+        let edit = |volume: &mut Classified| {
+            let nodes = volume.grid.lattice().nodes();
+            with_nodes(volume, |node| Some(source(node, nodes)));
+        };
+        let said = named(case, verdict(case, edit).1);
+        assert_eq!(said.as_deref(), Some(mistake), "{name}");
+    }
+    // Coordinates of a texture in another order: the box stays, the counts of nodes are exchanged.
+    let case = suite.select(&["scenes/sheared".to_owned()]).unwrap()[0];
+    let edit = |volume: &mut Classified| {
+        let (old, bounds) = (*volume.grid.lattice(), volume.grid.lattice().bounds());
+        let [nx, ny, nz] = old.nodes();
+        let counts = DVec3::new(nz as f64, ny as f64, nx as f64);
+        let lattice =
+            Lattice::new([nz, ny, nx], bounds.size() / (counts - 1.0), bounds.min).unwrap();
+        let values = (0..lattice.node_count()).map(|index| {
+            let [i, j, k] = lattice.node(index);
+            volume.grid.values()[old.index([k, j, i])]
+        });
+        volume.grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
+    };
+    let said = named(case, verdict(case, edit).1);
+    assert_eq!(said.as_deref(), Some("volume-transposed"));
 }
 
 /// A brick without a border within the volume changes nothing.

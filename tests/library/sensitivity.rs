@@ -4,6 +4,7 @@ use crate::common::quadrature::integral;
 use glam::DVec3;
 use std::path::Path;
 use volref::film::Film;
+use volref::geometry::Transform;
 use volref::math::{exp, ln};
 use volref::render::{Detail, Sampling, plans, render};
 use volref::scene::{Model, Scene};
@@ -245,6 +246,65 @@ fn differences_of_three_sizes_agree() {
             of[0].0.abs() > 4.0 * of[0].1,
             "{name} {number}: nothing is seen: {of:?}"
         );
+    }
+}
+
+/// Derivatives by the place of a volume are the differences of images whose map is another one; clips, and volumes beside
+/// them, have none.
+#[test]
+fn a_placed_volume_is_moved_turned_and_stretched() {
+    let scene = scene("scenes/turned", [24, 24]);
+    let volume = scene.panels[0].classified().unwrap();
+    let (map, extent) = (volume.to_world.unwrap(), volume.extent());
+    let (centre, edges) = (extent.bounds.centre(), volume.cell_edges());
+    let about = |map: Transform, centre: DVec3| map.about(centre).unwrap();
+    type Placed<'p> = &'p dyn Fn(f64) -> Transform;
+    let moved: Placed<'_> = &|by| map.then(&Transform::translation(edges[1] * by).unwrap());
+    let turned: Placed<'_> = &|by| {
+        let turn = Transform::rotation(DVec3::Z, by).unwrap();
+        map.then(&about(turn, map.point(centre)))
+    };
+    let stretched: Placed<'_> = &|by| {
+        let scale = Transform::scale(DVec3::new(1.0 + by, 1.0, 1.0)).unwrap();
+        about(scale, centre).then(&map)
+    };
+    for (name, placed, step) in [
+        ("grid.y", moved, 0.02),
+        ("turn.z", turned, 0.05),
+        ("size.x", stretched, 2e-3),
+    ] {
+        let at = |by: f64| {
+            let found = image(&number(&scene, name).unwrap().changed(&scene, by).unwrap());
+            let moved = scene.with_volumes(|volume| volume.to_world = Some(placed(by)));
+            let values = |film: Film| film.radiance().as_flattened().to_vec();
+            let (found, moved) = (values(found), values(image(&moved)));
+            let off = found.iter().zip(&moved).map(|(a, b)| (a - b).abs());
+            let worst = off.fold(0.0, f32::max);
+            assert!(worst < 1e-5, "{name} by {by}: {worst}");
+            moved
+        };
+        let (more, less) = (at(step), at(-step));
+        let found = derivative_by(&scene, name, &differences(1, Some(step)));
+        let variance = found.film.noise().unwrap().variance().as_flattened();
+        let found = found.film.radiance().as_flattened();
+        let largest = found
+            .iter()
+            .fold(0.0, |most: f32, value| most.max(value.abs()));
+        // Rays gain and lose a last step, which moves the others: few, and their error says so.
+        let off = (0..found.len()).filter(|&i| {
+            let expected = (more[i] - less[i]) / (2.0 * step as f32);
+            (found[i] - expected).abs() > 2.0 * variance[i].sqrt() + 0.02 * largest
+        });
+        let off = off.count();
+        assert!(largest > 0.0 && off * 100 < found.len(), "{name}: {off}");
+    }
+    for name in ["scenes/clipped-head", "scenes/two-fogs"] {
+        let scene = self::scene(name, [8, 8]);
+        for of in ["clip.offset", "grid.x", "turn.z"] {
+            let said = number(&scene, of).unwrap_err();
+            let why = "several volumes, surfaces and clips have none of their own";
+            assert!(said.contains(why), "{said}");
+        }
     }
 }
 

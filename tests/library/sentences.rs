@@ -641,3 +641,16 @@ fn numbers_of_a_scene() {
         row(", which leaves ", besides, denser),
     ]);
 }
+
+/// Of a projection, opacity says where the box is: a difference all over it lies in no opaque part.
+#[test]
+fn projections_have_no_opaque_parts() {
+    let checked = |x: usize, y: usize| 1.0 + 0.1 * (((7 * x + 13 * y) % 5) as f32 - 2.0);
+    for case in ["scenes/mean", "scenes/sum-exact"] {
+        let said = of_scene(case, |_| {}, checked);
+        assert!(
+            !said.is_empty() && !said.contains("opaque"),
+            "{case}: {said}"
+        );
+    }
+}

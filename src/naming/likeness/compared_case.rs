@@ -20,7 +20,7 @@ use crate::judging::Judged;
 use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
 use crate::math;
 use crate::render::Detail;
-use crate::scene::Scene;
+use crate::scene::{Mode, Panel, Scene};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 
@@ -281,6 +281,14 @@ impl ComparedCase {
         Some(said)
     }
 
+    fn is_projection(&self) -> bool {
+        let shows_number = |panel: &Panel| {
+            let volume = panel.classified();
+            volume.is_some_and(|volume| matches!(volume.mode, Mode::Projection(_)))
+        };
+        self.scene.panels.iter().any(shows_number)
+    }
+
     fn seen(&self) -> Seen {
         let volume = VolumeInView::of(&self.scene);
         let distances = distances(&self.scene);
@@ -290,7 +298,10 @@ impl ComparedCase {
                 .zip(distances.as_ref())
                 .and_then(|(view, at)| view.nodes(at)),
             distances,
-            opacity: self.golden.opacity().map(<[f32]>::to_vec),
+            // A projection is a number: its opacity says where the box is.
+            opacity: (self.golden.opacity())
+                .filter(|_| !self.is_projection())
+                .map(<[f32]>::to_vec),
             border: volume.as_ref().and_then(VolumeInView::border),
             voxels: volume.as_ref().and_then(VolumeInView::voxels),
         }

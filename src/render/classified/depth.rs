@@ -20,6 +20,27 @@ use rayon::prelude::*;
 ///
 /// If a panel has no depth: the message says why, and what to do.
 pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
+    of_pixels(scene, depth.along_view, |layers| along(layers, depth.half))
+}
+
+/// Distance of the first sample or surface with any opacity, in place of a [`depth`].
+///
+/// # Errors
+///
+/// As of [`depth`].
+pub fn first_opacity(scene: &Scene, along_view: bool) -> Result<Vec<f32>, String> {
+    of_pixels(scene, along_view, |layers| {
+        let first = layers.iter().find(|layer| layer.depth > 0.0);
+        first.map_or(f64::INFINITY, |layer| layer.t)
+    })
+}
+
+/// A distance of each pixel, from its layers.
+fn of_pixels(
+    scene: &Scene,
+    along_view: bool,
+    distance: impl Fn(&[Layer]) -> f64 + Sync,
+) -> Result<Vec<f32>, String> {
     let panels: Result<Vec<_>, _> = scene.panels.iter().map(LayersOfPanel::of).collect();
     let panels = panels?;
     let pixels: Vec<(&LayersOfPanel<'_>, [usize; 2])> = (0..scene.height())
@@ -34,8 +55,8 @@ pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
         let camera = &panel.volume.camera;
         let ray = camera.ray(pixel, panel.size);
         let cosine = ray.direction.dot(*camera.forward());
-        let scale = if depth.along_view { cosine } else { 1.0 };
-        (scale * along(&panel.layers(&ray), depth.half)) as f32
+        let scale = if along_view { cosine } else { 1.0 };
+        (scale * distance(&panel.layers(&ray))) as f32
     };
     Ok(pixels.into_par_iter().map(of_pixel).collect())
 }

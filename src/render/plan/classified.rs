@@ -259,7 +259,7 @@ pub(super) fn without_effect(scene: &Classified, key_lines: &KeyLines) -> Option
         keys.iter().any(|key| key_lines.has(key))
     };
     let occurs = key_lines.has(TRANSFER_FUNCTION) && (0..scene.volume_count()).all(is_own);
-    let message = "has no effect: every volume has a transfer function of its own";
+    let message = "the transfer function has no effect: every volume has one of its own";
     occurs.then(|| Reason::of(TRANSFER_FUNCTION, message, key_lines))
 }
 

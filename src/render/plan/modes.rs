@@ -2,11 +2,14 @@
 
 use super::EffectFinding::{self, Absent, Matters, NotAsked, Null};
 use super::{Decisions, Effect, Estimator, Kernel, Method, Plan, Reason};
-use crate::scene::{Classified, KeyLines, Mode, Panel, Projected};
+use crate::scene::{
+    Classified, Isosurface, Isosurfaces, KeyLines, Mode, Panel, Projected, Projection, Window,
+};
 
 const MODE: &str = "classified.mode";
 const ATTENUATION: &str = "classified.attenuation";
 const SURFACES: &str = "classified.isosurface[0]";
+const WINDOW: &str = "classified.window";
 const PHONG: &str = "classified.phong";
 const LIGHT: &str = "classified.light";
 const COMPOSITING: &str = "classified.compositing";
@@ -59,9 +62,10 @@ fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
     let attenuates = matches!(&scene.mode,
         Mode::Projection(projection) if matches!(projection.of, Projected::AttenuatedMaximum(_)));
     match effect {
-        Effect::Surfaces | Effect::SurfaceShadow => {
-            Absent("isosurfaces are of the field; the classified model has no other surfaces")
+        Effect::Surfaces | Effect::SurfaceShadow if surfaces.is_some() => {
+            Absent("isosurfaces are values of the field: none stands beside it")
         }
+        Effect::Surfaces | Effect::SurfaceShadow => Absent("a projection shows no surfaces"),
         Effect::Absorption | Effect::Emission | Effect::Heterogeneity if is_unseen => {
             Null(SURFACES.to_owned(), unseen(scene))
         }
@@ -109,6 +113,42 @@ fn warnings(scene: &Classified, decisions: &Decisions, key_lines: &KeyLines) -> 
     }
     if !decisions.is_on(Effect::GradientShading) {
         warn(LIGHT, "the light has no effect: nothing is shaded by it");
+    }
+    let (least, most) = scene.grid.range();
+    let values = format!(
+        "the values of the volume go from {} to {}",
+        least as f32, most as f32
+    );
+    match &scene.mode {
+        Mode::Isosurfaces(Isosurfaces { surfaces, .. }) => {
+            for (index, Isosurface { value, .. }) in surfaces.iter().enumerate() {
+                if *value <= least || *value > most {
+                    let message =
+                        format!("no ray meets the surface of the value {value}: {values}");
+                    warn(&format!("classified.isosurface[{index}].value"), &message);
+                }
+            }
+        }
+        // An integral has another unit than the values.
+        Mode::Projection(Projection {
+            of,
+            window: Some(window),
+            ..
+        }) if *of != Projected::Sum => {
+            let Window { low, high } = *window;
+            if low >= most {
+                warn(
+                    WINDOW,
+                    &format!("all is black: the window begins at {low}, and {values}"),
+                );
+            } else if high <= least && !matches!(of, Projected::AttenuatedMaximum(_)) {
+                warn(
+                    WINDOW,
+                    &format!("all is white: the window ends at {high}, and {values}"),
+                );
+            }
+        }
+        _ => {}
     }
     warnings
 }

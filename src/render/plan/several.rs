@@ -5,9 +5,10 @@
 use super::EffectFinding::{Absent, NotAsked};
 use super::classified::{PHONG, SHADOW, VOLUME, matters, without_effect};
 use super::{Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, Reason};
-use crate::scene::{Classified, Panel};
+use crate::scene::{Classified, KeyLines, Panel};
 
 const SURFACE: &str = "classified.surface";
+const CLIP: &str = "classified.clip";
 
 /// The plan for a scene with [objects](crate::scene::Objects).
 pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
@@ -21,13 +22,24 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         panel,
         decisions: decisions.0,
         approximations: vec![],
-        warnings: without_effect(scene, key_lines).into_iter().collect(),
+        warnings: without_effect(scene, key_lines)
+            .into_iter()
+            .chain(idle_clips(scene, key_lines))
+            .collect(),
         estimator: Estimator {
             method: Method::RayCasting,
             why: Reason::of(VOLUME, reason, key_lines),
         },
         kernel: Kernel::Several(scene),
     }
+}
+
+/// Warnings of clips that keep all of what they are for.
+fn idle_clips(scene: &Classified, key_lines: &KeyLines) -> impl Iterator<Item = Reason> {
+    scene.clips_that_cut_nothing().map(|number| {
+        let message = "this clip cuts nothing: all of its volumes is on the side that it keeps";
+        Reason::of(format!("{CLIP}[{number}]"), message, key_lines)
+    })
 }
 
 fn finding(scene: &Classified, effect: Effect) -> EffectFinding {

@@ -3,9 +3,9 @@
 use super::densities::{
     as_cubes, cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x,
     half_a_voxel_back_along_y, half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x,
-    half_a_voxel_on_along_y, half_a_voxel_on_along_z, in_classified, part, rows_as_long_as_columns,
-    signed_as_unsigned, upside_down, without_low_byte, x_and_y_exchanged, x_and_z_exchanged,
-    y_and_z_exchanged,
+    half_a_voxel_on_along_y, half_a_voxel_on_along_z, in_classified, indices_reversed, part,
+    reversed_along_x, reversed_along_z, rows_as_long_as_columns, signed_as_unsigned, transposed,
+    upside_down, without_low_byte, x_and_y_exchanged, x_and_z_exchanged, y_and_z_exchanged,
 };
 use super::{Edit, Mistake, set};
 use crate::geometry::length_of;
@@ -275,6 +275,26 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "volume-upside-down",
         advice: "the volume is upside down: y grows upwards",
         edit: Edit::Classified(|scene| in_classified(scene, upside_down)),
+    },
+    Mistake {
+        name: "volume-reversed-along-x",
+        advice: "the volume is mirrored along its own x: values are stored from the first node on, in the direction of the axis",
+        edit: Edit::Classified(|scene| in_classified(scene, reversed_along_x)),
+    },
+    Mistake {
+        name: "volume-reversed-along-z",
+        advice: "the volume is mirrored along its own z: slices are stored from the first node on, in the direction of the axis",
+        edit: Edit::Classified(|scene| in_classified(scene, reversed_along_z)),
+    },
+    Mistake {
+        name: "volume-transposed",
+        advice: "coordinates between 0 and 1 are given in the order x, y, z to an array whose axes are z, y, x: the volume is turned over, and stretched to its box",
+        edit: Edit::Classified(|scene| in_classified(scene, transposed)),
+    },
+    Mistake {
+        name: "volume-indices-reversed",
+        advice: "indices of nodes are given in the order x, y, z to an array whose axes are z, y, x, and clamped to its ends: it is array[z, y, x]",
+        edit: Edit::Classified(|scene| in_classified(scene, indices_reversed)),
     },
     Mistake {
         name: "signed-read-as-unsigned",

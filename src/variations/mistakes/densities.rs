@@ -90,6 +90,16 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Radiative(|scene| with_grids(scene, upside_down)),
     },
     Mistake {
+        name: "grid-reversed-along-x",
+        advice: "the grid is mirrored along its own x: values are stored from the first node on, in the direction of the axis",
+        edit: Edit::Radiative(|scene| with_grids(scene, reversed_along_x)),
+    },
+    Mistake {
+        name: "grid-reversed-along-z",
+        advice: "the grid is mirrored along its own z: slices are stored from the first node on, in the direction of the axis",
+        edit: Edit::Radiative(|scene| with_grids(scene, reversed_along_z)),
+    },
+    Mistake {
         name: "density-uniform",
         advice: "the density is the same everywhere: look it up at each place and multiply the coefficients by it",
         edit: Edit::Radiative(|scene| {
@@ -289,12 +299,57 @@ fn exp2(bits: i32) -> f64 {
     (1_u64 << bits) as f64
 }
 
+/// Nodes in the reverse order along x.
+pub(super) fn reversed_along_x(grid: &GridValues) -> Option<GridValues> {
+    reversed_along(0, grid)
+}
+
 /// Rows in the reverse order along y.
 pub(super) fn upside_down(grid: &GridValues) -> Option<GridValues> {
+    reversed_along(1, grid)
+}
+
+/// Slices in the reverse order along z.
+pub(super) fn reversed_along_z(grid: &GridValues) -> Option<GridValues> {
+    reversed_along(2, grid)
+}
+
+fn reversed_along(axis: usize, grid: &GridValues) -> Option<GridValues> {
     let lattice = grid.lattice();
-    rearranged(grid, |[i, j, k]| {
-        lattice.index([i, lattice.nodes()[1] - 1 - j, k])
+    rearranged(grid, |mut node| {
+        node[axis] = lattice.nodes()[axis] - 1 - node[axis];
+        lattice.index(node)
     })
+}
+
+/// In the same box, x and z exchanged with their counts of nodes; nothing of a grid with as many along both, where it
+/// is [`x_and_z_exchanged`].
+pub(super) fn transposed(grid: &GridValues) -> Option<GridValues> {
+    let old = grid.lattice();
+    let ([nx, ny, nz], bounds) = (old.nodes(), old.bounds());
+    let nodes = [nz, ny, nx];
+    let (ends, first) = match old.centring() {
+        Centring::Nodes => (1, 0.0),
+        Centring::Cells => (0, 0.5),
+    };
+    let cells = nodes.map(|count| (count - ends) as f64);
+    let spacing = bounds.size() / DVec3::from_array(cells);
+    let lattice = Lattice::new(nodes, spacing, bounds.min + spacing * first).ok()?;
+    let lattice = lattice.with_centring(old.centring()).ok()?;
+    let values = (0..grid.values().len()).map(|index| {
+        let [i, j, k] = lattice.node(index);
+        grid.values()[old.index([k, j, i])]
+    });
+    let values = (nx != nz).then(|| values.collect())?;
+    Grid::new(lattice, values).ok().map(Arc::new)
+}
+
+/// The node of x and z exchanged, clamped to the grid; nothing of a grid with as many nodes along both.
+pub(super) fn indices_reversed(grid: &GridValues) -> Option<GridValues> {
+    let lattice = grid.lattice();
+    let [nx, _, nz] = lattice.nodes();
+    let exchanged = |[i, j, k]: [usize; 3]| lattice.index([k.min(nx - 1), j, i.min(nz - 1)]);
+    (nx != nz).then(|| rearranged(grid, exchanged)).flatten()
 }
 
 /// The value of each node is that of the index that `source` gives.

@@ -9,6 +9,26 @@ use crate::scene::{
 
 pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
+        name: "mode-maximum",
+        advice: "each pixel shows the largest value of its ray: the scene asks for another number",
+        edit: Edit::Classified(|scene| shown_as(scene, Projected::Maximum)),
+    },
+    Mistake {
+        name: "mode-minimum",
+        advice: "each pixel shows the smallest value of its ray: the scene asks for another number",
+        edit: Edit::Classified(|scene| shown_as(scene, Projected::Minimum)),
+    },
+    Mistake {
+        name: "mode-mean",
+        advice: "each pixel shows the mean of its ray: the scene asks for another number",
+        edit: Edit::Classified(|scene| shown_as(scene, Projected::Mean)),
+    },
+    Mistake {
+        name: "mode-sum",
+        advice: "each pixel shows the integral along its ray: the scene asks for another number",
+        edit: Edit::Classified(|scene| shown_as(scene, Projected::Sum)),
+    },
+    Mistake {
         name: "extremum-from-zero",
         advice: "the largest or smallest value begins at 0, and is never on the other side of it: begin with the first value of the ray",
         edit: Edit::Classified(|scene| {
@@ -151,6 +171,15 @@ fn projected(scene: &mut Classified, edit: impl Fn(&mut Projection) -> bool) -> 
         Mode::Projection(projection) => edit(projection),
         _ => false,
     }
+}
+
+/// Another number in place of that of the scene, unless the mistake has a name of its own.
+fn shown_as(scene: &mut Classified, other: Projected) -> bool {
+    projected(scene, |projection| match (projection.of, other) {
+        (Projected::Mean, Projected::Sum) | (Projected::Sum, Projected::Mean) => false,
+        (Projected::AttenuatedMaximum(_), Projected::Maximum) => false,
+        _ => set(&mut projection.of, other),
+    })
 }
 
 fn surfaced(scene: &mut Classified, edit: impl Fn(&mut Isosurfaces) -> bool) -> bool {
