@@ -76,7 +76,7 @@ fi
 step "the suite catches every mistake and rejects no correct image, on cases that catch them all"
 cargo run --release --quiet -- selftest --quick figures smoke fog/absorption fog/forward fog/balance \
     fog/rate-0.1 procedural/absorbing-grid procedural/emissive-grid procedural/coloured \
-    procedural/gain-0.6 procedural/scale-2-0.5-2 scenes bricks
+    procedural/gain-0.6 procedural/scale-2-0.5-2 scenes bricks reported
 
 step "the same bits from both builds, on some cases"
 scripts/same-bits.sh --built figures smoke fog/heterogeneous procedural/coloured 'g8-*' 'A[45]'
