@@ -39,6 +39,8 @@ mod renderers;
 mod schema;
 mod selftest;
 mod sensitivity;
+#[cfg(unix)]
+mod serve;
 mod stochastic;
 mod validate;
 #[cfg(unix)]
