@@ -4,7 +4,7 @@ use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::kept::{KeepArgument, keep, run_of};
 use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
-use super::results::{Findings, ResultFiles, check_not_golden};
+use super::results::{Findings, ResultFiles, check_not_golden, command_line};
 use super::suite::{Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
 use super::{Outcome, compare, ctest, interrupt, output, progress};
@@ -20,6 +20,7 @@ use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all}
 use crate::report;
 use crate::runs::{ResultFolder, Run};
 use crate::suite::{Case, Output, Outputs, Store, Suite, image_path, telling_case};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -173,6 +174,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let (explain, profile) = (arguments.explain, judge.profile.as_ref());
     let (found, text) = named(explain, &suite, &cases, profile, &mut judged);
     arguments.measure(&judged, &said)?;
+    let origin = judge.origin(&judged);
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {
             judged.evidence = Evidence::default();
@@ -183,6 +185,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged,
         found,
         units: None,
+        origin: Some(origin),
     };
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
@@ -227,7 +230,7 @@ impl Arguments {
         }
         let Some(folder) = &self.outputs else {
             let renderer = self.renderer.renderer(self.command(), self.keep.clone())?;
-            return Ok(ImageSource::Renderer(renderer));
+            return Ok(ImageSource::Renderer(Box::new(renderer)));
         };
         if !folder.is_dir() {
             let message = format!("there is no folder {}", folder.display());
@@ -437,32 +440,22 @@ impl Judge<'_> {
     fn case(&self, case: &Case) -> Option<Judged> {
         let start = Instant::now();
         let rendered = self.source.output(case);
+        let rendering = self.source.renderer().map(|_| start.elapsed());
         if self.arguments.only_present && matches!(rendered.output, Output::Missing(_)) {
             return None;
         }
         let look = self.arguments.renderer.decide.then_some(1);
         let mut judged = self.judged(case, rendered, look);
         judged.result.seconds = start.elapsed().as_secs_f64();
+        judged.evidence.rendering_seconds = rendering.map(|time| time.as_secs_f64());
         Some(judged)
     }
 
     /// Judges an image of one case: at the look of this number, from 1, where there may be several.
     fn judged(&self, case: &Case, rendered: Rendered, look: Option<u32>) -> Judged {
         let (store, profile) = (&self.store, self.profile.as_ref());
-        let of_profile = profile.and_then(|profile| profile.bits);
-        let bits = match (self.arguments.bits, of_profile) {
-            (Some(given), Some(of_profile)) => Some(Bits {
-                blended: of_profile.blended,
-                ..given
-            }),
-            (given, of_profile) => given.or(of_profile),
-        };
-        let alpha = self
-            .arguments
-            .alpha
-            .or(profile.and_then(|profile| profile.alpha));
-        let output = declared(rendered.output, bits, case);
-        let output = before_background(output, alpha, case);
+        let output = declared(rendered.output, self.bits(), case);
+        let output = before_background(output, self.alpha(), case);
         let mut judged = validate_at(look, case, store, output, profile);
         if profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
@@ -476,6 +469,35 @@ impl Judge<'_> {
         judged.evidence.call = rendered.call;
         judged.evidence.reproduce = vec![self.arguments.again(case)];
         judged
+    }
+
+    /// Bits of a channel in the images.
+    fn bits(&self) -> Option<Bits> {
+        let of_profile = self.profile.as_ref().and_then(|profile| profile.bits);
+        match (self.arguments.bits, of_profile) {
+            (Some(given), Some(of_profile)) => Some(Bits {
+                blended: of_profile.blended,
+                ..given
+            }),
+            (given, of_profile) => given.or(of_profile),
+        }
+    }
+
+    /// What colours of the images leave out.
+    fn alpha(&self) -> Option<Alpha> {
+        let of_profile = self.profile.as_ref().and_then(|profile| profile.alpha);
+        self.arguments.alpha.or(of_profile)
+    }
+
+    /// The command, how long its images took, and how they were read, for whoever reads them again.
+    fn origin(&self, judged: &[Judged]) -> Value {
+        let seconds = |of: &Judged| Some((of.result.name.clone(), of.evidence.rendering_seconds?));
+        json!({
+            "command": command_line(),
+            "bits": self.bits().map(|bits| bits.to_string()),
+            "alpha": self.alpha().map(|alpha| alpha.to_string()),
+            "seconds": judged.iter().filter_map(seconds).collect::<BTreeMap<_, _>>(),
+        })
     }
 
     /// A warning about images that belong to no case.

@@ -39,6 +39,7 @@ documents! {
     peers: "src/guide/peers.md",
     scenes: "src/guide/scenes.md",
     staying: "src/guide/staying.md",
+    gallery: "src/guide/gallery.md",
     several_machines: "src/guide/several_machines.md",
     sensitivities: "src/guide/sensitivities.md",
     suite: "src/guide/suite.md",

@@ -13,6 +13,7 @@ mod decide;
 mod embedded;
 mod export;
 mod folder;
+mod gallery;
 #[cfg(unix)]
 mod guide;
 mod hard;

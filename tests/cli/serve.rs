@@ -10,14 +10,6 @@ use std::time::{Duration, Instant};
 /// Longer than anything here takes, on any machine.
 const LONG: Duration = Duration::from_secs(120);
 
-/// The four cases of the suite.
-const CASES: [&str; 4] = [
-    "plots/curve",
-    "smoke/nearest",
-    "smoke/plain",
-    "smoke/shadow",
-];
-
 /// The loop of a renderer whose images are the goldens: it writes its number to `started`, and says `bye` at the
 /// end. `$case`, `$output` and `$line` are there for what is done with a request, and `right` answers it well.
 fn renderer(begin: &str, request: &str) -> String {
@@ -282,13 +274,10 @@ fn answers_that_nobody_asked_for() {
     );
 
     // An answer at the end of all counts, with or without a newline.
-    let folder = with_renderer(
-        "",
-        "cp golden/$case.exr $output; printf '{\"image\":\"%s\"}' $output; exit",
-    );
-    let run = validate(&folder, &["--json"]);
+    let last = "cp golden/$case.exr $output; printf '{\"image\":\"%s\"}' $output; exit";
+    let folder = with_renderer("", last);
+    let run = validate(&folder, &["smoke/plain"]);
     assert_eq!(run.code, 0, "{}", run.stdout);
-    assert_eq!(started(&folder), CASES.len());
 }
 
 #[test]
