@@ -7,6 +7,8 @@
 //! | [`fog_and_smoke`] | media, surfaces, lights, and the estimators behind them |
 //! | [`suite`] | the cases, their goldens, a new golden, a new case |
 //! | [`comparing`] | checking a renderer, failures, comparing two images, gates, samples and noise |
+//! | [`staying`] | renderers that are started once: the protocol, loops in Python, JavaScript and C++ |
+//! | [`gallery`] | one page of many renderers, judged |
 //! | [`sensitivities`] | derivatives of images; which number of a scene is off, and by how much |
 //! | [`several_machines`] | parts of a suite, units of a golden, Slurm, Kubernetes |
 //! | [`in_your_tests`] | Python, pytest, CMake, GitHub |
@@ -37,6 +39,12 @@ pub mod suite {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/comparing.md")]
 pub mod comparing {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/staying.md")]
+pub mod staying {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/gallery.md")]
+pub mod gallery {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/sensitivities.md")]
 pub mod sensitivities {}

@@ -3,6 +3,7 @@
 
     volref export SCENE --to bundle -o DIR         # SCENE.json, and the bare densities beside it
     student.py DIR/SCENE.json OUTPUT               # OUTPUT: .npy, .pfm or .exr
+    volref validate --serve 'student.py --serve {export:bundle}'
 
 All that it knows of a scene stands in the bundle, formulas included; comments say what code is
 for. It renders volumes, several together with their clips, projections and isosurfaces of one, and plots of transfer
@@ -406,27 +407,49 @@ def draw_plot(panel, folder):
 def main():
     global mistake
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("bundle", type=Path)
-    parser.add_argument("output", type=image_path)
+    parser.add_argument("bundle", type=Path, nargs="?")
+    parser.add_argument("output", type=image_path, nargs="?")
+    parser.add_argument("--serve", action="store_true", help="stay, and read requests")
     parser.add_argument("--mistake", choices=MISTAKES, help=str(MISTAKES)[1:-1])
     options = parser.parse_args()
     mistake = options.mistake
-    bundle = json.loads(options.bundle.read_text("utf-8"))
+    if options.serve:
+        serve()
+    elif options.bundle and options.output:
+        render(options.bundle, options.output)
+    else:
+        parser.error("a bundle and an output, or --serve")
+
+
+def serve():
+    """Answers requests, a line each, until there are no more."""
+    for line in sys.stdin:
+        request = json.loads(line)
+        try:
+            render(Path(request["export:bundle"]), image_path(request["output"]))
+            answer = {"image": request["output"]}
+        except SystemExit as refusal:
+            answer = {"cannot": str(refusal)}
+        print(json.dumps(answer), flush=True)
+
+
+def render(path, output):
+    bundle = json.loads(path.read_text("utf-8"))
     if bundle["schema"] != "volref/bundle/1":
-        sys.exit(f"{options.bundle}: not a bundle that this renderer knows")
+        sys.exit(f"{path}: not a bundle that this renderer knows")
     pictures = []
     for panel in bundle["panels"]:
         draw = {"volume": draw_volume, "volumes": draw_volumes, "plot": draw_plot}[panel["shows"]]
         if "mode" in panel:
             draw = draw_field
-        pictures.append(draw(panel, options.bundle.parent))
+        pictures.append(draw(panel, path.parent))
     channels = min(one.shape[2] for one in pictures)  # a plot has no opacity
     image = np.concatenate([one[:, :, :channels] for one in pictures], axis=1)  # side by side
     if mistake == "upside-down":
         image = image[::-1]
     if mistake == "gamma":
         image[:, :, :3] **= 1 / 2.2
-    write_image(options.output, image)
+    write_image(output, image)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,15 @@
 //! `volref __keep PROGRAM ARGUMENTS…`: the keeper process that volref starts for each renderer.
 
 use super::Outcome;
-use super::output::pretty;
 use crate::renderers::{Keeper, keep};
 use std::ffi::OsString;
 
 /// Run a renderer, and end all processes that it started; prints the outcome as JSON
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
+    /// The renderer stays: it answers on standard output what is asked on standard input
+    #[arg(long)]
+    serve: bool,
     /// The renderer and its arguments
     #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
     words: Vec<OsString>,
@@ -15,11 +17,14 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Outcome {
-    Outcome::from(pretty(&keep(&arguments.words)))
+    let kept = keep(&arguments.words, arguments.serve);
+    let report = serde_json::to_string(&kept).expect("a report is plain data");
+    // A renderer that stays may have printed the beginning of a line.
+    Outcome::from(format!("\n{report}\n"))
 }
 
-/// This program as the keeper of a renderer; `None` on systems without keepers.
-pub fn keeper() -> Option<Keeper> {
+/// This program as the keeper of a renderer, which `stays` or not; `None` on systems without keepers.
+pub fn keeper(stays: bool) -> Option<Keeper> {
     // What is running, even if another build has taken its place.
     let program = if cfg!(target_os = "linux") {
         "/proc/self/exe".into()
@@ -28,7 +33,10 @@ pub fn keeper() -> Option<Keeper> {
     };
     cfg!(unix).then(|| Keeper {
         program,
-        arguments: vec![NAME.into(), "--".into()],
+        arguments: match stays {
+            true => vec![NAME.into(), "--serve".into(), "--".into()],
+            false => vec![NAME.into(), "--".into()],
+        },
     })
 }
 

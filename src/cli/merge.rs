@@ -259,6 +259,7 @@ fn joined_results(
         judged,
         found,
         units,
+        origin: None,
     };
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,

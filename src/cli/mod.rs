@@ -10,6 +10,7 @@ mod ctest;
 mod embedded;
 mod export;
 mod failure;
+mod gallery;
 mod info;
 mod interrupt;
 mod keep;
@@ -57,6 +58,7 @@ struct Arguments {
 enum Command {
     Verify(verify::Arguments),
     Validate(Box<validate::Arguments>),
+    Gallery(gallery::Arguments),
     Compare(compare::Arguments),
     Render(render::Arguments),
     Plan(plan::Arguments),
@@ -130,6 +132,7 @@ fn run() -> Exit {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Validate(arguments) => validate::run(*arguments),
         Command::Compare(arguments) => progress::during("comparing", || compare::run(arguments)),
+        Command::Gallery(arguments) => gallery::run(arguments),
         Command::Render(arguments) => render::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Cost(arguments) => cost::run(arguments),

@@ -1,4 +1,4 @@
-//! Options of the renderer that `volref validate --run` calls.
+//! Options of the renderer that `volref validate --run` calls, or `--serve` starts.
 
 use super::failure::{Exit, Failure, bad_input};
 use super::keep::keeper;
@@ -15,29 +15,38 @@ const SEED: &str = "1";
 const BUDGET: &str = "10m";
 const FORMAT: &str = "exr";
 
+/// Command of a renderer: called for each case, or started once.
+#[derive(Clone, Copy)]
+pub struct Command<'c> {
+    /// Its words, with placeholders.
+    pub text: &'c str,
+    /// It stays.
+    pub stays: bool,
+}
+
 /// Options of a renderer that is run.
 #[derive(Debug, clap::Args)]
 pub struct RendererArguments {
-    /// With --run: time limit, after which the renderer and all its child processes are
+    /// With --run or --serve: time limit of an image, after which the renderer and all its child processes are
     /// killed
     #[arg(long, value_name = "SECONDS", default_value = TIMEOUT, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
-    /// With --run: number of cases rendered at the same time
+    /// With --run or --serve: number of cases rendered at the same time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
-    /// With --run: samples per pixel, {spp}
+    /// With --run or --serve: samples per pixel, {spp}
     #[arg(long, value_name = "N", default_value = SPP, value_parser = crate::scene::samples)]
     spp: u32,
-    /// With --run: seed, {seed}
+    /// With --run or --serve: seed, {seed}
     #[arg(long, value_name = "N", default_value = SEED)]
     seed: u64,
-    /// With --run: image format of {output}: exr, pfm, npy or png
+    /// With --run or --serve: image format of {output}: exr, pfm, npy or png
     #[arg(long, value_name = "EXT", default_value = FORMAT, value_parser = OtherRenderer::FORMATS)]
     pub format: String,
-    /// With --run: render cases that noise leaves open again, with other seeds and more samples, until
+    /// With --run or --serve: render cases that noise leaves open again, with other seeds and more samples, until
     /// each passes or fails, or the budget is spent; all these looks together raise a false alarm no more
     /// often than one
-    #[arg(long, requires = "run", conflicts_with = "outputs")]
+    #[arg(long, requires = "renderer", conflicts_with = "outputs")]
     pub decide: bool,
     /// With --decide: time for the further renderings of all cases, such as 90s, 10m or 2h
     #[arg(long, value_name = "TIME", default_value = BUDGET, allow_hyphen_values = true, requires = "decide", value_parser = budget)]
@@ -46,29 +55,46 @@ pub struct RendererArguments {
 
 impl RendererArguments {
     /// The renderer that `command` calls; its images are kept in `keep`.
-    pub fn renderer(&self, command: &str, keep: Option<PathBuf>) -> Result<OtherRenderer, Failure> {
-        let template = CommandTemplate::parse(command).map_err(|error| {
-            let help = "for example: --run 'my-renderer {scene} --out {output} --spp {spp}'";
-            Failure::new(Exit::BadInput, error.to_string(), Some(help))
-        })?;
+    pub fn renderer(
+        &self,
+        command: Command<'_>,
+        keep: Option<PathBuf>,
+    ) -> Result<OtherRenderer, Failure> {
+        let (template, help) = match command.stays {
+            true => (
+                CommandTemplate::parse_serving(command.text),
+                "for example: --serve 'my-renderer --serve {scene} {spp}'",
+            ),
+            false => (
+                CommandTemplate::parse(command.text),
+                "for example: --run 'my-renderer {scene} --out {output} --spp {spp}'",
+            ),
+        };
+        let template = template
+            .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), Some(help)))?;
         let (spp, seed) = (self.spp, self.seed);
         let options = RendererOptions {
             template,
+            stays: command.stays,
             first: CallSettings { spp, seed },
             format: self.format.clone(),
             timeout: Duration::from_secs_f64(self.timeout),
             keep,
-            keeper: keeper(),
+            keeper: keeper(command.stays),
         };
         OtherRenderer::new(options).map_err(bad_input)
     }
 
     /// Settings that the images of `command` depend on, by name: the files that it names are hashed, so that another
     /// build of the renderer makes another run.
-    pub fn settings(&self, command: &str) -> Vec<(&'static str, String)> {
+    pub fn settings(&self, command: Command<'_>) -> Vec<(&'static str, String)> {
+        let name = match command.stays {
+            true => "command of the renderer that stays",
+            false => "command of the renderer",
+        };
         vec![
-            ("command of the renderer", command.to_owned()),
-            ("files of the renderer", hashes_of_files(command)),
+            (name, command.text.to_owned()),
+            ("files of the renderer", hashes_of_files(command.text)),
             ("samples", self.spp.to_string()),
             ("seed", self.seed.to_string()),
             ("format", self.format.clone()),
@@ -77,8 +103,9 @@ impl RendererArguments {
     }
 
     /// The words that repeat the run of `command`, without those that equal their defaults.
-    pub fn words(&self, command: &str) -> Vec<String> {
-        let mut words = vec!["--run".to_owned(), command.to_owned()];
+    pub fn words(&self, command: Command<'_>) -> Vec<String> {
+        let flag = if command.stays { "--serve" } else { "--run" };
+        let mut words = vec![flag.to_owned(), command.text.to_owned()];
         let mut say = |name: &str, value: String, default: &str| {
             if value != default {
                 words.extend([name.to_owned(), value]);

@@ -32,6 +32,8 @@ pub struct Findings<'f> {
     pub found: Likenesses,
     /// Units of goldens that were joined.
     pub units: Option<Value>,
+    /// Command, and how images were read.
+    pub origin: Option<Value>,
 }
 
 impl Findings<'_> {
@@ -103,6 +105,9 @@ impl ResultFiles {
         if let Some(units) = &findings.units {
             json["units"] = units.clone();
         }
+        if let Some(origin) = &findings.origin {
+            json["origin"] = origin.clone();
+        }
         self.json.instead_of(text, &json)
     }
 }
@@ -116,14 +121,22 @@ const PAGE: &str = "index.html";
 
 fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
     let evidence: Vec<Evidence> = findings.judged.iter().map(|j| j.evidence.clone()).collect();
-    let words: Vec<String> = std::env::args().skip(1).collect();
     report::results_html(&report::Page {
         title: &format!("volref {}", findings.command),
-        command: &format!("volref {}", shell_words::join(words)),
+        command: &command_line(),
         results,
         evidence: &evidence,
         found: &findings.found,
     })
+}
+
+/// The command line of this process.
+pub fn command_line() -> String {
+    let words = std::env::args_os().skip(1);
+    let words: Vec<String> = words
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
+    format!("volref {}", shell_words::join(words))
 }
 
 /// Fails if an output would be in the folder of the goldens.

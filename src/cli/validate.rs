@@ -1,10 +1,10 @@
-//! `volref validate (--outputs DIR | --run CMD) [FILTER…]`
+//! `volref validate (--outputs DIR | --run CMD | --serve CMD) [FILTER…]`
 
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::kept::{KeepArgument, keep, run_of};
 use super::partition::PartitionArgument;
-use super::renderer::RendererArguments;
-use super::results::{Findings, ResultFiles, check_not_golden};
+use super::renderer::{Command, RendererArguments};
+use super::results::{Findings, ResultFiles, check_not_golden, command_line};
 use super::suite::{Selection, exit};
 use super::verdicts::{PrintedVerdicts, named};
 use super::{Outcome, compare, ctest, interrupt, output, progress};
@@ -16,10 +16,11 @@ use crate::judging::{
     CaseResult, Evidence, Judged, MoreSamples, before_background, declared, is_open, validate_at,
 };
 use crate::naming::{ConventionSearch, Search};
-use crate::renderers::{ImageSource, Rendered, in_order, stop_all};
+use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;
 use crate::runs::{ResultFolder, Run};
 use crate::suite::{Case, Output, Outputs, Store, Suite, image_path, telling_case};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -35,6 +36,9 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     {spp}, {seed} for the image size, samples per pixel and seed, {case} for the name of the case, {step} for the distance between samples in world units, {rate} \
     for samples per voxel, {exposure} for the exposure of 8-bit images in stops (radiance times 2^exposure), and {export:mitsuba}, \
     {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export). With {step} or {rate}, CMD is run three times for a case of the family limit.\n\n\
+    With --serve, placeholders are words of their own, and no part of the command line: they name what requests hold. A \
+    request is a line of JSON on standard input, with \"case\", \"output\" and these; the answer a line on standard output: \
+    {\"image\": output}, {\"error\": \"in words\"}, or {\"cannot\": \"in words\"} of a scene that cannot be said.\n\n\
     Each verdict is printed as soon as it is known; then failing images are tested against a \
     catalogue of known mistakes. Ctrl-C ends that search and keeps the verdicts. Images rendered during the search are \
     cached in the folder that VOLREF_CACHE names (empty: no cache), or else in the user's cache \
@@ -60,8 +64,12 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", group = "images")]
     outputs: Option<PathBuf>,
     /// Command that renders a case; run once for each, without a shell
-    #[arg(long, value_name = "CMD", group = "images")]
+    #[arg(long, value_name = "CMD", groups = ["images", "renderer"])]
     run: Option<String>,
+    /// Command of a renderer that stays: started once (or once for each of --jobs), and asked for one image after
+    /// the other, by lines of JSON
+    #[arg(long, value_name = "CMD", groups = ["images", "renderer"])]
+    serve: Option<String>,
     /// Skip cases that have no image or cannot be exported to the renderer's format
     #[arg(long)]
     only_present: bool,
@@ -95,9 +103,14 @@ pub struct Arguments {
     /// mean + 0.001); noisier images are inconclusive [default: from the case, else 2]
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = compare::percent)]
     resolution: Option<f64>,
-    /// With --run: keep the images in DIR; with --decide those of the last look: put
+    /// With --run or --serve: keep the images in DIR; with --decide those of the last look: put
     /// together as .exr, or numbered
-    #[arg(long, value_name = "DIR", requires = "run", conflicts_with = "outputs")]
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "renderer",
+        conflicts_with = "outputs"
+    )]
     keep: Option<PathBuf>,
     /// Print metrics and pictures as lines that CTest collects, with the pictures in DIR
     #[arg(long, value_name = "DIR")]
@@ -145,6 +158,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let said = judge.printed(&cases);
     let mut judged = judge.all(&cases, &said);
     judge.decide(&cases, &mut judged, &said);
+    judge.let_leave();
     if let Some((folder, run)) = &to_keep {
         let part = cases.iter().map(name);
         let part: Vec<String> = part.chain(passed_over).collect();
@@ -160,6 +174,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let (explain, profile) = (arguments.explain, judge.profile.as_ref());
     let (found, text) = named(explain, &suite, &cases, profile, &mut judged);
     arguments.measure(&judged, &said)?;
+    let origin = judge.origin(&judged);
     if !arguments.files.wants_evidence() {
         for judged in &mut judged {
             judged.evidence = Evidence::default();
@@ -170,6 +185,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged,
         found,
         units: None,
+        origin: Some(origin),
     };
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
@@ -214,7 +230,7 @@ impl Arguments {
         }
         let Some(folder) = &self.outputs else {
             let renderer = self.renderer.renderer(self.command(), self.keep.clone())?;
-            return Ok(ImageSource::Renderer(renderer));
+            return Ok(ImageSource::Renderer(Box::new(renderer)));
         };
         if !folder.is_dir() {
             let message = format!("there is no folder {}", folder.display());
@@ -228,8 +244,12 @@ impl Arguments {
     }
 
     /// The command of the renderer.
-    fn command(&self) -> &str {
-        self.run.as_deref().unwrap_or_default()
+    fn command(&self) -> Command<'_> {
+        let text = self.run.as_deref().or(self.serve.as_deref());
+        Command {
+            text: text.unwrap_or_default(),
+            stays: self.serve.is_some(),
+        }
     }
 
     /// Fails if results cannot be written; makes their folders.
@@ -305,12 +325,22 @@ impl Judge<'_> {
     fn ends_with_us(&self) {
         let renderer = self.source.renderer();
         let temporary = renderer.map(|renderer| renderer.temporary().to_owned());
+        let staying = renderer.and_then(OtherRenderer::staying).cloned();
         interrupt::before_the_end(move || {
             stop_all();
+            if let Some(staying) = &staying {
+                staying.end();
+            }
             if let Some(temporary) = &temporary {
                 let _ = std::fs::remove_dir_all(temporary);
             }
         });
+    }
+
+    /// Ends renderers that stay: the search for mistakes needs none.
+    fn let_leave(&self) {
+        let staying = self.source.renderer().and_then(OtherRenderer::staying);
+        staying.inspect(|staying| staying.end());
     }
 
     /// The folder and the run of the results that are kept, if any are.
@@ -410,32 +440,22 @@ impl Judge<'_> {
     fn case(&self, case: &Case) -> Option<Judged> {
         let start = Instant::now();
         let rendered = self.source.output(case);
+        let rendering = self.source.renderer().map(|_| start.elapsed());
         if self.arguments.only_present && matches!(rendered.output, Output::Missing(_)) {
             return None;
         }
         let look = self.arguments.renderer.decide.then_some(1);
         let mut judged = self.judged(case, rendered, look);
         judged.result.seconds = start.elapsed().as_secs_f64();
+        judged.evidence.rendering_seconds = rendering.map(|time| time.as_secs_f64());
         Some(judged)
     }
 
     /// Judges an image of one case: at the look of this number, from 1, where there may be several.
     fn judged(&self, case: &Case, rendered: Rendered, look: Option<u32>) -> Judged {
         let (store, profile) = (&self.store, self.profile.as_ref());
-        let of_profile = profile.and_then(|profile| profile.bits);
-        let bits = match (self.arguments.bits, of_profile) {
-            (Some(given), Some(of_profile)) => Some(Bits {
-                blended: of_profile.blended,
-                ..given
-            }),
-            (given, of_profile) => given.or(of_profile),
-        };
-        let alpha = self
-            .arguments
-            .alpha
-            .or(profile.and_then(|profile| profile.alpha));
-        let output = declared(rendered.output, bits, case);
-        let output = before_background(output, alpha, case);
+        let output = declared(rendered.output, self.bits(), case);
+        let output = before_background(output, self.alpha(), case);
         let mut judged = validate_at(look, case, store, output, profile);
         if profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
@@ -449,6 +469,35 @@ impl Judge<'_> {
         judged.evidence.call = rendered.call;
         judged.evidence.reproduce = vec![self.arguments.again(case)];
         judged
+    }
+
+    /// Bits of a channel in the images.
+    fn bits(&self) -> Option<Bits> {
+        let of_profile = self.profile.as_ref().and_then(|profile| profile.bits);
+        match (self.arguments.bits, of_profile) {
+            (Some(given), Some(of_profile)) => Some(Bits {
+                blended: of_profile.blended,
+                ..given
+            }),
+            (given, of_profile) => given.or(of_profile),
+        }
+    }
+
+    /// What colours of the images leave out.
+    fn alpha(&self) -> Option<Alpha> {
+        let of_profile = self.profile.as_ref().and_then(|profile| profile.alpha);
+        self.arguments.alpha.or(of_profile)
+    }
+
+    /// The command, how long its images took, and how they were read, for whoever reads them again.
+    fn origin(&self, judged: &[Judged]) -> Value {
+        let seconds = |of: &Judged| Some((of.result.name.clone(), of.evidence.rendering_seconds?));
+        json!({
+            "command": command_line(),
+            "bits": self.bits().map(|bits| bits.to_string()),
+            "alpha": self.alpha().map(|alpha| alpha.to_string()),
+            "seconds": judged.iter().filter_map(seconds).collect::<BTreeMap<_, _>>(),
+        })
     }
 
     /// A warning about images that belong to no case.

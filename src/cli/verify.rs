@@ -122,6 +122,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged,
         found: Likenesses::default(),
         units: None,
+        origin: None,
     };
     let results = findings.results();
     let text = in_words(&results, arguments.verbose, &suite);

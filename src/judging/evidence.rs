@@ -40,6 +40,9 @@ pub struct Evidence {
     pub call: Option<String>,
     /// Standard output and error of the other renderer, if it was run.
     pub output: Option<String>,
+    /// Wall time of the other renderer, if it was run.
+    #[serde(default)]
+    pub rendering_seconds: Option<f64>,
 }
 
 impl Evidence {

@@ -330,6 +330,7 @@ impl OpenCase<'_> {
             result.notes.push(note);
         }
         result.seconds = self.spent[0];
+        self.judged.evidence.rendering_seconds = Some(self.spent[0]);
         self.judged.evidence.noise_by_samples = self.looks.noise();
     }
 }

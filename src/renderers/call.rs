@@ -9,6 +9,12 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf, absolute};
 
+/// Version of the protocol of renderers that stay: `volref` in a request.
+const PROTOCOL: u32 = 1;
+
+/// Placeholders that stand for numbers.
+const NUMBERS: [&str; 7] = ["width", "height", "spp", "seed", "step", "rate", "exposure"];
+
 /// Samples and seed of a call.
 #[derive(Clone, Copy, Debug)]
 pub struct CallSettings {
@@ -72,13 +78,34 @@ impl<'t> Call<'t> {
 
     /// The words of the call that writes `output`, with the step of the scene halved `halvings` times.
     pub fn words(&mut self, output: &Path, halvings: u32) -> Vec<String> {
+        self.set(output, halvings);
+        self.template.fill(&self.values)
+    }
+
+    /// The request for the same image to a renderer that stays, one line of JSON: the protocol, the case, the image to
+    /// write, and what the command names.
+    pub fn request(&mut self, output: &Path, halvings: u32) -> String {
+        self.set(output, halvings);
+        let is_asked = |name: &str| matches!(name, "case" | "output") || self.template.uses(name);
+        let mut request = format!("{{\"volref\":{PROTOCOL}");
+        for (name, value) in self.values.iter().filter(|(name, _)| is_asked(name)) {
+            // Numbers keep their digits.
+            let value = match NUMBERS.contains(name) {
+                true => value.clone(),
+                false => serde_json::Value::from(value.as_str()).to_string(),
+            };
+            request.push_str(&format!(",\"{name}\":{value}"));
+        }
+        request + "}"
+    }
+
+    fn set(&mut self, output: &Path, halvings: u32) {
         self.values.insert("output", shown(output));
         if let Some([step, voxel]) = self.step {
             let step = step * exp2(-f64::from(halvings));
             self.values.insert("step", step.to_string());
             self.values.insert("rate", (voxel / step).to_string());
         }
-        self.template.fill(&self.values)
     }
 }
 
@@ -96,7 +123,8 @@ fn exported(scene: &Scene, case: &Case, format: &str, exports: &Path) -> Result<
     Ok(folder.join(&export.main))
 }
 
-fn shown(path: &Path) -> String {
+/// `path` as text, as a command or a request holds it.
+pub(super) fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 

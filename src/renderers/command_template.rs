@@ -1,6 +1,7 @@
 //! Command of another renderer, with placeholders; called without a shell.
 //!
-//! It is split into words as a shell would, then placeholders are filled in, so that no path needs quoting.
+//! It is split into words as a shell would, then placeholders are filled in, so that no path needs quoting. The
+//! placeholders of a renderer that stays are no words of its command line: they name what its requests hold.
 
 use crate::files::regular_file;
 use std::collections::BTreeMap;
@@ -34,6 +35,11 @@ pub enum TemplateError {
     /// The placeholder for the image is missing.
     #[error("the command must contain {{output}}, the image file to write")]
     NoOutput,
+    /// A placeholder in a word, in the command of a renderer that stays.
+    #[error(
+        "{0:?}: the placeholders of --serve are words of their own, for requests hold what they stand for"
+    )]
+    PartOfWord(String),
     /// An unknown placeholder.
     #[error("unknown placeholder {{{name}}}; the placeholders are: {known}")]
     Unknown {
@@ -65,6 +71,31 @@ impl CommandTemplate {
     /// Splits `text` into words as a POSIX shell would, quotes and backslashes included, and
     /// nothing else a shell does.
     pub fn parse(text: &str) -> Result<CommandTemplate, TemplateError> {
+        let template = Self::split(text)?;
+        if !template.uses("output") {
+            return Err(TemplateError::NoOutput);
+        }
+        Ok(template)
+    }
+
+    /// The command of a renderer that stays, split likewise.
+    pub fn parse_serving(text: &str) -> Result<CommandTemplate, TemplateError> {
+        let template = Self::split(text)?;
+        let is_part = |word: &&Vec<Part>| has_placeholder(word) && !is_placeholder(word);
+        if let Some(word) = template.words.iter().find(is_part) {
+            let shown = word.iter().map(|part| match part {
+                Part::Text(text) => text.clone(),
+                Part::Placeholder(name) => format!("{{{name}}}"),
+            });
+            return Err(TemplateError::PartOfWord(shown.collect()));
+        }
+        if template.words_alone().is_empty() {
+            return Err(TemplateError::Empty);
+        }
+        Ok(template)
+    }
+
+    fn split(text: &str) -> Result<CommandTemplate, TemplateError> {
         let words = shell_words::split(text).map_err(|_| TemplateError::Quotes(text.to_owned()))?;
         if words.is_empty() {
             return Err(TemplateError::Empty);
@@ -81,10 +112,13 @@ impl CommandTemplate {
                 known: known.join(" "),
             });
         }
-        if !template.uses("output") {
-            return Err(TemplateError::NoOutput);
-        }
         Ok(template)
+    }
+
+    /// The words that are no placeholders.
+    pub fn words_alone(&self) -> Vec<String> {
+        let words = self.words.iter().filter(|word| !is_placeholder(word));
+        words.map(|word| filled(word, &BTreeMap::new())).collect()
     }
 
     /// The names in braces, in order.
@@ -107,13 +141,32 @@ impl CommandTemplate {
 
     /// The words of the command with the placeholders filled in.
     pub fn fill(&self, values: &BTreeMap<&str, String>) -> Vec<String> {
-        let filled = |part: &Part| match part {
-            Part::Text(text) => text.clone(),
-            Part::Placeholder(name) => values.get(name.as_str()).cloned().unwrap_or_default(),
-        };
-        let fill = |word: &Vec<Part>| word.iter().map(filled).collect();
-        self.words.iter().map(fill).collect()
+        self.words.iter().map(|word| filled(word, values)).collect()
     }
+}
+
+fn filled(word: &[Part], values: &BTreeMap<&str, String>) -> String {
+    let filled = |part: &Part| match part {
+        Part::Text(text) => text.clone(),
+        Part::Placeholder(name) => values.get(name.as_str()).cloned().unwrap_or_default(),
+    };
+    word.iter().map(filled).collect()
+}
+
+fn has_placeholder(word: &[Part]) -> bool {
+    let mut parts = word.iter();
+    parts.any(|part| matches!(part, Part::Placeholder(_)))
+}
+
+/// True of a word that is one placeholder.
+fn is_placeholder(word: &[Part]) -> bool {
+    let mut parts = word
+        .iter()
+        .filter(|part| **part != Part::Text(String::new()));
+    matches!(
+        (parts.next(), parts.next()),
+        (Some(Part::Placeholder(_)), None)
+    )
 }
 
 /// Longest file of a renderer that is hashed: 1 GiB.
@@ -178,6 +231,20 @@ mod tests {
         assert_eq!(
             template("r {output} '{' '}{' '{\"a b\": {spp}}'"),
             ["r", "o.exr", "{", "}{", "{\"a b\": 4}"]
+        );
+    }
+
+    #[test]
+    fn placeholders_of_a_renderer_that_stays_are_no_words_of_it() {
+        let template = CommandTemplate::parse_serving("r -x {step} 'a b' {output}").unwrap();
+        assert_eq!(template.words_alone(), ["r", "-x", "a b"]);
+        assert!(template.takes_step() && !template.uses("spp"));
+        let error = |text: &str| CommandTemplate::parse_serving(text).unwrap_err();
+        assert_eq!(error("{output}"), TemplateError::Empty);
+        let part = "--step={step}x";
+        assert_eq!(
+            error(&format!("r {part}")),
+            TemplateError::PartOfWord(part.to_owned())
         );
     }
 

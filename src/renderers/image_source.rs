@@ -8,7 +8,7 @@ pub enum ImageSource {
     /// A folder of finished images.
     Finished(Outputs),
     /// A renderer to run.
-    Renderer(OtherRenderer),
+    Renderer(Box<OtherRenderer>),
 }
 
 impl ImageSource {

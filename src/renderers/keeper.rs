@@ -4,11 +4,15 @@
 //! nobody would end it. A keeper has one renderer. On Linux a process below the keeper that loses
 //! its parent becomes a child of the keeper, so that none escapes and no other renderer is
 //! affected. The keeper ends all of them when the renderer ends, and when its own standard input
-//! closes: after the time limit, or when volref itself has ended for any reason.
+//! closes: after the time limit, or when volref itself has ended for any reason. A renderer that stays is given
+//! what comes from there, and a moment to leave after its end.
 
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
+use std::io::Write;
 use std::path::PathBuf;
+use std::sync::mpsc::{Sender, channel};
+use std::time::Duration;
 
 /// The command line of a keeper, before the words of the renderer's command. The program must call
 /// [`keep`] and print the result as JSON.
@@ -18,6 +22,15 @@ pub struct Keeper {
     pub program: PathBuf,
     /// Its arguments before the command.
     pub arguments: Vec<OsString>,
+}
+
+impl Keeper {
+    /// The command of a keeper of the renderer that `words` call.
+    pub(super) fn command(&self, words: &[String]) -> std::process::Command {
+        let mut command = std::process::Command::new(&self.program);
+        command.args(&self.arguments).args(words);
+        command
+    }
 }
 
 /// The report of a keeper on its renderer.
@@ -38,10 +51,27 @@ pub struct Kept {
 /// Whether a keeper sees processes that have left the renderer's process group, such as daemons.
 pub const SEES_DAEMONS: bool = cfg!(target_os = "linux");
 
+/// How long a renderer that stays may take to leave when its requests end.
+pub(super) const LEAVE: Duration = Duration::from_secs(1);
+
+/// Writes what is sent into `pipe`, and closes it when the sender is dropped. Nobody waits for a reader.
+pub(super) fn feed(mut pipe: impl Write + Send + 'static) -> Sender<Vec<u8>> {
+    let (sender, chunks) = channel::<Vec<u8>>();
+    std::thread::spawn(move || {
+        for chunk in chunks {
+            if pipe.write_all(&chunk).and_then(|()| pipe.flush()).is_err() {
+                return;
+            }
+        }
+    });
+    sender
+}
+
 /// Runs the renderer that `words` call, to its end or to that of standard input, then ends all that
-/// is left of it. What it prints goes to standard error.
+/// is left of it. What it prints goes to standard error. If it `stays`, standard input and output are its own, and it
+/// has a moment to leave.
 #[cfg(not(unix))]
-pub fn keep(_words: &[OsString]) -> Kept {
+pub fn keep(_words: &[OsString], _stays: bool) -> Kept {
     Kept {
         not_started: Some("this system has no keepers".to_owned()),
         ..Kept::default()
@@ -53,6 +83,7 @@ pub use unix::keep;
 
 #[cfg(unix)]
 mod unix {
+    use super::{LEAVE, feed};
     use crate::renderers::Kept;
     use nix::errno::Errno;
     use nix::sys::signal::{Signal, kill, killpg};
@@ -81,10 +112,11 @@ mod unix {
     const MOST_NAMED: usize = 8;
 
     /// Runs the renderer that `words` call, to its end or to that of standard input, then ends all
-    /// that is left of it. What it prints goes to standard error.
-    pub fn keep(words: &[OsString]) -> Kept {
+    /// that is left of it. What it prints goes to standard error. If it `stays`, standard input and output are its
+    /// own, and it has a moment to leave.
+    pub fn keep(words: &[OsString], stays: bool) -> Kept {
         adopt_orphans();
-        let mut renderer = match spawn(words) {
+        let mut renderer = match spawn(words, stays) {
             Ok(renderer) => renderer,
             Err(error) => {
                 return Kept {
@@ -94,9 +126,19 @@ mod unix {
             }
         };
         let group = Pid::from_raw(renderer.id() as i32);
+        let requests = renderer.stdin.take().map(feed);
         std::thread::spawn(move || {
-            let mut nothing = [0; 1];
-            while matches!(std::io::stdin().read(&mut nothing), Ok(1..)) {}
+            let mut chunk = [0; 4096];
+            while let Ok(length @ 1..) = std::io::stdin().read(&mut chunk) {
+                if let Some(requests) = &requests {
+                    // It may have closed its end, and work all the same.
+                    let _ = requests.send(chunk[..length].to_vec());
+                }
+            }
+            drop(requests);
+            if stays {
+                sleep(LEAVE);
+            }
             // Until this process ends: what is being started meanwhile is ended next time.
             loop {
                 end_all(group);
@@ -124,15 +166,19 @@ mod unix {
     #[cfg(not(target_os = "linux"))]
     fn adopt_orphans() {}
 
-    fn spawn(words: &[OsString]) -> std::io::Result<Child> {
+    fn spawn(words: &[OsString], stays: bool) -> std::io::Result<Child> {
         let (program, arguments) = words
             .split_first()
             .ok_or_else(|| std::io::Error::other("there is no command"))?;
         let log = || std::io::stderr().as_fd().try_clone_to_owned();
+        let (stdin, stdout) = match stays {
+            true => (Stdio::piped(), Stdio::inherit()),
+            false => (Stdio::null(), log()?.into()),
+        };
         Command::new(program)
             .args(arguments)
-            .stdin(Stdio::null())
-            .stdout(log()?)
+            .stdin(stdin)
+            .stdout(stdout)
             .stderr(log()?)
             .process_group(0)
             .spawn()

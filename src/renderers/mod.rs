@@ -1,4 +1,5 @@
-//! Other renderers as programs: called for a case, watched, ended, and the images that they write.
+//! Other renderers as programs: called for a case, or asked for one after the other, watched, ended, and the images
+//! that they write.
 
 pub(crate) mod call;
 pub(crate) mod command_template;
@@ -8,6 +9,7 @@ pub(crate) mod keeper;
 pub(crate) mod other_renderer;
 mod printed;
 pub(crate) mod process;
+pub(crate) mod staying;
 
 pub use call::CallSettings;
 pub use command_template::{CommandTemplate, TemplateError, hashes_of_files};
@@ -16,3 +18,4 @@ pub use jobs::in_order;
 pub use keeper::{Keeper, Kept, keep};
 pub use other_renderer::{OtherRenderer, Rendered, RendererOptions};
 pub use process::stop_all;
+pub use staying::StayingRenderers;

@@ -1,9 +1,10 @@
-//! Another renderer: called for a case, once, or once for each of three steps.
+//! Another renderer: called or asked for a case, once, or once for each of three steps.
 
-use super::call::{Call, not_run};
+use super::call::{Call, not_run, shown};
 use super::printed::quoted_words;
-use super::process::run;
-use super::{CallSettings, CommandTemplate, Keeper};
+use super::process::{Ran, run};
+use super::staying::Called;
+use super::{CallSettings, CommandTemplate, Keeper, StayingRenderers};
 use crate::compare::Picture;
 use crate::files::atomic_file::{directory_of, write_in_place_of};
 use crate::files::{own_file, regular_file};
@@ -20,6 +21,8 @@ use tempfile::TempDir;
 pub struct RendererOptions {
     /// Its command.
     pub template: CommandTemplate,
+    /// It stays, and is asked for one image after the other; else it is called for each.
+    pub stays: bool,
     /// Samples and seed of the first call for a case.
     pub first: CallSettings,
     /// Extension of the image: one of [`OtherRenderer::FORMATS`].
@@ -37,6 +40,8 @@ pub struct RendererOptions {
 pub struct OtherRenderer {
     /// Its options.
     pub options: RendererOptions,
+    /// Its programs, if it stays.
+    staying: Option<StayingRenderers>,
     /// Images are written here.
     folder: PathBuf,
     /// Holds exports, and the images unless they are to be kept; removed at the end.
@@ -68,6 +73,17 @@ impl Rendered {
     }
 }
 
+impl From<Ran> for Called {
+    fn from(ran: Ran) -> Called {
+        let words = |reason: String| reason + &quoted_words(&ran.printed);
+        Called {
+            failure: ran.failure.map(words).map(Output::Unusable),
+            notes: ran.notes,
+            printed: ran.printed,
+        }
+    }
+}
+
 impl OtherRenderer {
     /// Formats of images.
     pub const FORMATS: [&str; 4] = ["exr", "pfm", "npy", "png"];
@@ -82,8 +98,13 @@ impl OtherRenderer {
         let folder = std::fs::create_dir_all(folder)
             .and_then(|()| absolute(folder))
             .map_err(|error| format!("cannot create the folder for images: {error}"))?;
+        let staying = options.stays.then(|| {
+            let words = options.template.words_alone();
+            StayingRenderers::new(words, options.timeout, options.keeper.clone())
+        });
         Ok(OtherRenderer {
             options,
+            staying,
             folder,
             temporary,
         })
@@ -92,6 +113,11 @@ impl OtherRenderer {
     /// Folder of temporary files.
     pub fn temporary(&self) -> &Path {
         self.temporary.path()
+    }
+
+    /// Its programs, if it stays.
+    pub fn staying(&self) -> Option<&StayingRenderers> {
+        self.staying.as_ref()
     }
 
     /// The output for `case`: of a case without a step, images with three steps, if the command takes
@@ -110,18 +136,27 @@ impl OtherRenderer {
         let mut failure = None;
         for halvings in 0..=if has_steps { 2 } else { 0 } {
             let output = self.place_for(&step_name(&case.name, halvings))?;
-            let words = call.words(&output, halvings);
-            let ran = run(&words, options.timeout, options.keeper.as_ref());
-            printed.push_str(&ran.printed);
-            notes.extend(ran.notes);
-            calls.push(shell_words::join(&words));
-            if let Some(reason) = ran.failure {
-                failure = Some(reason + &quoted_words(&ran.printed));
+            let called = match &self.staying {
+                Some(staying) => {
+                    let request = call.request(&output, halvings);
+                    calls.push(staying.call(&request));
+                    staying.ask(&request, &shown(&output))
+                }
+                None => {
+                    let words = call.words(&output, halvings);
+                    calls.push(shell_words::join(&words));
+                    run(&words, options.timeout, options.keeper.as_ref()).into()
+                }
+            };
+            printed.push_str(&called.printed);
+            notes.extend(called.notes);
+            failure = called.failure;
+            if failure.is_some() {
                 break;
             }
         }
         let written = || self.written(case, has_steps, settings);
-        let output = failure.map_or_else(written, Output::Unusable);
+        let output = failure.unwrap_or_else(written);
         notes.extend(self.fewer_samples(&output, settings));
         Ok(Rendered {
             output,

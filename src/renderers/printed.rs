@@ -10,16 +10,18 @@ const MOST_PRINTED: usize = 64 * 1024;
 
 /// Reads a pipe as fast as it is written, so that the writer never waits, and keeps the end of the
 /// data.
+#[derive(Clone, Debug)]
 pub struct Printed {
     shared: Arc<SharedOutput>,
 }
 
+#[derive(Debug)]
 struct SharedOutput {
     heard: Mutex<Heard>,
     closed: Condvar,
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Heard {
     end: VecDeque<u8>,
     left_out: u64,
@@ -67,16 +69,22 @@ impl Printed {
         printed
     }
 
-    /// The output so far, or its end if it is long. Waits for the end of the pipe, but no longer
+    /// Adds what was printed elsewhere.
+    pub fn push(&self, bytes: &[u8]) {
+        let mut heard = self.shared.heard.lock().expect("no reader panicked");
+        heard.push(bytes);
+    }
+
+    /// The output since the last call, or its end if it is long. Waits for the end of the pipe, but no longer
     /// than `patience`.
-    pub fn text(&self, patience: Duration) -> String {
+    pub fn take(&self, patience: Duration) -> String {
         let heard = self.shared.heard.lock().expect("no reader panicked");
-        let (heard, _) = (self.shared.closed)
+        let (mut heard, _) = (self.shared.closed)
             .wait_timeout_while(heard, patience, |heard| !heard.is_closed)
             .expect("no reader panicked");
-        let bytes: Vec<u8> = heard.end.iter().copied().collect();
+        let bytes = Vec::from(std::mem::take(&mut heard.end));
         let text = String::from_utf8_lossy(&bytes).into_owned();
-        match heard.left_out {
+        match std::mem::take(&mut heard.left_out) {
             0 => text,
             left_out => format!("[the first {left_out} bytes are left out]\n{text}"),
         }
@@ -152,8 +160,13 @@ fn has_error(line: &str) -> bool {
 /// Adds `line` to `text`. It may hold anything, escape sequences too.
 fn quote(text: &mut String, line: &str) {
     text.push('\n');
-    let plain = line.chars().filter(|letter| !letter.is_control());
-    text.extend(plain.take(LETTERS));
+    text.push_str(&plain(line));
+}
+
+/// The beginning of `line` without control characters.
+pub(super) fn plain(line: &str) -> String {
+    let letters = line.chars().filter(|letter| !letter.is_control());
+    letters.take(LETTERS).collect()
 }
 
 #[cfg(test)]

@@ -24,18 +24,18 @@ pub struct Ran {
 }
 
 /// How long a process may take to notice that it is over.
-const PAUSE: Duration = Duration::from_millis(5);
+pub(super) const PAUSE: Duration = Duration::from_millis(5);
 
 /// How long to listen to what still holds the pipe after the renderer has ended. All that was
 /// printed before is in the pipe by then, and is read at once.
-const LISTEN: Duration = Duration::from_secs(1);
+pub(super) const LISTEN: Duration = Duration::from_secs(1);
 
 /// How long a keeper that is to end may take: longer than it waits itself.
-const KEEPERS_PATIENCE: Duration = Duration::from_secs(10);
+pub(super) const KEEPERS_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Programs that are running, and whether no more may be.
-static RUNNING: AtomicUsize = AtomicUsize::new(0);
-static STOPPED: AtomicBool = AtomicBool::new(false);
+pub(super) static RUNNING: AtomicUsize = AtomicUsize::new(0);
+pub(super) static STOPPED: AtomicBool = AtomicBool::new(false);
 
 /// How long [`stop_all`] waits for programs that do not go.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -76,20 +76,24 @@ pub fn run(words: &[String], timeout: Duration, keeper: Option<&Keeper>) -> Ran 
         Ok((failure, notes)) => Ran {
             failure,
             notes,
-            printed: printed.text(LISTEN),
+            printed: printed.take(LISTEN),
         },
     }
 }
 
 fn not_started(program: &str, error: &str) -> Ran {
     Ran {
-        failure: Some(format!(
-            "the renderer {program:?} could not be started: {error}; there is no shell, which would \
-             know built-in commands, variables and && (for one: sh -c '…')"
-        )),
+        failure: Some(not_started_in_words(program, error)),
         notes: Vec::new(),
         printed: String::new(),
     }
+}
+
+pub(super) fn not_started_in_words(program: &str, error: &str) -> String {
+    format!(
+        "the renderer {program:?} could not be started: {error}; there is no shell, which would \
+             know built-in commands, variables and && (for one: sh -c '…')"
+    )
 }
 
 /// Why a program did not end well, if so, and what it has left running; or why it could not be
@@ -98,10 +102,8 @@ type Ended = Result<(Option<String>, Vec<String>), String>;
 
 /// Runs a program below `keeper`.
 fn run_kept(words: &[String], log: PipeWriter, timeout: Duration, keeper: &Keeper) -> Ended {
-    let mut command = Command::new(&keeper.program);
+    let mut command = keeper.command(words);
     command
-        .args(&keeper.arguments)
-        .args(words)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(log);
@@ -135,6 +137,11 @@ fn run_kept(words: &[String], log: PipeWriter, timeout: Duration, keeper: &Keepe
         Ok(_) => Some(time_is_over(timeout, SEES_DAEMONS)),
         Err(error) => Some(format!("the renderer could not be waited for: {error}")),
     };
+    Ok((failure, remnants(&kept, by_itself)))
+}
+
+/// Sentences on the processes that a renderer left running; if it ended `by_itself`, on those that were ended, too.
+pub(super) fn remnants(kept: &Kept, by_itself: bool) -> Vec<String> {
     let mut notes = Vec::new();
     // Of a renderer that was ended itself it is said already.
     if !kept.ended.is_empty() && by_itself {
@@ -149,7 +156,7 @@ fn run_kept(words: &[String], log: PipeWriter, timeout: Duration, keeper: &Keepe
             "the renderer left processes running that could not be ended: {left}"
         ));
     }
-    Ok((failure, notes))
+    notes
 }
 
 /// What the keeper says at its end.
@@ -160,7 +167,12 @@ fn report(child: &mut Child) -> Result<Kept, String> {
         let _ = stdout.read_to_string(&mut text);
     }
     let status = child.wait();
-    serde_json::from_str(&text).map_err(|_| match status {
+    report_in(&text, status)
+}
+
+/// The report that is `text`, of a keeper that ended with `status`.
+pub(super) fn report_in(text: &str, status: std::io::Result<ExitStatus>) -> Result<Kept, String> {
+    serde_json::from_str(text).map_err(|_| match status {
         Ok(status) => format!("its keeper ended without a report ({status})"),
         Err(error) => format!("its keeper ended without a report ({error})"),
     })
@@ -168,7 +180,9 @@ fn report(child: &mut Child) -> Result<Kept, String> {
 
 /// Runs a program as the leader of a process group, or in a job on Windows.
 fn run_in_group(words: &[String], log: PipeWriter, timeout: Duration) -> Ended {
-    let mut child = spawn_in_group(words, log).map_err(|error| error.to_string())?;
+    let mut child = command_in_group(words, log)
+        .and_then(spawn_in_group)
+        .map_err(|error| error.to_string())?;
     let mut status = None;
     let in_time = has_ended(timeout, &STOPPED, || {
         status = child.try_wait()?;
@@ -188,13 +202,18 @@ fn run_in_group(words: &[String], log: PipeWriter, timeout: Duration) -> Ended {
     Ok((failure, Vec::new()))
 }
 
-fn spawn_in_group(words: &[String], log: PipeWriter) -> std::io::Result<Box<dyn ChildWrapper>> {
+fn command_in_group(words: &[String], log: PipeWriter) -> std::io::Result<Command> {
     let mut command = Command::new(&words[0]);
     command
         .args(&words[1..])
         .stdin(Stdio::null())
         .stdout(log.try_clone()?)
         .stderr(log);
+    Ok(command)
+}
+
+/// Starts `command` as the leader of a process group, or in a job on Windows.
+pub(super) fn spawn_in_group(command: Command) -> std::io::Result<Box<dyn ChildWrapper>> {
     let mut command = CommandWrap::from(command);
     #[cfg(unix)]
     command.wrap(process_wrap::std::ProcessGroup::leader());
@@ -204,7 +223,7 @@ fn spawn_in_group(words: &[String], log: PipeWriter) -> std::io::Result<Box<dyn 
 }
 
 /// Asks until it has ended, its time is over, or it is to be stopped.
-fn has_ended(
+pub(super) fn has_ended(
     timeout: Duration,
     stop: &AtomicBool,
     mut ask: impl FnMut() -> std::io::Result<bool>,
@@ -222,26 +241,33 @@ fn has_ended(
 }
 
 fn time_is_over(timeout: Duration, with_daemons: bool) -> String {
-    let reach = if with_daemons {
+    let seconds = timeout.as_secs_f64();
+    format!(
+        "the renderer did not end within {seconds} s and was ended, {}",
+        reach(with_daemons)
+    )
+}
+
+/// The processes that were ended with a renderer, in words.
+pub(super) fn reach(with_daemons: bool) -> &'static str {
+    if with_daemons {
         "with all that it had started"
     } else {
         "with its process group; a daemon that has left the group may still run"
-    };
-    let seconds = timeout.as_secs_f64();
-    format!("the renderer did not end within {seconds} s and was ended, {reach}")
+    }
 }
 
 #[cfg(unix)]
-fn signal_of(status: ExitStatus) -> Option<i32> {
+pub(super) fn signal_of(status: ExitStatus) -> Option<i32> {
     std::os::unix::process::ExitStatusExt::signal(&status)
 }
 
 #[cfg(not(unix))]
-fn signal_of(_: ExitStatus) -> Option<i32> {
+pub(super) fn signal_of(_: ExitStatus) -> Option<i32> {
     None
 }
 
-fn failure_of(code: Option<i32>, signal: Option<i32>) -> Option<String> {
+pub(super) fn failure_of(code: Option<i32>, signal: Option<i32>) -> Option<String> {
     match (code, signal) {
         (Some(0), _) => None,
         (_, Some(signal)) => Some(format!(

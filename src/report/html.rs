@@ -5,8 +5,8 @@ mod forest;
 mod measures;
 mod noise;
 mod pictures;
-mod pixels;
-mod words;
+pub(super) mod pixels;
+pub(super) mod words;
 
 use super::template::rendered;
 use crate::judging::{CaseResult, Evidence, Verdict};

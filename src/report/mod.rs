@@ -1,6 +1,7 @@
 //! Results to text, JSON, CSV, JUnit and HTML. Nothing here reads, writes or prints.
 
 mod cost;
+mod gallery;
 mod html;
 mod json;
 mod junit;
@@ -10,6 +11,9 @@ mod terminal;
 mod visible;
 
 pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
+pub use gallery::{
+    GalleryCase, GalleryCell, GalleryRenderer, GalleryRow, gallery_html, gallery_row,
+};
 pub use html::{Page, results_html};
 pub use json::{results_json, validation_json};
 pub use junit::results_junit;

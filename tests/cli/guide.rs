@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | `sh` | each line is run |
 //! | `text` | a session: lines after `$ ` are run, the others are their output; a number of seconds stands for any, `…` for any text, a line `…` for any lines |
-//! | `toml` | a file for the commands below it |
+//! | `toml`, `python`, `javascript`, `cpp` | a file for the commands below it |
+//! | `json` | a value in each line |
 //! | `rust` | run by rustdoc; in the guide only |
 //!
 //! Any other block is an error. Marks, HTML comments in the lines above a block, say the rest:
@@ -38,6 +39,8 @@ documents! {
     peers: "src/guide/peers.md",
     reported: "src/guide/reported.md",
     scenes: "src/guide/scenes.md",
+    staying: "src/guide/staying.md",
+    gallery: "src/guide/gallery.md",
     several_machines: "src/guide/several_machines.md",
     sensitivities: "src/guide/sensitivities.md",
     suite: "src/guide/suite.md",
@@ -70,6 +73,8 @@ enum Mark {
     ExitCode(i32),
     /// `needs NumPy`: run where there is NumPy.
     NeedsNumPy,
+    /// `needs PROGRAM`: run where there is that program, one of [`PROGRAMS`].
+    Needs(&'static str),
     /// `not run: REASON`: one of [`REASONS`].
     NotRun(&'static Reason),
 }
@@ -133,6 +138,9 @@ const REASONS: &[Reason] = &[
     },
 ];
 
+/// Programs that blocks may need.
+const PROGRAMS: [&str; 3] = ["python3", "node", "c++"];
+
 const CHECKED: &str = "scripts/check.sh runs it";
 
 impl Mark {
@@ -151,6 +159,10 @@ impl Mark {
                 .find(|reason| reason.words == rest)
                 .map(Mark::NotRun),
             "needs NumPy" => Some(Mark::NeedsNumPy),
+            _ if text.starts_with("needs ") => PROGRAMS
+                .into_iter()
+                .find(|program| text.ends_with(&format!(" {program}")))
+                .map(Mark::Needs),
             _ => Some(Mark::ExitCode(
                 text.strip_prefix("exit code ")?.parse().ok()?,
             )),
@@ -257,13 +269,24 @@ impl Block<'_> {
                             eprintln!("{place}: not run, for there is no python3 with NumPy");
                             return;
                         }
-                        Mark::NeedsNumPy | Mark::ExitCode(_) => {}
+                        Mark::Needs(program) if !is_there(program) => {
+                            eprintln!("{place}: not run, for there is no {program}");
+                            return;
+                        }
+                        Mark::NeedsNumPy | Mark::Needs(_) | Mark::ExitCode(_) => {}
                         _ => panic!("{place}: {mark:?} marks files"),
                     }
                 }
                 self.run(folder);
             }
             "toml" => self.write(folder),
+            "python" | "javascript" | "cpp" if matches!(self.marks[..], [Mark::File(_)]) => {
+                self.write(folder);
+            }
+            "json" => self.lines.iter().for_each(|line| {
+                let value = serde_json::from_str::<serde_json::Value>(line);
+                assert!(value.is_ok(), "{place}: {line}");
+            }),
             "rust" => assert!(place.file != "README.md", "{place}: nothing runs it"),
             // python/tests/test_guide.py, scripts/check-cmake.sh and tests/cli/action.rs run such.
             "python" | "cmake" | "yaml" if place.file.ends_with("in_your_tests.md") => {}
@@ -372,6 +395,12 @@ fn has_numpy() -> bool {
     let mut python = Command::new("python3");
     python.args(["-c", "import numpy"]).stderr(Stdio::null());
     python.status().is_ok_and(|status| status.success())
+}
+
+fn is_there(program: &str) -> bool {
+    let mut command = Command::new(program);
+    let command = command.arg("--version").stdout(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
 }
 
 /// Runs a command line as a reader would in the root of the repository; exit code, and all that is

@@ -13,6 +13,7 @@ mod decide;
 mod embedded;
 mod export;
 mod folder;
+mod gallery;
 #[cfg(unix)]
 mod guide;
 mod hard;
@@ -39,6 +40,8 @@ mod renderers;
 mod schema;
 mod selftest;
 mod sensitivity;
+#[cfg(unix)]
+mod serve;
 mod stochastic;
 mod validate;
 #[cfg(unix)]

@@ -38,12 +38,20 @@ pub(super) fn view(
         DifferenceScale::StandardErrors(map) => noise::p_values(map),
         _ => None,
     };
-    let small_golden = views
-        .golden
-        .map(|film| pixels::thumbnail(&film.srgb_codes(views.exposure), film.width()));
+    let small_golden = views.golden.map(|film| {
+        pixels::thumbnail(
+            &film.srgb_codes(views.exposure),
+            film.width(),
+            pixels::THUMBNAIL,
+        )
+    });
     let small_test = views.test.and_then(|picture| {
         let srgb = picture.srgb(views.exposure).ok()?;
-        Some(pixels::thumbnail(srgb.pixels(), srgb.width()))
+        Some(pixels::thumbnail(
+            srgb.pixels(),
+            srgb.width(),
+            pixels::THUMBNAIL,
+        ))
     });
     context! {
         index,

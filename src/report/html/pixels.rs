@@ -12,8 +12,8 @@ use std::io::Write;
 /// Bits of an `f32` that are dropped.
 const DROPPED: u32 = 13;
 
-/// Longest side of a thumbnail.
-const THUMBNAIL: usize = 44;
+/// Longest side of a thumbnail in a list.
+pub(super) const THUMBNAIL: usize = 44;
 
 /// Largest of the whole numbers that stand for fractions. An eighth of the bytes of a page of
 /// noisy images would be FLIP maps in finer steps, and no eye sees those.
@@ -54,11 +54,11 @@ pub(super) fn fractions(values: &[f64]) -> String {
     )
 }
 
-/// The image made small, as the address of a PNG image. `srgb` are its codes, row by row, `width`
+/// The image made small, at most `side` long, as the address of a PNG image. `srgb` are its codes, row by row, `width`
 /// to a row.
-pub(super) fn thumbnail(srgb: &[[u8; 3]], width: usize) -> String {
+pub(in crate::report) fn thumbnail(srgb: &[[u8; 3]], width: usize, side: usize) -> String {
     let height = srgb.len() / width;
-    let step = width.max(height).div_ceil(THUMBNAIL);
+    let step = width.max(height).div_ceil(side);
     let (columns, rows) = (width.div_ceil(step), height.div_ceil(step));
     let mean = |column: usize, row: usize| {
         let mut sums = [0_usize; 3];
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn a_thumbnail_is_small_and_has_the_shape() {
         for (width, height, small) in [(256, 128, (43, 22)), (1, 1, (1, 1)), (1000, 1, (44, 1))] {
-            let url = thumbnail(&vec![[200, 100, 0]; width * height], width);
+            let url = thumbnail(&vec![[200, 100, 0]; width * height], width, THUMBNAIL);
             let text = url.strip_prefix("data:image/png;base64,").unwrap();
             let png = data_encoding::BASE64.decode(text.as_bytes()).unwrap();
             let (columns, rows, codes) = Film::codes_from_png(&png).unwrap();

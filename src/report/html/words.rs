@@ -75,7 +75,7 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
 }
 
 /// A mark that tells verdicts apart without colour.
-pub(super) fn symbol(verdict: Verdict) -> &'static str {
+pub(in crate::report) fn symbol(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Pass => "✓",
         Verdict::Fail => "✗",
@@ -87,7 +87,7 @@ pub(super) fn symbol(verdict: Verdict) -> &'static str {
 }
 
 /// A number with four digits; whole ones as they are.
-pub(super) fn digits(value: f64) -> String {
+pub(in crate::report) fn digits(value: f64) -> String {
     if value == value.trunc() && value.abs() < 1e9 {
         return format!("{value:.0}").replace('-', "−");
     }

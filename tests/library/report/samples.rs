@@ -314,6 +314,7 @@ pub fn hostile() -> Sample {
         noise_by_samples: vec![[4.0, f64::NAN], [f64::INFINITY, 0.0]],
         call: Some(text()),
         output: Some(text()),
+        rendering_seconds: None,
     };
     let result = sample.push(HOSTILE, Verdict::Fail, evidence);
     result.family = text();

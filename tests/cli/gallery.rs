@@ -1,0 +1,242 @@
+//! `volref gallery`: the page of several renderers.
+
+use crate::folder::{Folder, Run};
+
+/// A suite with goldens, and the runs of three renderers: one right, one that forgets a shadow and has no words for
+/// curves, and one that failed.
+fn with_runs() -> Folder {
+    let folder = Folder::with_goldens();
+    let others = [
+        ("right", "cp golden/$1.exr $2", 0),
+        (
+            "shadowless",
+            "case $1 in plots/*) exit 3;; *) cp golden/smoke/plain.exr $2;; esac",
+            1,
+        ),
+        ("broken", "echo '<script>alert(1)</script>' >&2; exit 7", 4),
+    ];
+    for (name, script, code) in others {
+        folder.write("renderer.sh", script);
+        let json = format!("--json={name}/results.json");
+        let run = folder.volref(&[
+            "validate",
+            "--explain=0",
+            "--run",
+            "sh renderer.sh {case} {output}",
+            "--keep",
+            name,
+            &json,
+        ]);
+        assert_eq!(run.code, code, "{name}: {}{}", run.stdout, run.stderr);
+    }
+    folder.write(
+        "right/renderer.toml",
+        "name = \"Right & <b>\"\nversion = \"2.1\"\ndate = \"2026-11-26\"\n",
+    );
+    folder
+}
+
+fn gallery(folder: &Folder, arguments: &[&str]) -> Run {
+    folder.volref(&[&["gallery", "-o", "page.html"], arguments].concat())
+}
+
+/// The cells of a row, the golden's first.
+fn cells(page: &str, case: &str) -> Vec<String> {
+    let (_, row) = page
+        .split_once(&format!(
+            "<tr data-name=\"{}\">",
+            case.replace('/', "&#x2f;")
+        ))
+        .expect(case);
+    let (row, _) = row.split_once("</tr>").unwrap();
+    row.split("<td ").map(str::to_owned).collect()
+}
+
+/// The image of this class within a cell, decoded.
+fn image(cell: &str, class: &str) -> (usize, Vec<[u8; 3]>) {
+    let (_, rest) = cell
+        .split_once(class)
+        .unwrap_or_else(|| panic!("{class} in {cell}"));
+    let (_, rest) = rest.split_once("src=\"data:image/png;base64,").unwrap();
+    let (text, _) = rest.split_once('"').unwrap();
+    let bytes = data_encoding::BASE64.decode(text.as_bytes()).unwrap();
+    let (width, _, codes) = volref::film::Film::codes_from_png(&bytes).unwrap();
+    (width, codes)
+}
+
+#[test]
+fn every_renderer_has_its_column_and_every_case_its_row() {
+    let folder = with_runs();
+    let run = gallery(&folder, &["right", "shadowless", "broken"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(
+        run.stdout.starts_with("page.html: 3 renderers, 4 cases, "),
+        "{}",
+        run.stdout
+    );
+    let page = folder.text("page.html");
+
+    // Offline, and nobody's words are markup.
+    assert!(!page.contains("http:") && !page.contains("https:"));
+    assert!(!page.contains("<script>alert") && page.contains("&lt;script&gt;alert(1)"));
+    for words in [
+        "Right &amp; &lt;b&gt; 2.1",
+        "2026-11-26",
+        "4 passed",
+        "1 passed, 2 failed, 1 error",
+        "4 errors",
+        "--keep shadowless",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+
+    let shadow = cells(&page, "smoke/shadow");
+    assert_eq!(shadow.len(), 4);
+    let verdicts = |case: &str| -> Vec<String> {
+        let words = cells(&page, case).into_iter().skip(1);
+        let verdict = |cell: String| {
+            cell.split("data-verdict=\"")
+                .nth(1)
+                .unwrap()
+                .split('"')
+                .next()
+                .unwrap()
+                .to_owned()
+        };
+        words.map(verdict).collect()
+    };
+    assert_eq!(verdicts("smoke/plain"), ["pass", "pass", "error"]);
+    assert_eq!(verdicts("smoke/shadow"), ["pass", "fail", "error"]);
+    assert_eq!(verdicts("plots/curve"), ["pass", "error", "error"]);
+    assert!(
+        shadow[2].contains("bias ") && shadow[2].contains(" %"),
+        "{}",
+        shadow[2]
+    );
+    assert!(shadow[3].contains("no image"));
+
+    // The golden, the image and its difference.
+    let golden = image(&shadow[0], "alt=\"golden of");
+    assert_eq!(golden, image(&shadow[1], "class=\"picture\""));
+    assert_ne!(golden, image(&shadow[2], "class=\"picture\""));
+    let (width, none) = image(&shadow[1], "class=\"difference\"");
+    assert_eq!((width, none.len()), (12, 120));
+    assert!(
+        none.iter().all(|colour| *colour == none[0]),
+        "no difference is one colour"
+    );
+    // One end of the scale is reached.
+    let (_, some) = image(&shadow[2], "class=\"difference\"");
+    assert!(
+        some.contains(&[103, 0, 31]) || some.contains(&[5, 48, 97]),
+        "{some:?}"
+    );
+}
+
+/// Noise gives the bias an interval, and what was read with `--bits` and `--alpha` is read so again.
+#[test]
+fn biases_have_intervals() {
+    let keys = "converged_samples = 1024\nresolution = 0.9\nmean_resolution = 0.03";
+    let folder = Folder::with_room(keys);
+    folder.accept_all();
+    let volref = env!("CARGO_BIN_EXE_volref");
+    let command =
+        format!("{volref} render {{scene}} -o {{output}} --spp {{spp}} --change reflectance=0.3");
+    let run = folder.volref(&[
+        "validate",
+        "--explain=0",
+        "--run",
+        &command,
+        "--spp",
+        "256",
+        "--keep",
+        "bright",
+        "--json=bright/results.json",
+        "--alpha",
+        "premultiplied",
+    ]);
+    assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
+    let results: serde_json::Value =
+        serde_json::from_slice(&folder.read("bright/results.json")).unwrap();
+    assert_eq!(results["origin"]["alpha"], "premultiplied");
+    assert!(results["origin"]["seconds"]["fog/room"].as_f64().unwrap() > 0.0);
+    assert!(
+        results["origin"]["command"]
+            .as_str()
+            .unwrap()
+            .starts_with("volref validate ")
+    );
+    let run = gallery(&folder, &["bright"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let cell = cells(&folder.text("page.html"), "fog/room").remove(1);
+    let (_, bias) = cell.split_once("bias ").expect(&cell);
+    assert!(bias.split('<').next().unwrap().contains(" ± "), "{bias}");
+}
+
+#[test]
+fn what_is_no_run_is_told() {
+    let folder = with_runs();
+    for (name, text) in [
+        ("no-json/results.json", "{"),
+        (
+            "other/results.json",
+            "{\"schema\": \"volref/verify/1\", \"cases\": []}",
+        ),
+        ("unknown/renderer.toml", "vresion = \"1\"\n"),
+    ] {
+        folder.write(name, text);
+    }
+    folder.write("unknown/results.json", folder.read("right/results.json"));
+    let results = folder.text("right/results.json");
+    folder.write(
+        "foreign/results.json",
+        results.replace("smoke/plain", "smoke/pale"),
+    );
+    let before = folder.files();
+    for (arguments, parts) in [
+        (
+            &["golden"][..],
+            &["there is no golden/results.json", "--json=DIR/results.json"][..],
+        ),
+        (&["nowhere"], &["there is no nowhere/results.json"]),
+        (&["no-json"], &["no-json/results.json: EOF"]),
+        (
+            &["other"],
+            &["its schema is \"volref/verify/1\"", "volref validate"],
+        ),
+        (
+            &["unknown"],
+            &["unknown/renderer.toml", "vresion", "version"],
+        ),
+        (
+            &["foreign"],
+            &["the suite has no case \"smoke/pale\"", "--suite DIR"],
+        ),
+        (
+            &["right", "-o", "right/results.json"],
+            &["the argument '--output <FILE>' cannot be used multiple times"],
+        ),
+    ] {
+        let run = gallery(&folder, arguments);
+        run.expect(2, parts);
+    }
+    for (output, part) in [
+        ("right/results.json", "it is an input"),
+        ("golden/page.html", "folder of the goldens"),
+        ("nowhere/page.html", "its folder does not exist"),
+    ] {
+        let run = folder.volref(&["gallery", "right", "-o", output]);
+        run.expect(2, &[part]);
+    }
+    #[cfg(unix)]
+    {
+        std::fs::create_dir(folder.path("pipe")).unwrap();
+        let made = std::process::Command::new("mkfifo")
+            .arg(folder.path("pipe/results.json"))
+            .status();
+        assert!(made.unwrap().success());
+        gallery(&folder, &["pipe"]).expect(2, &["pipe/results.json"]);
+        std::fs::remove_dir_all(folder.path("pipe")).unwrap();
+    }
+    assert_eq!(folder.files(), before);
+}

@@ -1,0 +1,450 @@
+//! Renderers that stay, `validate --serve`: the protocol, and what they do wrong.
+
+use crate::folder::{Folder, Run};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Longer than anything here takes, on any machine.
+const LONG: Duration = Duration::from_secs(120);
+
+/// The loop of a renderer whose images are the goldens: it writes its number to `started`, and says `bye` at the
+/// end. `$case`, `$output` and `$line` are there for what is done with a request, and `right` answers it well.
+fn renderer(begin: &str, request: &str) -> String {
+    format!(
+        "right() {{ cp golden/$case.exr $output; echo \"{{\\\"image\\\":\\\"$output\\\"}}\"; }}\n\
+         echo $$ >> started\n\
+         {begin}\n\
+         while IFS= read -r line; do\n\
+         case=$(printf %s \"$line\" | sed 's/.*\"case\":\"\\([^\"]*\\)\".*/\\1/')\n\
+         output=$(printf %s \"$line\" | sed 's/.*\"output\":\"\\([^\"]*\\)\".*/\\1/')\n\
+         {request}\n\
+         done\n\
+         echo bye >> left\n"
+    )
+}
+
+/// A suite with goldens, and such a renderer.
+fn with_renderer(begin: &str, request: &str) -> Folder {
+    let folder = Folder::with_goldens();
+    folder.write("renderer.sh", renderer(begin, request));
+    folder
+}
+
+const SERVE: [&str; 3] = ["validate", "--serve", "sh renderer.sh"];
+
+fn validate(folder: &Folder, arguments: &[&str]) -> Run {
+    let run = folder.volref(&[&SERVE[..], &["--explain=0"], arguments].concat());
+    assert!(!run.stderr.contains("panicked"), "{}", run.stderr);
+    run
+}
+
+/// How many programs were started.
+fn started(folder: &Folder) -> usize {
+    folder.text("started").lines().count()
+}
+
+#[test]
+fn one_program_renders_all_cases() {
+    let folder = with_renderer("echo warming up", "echo on $case; echo err >&2; right");
+    let run = validate(&folder, &["--report", "report"]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains("4 cases: 4 passed"), "{}", run.stdout);
+    assert_eq!(started(&folder), 1);
+    assert_eq!(
+        folder.text("left"),
+        "bye\n",
+        "it leaves when its requests end"
+    );
+    // What it printed is shown, and how to ask again.
+    let page = folder.text("report/index.html");
+    for words in ["warming up", "on smoke", "| sh renderer.sh", "--serve"] {
+        assert!(page.contains(words), "{words}");
+    }
+
+    folder.remove("started");
+    let run = validate(&folder, &["--jobs", "2", "--keep", "kept"]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert!((1..=2).contains(&started(&folder)));
+    let again = folder.volref(&["validate", "--outputs", "kept"]);
+    assert_eq!(again.code, 0, "{}", again.stdout);
+}
+
+#[test]
+fn requests_hold_what_the_command_names() {
+    let folder = with_renderer("", "printf '%s\\n' \"$line\" >> requests; right");
+    let of = |placeholders: &str| {
+        let _ = std::fs::remove_file(folder.path("requests"));
+        let command = format!("sh renderer.sh {placeholders}");
+        let arguments = [
+            "smoke/plain",
+            "--serve",
+            &command,
+            "--spp",
+            "9",
+            "--seed",
+            "7",
+        ];
+        let run = folder.volref(&[&["validate"], &arguments[..]].concat());
+        assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+        let requests = folder.text("requests");
+        assert_eq!(requests.lines().count(), 1);
+        serde_json::from_str::<Value>(&requests).unwrap()
+    };
+    let keys = |request: &Value| {
+        let request = request.as_object().unwrap();
+        request.keys().cloned().collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(keys(&of("")), "case output volref");
+    let request = of(
+        "{scene} {width} {height} {spp} {seed} {exposure} {step} {rate} {export:bundle} {case} {output}",
+    );
+    assert_eq!(
+        keys(&request),
+        "case export:bundle exposure height output rate scene seed spp step volref width"
+    );
+    for (key, value) in [
+        ("volref", 1),
+        ("width", 12),
+        ("height", 10),
+        ("spp", 9),
+        ("seed", 7),
+    ] {
+        assert_eq!(request[key], value, "{key}");
+    }
+    assert_eq!(request["case"], "smoke/plain");
+    assert!(request["step"].as_f64().unwrap() > 0.0);
+    assert!(request["rate"].as_f64().unwrap() > 0.0);
+    assert_eq!(request["exposure"].as_f64(), Some(0.0));
+    let name = |key: &str| Path::new(request[key].as_str().unwrap()).to_owned();
+    assert!(name("scene").is_absolute() && name("scene").exists());
+    assert!(name("export:bundle").ends_with("plain.json"));
+    assert!(name("output").ends_with("smoke/plain.exr"));
+
+    // Of a curve there is no step.
+    let arguments = ["plots/curve", "--serve", "sh renderer.sh {step}"];
+    let run = folder.volref(&[&["validate"], &arguments[..]].concat());
+    assert_eq!(run.code, 4);
+    assert!(
+        run.stdout.contains("no classified volume"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn a_case_of_the_limit_is_asked_for_with_three_steps() {
+    let folder = Folder::new();
+    let volref = env!("CARGO_BIN_EXE_volref");
+    let draw = format!(
+        "step=$(printf %s \"$line\" | sed 's/.*\"step\":\\([^,}}]*\\).*/\\1/')\n\
+         scene=$(printf %s \"$line\" | sed 's/.*\"scene\":\"\\([^\"]*\\)\".*/\\1/')\n\
+         {volref} render $scene --step $step -o $output; echo \"{{\\\"image\\\":\\\"$output\\\"}}\""
+    );
+    folder.write("renderer.sh", renderer("", &draw));
+    let suite = env!("CARGO_MANIFEST_DIR");
+    let run = folder.volref(&[
+        "validate",
+        "limit/plume",
+        "--suite",
+        suite,
+        "--serve",
+        "sh renderer.sh {scene} {step}",
+        "--json",
+    ]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let case = run.json()["cases"][0].clone();
+    assert_eq!(case["gate"], "refinement", "{case}");
+    assert_eq!(started(&folder), 1);
+}
+
+/// What is said of the case `smoke/plain` by the faults of a renderer, which answers the others well.
+#[test]
+fn faults_are_of_one_case() {
+    let huge = "head -c 300000000 /dev/zero | tr '\\0' x";
+    let too_long = format!("printf '{{'; {huge}; echo");
+    for (fault, said, programs) in [
+        (
+            "exit 3",
+            "the renderer failed: it ended with exit code 3",
+            2,
+        ),
+        (
+            "echo 'error: no volume' >&2; for i in 1 2 3 4 5; do echo retry >&2; done; kill -SEGV $$",
+            "ended by signal 11; its first error:\nerror: no volume; its last output:\nretry",
+            2,
+        ),
+        ("exit 0", "the renderer ended before it answered", 2),
+        ("sleep 1000", "did not answer within 2 s and was ended", 2),
+        // An answer without its newline.
+        (
+            "printf '{\"image\":\"%s\"}' $output; sleep 1000",
+            "an answer ends with a newline",
+            2,
+        ),
+        ("echo '{hello'", "no answer in JSON: {hello", 2),
+        ("echo '{}'", "none or several of image, error and cannot", 2),
+        ("echo '{\"image\": 7}'", "no answer in JSON", 2),
+        (
+            "printf '{\\000\\033[31m\\377}\\n'",
+            "no answer in JSON: {[31m",
+            2,
+        ),
+        (&too_long, "no answer in JSON: {xxx", 2),
+        (
+            "echo '{\"image\":\"/etc/passwd\"}'",
+            "answered with the image /etc/passwd, and was asked for",
+            2,
+        ),
+        (
+            "echo \"{\\\"image\\\":\\\"$output\\\"}\"",
+            "did not write",
+            1,
+        ),
+        (
+            "echo boom >&2; printf '%s\\n' '{\"error\":\"no\\u001b such\\nlight\"}'",
+            "the renderer failed: no such light",
+            1,
+        ),
+        (
+            "echo '{\"cannot\":\"spheres\"}'",
+            "not rendered: spheres",
+            1,
+        ),
+        // A report as a keeper makes it is no answer.
+        (
+            "echo '{\"ended\":[],\"left\":[],\"code\":0}'; sleep 1000",
+            "ended by signal 9",
+            2,
+        ),
+    ] {
+        let folder = with_renderer(
+            "",
+            &format!("case $case in smoke/plain) {fault};; *) right;; esac"),
+        );
+        let run = validate(&folder, &["--timeout", "2", "--json"]);
+        assert_eq!(run.code, 4, "{fault}: {}{}", run.stdout, run.stderr);
+        for case in run.json()["cases"].as_array().unwrap() {
+            let expected = match case["name"] == "smoke/plain" {
+                true if said.starts_with("not") || said.starts_with("did not write") => "missing",
+                true => "error",
+                false => "pass",
+            };
+            assert_eq!(case["verdict"], expected, "{fault}: {case}");
+            let reason = case["reason"].as_str().unwrap();
+            assert!(
+                expected == "pass" || reason.contains(said),
+                "{fault}: {reason:?}"
+            );
+            assert!(reason.len() < 2000, "{fault}: {}", reason.len());
+        }
+        assert_eq!(started(&folder), programs, "{fault}");
+    }
+}
+
+/// The image of a renderer that says too much stands; if it says that later, it is no answer to the next request.
+#[test]
+fn answers_that_nobody_asked_for() {
+    let folder = with_renderer(
+        "",
+        "answer=$(right); printf '%s\\n%s\\n' \"$answer\" \"$answer\"",
+    );
+    let run = validate(&folder, &["--json"]);
+    let cases = run.json()["cases"].clone();
+    assert_eq!(cases[0]["verdict"], "pass", "{cases}");
+    let mut told = 0;
+    for case in cases.as_array().unwrap() {
+        let said = format!("{}{}", case["notes"], case["reason"]);
+        // The latter where a machine is so slow that it comes after the next request.
+        let words = ["answered without being asked: {", "answered with the image"];
+        told += usize::from(words.iter().any(|words| said.contains(words)));
+        assert_ne!(case["verdict"], "fail", "{case}");
+    }
+    assert!(told > 0, "{cases}");
+
+    let folder = with_renderer("echo '{\"image\":\"first\"}'", "right");
+    let run = validate(&folder, &["smoke/plain"]);
+    assert_eq!(run.code, 4, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("answered with the image first"),
+        "{}",
+        run.stdout
+    );
+
+    // An answer at the end of all counts, with or without a newline.
+    let last = "cp golden/$case.exr $output; printf '{\"image\":\"%s\"}' $output; exit";
+    let folder = with_renderer("", last);
+    let run = validate(&folder, &["smoke/plain"]);
+    assert_eq!(run.code, 0, "{}", run.stdout);
+}
+
+#[test]
+fn a_case_that_cannot_be_said_can_be_skipped() {
+    let folder = with_renderer(
+        "",
+        "case $case in plots/*) echo '{\"cannot\":\"say curves\"}';; *) right;; esac",
+    );
+    let run = validate(&folder, &["--only-present"]);
+    assert_eq!(run.code, 0, "{}", run.stdout);
+    assert!(run.stdout.contains("3 cases: 3 passed"), "{}", run.stdout);
+}
+
+/// 200 MB on each stream before an answer fill no memory, and answers without end neither.
+#[cfg(target_os = "linux")]
+#[test]
+fn hostile_output_takes_no_memory() {
+    let flood = "head -c 200000000 /dev/zero | tr '\\0' x";
+    let peak = "volref=$(sed -n 's/^PPid:\\t//p' /proc/$PPID/status)\n\
+                sed -n 's/^VmHWM:[^0-9]*\\([0-9]*\\).*/\\1/p' /proc/$volref/status > peak";
+    let folder = with_renderer("", &format!("{flood}; echo; {flood} >&2; {peak}; right"));
+    let run = validate(&folder, &["smoke/plain"]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    let peak: u64 = folder.text("peak").trim().parse().unwrap();
+    assert!(peak < 100_000, "{peak} kB");
+
+    let folder = with_renderer("", "right; yes '{}'");
+    let run = validate(&folder, &["smoke/plain"]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+}
+
+fn until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < LONG, "{what}");
+        sleep(Duration::from_millis(10));
+    }
+}
+
+/// True of a process whose number is in the file `name`.
+#[cfg(target_os = "linux")]
+fn is_running(folder: &Folder, name: &str) -> bool {
+    let number = folder.text(name);
+    Path::new(&format!("/proc/{}/stat", number.trim())).exists()
+}
+
+/// A daemon, which leaves the group of its renderer, and a renderer that does not hear that its requests end.
+#[cfg(target_os = "linux")]
+const DEAF: &str = "env -i setsid sh -c 'exec sleep 1000 & echo $! > daemon'; right; sleep 1000 & echo $! > sleeper; wait";
+
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_outlives_the_command() {
+    let folder = with_renderer("trap '' TERM INT HUP", DEAF);
+    let run = validate(&folder, &["smoke/plain"]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    for name in ["started", "daemon", "sleeper"] {
+        assert!(!is_running(&folder, name), "{name}");
+    }
+    assert!(!folder.path("left").exists());
+}
+
+/// However volref ends, at work or idle.
+#[cfg(target_os = "linux")]
+#[test]
+fn renderers_end_with_volref() {
+    for signal in ["KILL", "TERM", "INT"] {
+        for slow in ["smoke/nearest) sleep 1000", "none) true"] {
+            // A second renderer keeps volref waiting while the first is idle.
+            let request = format!(
+                "case $case in {slow};; smoke/plain) sleep 1000;; *) right; touch ready;; esac"
+            );
+            let folder = with_renderer("", &request);
+            let arguments = [&SERVE[..], &["--jobs", "2"]].concat();
+            let mut child = folder
+                .command(&arguments)
+                .stdout(Stdio::null())
+                .spawn()
+                .unwrap();
+            until("a renderer answers", || folder.path("ready").exists());
+            let kill = Command::new("kill")
+                .args(["-s", signal, &child.id().to_string()])
+                .status();
+            assert!(kill.unwrap().success());
+            child.wait().unwrap();
+            for number in folder.text("started").lines() {
+                let stat = format!("/proc/{number}/stat");
+                until(&format!("{number} ends after {signal}"), || {
+                    !Path::new(&stat).exists()
+                });
+            }
+        }
+    }
+}
+
+/// Further looks are asked of the program that is there.
+#[test]
+fn noise_is_decided_by_the_same_program() {
+    let keys = "converged_samples = 8192\nresolution = 0.9\nmean_resolution = 0.03";
+    let folder = Folder::with_room(keys);
+    folder.accept_all();
+    let number =
+        |key: &str| format!("$(printf %s \"$line\" | sed 's/.*\"{key}\":\\([0-9]*\\).*/\\1/')");
+    let draw = format!(
+        "{} render fixtures/scenes/fog/room.toml -o $output --spp {} --seed {} && echo \"{{\\\"image\\\":\\\"$output\\\"}}\"",
+        env!("CARGO_BIN_EXE_volref"),
+        number("spp"),
+        number("seed"),
+    );
+    folder.write("renderer.sh", renderer("", &draw));
+    let arguments = [
+        "validate",
+        "--serve",
+        "sh renderer.sh {spp} {seed}",
+        "--spp",
+        "16",
+        "--explain=0",
+        "--json",
+    ];
+    let open = folder.volref(&arguments);
+    assert_eq!(open.code, 5, "{}{}", open.stdout, open.stderr);
+    folder.remove("started");
+    let run = folder.volref(&[&arguments[..], &["--decide"]].concat());
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains(" looks, "), "{}", run.stdout);
+    assert_eq!(started(&folder), 1);
+}
+
+#[test]
+fn usage() {
+    let folder = Folder::with_goldens();
+    for (arguments, said) in [
+        (
+            &["--serve", "r --step={step}"][..],
+            "\"--step={step}\": the placeholders of --serve are words of their own",
+        ),
+        (&["--serve", "r {otput}"], "unknown placeholder {otput}"),
+        (&["--serve", " "], "there is no command"),
+        (&["--serve", "{output}"], "there is no command"),
+        (&["--serve", "r 'x"], "unclosed quote"),
+        (
+            &["--serve", "r", "--run", "r {output}"],
+            "cannot be used with",
+        ),
+        (&["--serve", "r", "--outputs", "."], "cannot be used with"),
+        (
+            &["--serve", "r", "--decide", "--format", "png"],
+            "--decide needs linear radiance",
+        ),
+        (
+            &["--serve", "r", "--keep", "golden"],
+            "folder of the goldens",
+        ),
+    ] {
+        let run = folder.volref(&[&["validate"], arguments].concat());
+        assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);
+        assert!(
+            run.message().contains(said),
+            "{arguments:?}: {}",
+            run.stderr
+        );
+    }
+    let run = folder.volref(&["validate", "smoke/plain", "--serve", "/no/such/renderer"]);
+    run.expect(4, &[]);
+    assert!(
+        run.stdout.contains("could not be started"),
+        "{}",
+        run.stdout
+    );
+}
