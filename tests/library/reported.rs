@@ -23,8 +23,11 @@ const SECONDS: f64 = 60.0;
 /// Samples per pixel of a faulty image, where there are any.
 const SAMPLES: u32 = 256;
 
+/// An edit of an image.
+type Edit = fn(&Film) -> Film;
+
 /// Faults that are edits of the image, by their words in the table.
-const EDITS: [(&str, fn(&Film) -> Film); 3] = [
+const EDITS: [(&str, Edit); 3] = [
     ("a pixel in 50 is NaN", |film| {
         let pixel = |at: usize, of: [f32; 3]| if at % 50 == 7 { [f32::NAN; 3] } else { of };
         by_pixel(film, pixel)
@@ -179,7 +182,7 @@ fn is_told(report: &Report, result: &CaseResult) -> bool {
     let are_named = !names.is_empty() && result.looks_like.first() == Some(&names.join(" + "));
     let sentences: Vec<&str> = report.told.split(['“', '”']).skip(1).step_by(2).collect();
     let is_said = |words: &&str| texts.iter().any(|text| text.contains(*words));
-    let are_said = !sentences.is_empty() && sentences.iter().all(|words| is_said(words));
+    let are_said = !sentences.is_empty() && sentences.iter().all(is_said);
     is_caught
         && match report.told.split([' ', ':']).next() {
             Some("named") => are_named,
@@ -223,11 +226,7 @@ fn every_report_is_told() {
         );
         (!is_told).then(|| words.clone())
     };
-    let wrong: Vec<_> = made
-        .par_iter()
-        .with_max_len(1)
-        .filter_map(|it| judge(it))
-        .collect();
+    let wrong: Vec<_> = made.par_iter().with_max_len(1).filter_map(judge).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(!wanted.is_empty() || open.len() < 6 && made.len() > 60);
 }
