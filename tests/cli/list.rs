@@ -214,6 +214,7 @@ fn help() {
     Commands:
       verify       Render the suite and compare it with the goldens, bit for bit
       validate     Compare the images of another renderer with the goldens, and name its mistakes
+      gallery      Make one page of many renderers, judged: their images and verdicts, case by case
       compare      Compare two images
       render       Render a scene to an image
       plan         Show how a scene will be rendered: effects and why, kernel, defaults

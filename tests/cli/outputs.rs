@@ -136,6 +136,7 @@ fn arguments(command: &str) -> &'static [&'static str] {
     match command {
         "verify" => &["curve"],
         "validate" => &["curve", "--outputs", "images"],
+        "gallery" => &["images", "-o", "gallery.html"],
         "compare" => &["image.exr", "image.exr"],
         "render" => &["scene.toml", "-o", "out.exr"],
         "plan" | "sensitivity" => &["scene.toml"],
@@ -169,6 +170,11 @@ fn a_full_disk_behind_stdout_is_an_error_of_every_command() {
     folder.write("image.exr", folder.read("golden/plots/curve.exr"));
     folder
         .volref(&["verify", "curve", "--results", "kept"])
+        .expect(0, &[]);
+
+    let judged = ["validate", "curve", "--outputs", "images"];
+    folder
+        .volref(&[&judged[..], &["--json=images/results.json"]].concat())
         .expect(0, &[]);
 
     let mut lines = vec![vec!["--version".to_owned()], vec!["--help".to_owned()]];
