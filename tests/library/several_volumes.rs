@@ -210,7 +210,10 @@ fn a_second_number_modulates_opacity() {
     };
     for (modulation, words) in [
         (half.to_owned(), "has no source"),
-        (format!("of = 'gradient'\nfile = 'a.nrrd'\n{half}"), "mixes"),
+        (
+            format!("of = 'gradient'\nfile = 'a.nrrd'\n{half}"),
+            "more than one source",
+        ),
         (
             format!("file = 'other.nrrd'\n{half}"),
             "the volume has [2, 2, 2] nodes, and this file [3, 2, 2]",
