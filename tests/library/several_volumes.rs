@@ -229,7 +229,7 @@ fn a_second_number_modulates_opacity() {
         (
             "of = 'gradient'\npoint = [{ value = 1, factor = 0 }, { value = 0, factor = 1 }]"
                 .to_owned(),
-            "in order",
+            "must be sorted by value",
         ),
     ] {
         let said = refused(&scene("a", &modulation));
