@@ -122,6 +122,10 @@ class Volume:
                 sys.exit("this renderer takes gradients of grids of 3 nodes or more on each axis")
             gradient = central_differences(values, self.grid["spacing"]).reshape(3, -1)
             self.gradient = Field(self.grid, method, into(self.grid)[0].T @ gradient)
+        self.modulation = panel.get("modulation")
+        if self.modulation:
+            second = read_floats(folder / self.modulation["file"], self.grid["nodes"][::-1])
+            self.second = Field(self.grid, method, second.ravel())
         if panel["light"]:
             self.light = column(panel["light"]["position"])
 
@@ -148,6 +152,13 @@ class Volume:
         if transfer["kind"] == "table":
             return by_points(transfer["points"], "opacity", density)
         return 1 - transparency(density, transfer["floor"])
+
+    def factor(self, points):
+        """Of opacities, by a second number."""
+        if not self.modulation:
+            return 1
+        values, factors = np.array(self.modulation["points"]).T
+        return np.interp(self.second.at(points), values, factors)
 
     def opacity(self, density, step):
         references = step / self.panel["transfer_function"]["reference_length"]
@@ -289,7 +300,7 @@ def draw_volumes(panel, folder):
             points = eye_of(eye, rays) + (begin + end[k, rays]) / 2 * directions[:, rays]
             density = volume.density.at(points)
             with np.errstate(divide="ignore"):
-                a0 = volume.opacity_of_reference(density)
+                a0 = volume.opacity_of_reference(density) * volume.factor(points)
                 extinction[k, rays] = -np.log1p(-a0) / volume.panel["transfer_function"]["reference_length"]
             seen = a0 > 0  # its other samples change nothing
             light[k][:, rays[seen]] = volume.radiance(

@@ -73,6 +73,8 @@ def obstacles(panel):
         found.append("the volume shadow (VTK scatters light by a model of its own)")
     if any(surface["kind"] != "sphere" for surface in panel.get("surfaces", [])):
         found.append("surfaces other than spheres (this script knows no others)")
+    if any("modulation" in part for part in parts):
+        found.append("opacities by a second number (this script gives VTK one)")
     if any(part["clips"] != parts[0]["clips"] for part in parts if "clips" in part):
         found.append("clips of some of the volumes (VTK's mapper cuts all alike)")
     return found

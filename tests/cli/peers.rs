@@ -421,6 +421,8 @@ fn the_student_renders_scenes_without_surfaces() {
         "scenes/rings-in-waves",
         "scenes/three-in-shadow",
         "scenes/two-fogs",
+        "reported/borders",
+        "reported/two-fields",
         "sampled/parallel-z-up",
         "sampled/thick-slices",
     ] {
