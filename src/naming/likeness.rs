@@ -197,19 +197,20 @@ pub(crate) fn likeness_with(
             .entry(failed.index)
             .or_insert_with(|| failed.fitted_numbers(&clock));
         fit.or(failed.fitted_step(&clock));
-        if !fit.agrees {
-            fit.or(failed.fitted_place(&clock));
-        }
-        let is_explained = fit.is_explained || fit.agrees;
+        let mut is_explained = fit.is_explained || fit.agrees;
         if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
             pair_searches += 1;
             let found = failed.search_pairs(&looks, &mut clock);
             let others = failing[..at].iter().chain(&failing[at + 1..]);
             explain(others, &found, &clock, &mut known, &mut fits);
+            is_explained |= !found.is_empty();
             for (hypothesis, misfit) in found {
                 let of = fits.entry(hypothesis).or_default();
                 of.insert(failed.index, misfit);
             }
+        }
+        if !is_explained {
+            fit.or(failed.fitted_place(&clock));
         }
         unfinished.extend(clock.unfinished());
     }

@@ -35,6 +35,9 @@ const CLOSE: f64 = 0.002;
 /// Smallest change of a number that is stated, in its steps.
 const LEAST: f64 = 0.2;
 
+/// Share of the squared difference of blurred images beyond which no place of the volume is looked for any longer.
+const WORTH_GOING_ON: f64 = 0.25;
+
 /// First damping, and the factors after steps that lead nearer and away.
 const DAMPING: f64 = 1e-3;
 const NEARER: f64 = 0.2;
@@ -91,7 +94,11 @@ impl<'r> Registration<'r> {
         let mut last = vec![0.0; self.numbers.len()];
         for part in RADII {
             let radius = (part * self.columns as f64).round() as usize;
-            (changes, last) = self.nearest(changes, radius)?;
+            let left;
+            (changes, last, left) = self.nearest(changes, radius)?;
+            if left > WORTH_GOING_ON {
+                return None;
+            }
         }
         let is_stated = |at: usize| changes[at].abs() >= LEAST * self.numbers[at].step;
         let stated: Vec<usize> = (0..changes.len()).filter(|&at| is_stated(at)).collect();
@@ -118,8 +125,9 @@ impl<'r> Registration<'r> {
         })
     }
 
-    /// The changes, from these on, that lead nearest to the image, both blurred; and the last step.
-    fn nearest(&self, mut changes: Vec<f64>, radius: usize) -> Option<(Vec<f64>, Vec<f64>)> {
+    /// The changes, from these on, that lead nearest to the image, both blurred; the last step; and the share of the
+    /// squared difference from the golden that is left.
+    fn nearest(&self, mut changes: Vec<f64>, radius: usize) -> Option<(Vec<f64>, Vec<f64>, f64)> {
         let test = blurred(&self.test, self.columns, radius);
         let rest = |values: &Values| -> Values {
             let values = blurred(values, self.columns, radius);
@@ -134,6 +142,8 @@ impl<'r> Registration<'r> {
             _ => (COARSE, STEPS),
         };
         let mut now = rest(&self.rendered(&changes)?);
+        let squares = |a: &Values| -> f64 { a.iter().map(|x| x * x).sum() };
+        let whole = squares(&rest(&self.case.in_fit()[0].values()));
         let mut damping = DAMPING;
         let mut last = vec![f64::INFINITY; changes.len()];
         for _ in 0..most {
@@ -149,7 +159,6 @@ impl<'r> Registration<'r> {
                         .collect::<Values>(),
                 );
             }
-            let squares = |a: &Values| -> f64 { a.iter().map(|x| x * x).sum() };
             let before = squares(&now);
             loop {
                 let step = damped_step(&derivatives, &now, damping)?;
@@ -168,7 +177,7 @@ impl<'r> Registration<'r> {
                 }
                 damping *= AWAY;
                 if damping > MOST_DAMPING {
-                    return Some((changes, last));
+                    return Some((changes, last, before / whole));
                 }
             }
             let is_close = |at: usize| last[at].abs() < CLOSE * self.numbers[at].step;
@@ -176,7 +185,7 @@ impl<'r> Registration<'r> {
                 break;
             }
         }
-        Some((changes, last))
+        Some((changes, last, squares(&now) / whole))
     }
 
     fn changed(&self, changes: &[f64]) -> Option<Scene> {
