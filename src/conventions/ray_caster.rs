@@ -21,7 +21,7 @@ use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, NormalTransform, Precision, Scene};
+use crate::scene::{Classified, Compositing, Lookup, NormalTransform, Precision, Scene};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
@@ -298,6 +298,11 @@ impl<'s> RayCaster<'s> {
     /// The point of the grid, in nodes, that is read at `point`.
     fn looked_up(&self, point: NodePoint) -> NodePoint {
         let NodePoint(at) = self.as_cells(point);
+        let at = match self.scene.conventions.lookup {
+            Lookup::Exact => at,
+            Lookup::HalfOn => at + 0.5,
+            Lookup::HalfBack => at - 0.5,
+        };
         let at = match self.scene.conventions.fraction_bits {
             Some(bits) => {
                 let units = f64::from(1_u32 << bits);

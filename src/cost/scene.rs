@@ -100,7 +100,11 @@ fn panel_cost(
         }
         Model::Classified(scene) if scene.has_objects() => {
             return Err(CostError::NoParameter(
-                "several volumes, surfaces and clips have no study yet; measure a scene of one volume",
+                if scene.objects.are_modulation_alone() {
+                    "modulated opacities have no study yet; measure the scene without `modulation`"
+                } else {
+                    "several volumes, surfaces and clips have no study yet; measure a scene of one volume"
+                },
             ));
         }
         Model::Classified(scene) => inquiry.classified(scene),

@@ -292,9 +292,16 @@ impl Staying {
             self.last = line;
             return Err(Fault::Ended);
         }
-        serde_json::from_str(&line).map_err(|_| {
+        if line.len() >= MOST_LINE {
+            let most = MOST_LINE / 1024;
+            let reason = format!("answered with a line that is longer than {most} KiB");
+            return Err(Fault::Wrong(reason));
+        }
+        serde_json::from_str(&line).map_err(|error| {
             let line = plain(&line);
-            Fault::Wrong(format!("answered with what is no answer in JSON: {line}"))
+            Fault::Wrong(format!(
+                "answered with what is no answer in JSON ({error}): {line}"
+            ))
         })
     }
 

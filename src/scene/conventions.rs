@@ -285,6 +285,14 @@ conventions! {
         ),
     ];
 
+    "lookup" = lookup: Lookup = words("exact" of
+        "exact" = Lookup::Exact,
+        "half-on" = Lookup::HalfOn,
+        "half-back" = Lookup::HalfBack
+    ),
+    "Place at which values are looked up: that of the sample, or half a spacing beside it along each axis, towards larger node coordinates (half-on) or smaller ones (half-back), in the same box; beyond the outermost nodes their values are continued.",
+    [];
+
     "brick_values" = brick_values: Option<u32> = count(2..=65_536),
     "Nodes to an edge of bricks that the volume is stored in, without layers of their neighbours: from the last node of a brick to the first of the next along an axis, values are those of the former. If left out, values are interpolated everywhere.",
     [];
@@ -837,6 +845,17 @@ pub enum FittedSteps {
     Up,
     /// A whole number, rounded down.
     Down,
+}
+
+/// Place at which values are looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lookup {
+    /// That of the sample.
+    Exact,
+    /// Half a spacing on along each axis.
+    HalfOn,
+    /// Half a spacing back along each axis.
+    HalfBack,
 }
 
 /// Map of the gradients of a volume that a map places in the world.

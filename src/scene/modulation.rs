@@ -16,10 +16,15 @@ pub(super) const MODULATION: Table = Table::new("Multiplies opacities over the r
     Key::optional("of", Kind::Choice(&["gradient"]))
         .doc("The second number: the length of the gradient at the nodes, by central differences, in values per world unit."),
     Key::optional("file", Kind::Text)
-        .doc("A grid of the second number, at the same nodes as the volume."),
+        .doc("A grid of the second number at as many nodes as the volume has, which are taken for the same, wherever the file puts them."),
+    Key::optional("replace_non_finite", Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)))
+        .doc("With `file`: the value that takes the place of NaN and infinity. If left out, they are an error."),
     Key::required("point", Kind::Tables(&POINT))
         .doc("Factors, in order of the second number, joined by straight lines and constant beyond the outermost."),
-]).rules(&[Rule::ExactlyOne("source", &["of", "file"])]);
+]).rules(&[
+    Rule::ExactlyOne("source", &["of", "file"]),
+    Rule::Apart([&["of"], &["replace_non_finite"]]),
+]);
 
 const POINT: Table = Table::new("The factor of one number.").keys(&[
     Key::required(
@@ -61,10 +66,12 @@ impl Modulation {
             None => reader.error("point", error.message),
             Some(index) => rows[index].error("value", error.message),
         })?;
+        reader.optional_text("of")?;
         let grid = match reader.optional_text("file")? {
             None => Arc::new(gradient_lengths(&placed.grid, placed.to_world.as_ref())),
             Some(file) => {
-                let grid = files.of_request(&reader, VolumeRequest::of_grid(file))?;
+                let replaced = reader.optional_number("replace_non_finite")?;
+                let grid = files.of_request(&reader, VolumeRequest::of_grid(file, replaced))?;
                 let [own, other] = [&placed.grid, &grid].map(|grid| grid.lattice().nodes());
                 if own != other {
                     let message = format!(

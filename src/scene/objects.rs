@@ -89,7 +89,7 @@ impl Objects {
     }
 
     /// True if the opacity of the only volume is modulated, and there is nothing else.
-    pub(super) fn are_modulation_alone(&self) -> bool {
+    pub fn are_modulation_alone(&self) -> bool {
         let others = Objects {
             modulation: None,
             ..self.clone()

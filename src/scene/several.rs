@@ -175,7 +175,7 @@ impl Classified {
         }
         let is_modulated = |index| self.modulation_of(index).is_some();
         if self.shadow.is_some() && (0..self.volume_count()).any(is_modulated) {
-            let message = "modulated opacities cast no shadow that is rendered";
+            let message = "shadows of modulated opacities are not rendered";
             return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
         }
         for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {

@@ -65,9 +65,12 @@ pub(super) struct VolumeRequest {
 }
 
 impl VolumeRequest {
-    /// The request of a grid as it is stored.
-    pub(super) fn of_grid(file: String) -> VolumeRequest {
+    /// The request of a grid, wherever it is, with this value in place of NaN and infinity.
+    pub(super) fn of_grid(file: String, replaced: Option<f64>) -> VolumeRequest {
         let mut options = LoadOptions::default();
+        if let Some(value) = replaced {
+            options.non_finite = NonFinite::Replaced(value as f32);
+        }
         options.splatting.padding = 0;
         options.orientation = Orientation::Oblique;
         VolumeRequest { file, options }

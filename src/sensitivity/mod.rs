@@ -17,4 +17,4 @@ mod numbers;
 
 pub use derivative::{Derivative, Differences, derivative};
 pub use number::{Dependence, Number, Quantity, Unit};
-pub use numbers::{number, numbers};
+pub use numbers::{number, numbers, numbers_of_place};

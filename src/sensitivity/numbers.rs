@@ -31,6 +31,17 @@ pub fn numbers(scene: &Scene) -> Vec<Number> {
     numbers
 }
 
+/// Place, turn and size of the volume of `scene`, whether a map places it or not; none of several.
+pub fn numbers_of_place(scene: &Scene) -> Vec<Number> {
+    match scene.panels.first().map(|panel| &panel.model) {
+        Some(Model::Classified(volume)) if !volume.has_objects() => {
+            let place = classified::place(volume);
+            place.chain(classified::turn_and_size()).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
 /// The number of that name.
 ///
 /// # Errors

@@ -184,15 +184,11 @@ fn faults_are_of_one_case() {
             "an answer ends with a newline",
             2,
         ),
-        ("echo '{hello'", "no answer in JSON: {hello", 2),
+        ("echo '{hello'", "): {hello", 2),
         ("echo '{}'", "none or several of image, error and cannot", 2),
         ("echo '{\"image\": 7}'", "no answer in JSON", 2),
-        (
-            "printf '{\\000\\033[31m\\377}\\n'",
-            "no answer in JSON: {[31m",
-            2,
-        ),
-        (&too_long, "no answer in JSON: {xxx", 2),
+        ("printf '{\\000\\033[31m\\377}\\n'", "): {[31m", 2),
+        (&too_long, "longer than 64 KiB", 2),
         (
             "echo '{\"image\":\"/etc/passwd\"}'",
             "answered with the image /etc/passwd, and was asked for",

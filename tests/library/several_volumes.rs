@@ -220,7 +220,7 @@ fn a_second_number_modulates_opacity() {
         ),
         (
             format!("of = 'gradient'\n{half}\n[classified.shadow]"),
-            "modulated opacities cast no shadow",
+            "shadows of modulated opacities are not rendered",
         ),
         (
             format!("of = 'gradient'\n{half}\n[classified.conventions]\njitter = true"),

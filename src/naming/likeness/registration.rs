@@ -9,14 +9,18 @@ use super::compared_case::ComparedCase;
 use super::fit::{Candidate, Fitted, LEFT};
 use crate::compare::cells::Cells;
 use crate::compare::change_in_words;
+use crate::geometry::Transform;
+use crate::math::atan2;
 use crate::scene::Scene;
-use crate::sensitivity::{Number, Unit, numbers};
+use crate::sensitivity::{Number, Unit, numbers_of_place};
+use glam::DVec3;
 
 /// Numbers that are sought together, one set after the other until one explains the image.
-const SETS: [&[&str]; 3] = [
-    &["grid.x", "grid.y", "grid.z"],
-    &["grid.x", "grid.y", "grid.z", "turn.x", "turn.y", "turn.z"],
-    &["grid.x", "grid.y", "grid.z", "size.x", "size.y", "size.z"],
+const SETS: [&[&str]; 4] = [
+    &["grid"],
+    &["grid", "turn"],
+    &["grid", "size"],
+    &["grid", "turn", "size"],
 ];
 
 /// Radii of the blur, in parts of the width of the image.
@@ -46,6 +50,11 @@ const AWAY: f64 = 10.0;
 /// Damping beyond which no step leads nearer.
 const MOST_DAMPING: f64 = 1e3;
 
+/// Kind of a number: `grid` of `grid.x`.
+fn kind(number: &Number) -> &str {
+    number.quantity.name.split('.').next().unwrap_or_default()
+}
+
 /// Pixels of all channels.
 type Values = Vec<f64>;
 
@@ -57,10 +66,10 @@ impl ComparedCase {
             return Fitted::default();
         }
         let found = SETS.iter().find_map(|set| {
-            let of_set = |number: &Number| set.contains(&number.quantity.name);
-            let numbers: Vec<_> = numbers(self.scene()).into_iter().filter(of_set).collect();
-            let is_whole = numbers.len() == set.len();
-            is_whole
+            let is_of_set = |number: &Number| set.contains(&kind(number));
+            let numbers = numbers_of_place(self.scene()).into_iter();
+            let numbers: Vec<Number> = numbers.filter(is_of_set).collect();
+            (!numbers.is_empty())
                 .then(|| Registration::new(self, numbers, clock).candidate())
                 .flatten()
         });
@@ -96,33 +105,77 @@ impl<'r> Registration<'r> {
             let radius = (part * self.columns as f64).round() as usize;
             let left;
             (changes, last, left) = self.nearest(changes, radius)?;
-            if left > WORTH_GOING_ON {
+            // Blurred more, small parts and turns leave nothing to go by.
+            if part <= RADII[2] && left > WORTH_GOING_ON {
                 return None;
             }
         }
         let is_stated = |at: usize| changes[at].abs() >= LEAST * self.numbers[at].step;
-        let stated: Vec<usize> = (0..changes.len()).filter(|&at| is_stated(at)).collect();
-        let words = stated.iter().map(|&at| {
-            let number = &self.numbers[at];
-            let error = last[at].abs().max(CLOSE * number.step);
-            let unit = number.quantity.unit.name();
-            change_in_words(&number.words(), unit, changes[at], Some(error))
-        });
-        let words = words.collect::<Vec<_>>().join(" and ");
-        let kept = (0..changes.len()).map(|at| if is_stated(at) { changes[at] } else { 0.0 });
-        let predicted = self.predicted(&kept.collect::<Vec<_>>())?;
+        let turns = (0..changes.len()).any(|at| is_stated(at) && self.is_turn(at));
+        let is_kept = |at: &usize| is_stated(*at) || turns && self.is_turn(*at);
+        let kept: Vec<usize> = (0..changes.len()).filter(is_kept).collect();
+        let numbers = kept.iter().map(|&at| self.numbers[at].clone()).collect();
+        let of_kept = Registration::new(self.case, numbers, self.clock);
+        let changes = kept.iter().map(|&at| changes[at]).collect();
+        if kept.len() == last.len() {
+            return of_kept.stated(changes, last);
+        }
+        // Without those that hardly changed the others have another place.
+        let (changes, last, _) = of_kept.nearest(changes, 0)?;
+        of_kept.stated(changes, last)
+    }
+
+    /// The report on changes of all numbers, if they explain most of the difference.
+    fn stated(&self, changes: Vec<f64>, last: Vec<f64>) -> Option<Candidate> {
+        let predicted = self.predicted(&changes)?;
         let worth_saying =
-            !stated.is_empty() && self.case.is_explained_but_for(&predicted, LEFT)?;
+            !changes.is_empty() && self.case.is_explained_but_for(&predicted, LEFT)?;
+        let agrees = self.case.agrees(&predicted);
+        // Of what comes near no interval holds.
+        let error = |at: usize| last[at].abs().max(CLOSE * self.numbers[at].step);
+        let errors: Vec<Option<f64>> = (0..changes.len())
+            .map(|at| agrees.then(|| error(at)))
+            .collect();
         worth_saying.then_some(Candidate {
-            words,
+            words: self.in_words(&changes, &errors),
             left: self.case.share_left(&predicted)?.max(0.0),
-            agrees: self.case.agrees(&predicted),
+            agrees,
             in_noise: self.case.in_noise(&predicted),
             is_explained: self
                 .case
                 .is_explained_but_for(&predicted, self.case.may_leave())?,
             predicted,
         })
+    }
+
+    fn is_turn(&self, at: usize) -> bool {
+        kind(&self.numbers[at]) == "turn"
+    }
+
+    /// The changes in words: three turns as the one that they are together.
+    fn in_words(&self, changes: &[f64], errors: &[Option<f64>]) -> String {
+        let others = (0..changes.len()).filter(|&at| !self.is_turn(at));
+        let mut words: Vec<String> = others
+            .map(|at| {
+                let number = &self.numbers[at];
+                let unit = number.quantity.unit.name();
+                change_in_words(&number.words(), unit, changes[at], errors[at])
+            })
+            .collect();
+        let turns: Vec<usize> = (0..changes.len()).filter(|&at| self.is_turn(at)).collect();
+        if let [x, y, z] = turns[..] {
+            let (angle, axis) = together([x, y, z].map(|at| changes[at]));
+            let error = errors[x].map(|_| {
+                let errors = turns.iter().filter_map(|&at| errors[at]);
+                errors.fold(0.0, f64::max)
+            });
+            let by = change_in_words("turn of the volume", Some("degrees"), angle, error);
+            words.push(format!(
+                "{by} about ({:.3}, {:.3}, {:.3})",
+                axis.x, axis.y, axis.z
+            ));
+        }
+        words.join(" and ")
     }
 
     /// The changes, from these on, that lead nearest to the image, both blurred; the last step; and the share of the
@@ -145,7 +198,7 @@ impl<'r> Registration<'r> {
         let squares = |a: &Values| -> f64 { a.iter().map(|x| x * x).sum() };
         let whole = squares(&rest(&self.case.in_fit()[0].values()));
         let mut damping = DAMPING;
-        let mut last = vec![f64::INFINITY; changes.len()];
+        let mut last = vec![0.0; changes.len()];
         for _ in 0..most {
             let mut derivatives = Vec::new();
             for at in 0..changes.len() {
@@ -219,6 +272,21 @@ impl<'r> Registration<'r> {
     }
 }
 
+/// Angle, degrees, and axis of turns about x, then y, then z by these angles.
+fn together(angles: [f64; 3]) -> (f64, DVec3) {
+    let turned = |axis: DVec3| {
+        (0..3).fold(axis, |vector, about| {
+            let turn = Transform::rotation(DVec3::AXES[about], angles[about]);
+            turn.map_or(vector, |turn| turn.vector(vector))
+        })
+    };
+    let [x, y, z] = DVec3::AXES.map(turned);
+    // Twice the sine along the axis, and one more than twice the cosine.
+    let along = DVec3::new(y.z - z.y, z.x - x.z, x.y - y.x);
+    let angle = atan2(along.length(), x.x + y.y + z.z - 1.0);
+    (angle.to_degrees(), along.normalize_or_zero())
+}
+
 /// The step that leads nearest to the end of `rest`, by `derivatives`, with the diagonal of their squares damped.
 fn damped_step(derivatives: &[Values], rest: &Values, damping: f64) -> Option<Vec<f64>> {
     let product = |a: &Values, b: &Values| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
@@ -288,6 +356,16 @@ mod tests {
         let step = damped_step(&derivatives, &rest, 0.0).unwrap();
         assert!((step[0] - 3.0).abs() < 1e-14 && (step[1] + 1.0).abs() < 1e-14);
         assert_eq!(damped_step(&[vec![0.0; 3]], &rest, 0.0), None);
+    }
+
+    #[test]
+    fn turns_one_after_the_other_are_one() {
+        let (angle, axis) = together([0.0, -30.0, 0.0]);
+        assert!((angle - 30.0).abs() < 1e-12 && (axis + DVec3::Y).length() < 1e-12);
+        // Quarter turns about x and then y take x to -z, y to x and z to -y: a third about (1, 1, -1).
+        let (angle, axis) = together([90.0, 90.0, 0.0]);
+        let expected = DVec3::new(1.0, 1.0, -1.0) / 3_f64.sqrt();
+        assert!((angle - 120.0).abs() < 1e-12 && (axis - expected).length() < 1e-12);
     }
 
     #[test]

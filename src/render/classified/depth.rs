@@ -98,6 +98,9 @@ impl<'s> LayersOfPanel<'s> {
             Mode::Projection(_) => {
                 Some("a projection has no depth: leave `mode` out, or ask for isosurfaces")
             }
+            _ if volume.objects.are_modulation_alone() => {
+                Some("modulated opacities have no depth yet: leave `modulation` out")
+            }
             _ if volume.has_objects() => Some(
                 "several volumes, surfaces and clips have no depth yet: render one volume alone",
             ),

@@ -106,26 +106,9 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
             scene.step *= 1.0 + change
         });
     }
-    let edges = scene.cell_edges();
-    for (axis, quantity) in GRID.iter().enumerate() {
-        // The grid moves one way where eye and light move the other.
-        let edit = move |scene: &mut Scene, change: f64| {
-            let offset = edges[axis] * -change;
-            in_classified(scene, |volume| {
-                volume.light += offset;
-                volume.camera = volume.camera.with_eye_moved(offset);
-            });
-            Some(())
-        };
-        numbers.push(Number::new(quantity, 0.05, Smooth, edit));
-    }
+    numbers.extend(place(scene));
     if scene.to_world.is_some() {
-        for (axis, (turn, size)) in TURN.iter().zip(&SIZE).enumerate() {
-            let turned = move |change| Transform::rotation(DVec3::AXES[axis], change);
-            numbers.push(Number::new(turn, 0.2, Smooth, placed(turned, false)));
-            let scaled = move |change| Transform::scale(DVec3::ONE + DVec3::AXES[axis] * change);
-            numbers.push(Number::new(size, 0.01, Smooth, placed(scaled, true)));
-        }
+        numbers.extend(turn_and_size());
     }
     if scene.phong.is_some() || scene.shadow.is_some() {
         let step = 0.01 * (scene.light - scene.extent().world_bounds().centre()).length();
@@ -140,6 +123,36 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     numbers
 }
 
+/// Coordinates of the volume along its own axes.
+pub(super) fn place(scene: &Classified) -> impl Iterator<Item = Number> {
+    let edges = scene.cell_edges();
+    GRID.iter().enumerate().map(move |(axis, quantity)| {
+        // The grid moves one way where eye and light move the other.
+        let edit = move |scene: &mut Scene, change: f64| {
+            let offset = edges[axis] * -change;
+            in_classified(scene, |volume| {
+                volume.light += offset;
+                volume.camera = volume.camera.with_eye_moved(offset);
+            });
+            Some(())
+        };
+        Number::new(quantity, 0.05, Smooth, edit)
+    })
+}
+
+/// Turns of the volume about axes of the world, one after the other, and sizes along its own.
+pub(super) fn turn_and_size() -> impl Iterator<Item = Number> {
+    let axes = TURN.iter().zip(&SIZE).enumerate();
+    axes.flat_map(|(axis, (turn, size))| {
+        let turned = move |change| Transform::rotation(DVec3::AXES[axis], change);
+        let scaled = move |change| Transform::scale(DVec3::ONE + DVec3::AXES[axis] * change);
+        [
+            Number::new(turn, 0.2, Smooth, placed(turned, false)),
+            Number::new(size, 0.01, Smooth, placed(scaled, true)),
+        ]
+    })
+}
+
 /// A map about the centre of the volume by `change`: before the one that places it, or after.
 fn placed(
     map: impl Fn(f64) -> Result<Transform, TransformError> + Send + Sync,
@@ -148,9 +161,8 @@ fn placed(
     move |scene, change| {
         let map = map(change).ok()?;
         in_classified(scene, |volume| {
-            let (extent, Some(to_world)) = (volume.extent(), volume.to_world) else {
-                return;
-            };
+            let extent = volume.extent();
+            let to_world = volume.to_world.unwrap_or(Transform::IDENTITY);
             let centre = extent.bounds.centre();
             let about = |centre: DVec3| map.about(centre).ok();
             volume.to_world = if before {

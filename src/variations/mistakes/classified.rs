@@ -10,7 +10,7 @@ use super::densities::{
 use super::{Edit, Mistake, set};
 use crate::geometry::length_of;
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
-use crate::scene::{Classified, Gradient, Mode, NormalTransform, Shadow, StepLength};
+use crate::scene::{Classified, Gradient, Lookup, Mode, NormalTransform, Shadow, StepLength};
 use crate::volume::Interpolation;
 use glam::DVec3;
 
@@ -197,6 +197,16 @@ pub(super) const MISTAKES: &[Mistake] = &[
         edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back)),
     },
     Mistake {
+        name: "lookups-half-voxel-on",
+        advice: "values are looked up half a voxel beside the sample, towards larger coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, once",
+        edit: Edit::Classified(|scene| looked_up(scene, Lookup::HalfOn)),
+    },
+    Mistake {
+        name: "lookups-half-voxel-back",
+        advice: "values are looked up half a voxel beside the sample, towards smaller coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, not u/n",
+        edit: Edit::Classified(|scene| looked_up(scene, Lookup::HalfBack)),
+    },
+    Mistake {
         name: "volume-half-voxel-along-x",
         advice: "the volume is half a voxel off along x alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
         edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on_along_x)),
@@ -376,8 +386,8 @@ pub(super) const MISTAKES: &[Mistake] = &[
             let first = all[0].colour;
             all.iter_mut().for_each(|point| point.colour = first);
             let one = TransferPoints::new(all).map(Appearance::Points);
-            let uses = scene.mode.uses_transfer_function();
-            uses && one.is_ok_and(|one| set(&mut scene.transfer_function.appearance, one))
+            let is_seen = scene.mode == Mode::Composited;
+            is_seen && one.is_ok_and(|one| set(&mut scene.transfer_function.appearance, one))
         }),
     },
     Mistake {
@@ -420,6 +430,10 @@ fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
     let length = &mut scene.transfer_function.reference_length;
     let new = edit(*length, scene.step);
     new.is_normal() && set(length, new)
+}
+
+fn looked_up(scene: &mut Classified, lookup: Lookup) -> bool {
+    !scene.is_continuous() && set(&mut scene.conventions.lookup, lookup)
 }
 
 fn eye_is_inside(scene: &Classified) -> bool {
