@@ -50,6 +50,8 @@ impl Colormap {
     }
 
     /// Colour at `density ≥ 0`.
+    // Always: asked once a sample, a call would be no small part of its cost.
+    #[inline(always)]
     pub fn at(&self, density: f64) -> DVec3 {
         let last = self.stops.len() - 1;
         let position = density.min(1.0) * last as f64;
