@@ -47,7 +47,7 @@ struct Results {
     origin: Origin,
 }
 
-/// How the images were judged.
+/// Judging of the images: the command, and how they were read.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Origin {
@@ -214,7 +214,7 @@ const SCHEMA: &str = "volref/validate/1";
 /// Longest of these files: 64 MiB.
 const MOST_BYTES: u64 = 1 << 26;
 
-/// What `parse` makes of the text of a file.
+/// The value that `parse` makes of the text of a file.
 fn read<T: DeserializeOwned>(
     file: &Path,
     parse: impl Fn(&str) -> Result<T, String>,

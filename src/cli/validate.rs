@@ -483,7 +483,7 @@ impl Judge<'_> {
         }
     }
 
-    /// What colours of the images leave out.
+    /// Colours of the images that leave out the background, if declared.
     fn alpha(&self) -> Option<Alpha> {
         let of_profile = self.profile.as_ref().and_then(|profile| profile.alpha);
         self.arguments.alpha.or(of_profile)

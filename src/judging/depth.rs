@@ -51,9 +51,13 @@ impl DepthComparison<'_> {
 /// Distances must be spread this much, as the farthest over the nearest, for two planes to be found from them.
 const LEAST_SPREAD: f64 = 1.02;
 
-/// The nature of `test`, a wrong depth in place of the one `asked` for, if nothing but that is wrong: another depth of the
+/// The nature of `test`, a wrong depth in place of the `right` one, which is `asked` for, if nothing but that is wrong: another depth of the
 /// scene, or a number that follows from it.
-pub(super) fn cause(compared: &DepthComparison<'_>, asked: Depth, test: &[f32]) -> Option<String> {
+pub(super) fn cause(
+    compared: &DepthComparison<'_>,
+    asked: Depth,
+    (right, test): (&[f32], &[f32]),
+) -> Option<String> {
     let others = Depth::ALL.into_iter().map(|(_, other)| other);
     let others = others.filter(|&other| other != asked).filter_map(|other| {
         let found = compared.of(&compared.right(other).ok()?, test);
@@ -64,7 +68,6 @@ pub(super) fn cause(compared: &DepthComparison<'_>, asked: Depth, test: &[f32]) 
             "the {other} depth, and the case asks for the {asked} one"
         ));
     }
-    let right = compared.right(asked).ok()?;
     let entries = entries(compared.scene, asked.along_view)?;
     let within = right.iter().zip(&entries).map(|(at, entry)| at - entry);
     if compared.explains(&within.collect::<Vec<_>>(), test) {

@@ -155,8 +155,8 @@ fn with_what_is_asked(
         width: film.width(),
         step: checked.longest_step(),
     };
-    let found = match compared.right(asked) {
-        Ok(right) => compared.of(&right, depth),
+    let right = match compared.right(asked) {
+        Ok(right) => right,
         Err(reason) => {
             let reason = String::from("depth cannot be judged: ") + &reason;
             return (
@@ -165,12 +165,13 @@ fn with_what_is_asked(
             );
         }
     };
+    let found = compared.of(&right, depth);
     finding
         .metrics
         .insert(OUTLIERS_OF_DEPTH.0.to_owned(), found.outside as f64);
     if !found.agrees() {
         let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
-        if let Some(cause) = depth::cause(&compared, asked, depth) {
+        if let Some(cause) = depth::cause(&compared, asked, (&right, depth)) {
             reason.push_str(&format!("; it is {cause}"));
         }
         finding = CaseFinding {

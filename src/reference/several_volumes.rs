@@ -18,10 +18,10 @@
 //! ```
 //!
 //! An opacity `a₀` of 1 is an infinite extinction: it hides the finite ones, and several such share equally.
+//! So the order of volumes changes nothing but rounding, and neither does an empty one.
+//!
 //! Where the opacity of a volume is modulated, `a₀` is that of its value times a factor, by a second number at
 //! the same place, such as the length of the gradient (Levoy 1988, §3).
-//!
-//! So the order of volumes changes nothing but rounding, and neither does an empty one.
 //!
 //! The nearest surface (`clips.rs`) ends the ray: its radiance stands in the place of the background
 //! `B`, and the pixel is opaque. The visibility of the light, where the scene asks for shadows, is the

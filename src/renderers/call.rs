@@ -4,7 +4,7 @@ use super::CommandTemplate;
 use crate::exchange::{self, Format};
 use crate::math::exp2;
 use crate::scene::{Panel, Scene};
-use crate::suite::{Case, Output};
+use crate::suite::{Case, NOT_RENDERED, Output};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf, absolute};
@@ -58,9 +58,8 @@ impl<'t> Call<'t> {
         let volume = scene.panels.iter().find_map(Panel::classified);
         let step = volume.map(|volume| [volume.step, volume.voxel()]);
         if template.takes_step() && step.is_none() {
-            let fault =
-                "not rendered: the command takes a step, and the scene has no classified volume";
-            return Err(Output::Missing(fault.to_owned()));
+            let fault = "the command takes a step, and the scene has no classified volume";
+            return Err(Output::Missing(format!("{NOT_RENDERED}{fault}")));
         }
         for name in CommandTemplate::PLACEHOLDERS {
             let format = name.strip_prefix("export:");
@@ -116,7 +115,7 @@ fn exported(scene: &Scene, case: &Case, format: &str, exports: &Path) -> Result<
     let folder = exports.join(format.to_string()).join(&case.name);
     let name = case.name.rsplit('/').next().unwrap_or(&case.name);
     let export = exchange::export_at(scene, format, name, Some(case.exposure))
-        .map_err(|refusal| Output::Missing(format!("not rendered: {refusal}")))?;
+        .map_err(|refusal| Output::Missing(format!("{NOT_RENDERED}{refusal}")))?;
     export
         .write_into(&folder)
         .map_err(|error| Output::Unusable(format!("the export failed: {error}")))?;

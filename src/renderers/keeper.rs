@@ -51,7 +51,7 @@ pub struct Kept {
 /// Whether a keeper sees processes that have left the renderer's process group, such as daemons.
 pub const SEES_DAEMONS: bool = cfg!(target_os = "linux");
 
-/// How long a renderer that stays may take to leave when its requests end.
+/// Longest time that a renderer that stays may take to leave when its requests end.
 pub(super) const LEAVE: Duration = Duration::from_secs(1);
 
 /// Writes what is sent into `pipe`, and closes it when the sender is dropped. Nobody waits for a reader.

@@ -10,7 +10,7 @@ use super::process::{
     KEEPERS_PATIENCE, LISTEN, PAUSE, RUNNING, STOPPED, failure_of, has_ended, not_started_in_words,
     reach, remnants, report_in, signal_of, spawn_in_group,
 };
-use crate::suite::Output;
+use crate::suite::{NOT_RENDERED, Output};
 use process_wrap::std::ChildWrapper;
 use serde::Deserialize;
 use std::io::{BufRead, BufReader, Read, pipe};
@@ -32,7 +32,7 @@ pub struct StayingRenderers {
     words: Vec<String>,
     timeout: Duration,
     keeper: Option<Keeper>,
-    /// Those that nobody asks.
+    /// Renderers that nobody asks.
     idle: Arc<Mutex<Vec<Staying>>>,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Called {
     pub failure: Option<Output>,
     /// Notes beside the verdict.
     pub notes: Vec<String>,
-    /// What the renderer printed.
+    /// Standard output and error of the renderer.
     pub printed: String,
 }
 
@@ -135,7 +135,7 @@ impl StayingRenderers {
                 (Some(Output::Unusable(reason)), printed)
             }
             Ok((None, None, Some(words))) => {
-                let reason = format!("not rendered: {}", one_line(&words));
+                let reason = format!("{NOT_RENDERED}{}", one_line(&words));
                 (Some(Output::Missing(reason)), renderer.keep_in(self))
             }
             Ok((Some(image), None, None)) => {
@@ -330,7 +330,7 @@ impl Staying {
             status = self.child.try_wait()?;
             Ok(status.is_some())
         });
-        // What it started may still be there; that nothing is left is no error.
+        // Processes that it started may still be there; that nothing is left is no error.
         let _ = self.child.start_kill();
         let waited = match (ended, status) {
             (_, Some(status)) => Ok(status),

@@ -6,6 +6,7 @@ use crate::compare::Picture;
 use crate::compare::flip::SrgbImage;
 use crate::film::{CHANNELS, Film};
 use crate::judging::{CaseResult, Summary, Verdict};
+use crate::suite::NOT_RENDERED;
 use minijinja::{Value, context};
 use std::collections::BTreeMap;
 
@@ -166,10 +167,7 @@ fn said(result: &CaseResult) -> &'static str {
     }
 }
 
-/// Beginning of the reason where a renderer or a format has no words for a scene.
-const NOT_RENDERED: &str = "not rendered: ";
-
-/// What is beside the verdict: conventions, the likely mistake, or what was measured.
+/// Cause in words: conventions, the likely mistake, or measurements.
 fn fault(result: &CaseResult) -> String {
     let best = result.changes.iter().filter(|change| change.fits_best);
     let best: Vec<&str> = best.map(|change| change.words.as_str()).collect();

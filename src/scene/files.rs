@@ -100,15 +100,6 @@ impl<'p> Files<'p> {
         self.loaded(reader, request)?.moved(reader)
     }
 
-    /// The values of a file, whatever place it has.
-    pub(super) fn of_request(
-        &mut self,
-        reader: &Reader,
-        request: VolumeRequest,
-    ) -> SceneResult<Arc<Grid<f32>>> {
-        Ok(self.loaded(reader, request)?.grid)
-    }
-
     /// The grid of a formula: those of a scene together have as many nodes as one may have.
     fn computed(
         &mut self,
@@ -138,7 +129,12 @@ impl<'p> Files<'p> {
         Ok(grid)
     }
 
-    fn loaded(&mut self, reader: &Reader, request: VolumeRequest) -> SceneResult<PlacedGrid> {
+    /// The grid that `request`, made by the table of `reader`, asks for, where its file puts it.
+    pub(super) fn loaded(
+        &mut self,
+        reader: &Reader,
+        request: VolumeRequest,
+    ) -> SceneResult<PlacedGrid> {
         let known = self.grids.iter().find(|(other, ..)| *other == request);
         if let Some((_, grid, inputs)) = known.cloned() {
             inputs.iter().for_each(|input| self.note(input));

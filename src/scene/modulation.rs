@@ -5,6 +5,7 @@ use super::files::Files;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
+use super::transfer_function::read_points;
 use super::volume::VolumeRequest;
 use crate::optics::{TransferPoint, TransferPoints};
 use crate::volume::{Cell, Grid, Interpolation, Reconstruction as _, gradient_lengths};
@@ -53,25 +54,20 @@ impl Modulation {
         let Some(reader) = volume.table("modulation")? else {
             return Ok(None);
         };
-        let rows = reader.tables("point")?;
-        let point = |row: &Reader| -> SceneResult<TransferPoint> {
+        let factors = read_points(&reader, |row| {
             Ok(TransferPoint {
                 value: row.number("value")?,
                 colour: DVec3::ZERO,
                 opacity: row.number("factor")?,
             })
-        };
-        let points = rows.iter().map(point).collect::<SceneResult<Vec<_>>>()?;
-        let factors = TransferPoints::new(points).map_err(|error| match error.index {
-            None => reader.error("point", error.message),
-            Some(index) => rows[index].error("value", error.message),
         })?;
         reader.optional_text("of")?;
         let grid = match reader.optional_text("file")? {
             None => Arc::new(gradient_lengths(&placed.grid, placed.to_world.as_ref())),
             Some(file) => {
                 let replaced = reader.optional_number("replace_non_finite")?;
-                let grid = files.of_request(&reader, VolumeRequest::of_grid(file, replaced))?;
+                let request = VolumeRequest::of_grid(file, replaced);
+                let grid = files.loaded(&reader, request)?.grid;
                 let [own, other] = [&placed.grid, &grid].map(|grid| grid.lattice().nodes());
                 if own != other {
                     let message = format!(

@@ -44,23 +44,27 @@ pub(super) enum OpacityByValue {
 impl OpacityByValue {
     pub(super) fn read(reader: &Reader) -> SceneResult<OpacityByValue> {
         if reader.has("point") {
-            return Ok(OpacityByValue::Points(read_points(reader)?));
+            let points = read_points(reader, |row| {
+                Ok(TransferPoint {
+                    value: row.number("value")?,
+                    colour: row.vector("colour")?,
+                    opacity: row.number("opacity")?,
+                })
+            });
+            return Ok(OpacityByValue::Points(points?));
         }
         let floor = reader.number("floor")?;
         Ok(OpacityByValue::Formula(TransferOpacity { floor }))
     }
 }
 
-fn read_points(reader: &Reader) -> SceneResult<TransferPoints> {
+/// The tables `point`, of each of which `point` makes one, in order of their values.
+pub(super) fn read_points(
+    reader: &Reader,
+    point: impl Fn(&Reader) -> SceneResult<TransferPoint>,
+) -> SceneResult<TransferPoints> {
     let rows = reader.tables("point")?;
-    let read = |row: &Reader| -> SceneResult<_> {
-        Ok(TransferPoint {
-            value: row.number("value")?,
-            colour: row.vector("colour")?,
-            opacity: row.number("opacity")?,
-        })
-    };
-    let points = rows.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let points = rows.iter().map(point).collect::<Result<Vec<_>, _>>()?;
     TransferPoints::new(points).map_err(|error| match error.index {
         None => reader.error("point", error.message),
         Some(index) => rows[index].error("value", error.message),

@@ -21,7 +21,9 @@ pub use case::{
 pub use embedded::EmbeddedSuite;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub use name_hash::name_hash;
-pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path, step_name};
+pub use outputs::{
+    Found, NOT_RENDERED, Output, OutputError, Outputs, UnknownFile, image_path, step_name,
+};
 pub use row_name::{HARD, row_name};
 pub use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};

@@ -29,6 +29,9 @@ pub struct Outputs {
     unknown_files: Vec<UnknownFile>,
 }
 
+/// Beginning of the reason where a renderer or a format has no words for a scene.
+pub const NOT_RENDERED: &str = "not rendered: ";
+
 /// The output of another renderer for a case.
 #[derive(Clone, Debug)]
 pub enum Output {

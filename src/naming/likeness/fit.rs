@@ -80,9 +80,10 @@ const CURVED: f64 = 0.5;
 /// Range of the fit: shares down to a twentieth and up to ten times a number, others this many of
 /// their steps away.
 const SHARES: [f64; 2] = [-0.95, 9.0];
+const FARTHEST: f64 = 16.0;
+
 /// Range of shares outside which a change is a finding, or nothing.
 const NEARBY: [f64; 2] = [-0.75, 3.0];
-const FARTHEST: f64 = 16.0;
 
 /// Values of all channels of all cells.
 type Vector = Vec<f64>;

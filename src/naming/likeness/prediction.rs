@@ -219,6 +219,16 @@ mod tests {
         }
     }
 
+    /// A search without a limit.
+    fn unlimited(predictions: &Predictions) -> Search<'_> {
+        Search {
+            budget: None,
+            predictions,
+            interrupted: &|| false,
+            progress: &|_| (),
+        }
+    }
+
     /// A prediction under a profile is not taken for one without.
     #[test]
     fn predictions_are_kept_by_conventions() {
@@ -227,12 +237,7 @@ mod tests {
         let under = profile.applied_to(&scene).unwrap().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let predictions = Predictions::in_folder(folder.path());
-        let search = Search {
-            budget: None,
-            predictions: &predictions,
-            interrupted: &|| false,
-            progress: &|_| (),
-        };
+        let search = unlimited(&predictions);
         let clock = SearchClock::start(&search, "", 1);
         let of = |scene: &Scene| predicted(scene, scene, ("same", 0), (Detail::Whole, 1), &clock);
         let [first, second, again] = [&scene, &under, &scene].map(|scene| of(scene).unwrap());
@@ -251,12 +256,7 @@ mod tests {
         radiative.scattering = Scattering::None;
         let folder = tempfile::tempdir().unwrap();
         let predictions = Predictions::in_folder(folder.path());
-        let search = Search {
-            budget: None,
-            predictions: &predictions,
-            interrupted: &|| false,
-            progress: &|_| (),
-        };
+        let search = unlimited(&predictions);
         let clock = SearchClock::start(&search, "", 1);
         let look = (blocks(&scene).unwrap(), 16);
         let film = |edited| predicted(&scene, edited, ("a change", 0), look, &clock).unwrap();

@@ -65,13 +65,13 @@ impl ComparedCase {
         if self.is_sampled() {
             return Fitted::default();
         }
+        let all = numbers_of_place(self.scene());
+        if all.is_empty() {
+            return Fitted::default();
+        }
         let found = SETS.iter().find_map(|set| {
-            let is_of_set = |number: &Number| set.contains(&kind(number));
-            let numbers = numbers_of_place(self.scene()).into_iter();
-            let numbers: Vec<Number> = numbers.filter(is_of_set).collect();
-            (!numbers.is_empty())
-                .then(|| Registration::new(self, numbers, clock).candidate())
-                .flatten()
+            let of_set = all.iter().filter(|number| set.contains(&kind(number)));
+            Registration::new(self, of_set.cloned().collect(), clock).candidate()
         });
         self.report(found.into_iter().collect())
     }
@@ -87,13 +87,13 @@ struct Registration<'r> {
 
 impl<'r> Registration<'r> {
     fn new(case: &'r ComparedCase, numbers: Vec<Number>, clock: &'r SearchClock<'r>) -> Self {
-        let film = case.in_fit()[1].film();
+        let [_, test] = case.in_fit();
         Registration {
             case,
             clock,
             numbers,
-            test: case.in_fit()[1].values(),
-            columns: film.width(),
+            test: test.values(),
+            columns: test.columns,
         }
     }
 
