@@ -23,6 +23,20 @@ pub struct Arguments {
     json: Json,
 }
 
+/// Links in a line of text, beside which further ones are only counted.
+const MOST_LINKS: usize = 2;
+
+/// A source as one line of text: of many links, the first ones.
+fn short(source: &str) -> String {
+    let links: Vec<&str> = source.split(", ").collect();
+    let are_links = links.iter().all(|link| link.starts_with("github.com/"));
+    if !are_links || links.len() <= MOST_LINKS {
+        return source.to_owned();
+    }
+    let first = links[..MOST_LINKS].join(", ");
+    format!("{first} and {} more", links.len() - MOST_LINKS)
+}
+
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if arguments.mistakes {
@@ -41,7 +55,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             "{:<widest$}  {:<13}  {}\n",
             case.name,
             case.class(),
-            case.source
+            short(&case.source)
         ));
         entries.push(json!({
             "name": case.name,

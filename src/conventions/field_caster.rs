@@ -64,10 +64,10 @@ impl<'s> FieldCaster<'s> {
             }
             Mode::Isosurfaces(surfaces) => {
                 let mut passed = passed(surfaces, &samples);
-                if surfaces.fault == Some(IsosurfaceFault::FirstAlone) {
+                if surfaces.faults.contains(&IsosurfaceFault::FirstAlone) {
                     passed.truncate(1);
                 }
-                self.of_surfaces(ray, &passed, surfaces.fault, &mut work)
+                self.of_surfaces(ray, &passed, &surfaces.faults, &mut work)
             }
         };
         (pixel, work)
@@ -96,7 +96,7 @@ impl<'s> FieldCaster<'s> {
         &self,
         ray: &Ray,
         passed: &[(f64, Isosurface)],
-        fault: Option<IsosurfaceFault>,
+        faults: &[IsosurfaceFault],
         work: &mut RayWork,
     ) -> [f32; 4] {
         let mut seen = Layer::EMPTY;
@@ -104,7 +104,7 @@ impl<'s> FieldCaster<'s> {
             work.attenuations += 1;
             work.emission_terms += 1;
             seen = seen.over(Layer {
-                colour: self.shade(ray, *t, surface.colour, fault, work) * surface.opacity,
+                colour: self.shade(ray, *t, surface.colour, faults, work) * surface.opacity,
                 opacity: surface.opacity,
                 transparency: 1.0 - surface.opacity,
             });
@@ -119,7 +119,7 @@ impl<'s> FieldCaster<'s> {
         ray: &Ray,
         t: f64,
         colour: DVec3,
-        fault: Option<IsosurfaceFault>,
+        faults: &[IsosurfaceFault],
         work: &mut RayWork,
     ) -> DVec3 {
         let Some((phong, gradients)) = &self.shading else {
@@ -131,10 +131,10 @@ impl<'s> FieldCaster<'s> {
         let cell = Cell::around(lattice, line.at(t));
         let gradient = scene.interpolation.read(gradients, &cell);
         let leaves_the_eye = gradient.dot(*ray.direction) < 0.0;
-        let is_turned = match fault {
-            Some(IsosurfaceFault::NotTurned) => false,
-            Some(IsosurfaceFault::TurnedAway) => !leaves_the_eye,
-            _ => leaves_the_eye,
+        let is_turned = if faults.contains(&IsosurfaceFault::NotTurned) {
+            false
+        } else {
+            leaves_the_eye != faults.contains(&IsosurfaceFault::TurnedAway)
         };
         let gradient = if is_turned { -gradient } else { gradient };
         let to_light = Direction::of(scene.light - ray.at(t));
@@ -217,15 +217,17 @@ fn number(projection: &Projection, samples: &[Sample]) -> Option<f64> {
 
 /// The surfaces passed between samples, with their distances, in order.
 fn passed(isosurfaces: &Isosurfaces, samples: &[Sample]) -> Vec<(f64, Isosurface)> {
+    let are_at_samples = isosurfaces.faults.contains(&IsosurfaceFault::AtSamples);
     let mut passed = Vec::new();
     for pair in samples.windows(2) {
         let [from, to] = [&pair[0], &pair[1]];
         let before = passed.len();
         for surface in &isosurfaces.surfaces {
             if (from.value < surface.value) != (to.value < surface.value) {
-                let part = match isosurfaces.fault {
-                    Some(IsosurfaceFault::AtSamples) => 1.0,
-                    _ => (surface.value - from.value) / (to.value - from.value),
+                let part = if are_at_samples {
+                    1.0
+                } else {
+                    (surface.value - from.value) / (to.value - from.value)
                 };
                 passed.push((from.t + (to.t - from.t) * part, *surface));
             }

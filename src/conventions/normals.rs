@@ -106,7 +106,7 @@ fn takes_volrefs(conventions: &Conventions) -> bool {
         && conventions.normalised_at_nodes == volrefs.normalised_at_nodes
         && conventions.normal_bits == volrefs.normal_bits
         && conventions.cell_centred == volrefs.cell_centred
-        && conventions.box_space_normals == volrefs.box_space_normals
+        && conventions.normal_space == volrefs.normal_space
         && conventions.normal_transform == volrefs.normal_transform
 }
 

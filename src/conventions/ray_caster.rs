@@ -21,7 +21,9 @@ use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, Lookup, NormalTransform, Precision, Scene};
+use crate::scene::{
+    Classified, Compositing, Lookup, NormalSpace, NormalTransform, Precision, Scene,
+};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
@@ -347,10 +349,12 @@ impl<'s> RayCaster<'s> {
         if let Some(cells) = self.cells_per_spacing() {
             gradient *= cells;
         }
+        match self.scene.conventions.normal_space {
+            NormalSpace::World => {}
+            NormalSpace::Box => gradient *= self.scene.grid.lattice().bounds().size(),
+            NormalSpace::EyeBox => return self.in_reverse_order(gradient),
+        }
         match &self.scene.to_world {
-            _ if self.scene.conventions.box_space_normals => {
-                gradient * self.scene.grid.lattice().bounds().size()
-            }
             Some(map) if !gradients.are_of_the_world() => {
                 match self.scene.conventions.normal_transform {
                     NormalTransform::Gradient => map.gradient_map() * gradient,
@@ -360,6 +364,24 @@ impl<'s> RayCaster<'s> {
             }
             _ => gradient,
         }
+    }
+
+    /// `gradient` by its components along the axes of the eye, to which the map of the volume, transposed, and its
+    /// size are applied.
+    fn in_reverse_order(&self, gradient: DVec3) -> DVec3 {
+        let camera = &self.scene.camera;
+        let axes = [
+            camera.half_right().normalize(),
+            camera.half_up().normalize(),
+            -*camera.forward(),
+        ];
+        let components = DVec3::from_array(axes.map(|axis| gradient.dot(axis)));
+        let mapped = match &self.scene.to_world {
+            Some(map) => DVec3::AXES.map(|axis| map.vector(axis).dot(components)),
+            None => components.to_array(),
+        };
+        let size = self.scene.grid.lattice().bounds().size().to_array();
+        (0..3).map(|at| axes[at] * (mapped[at] * size[at])).sum()
     }
 
     /// Directions to the light, `None` at the light itself, and to the eye.

@@ -508,12 +508,20 @@ conventions! {
             .instead_of("normals"),
     ];
 
-    "normal_space" = box_space_normals: bool = words("world" of "world" = false, "box" = true),
-    "Space in which the gradient is normalised: the world, or that with its components multiplied by the size of the volume along each axis (box).",
+    "normal_space" = normal_space: NormalSpace = words("world" of
+        "world" = NormalSpace::World,
+        "box" = NormalSpace::Box,
+        "eye-box" = NormalSpace::EyeBox
+    ),
+    "Space in which the gradient is normalised: the world; one in which its components are multiplied by the size of the volume along each of its axes, before a map places it (box); or one of which the matrices are multiplied in reverse order: components along the axes of the eye, right, up and backwards, mapped by the transposed map of the volume, then multiplied by its size (eye-box).",
     [
         other(
             "stretches normals by the proportions of the volume",
-            |it| it.box_space_normals = true,
+            |it| it.normal_space = NormalSpace::Box,
+        ),
+        other(
+            "stretches normals by the proportions of the volume, along the axes of the eye",
+            |it| it.normal_space = NormalSpace::EyeBox,
         ),
     ];
 
@@ -856,6 +864,17 @@ pub enum Lookup {
     HalfOn,
     /// Half a spacing back along each axis.
     HalfBack,
+}
+
+/// Space in which the gradient is normalised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalSpace {
+    /// The world.
+    World,
+    /// The world, after a stretch by the size of the volume along each of its axes.
+    Box,
+    /// The axes of the eye, then the map of the volume, transposed, then that stretch: the reverse order.
+    EyeBox,
 }
 
 /// Map of the gradients of a volume that a map places in the world.

@@ -33,8 +33,8 @@ pub use classified::{Classified, Compositing};
 pub use clip::{Clip, Kept};
 pub use conventions::{
     ALTERNATIVES, Alternative, CONVENTIONS, Composition, Conventions, FittedSteps, Gradient,
-    LastStep, LightColour, Lookup, NormalTransform, ObjectShadows, Precision, StepLength,
-    StoredValues, SurfaceDepth,
+    LastStep, LightColour, Lookup, NormalSpace, NormalTransform, ObjectShadows, Precision,
+    StepLength, StoredValues, SurfaceDepth,
 };
 pub use curve::Curve;
 pub use error::{SceneError, SceneResult};

@@ -94,8 +94,8 @@ pub struct Window {
 pub struct Isosurfaces {
     /// The surfaces, at least one, no two of one value.
     pub surfaces: Vec<Isosurface>,
-    /// A mistake that is made: no file states one.
-    pub fault: Option<IsosurfaceFault>,
+    /// Mistakes that are made: no file states one.
+    pub faults: Vec<IsosurfaceFault>,
 }
 
 /// The surface on which the field has one value.
@@ -260,7 +260,7 @@ impl Mode {
         match self {
             Mode::Composited => false,
             Mode::Projection(projection) => projection.fault.is_some(),
-            Mode::Isosurfaces(surfaces) => surfaces.fault.is_some(),
+            Mode::Isosurfaces(surfaces) => !surfaces.faults.is_empty(),
         }
     }
 
@@ -377,6 +377,6 @@ fn read_surfaces(reader: &Reader) -> SceneResult<Isosurfaces> {
     }
     Ok(Isosurfaces {
         surfaces,
-        fault: None,
+        faults: Vec::new(),
     })
 }

@@ -962,6 +962,32 @@ fn conventions_are_told_from_mistakes() {
     assert_eq!(found, None);
 }
 
+/// Normals stretched along the axes of the eye are those stretched along the volume's where the two are parallel, and
+/// in other views they are not.
+#[test]
+fn normals_stretched_by_the_box() {
+    let stretched = |along: &str| {
+        let words = format!("stretches normals by the proportions of the volume{along}");
+        CATALOGUE.iter().position(|other| other.words == words)
+    };
+    let [of_volume, of_eye] = ["", ", along the axes of the eye"].map(stretched);
+    let (_, scene) = small("figures/figure-3");
+    let pictures = |scene: &Scene| {
+        let [of_volume, of_eye] = [of_volume, of_eye].map(|index| under(scene, &[index.unwrap()]));
+        (of_volume, picture(&of_eye))
+    };
+    let (of_volume, of_eye) = pictures(&scene);
+    assert!(passes(&of_volume, &of_eye));
+    assert!(!passes(&scene, &of_eye));
+    let oblique = scene.with_volumes(|volume| {
+        let eye = DVec3::new(1.3, 1.2, -0.4);
+        let target = DVec3::new(0.325, 0.505, 0.31);
+        volume.camera = Camera::new(eye, target, DVec3::Y, 0.8).unwrap();
+    });
+    let (of_volume, of_eye) = pictures(&oblique);
+    assert!(!passes(&of_volume, &of_eye));
+}
+
 /// What tests of another renderer call gives the verdict of `volref validate`.
 #[test]
 fn a_check_explains_by_conventions() {

@@ -55,7 +55,7 @@ fn surfaces(values: &[f64], opacity: f64) -> Isosurfaces {
     };
     Isosurfaces {
         surfaces: values.iter().enumerate().map(surface).collect(),
-        fault: None,
+        faults: Vec::new(),
     }
 }
 

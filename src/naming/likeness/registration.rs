@@ -26,6 +26,9 @@ const SETS: [&[&str]; 4] = [
 /// Radii of the blur, in parts of the width of the image.
 const RADII: [f64; 4] = [1.0 / 6.0, 1.0 / 12.0, 1.0 / 24.0, 0.0];
 
+/// The radii to go through: where a blur leaves little to go by, as of a turn alone, its steps lead astray.
+const STARTS: [&[f64]; 2] = [&RADII, &[RADII[2], RADII[3]]];
+
 /// Largest number of steps at each radius, but for those of more than [`CLOSE`] at the last.
 const STEPS: usize = 5;
 const LAST_STEPS: usize = 12;
@@ -69,9 +72,11 @@ impl ComparedCase {
         if all.is_empty() {
             return Fitted::default();
         }
-        let found = SETS.iter().find_map(|set| {
-            let of_set = all.iter().filter(|number| set.contains(&kind(number)));
-            Registration::new(self, of_set.cloned().collect(), clock).candidate()
+        let found = STARTS.iter().find_map(|radii| {
+            SETS.iter().find_map(|set| {
+                let of_set = all.iter().filter(|number| set.contains(&kind(number)));
+                Registration::new(self, of_set.cloned().collect(), clock).candidate(radii)
+            })
         });
         self.report(found.into_iter().collect())
     }
@@ -98,10 +103,10 @@ impl<'r> Registration<'r> {
     }
 
     /// Changes that explain most of the difference; nothing if the time is over.
-    fn candidate(&self) -> Option<Candidate> {
+    fn candidate(&self, radii: &[f64]) -> Option<Candidate> {
         let mut changes = vec![0.0; self.numbers.len()];
         let mut last = vec![0.0; self.numbers.len()];
-        for part in RADII {
+        for &part in radii {
             let radius = (part * self.columns as f64).round() as usize;
             let left;
             (changes, last, left) = self.nearest(changes, radius)?;

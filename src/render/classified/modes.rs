@@ -85,7 +85,7 @@ impl<'s> ExactField<'s> {
             }
             Mode::Isosurfaces(surfaces) => {
                 let passed = self.passed(surfaces, &segments);
-                caster.of_surfaces(ray, &passed, None, &mut of_ray)
+                caster.of_surfaces(ray, &passed, &[], &mut of_ray)
             }
         };
         (pixel, of_ray)

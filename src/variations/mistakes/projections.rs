@@ -129,7 +129,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
             let is_seen_through = |surface: &Isosurface| surface.opacity < 1.0;
             surfaced(scene, |surfaces| {
                 surfaces.surfaces.iter().any(is_seen_through)
-                    && set(&mut surfaces.fault, Some(IsosurfaceFault::FirstAlone))
+                    && makes(surfaces, IsosurfaceFault::FirstAlone)
             })
         }),
     },
@@ -150,7 +150,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "isosurfaces are stairs: they lie between the two samples on either side, where the line between them has the value",
         edit: Edit::Classified(|scene| {
             surfaced(scene, |surfaces| {
-                set(&mut surfaces.fault, Some(IsosurfaceFault::AtSamples))
+                makes(surfaces, IsosurfaceFault::AtSamples)
             })
         }),
     },
@@ -182,6 +182,13 @@ fn shown_as(scene: &mut Classified, other: Projected) -> bool {
     })
 }
 
+/// True if the mistake was not made yet.
+fn makes(surfaces: &mut Isosurfaces, fault: IsosurfaceFault) -> bool {
+    let is_new = !surfaces.faults.contains(&fault);
+    surfaces.faults.extend(is_new.then_some(fault));
+    is_new
+}
+
 fn surfaced(scene: &mut Classified, edit: impl Fn(&mut Isosurfaces) -> bool) -> bool {
     match &mut scene.mode {
         Mode::Isosurfaces(surfaces) => edit(surfaces),
@@ -197,7 +204,7 @@ fn faulty(scene: &mut Classified, fault: ProjectionFault, of: impl Fn(Projected)
 }
 
 fn shaded_by(scene: &mut Classified, fault: IsosurfaceFault) -> bool {
-    scene.phong.is_some() && surfaced(scene, |surfaces| set(&mut surfaces.fault, Some(fault)))
+    scene.phong.is_some() && surfaced(scene, |surfaces| makes(surfaces, fault))
 }
 
 /// Another attenuation, from the old one and the step.

@@ -58,7 +58,7 @@ const MAP: &str = "the image is the golden";
 
 /// Sentences that say that nothing was measured.
 const NOTHING: [&str; 2] = [
-    "no gain and no shift accounts",
+    "no gain and no shift by a pixel or less accounts",
     "no single mistake that was tried",
 ];
 
