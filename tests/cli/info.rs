@@ -449,10 +449,7 @@ fn refusals_name_the_remedy() {
                 "describe the samples by a .toml",
             ],
         ),
-        (
-            "scan.npy",
-            ["unsupported file extension", "`header_bytes = 128`"],
-        ),
+        ("scan.npy", ["is no readable NPY file", "numpy.save"]),
         ("scan.nrrd.gz", ["unsupported file extension", "`gunzip`"]),
         (
             "scan.ply",
