@@ -22,8 +22,8 @@ use inline_arrays::{Entries, Json, to_json};
 use std::sync::Arc;
 
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
-/// `NAME.backdrop-1.raw` for each plot, `NAME.vertices-1.raw` and `NAME.triangles-1.raw` for each mesh of a radiative
-/// scene. The same scene gives the same bytes. Refused are other conventions than volref's.
+/// `NAME.backdrop-1.raw` for each plot, `NAME.vertices-1.raw` and `NAME.triangles-1.raw` for each mesh of a
+/// radiative scene. The same scene gives the same bytes. Refused are other conventions than volref's.
 pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
     bundle_at(scene, name, None)
 }
@@ -104,13 +104,13 @@ fn image(scene: &Scene, exposure: Option<f64>) -> Json {
     Json::Object(image)
 }
 
-/// The gate: of samples in words, else the deterministic one. It is the business of [`crate`]'s comparisons, which lie above this
-/// room; `tests/cli/peers.rs` holds these numbers against what they do.
+/// The gate: by noise in words, else the deterministic one. It is the business of [`crate`]'s comparisons,
+/// which lie above this room; `tests/cli/peers.rs` holds these numbers against what they do.
 fn judged(by_noise: bool) -> Json {
     if by_noise {
         let rule = "your image and the right one may differ by no more than the noise of both, in the mean of the \
-                    whole, of rows, of columns and of blocks of 8 by 8 pixels, and pixel by pixel; noise that you do not state \
-                    is estimated from the image";
+                    whole, of rows, of columns and of blocks of 8 by 8 pixels, and pixel by pixel; noise that you do \
+                    not state is estimated from the image";
         return Json::Object(vec![("rule", rule.into())]);
     }
     let rule = "a pixel agrees if in every channel |yours - right| <= tolerance(right), where \

@@ -88,9 +88,9 @@ fn fault(error: FilmError) -> VolumeFault {
     let remedy = "numpy.save of an array of numbers, of shape (z, y, x), writes it right";
     match error {
         FilmError::Unreadable { reason, .. } => {
-            format!("is no readable NPY file: {reason}; {remedy}")
+            format!("no readable NPY file: {reason}; {remedy}")
         }
-        FilmError::Unsuited { what, .. } => format!("holds {what}; {remedy}"),
+        FilmError::Unsuited { what, .. } => format!("{what}; {remedy}"),
         other => other.to_string(),
     }
     .into()
@@ -118,7 +118,7 @@ fn element(descr: &str) -> Result<(Element, Endian), VolumeFault> {
         _ => {
             let shown: String = descr.chars().take(20).collect();
             return refused(format!(
-                "holds numbers of the type {shown:?}, which are not read: save array.astype(np.float32)"
+                "numbers of the type {shown:?}, which are not read: save array.astype(np.float32)"
             ));
         }
     };

@@ -5,10 +5,11 @@ use super::inline_arrays::{Entries, Json};
 use super::several::{of_box, of_rectangle, of_sphere};
 use super::volume::{grid, interpolation, or_null, ray};
 use crate::geometry::{Boundary, Luminous, Shape, Transform};
-use crate::optics::{Density, Field, Light, Material, Phase, Sides};
+use crate::optics::{Density, Field, Light, Material, Phase, Point, Sides};
 use crate::render::Plan;
 use crate::scene::{AreaLight, Body, Object, Panel, Radiative};
-use crate::volume::{FractalParameters, NOISE_GRADIENTS, NOISE_PERMUTATION};
+use crate::volume::{Blob, FractalParameters, NOISE_GRADIENTS, NOISE_PERMUTATION};
+use glam::DVec3;
 
 /// All that is computed for a picture of `scene`, the model of `panel`; grids and meshes go to `raw`.
 pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut RawFiles) -> Entries {
@@ -46,7 +47,7 @@ pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut RawFiles) ->
         ("surfaces", Json::List(surfaces)),
         ("area_lights", Json::List(area_lights)),
         ("lights", Json::List(lights)),
-        ("environment", scene.environment.to_array().into()),
+        ("environment", vector(scene.environment)),
         ("media", Json::List(media)),
         ("formulas", Json::Object(parts.formulas)),
     ]
@@ -61,11 +62,9 @@ struct Parts<'p, 'n> {
 impl Parts<'_, '_> {
     fn surface(&mut self, Object { shape, material }: &Object) -> Json {
         let (shape, to_world) = self.shape(shape);
-        let (kind, key, value, formula): (_, _, Json, _) = match material {
-            Material::Diffuse(share) => {
-                ("diffuse", "reflectance", share.to_array().into(), DIFFUSE)
-            }
-            Material::Mirror(share) => ("mirror", "reflectance", share.to_array().into(), MIRROR),
+        let (kind, key, value, formula) = match material {
+            Material::Diffuse(share) => ("diffuse", "reflectance", vector(*share), DIFFUSE),
+            Material::Mirror(share) => ("mirror", "reflectance", vector(*share), MIRROR),
             Material::Glass(index) => ("glass", "index", (*index).into(), GLASS),
         };
         self.define(kind, formula);
@@ -91,46 +90,42 @@ impl Parts<'_, '_> {
         Json::Object(vec![
             ("shape", Json::Object(shape)),
             ("matrix", ().into()),
-            ("radiance", light.radiance.to_array().into()),
+            ("radiance", vector(light.radiance)),
             ("sides", sides.into()),
         ])
     }
 
     fn light(&mut self, light: &Light) -> Json {
-        let (kind, formula, numbers) = match light {
-            Light::Point(light) => {
-                let position = light.position.to_array();
-                (
-                    "point",
-                    POINT,
-                    vec![
-                        ("position", position.into()),
-                        ("intensity", light.intensity.to_array().into()),
-                    ],
-                )
+        Json::Object(match light {
+            Light::Point(Point {
+                position,
+                intensity,
+            }) => {
+                let numbers = [
+                    ("position", vector(*position)),
+                    ("intensity", vector(*intensity)),
+                ];
+                self.named("point", POINT, numbers)
             }
             Light::Spot(light) => {
-                let numbers = vec![
-                    ("position", light.position.to_array().into()),
-                    ("intensity", light.intensity.to_array().into()),
-                    ("axis", light.axis().to_array().into()),
+                let numbers = [
+                    ("position", vector(light.position)),
+                    ("intensity", vector(light.intensity)),
+                    ("axis", vector(*light.axis())),
                     ("inner", light.inner().into()),
                     ("outer", light.outer().into()),
                 ];
-                ("spot", SPOT, numbers)
+                self.named("spot", SPOT, numbers)
             }
             Light::Directional(light) => {
-                let numbers = vec![
-                    ("direction", light.direction.to_array().into()),
-                    ("irradiance", light.irradiance.to_array().into()),
+                let irradiance = vector(light.irradiance);
+                let numbers = [
+                    ("direction", vector(*light.direction)),
+                    ("irradiance", irradiance),
                 ];
-                ("directional", DIRECTIONAL, numbers)
+                self.named("directional", DIRECTIONAL, numbers)
             }
-        };
-        self.define(kind, formula);
-        let mut entries = vec![("kind", kind.into())];
-        entries.extend(numbers);
-        Json::Object(entries)
+        })
     }
 
     fn medium(&mut self, body: &Body) -> Json {
@@ -144,91 +139,96 @@ impl Parts<'_, '_> {
         Json::Object(vec![
             ("shape", shape),
             ("matrix", matrix(to_world)),
-            ("sigma_a", coefficients.sigma_a().to_array().into()),
-            ("sigma_s", coefficients.sigma_s().to_array().into()),
-            ("emission", body.medium.emission.to_array().into()),
-            ("phase", phase),
+            ("sigma_a", vector(coefficients.sigma_a())),
+            ("sigma_s", vector(coefficients.sigma_s())),
+            ("emission", vector(body.medium.emission)),
+            ("phase", Json::Object(phase)),
             ("density", or_null(density)),
         ])
     }
 
     fn density(&mut self, density: &Density) -> Entries {
-        let (kind, formula, numbers) = match density.field() {
-            Field::Constant(_) => {
-                let value = density.range().high.into();
-                ("constant", "density = value", vec![("value", value)])
-            }
+        match density.field() {
+            Field::Constant(_) => self.named(
+                "constant",
+                "density = value",
+                [("value", density.range().high.into())],
+            ),
             Field::Grid(field) => {
                 let file = self.raw.grid(field.shared());
-                let mut entries = grid(field.grid().lattice(), None, file);
-                entries.push(("interpolation", interpolation(field.interpolation())));
-                ("grid", GRID, entries)
+                let interpolation = interpolation(field.interpolation());
+                let numbers = grid(field.grid().lattice(), None, file).into_iter();
+                self.named(
+                    "grid",
+                    GRID,
+                    numbers.chain([("interpolation", interpolation)]),
+                )
             }
             Field::Noise(noise) => {
                 self.define("permutation", NOISE_PERMUTATION.to_vec());
                 self.define("gradients", NOISE_GRADIENTS.map(Vec::from).to_vec());
-                ("noise", NOISE, of_noise(noise.parameters()))
+                self.named("noise", NOISE, of_noise(noise.parameters()))
             }
             Field::Exponential(layer) => {
                 let (density, base, up, scale_height) = layer.parameters();
-                let numbers = vec![
+                let numbers = [
                     ("density", density.into()),
-                    ("base", base.to_array().into()),
-                    ("up", up.to_array().into()),
+                    ("base", vector(base)),
+                    ("up", vector(*up)),
                     ("scale_height", scale_height.into()),
                 ];
-                ("exponential", EXPONENTIAL, numbers)
+                self.named("exponential", EXPONENTIAL, numbers)
             }
             Field::Linear(ramp) => {
                 let (density, origin, gradient) = ramp.parameters();
-                let numbers = vec![
+                let numbers = [
                     ("density", density.into()),
-                    ("origin", origin.to_array().into()),
-                    ("gradient", gradient.to_array().into()),
+                    ("origin", vector(origin)),
+                    ("gradient", vector(gradient)),
                 ];
-                ("linear", LINEAR, numbers)
+                self.named("linear", LINEAR, numbers)
             }
-            Field::Blob(blob) => {
-                let numbers = vec![
-                    ("centre", blob.centre.to_array().into()),
-                    ("width", blob.width.into()),
-                    ("peak", blob.peak.into()),
+            Field::Blob(Blob {
+                centre,
+                peak,
+                width,
+            }) => {
+                let numbers = [
+                    ("centre", vector(*centre)),
+                    ("width", (*width).into()),
+                    ("peak", (*peak).into()),
                 ];
-                ("blob", BLOB, numbers)
+                self.named("blob", BLOB, numbers)
             }
-        };
-        self.define(kind, formula);
-        let mut entries = vec![("kind", kind.into())];
-        entries.extend(numbers);
-        entries
+        }
     }
 
-    fn phase(&mut self, phase: &Phase) -> Json {
-        let (kind, formula, numbers) = match phase {
-            Phase::HenyeyGreenstein(phase) => {
-                let numbers = vec![("g", phase.0.g().into())];
-                ("henyey-greenstein", HENYEY_GREENSTEIN, numbers)
-            }
+    fn phase(&mut self, phase: &Phase) -> Entries {
+        match phase {
+            Phase::HenyeyGreenstein(phase) => self.named(
+                "henyey-greenstein",
+                HENYEY_GREENSTEIN,
+                [("g", phase.0.g().into())],
+            ),
             Phase::Draine(phase) => {
                 let g = phase.asymmetry().g().into();
-                let numbers = vec![("g", g), ("alpha", phase.alpha().into())];
-                ("draine", DRAINE, numbers)
+                self.named(
+                    "draine",
+                    DRAINE,
+                    [("g", g), ("alpha", phase.alpha().into())],
+                )
             }
             Phase::Droplets(phase) => {
                 let (narrow, wide, weight) = phase.lobes();
-                let numbers = vec![
+                let numbers = [
                     ("narrow_g", narrow.0.g().into()),
                     ("g", wide.asymmetry().g().into()),
                     ("alpha", wide.alpha().into()),
                     ("weight", weight.into()),
                 ];
-                ("droplets", DROPLETS, numbers)
+                self.named("droplets", DROPLETS, numbers)
             }
-        };
-        self.define(kind, formula);
-        let mut entries = vec![("kind", kind.into())];
-        entries.extend(numbers);
-        Json::Object(entries)
+        }
     }
 
     fn shape<'s>(&mut self, shape: &'s Shape) -> (Json, Option<&'s Transform>) {
@@ -259,6 +259,17 @@ impl Parts<'_, '_> {
         (Json::Object(entries), to_world)
     }
 
+    /// A kind of something with its numbers; `formula` tells what they mean.
+    fn named(
+        &mut self,
+        kind: &'static str,
+        formula: &'static str,
+        numbers: impl IntoIterator<Item = (&'static str, Json)>,
+    ) -> Entries {
+        self.define(kind, formula);
+        [("kind", kind.into())].into_iter().chain(numbers).collect()
+    }
+
     /// States what `name` means, once.
     fn define(&mut self, name: &'static str, meaning: impl Into<Json>) {
         if !self.formulas.iter().any(|(known, _)| *known == name) {
@@ -272,11 +283,15 @@ fn of_noise(noise: &FractalParameters) -> Entries {
         ("octaves", noise.octaves.into()),
         ("lacunarity", noise.lacunarity.into()),
         ("gain", noise.gain.into()),
-        ("scale", noise.scale.to_array().into()),
-        ("offset", noise.offset.to_array().into()),
+        ("scale", vector(noise.scale)),
+        ("offset", vector(noise.offset)),
         ("max_density", noise.max_density.into()),
         ("threshold", noise.threshold.into()),
     ]
+}
+
+fn vector(vector: DVec3) -> Json {
+    vector.to_array().into()
 }
 
 /// The rows of the map, or null.
@@ -288,68 +303,75 @@ fn matrix(to_world: Option<&Transform>) -> Json {
 const MEAN: &str = "the mean of the radiance over the square of the pixel (box filter): along the ray of `ray` \
     with x and y no whole numbers, but spread evenly from half a pixel before them to half a pixel beyond";
 
-const SAMPLES: &str = "what volref takes, for orientation: any number will do, and any way to take them. State the \
-    noise: in an EXR the variances of the means of the pixels, channels variance.R, variance.G and variance.B, and the \
-    samples behind each, channel samples.Y";
+const SAMPLES: &str = "what volref takes, for orientation: any number will do, and any way to take them. State \
+    the noise: in an EXR the variances of the means of the pixels, channels variance.R, variance.G and \
+    variance.B, and the samples behind each, channel samples.Y";
 
-const ORDER: &str = "light is turned at most `most` times (null: any number of times) on its way from a light to the \
-    eye, by media and surfaces together, mirrors and glass included: what is turned more often is left out. The \
-    boundary of a medium turns nothing, and a light that is seen directly is turned 0 times. `left_out` names what \
-    the scene leaves out";
+const ORDER: &str = "light is turned at most `most` times (null: any number of times) on its way from a light to \
+    the eye, by media and surfaces together, mirrors and glass included: what is turned more often is left out. \
+    The boundary of a medium turns nothing, and a light that is seen directly is turned 0 times. `left_out` \
+    names what the scene leaves out";
 
-const RADIANCE: &str = "L(x, w), the radiance seen from x along w, is for each channel the integral over t from 0 to D of \
-    T(t)*(J + the sum over the media of sigma_s * the integral over all directions v of p(w.v)*L(x + t*w, v)), plus \
-    T(D)*S. All is taken at x + t*w; J is the sum of the emissions of the media there, and T(t) = exp(-integral of the \
-    sum of their sigma_a + sigma_s from 0 to t). D is the distance of the nearest surface or area light, and S what it \
-    sends towards x; where there is none, D is infinite and S is `environment`, linear RGB from every direction. Each of \
-    `lights` adds p(w.v)*E*T to the inner integral, v the direction towards it, E its irradiance at x + t*w and T that of the straight way to it, \
-    0 where a surface, glass and mirrors too, lies in between; and E*T*cosine to the irradiance on diffuse surfaces. Neither \
-    the eye nor mirrors and glass see `lights`. w and v point away \
-    from the eye, against the light, and w.v is the cosine of the angle of deflection. Coordinates are right-handed";
+const RADIANCE: &str = "L(x, w), the radiance seen from x along w, is for each channel the integral over t from \
+    0 to D of T(t)*(J + the sum over the media of sigma_s * the integral over all directions v of p(w.v)*L(x + \
+    t*w, v)), plus T(D)*S. All is taken at x + t*w; J is the sum of the emissions of the media there, and T(t) = \
+    exp(-integral of the sum of their sigma_a + sigma_s from 0 to t). D is the distance of the nearest surface \
+    or area light, and S what it sends towards x; where there is none, D is infinite and S is `environment`, \
+    linear RGB from every direction. Each of `lights` adds p(w.v)*E*T to the inner integral, v the direction \
+    towards it, E its irradiance at x + t*w and T that of the straight way to it, 0 where a surface, glass and \
+    mirrors too, lies in between; and E*T*cosine to the irradiance on diffuse surfaces. Neither the eye nor \
+    mirrors and glass see `lights`. w and v point away from the eye, against the light, and w.v is the cosine of \
+    the angle of deflection. Coordinates are right-handed";
 
-const SHAPE: &str = "with a matrix, three rows of four numbers, the point q of a shape stands at p = M*q + o in the world, \
-    M its first three columns and o the last. The front of a sphere, of a box or of a closed mesh is its outside, \
-    that of a rectangle, which reaches from corner along edge_u and edge_v, the side that edge_u x edge_v points to, that of a triangle the side from \
-    which its vertices run anticlockwise, before the matrix: a matrix that mirrors keeps what is in front there. A box may be flat along an axis. Vertices of a mesh: bare float64, little endian, x, y, z of \
-    each; its triangles: bare uint32, little endian, three numbers of vertices, from 0, of each. Meshes are flat-shaded; the \
-    inside of a mesh is where it has been entered more often than left";
+const SHAPE: &str = "with a matrix, three rows of four numbers, the point q of a shape stands at p = M*q + o in \
+    the world, M its first three columns and o the last. The front of a sphere, of a box or of a closed mesh is \
+    its outside, that of a rectangle, which reaches from corner along edge_u and edge_v, the side that edge_u x \
+    edge_v points to, that of a triangle the side from which its vertices run anticlockwise, before the matrix: \
+    a matrix that mirrors keeps what is in front there. A box may be flat along an axis. Vertices of a mesh: \
+    bare float64, little endian, x, y, z of each; its triangles: bare uint32, little endian, three numbers of \
+    vertices, from 0, of each. Meshes are flat-shaded; the inside of a mesh is where it has been entered more \
+    often than left";
 
-const DIFFUSE: &str =
-    "either side sends, in every direction of that side, reflectance/pi times the irradiance on it";
+const DIFFUSE: &str = "either side sends, in every direction of that side, reflectance/pi times the irradiance on \
+    it";
 
 const MIRROR: &str =
     "either side sends reflectance times the radiance seen along the mirrored direction";
 
-const GLASS: &str = "smooth glass: index is that behind the surface over that in front. Seen along w, c = |cos| of the angle to the normal, \
-    r = 1/index from the front, r = index from behind; s = r^2*(1 - c^2). Where s >= 1, F = 1; else with e = sqrt(1 - s), \
-    F = (((r*c - e)/(r*c + e))^2 + ((c - r*e)/(c + r*e))^2)/2. It sends F*L(mirrored) + (1 - F)*r^2*L(refracted), where refracted = r*w + \
-    (r*c - e)*n, n the normal on the side of x: L/index^2 is the same on both sides";
+const GLASS: &str = "smooth glass: index is that behind the surface over that in front. Seen along w, c = |cos| \
+    of the angle to the normal, r = 1/index from the front, r = index from behind; s = r^2*(1 - c^2). Where s >= \
+    1, F = 1; else with e = sqrt(1 - s), F = (((r*c - e)/(r*c + e))^2 + ((c - r*e)/(c + r*e))^2)/2. It sends \
+    F*L(mirrored) + (1 - F)*r^2*L(refracted), where refracted = r*w + (r*c - e)*n, n the normal on the side of \
+    x: L/index^2 is the same on both sides";
 
-const AREA_LIGHT: &str = "sends `radiance` in every direction from its front, or from both sides, reflects nothing, and \
-    hides what is behind it";
+const AREA_LIGHT: &str = "sends `radiance` in every direction from its front, or from both sides, reflects \
+    nothing, and hides what is behind it";
 
 const POINT: &str =
     "power per steradian `intensity`: at distance r the irradiance intensity/r^2 on what faces it";
 
-const SPOT: &str = "as a point light, times 1 up to the angle `inner` from `axis`, 0 from `outer` on, and \
-    (outer - angle)/(outer - inner) in between; radians";
+const SPOT: &str = "as a point light, times 1 up to the angle `inner` from `axis`, 0 from `outer` on, and (outer \
+    - angle)/(outer - inner) in between; radians";
 
-const DIRECTIONAL: &str = "light that travels along `direction` everywhere, with the irradiance `irradiance` on what faces it";
+const DIRECTIONAL: &str = "light that travels along `direction` everywhere, with the irradiance `irradiance` on \
+    what faces it";
 
-const MEDIUM: &str = "fills its shape, or all space if that is null, and does nothing at its boundary. sigma_a (absorption), sigma_s (scattering) and \
-    emission are per length of the world, by channel, and all three are multiplied by the density, which is 1 where it is null. \
-    Where media overlap they add up, each with its phase function, as `radiance` says: none displaces another, whichever is \
-    named first. Boundaries may lie in surfaces exactly. A density is a function of q, before the matrix of the shape";
+const MEDIUM: &str = "fills its shape, or all space if that is null, and does nothing at its boundary. sigma_a \
+    (absorption), sigma_s (scattering) and emission are per length of the world, by channel, and all three are \
+    multiplied by the density, which is 1 where it is null. Where media overlap they add up, each with its phase \
+    function, as `radiance` says: none displaces another, whichever is named first. Boundaries may lie in \
+    surfaces exactly. A density is a function of q, before the matrix of the shape";
 
 const GRID: &str =
     "node positions and the box are those of points q; beyond the box the density is 0";
 
-const NOISE: &str = "with z = q*scale + offset, component by component, v = (sum of gain^i*n(z*lacunarity^i))/(sum of gain^i) over \
-    i = 0 ... octaves - 1, and d = min(max_density, max(0, (v + 1)/2*max_density)): the density is d where d > threshold, else 0. n is \
-    Perlin's improved noise of 2002: with f = z - floor(z), [i, j, k] = floor(z) mod 256 and P = permutation, the corner [a, b, c] of a cell, \
-    each 0 or 1, has the gradient number P[P[P[i + a] + j + b] + k + c] mod 16 of `gradients`, all indices of P mod 256, and its \
-    value is that gradient . (f - [a, b, c]); between the corners values are mixed in straight lines by the weights 6*f^5 - 15*f^4 + 10*f^3 of each \
-    axis";
+const NOISE: &str = "with z = q*scale + offset, component by component, v = (sum of \
+    gain^i*n(z*lacunarity^i))/(sum of gain^i) over i = 0 ... octaves - 1, and d = min(max_density, max(0, (v + \
+    1)/2*max_density)): the density is d where d > threshold, else 0. n is Perlin's improved noise of 2002: with \
+    f = z - floor(z), [i, j, k] = floor(z) mod 256 and P = permutation, the corner [a, b, c] of a cell, each 0 \
+    or 1, has the gradient number P[P[P[i + a] + j + b] + k + c] mod 16 of `gradients`, all indices of P mod \
+    256, and its value is that gradient . (f - [a, b, c]); between the corners values are mixed in straight \
+    lines by the weights 6*f^5 - 15*f^4 + 10*f^3 of each axis";
 
 const EXPONENTIAL: &str = "density*exp(-h/scale_height) at height h = up.(q - base)";
 
@@ -360,7 +382,8 @@ const BLOB: &str = "peak*exp(-r^2/(2*width^2)) at distance r from centre";
 const HENYEY_GREENSTEIN: &str =
     "p(c) = (1 - g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2)) per steradian: g > 0 is forward";
 
-const DRAINE: &str = "p(c) = h(g)*(1 + alpha*c^2)/(1 + alpha*(1 + 2*g^2)/3) per steradian, h(g) = (1 - g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2))";
+const DRAINE: &str = "p(c) = h(g)*(1 + alpha*c^2)/(1 + alpha*(1 + 2*g^2)/3) per steradian, h(g) = (1 - \
+    g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2))";
 
-const DROPLETS: &str = "p(c) = (1 - weight)*h(narrow_g) + weight*h(g)*(1 + alpha*c^2)/(1 + alpha*(1 + 2*g^2)/3) per \
-    steradian, h(g) = (1 - g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2))";
+const DROPLETS: &str = "p(c) = (1 - weight)*h(narrow_g) + weight*h(g)*(1 + alpha*c^2)/(1 + alpha*(1 + 2*g^2)/3) \
+    per steradian, h(g) = (1 - g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2))";
