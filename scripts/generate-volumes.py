@@ -47,6 +47,12 @@ def nrrd(kind, encoding, where, data=None, endian=None, sizes="4 3 2"):
     return header.encode() if data is None else header.encode() + b"\n" + data
 
 
+def npy(kind, shape, fortran, data):
+    header = f"{{'descr': '{kind}', 'fortran_order': {fortran}, 'shape': {shape}, }}"
+    header = header.ljust(-(len(header) + 11) % 64 + len(header)) + "\n"
+    return b"\x93NUMPY\1\0" + struct.pack("<H", len(header)) + header.encode() + data
+
+
 def nifti(order, code, bits, data, rows, sizes=NODES, scaling=(0, 0)):
     header = bytearray(348)
 
@@ -98,6 +104,10 @@ def main():
     write("grid.nii", nifti(">", 4, 16, packed(">", "h", stored), rows, scaling=(0.5, -10)))
     rows = ((0.5, 0, 0, -1), (0, 1, 0, 2), (0, 0, 2, 3))
     write("grid.nii.gz", zipped(nifti("<", 64, 64, packed("<", "d", X_FASTEST), rows)))
+
+    write("grid.npy", npy("<f4", (2, 3, 4), False, floats))
+    z_fastest = [value(i, j, k) for i in range(4) for j in range(3) for k in range(2)]
+    write("fortran.npy", npy(">i2", (2, 3, 4), True, packed(">", "h", z_fastest)))
 
     write("bare.raw", b"\xff\xff" + packed(">", "I", X_FASTEST))
     write(

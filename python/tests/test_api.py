@@ -374,10 +374,10 @@ def test_cases_and_scenes(tmp_path):
     assert os.path.isabs(volref.scene("figure-3")["classified"]["volume"]["file"])
     with pytest.raises(volref.UnknownCase, match="did you mean"):
         volref.render("figures/figur-1")
-    for format in ["mitsuba", "pbrt"]:
+    for format in ["mitsuba", "pbrt", "bundle"]:
         assert volref.export("smoke/cornell", format, tmp_path / format).is_file()
     with pytest.raises(volref.VolrefError, match="bundle"):
-        volref.export("smoke/cornell", "bundle", tmp_path)
+        volref.export("figure-1", "mitsuba", tmp_path)
 
 
 def test_noise(tmp_path):

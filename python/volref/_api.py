@@ -304,7 +304,7 @@ def scene(name: str | Case, suite: SuiteFolder = None) -> dict[str, Any]:
 def export(name: str | Case, to: str, folder: str | os.PathLike[str], suite: SuiteFolder = None) -> Path:
     """Writes the scene of a case for another renderer into ``folder``; returns the file to render.
 
-    ``to`` is ``mitsuba`` (3, XML), ``pbrt`` (v4) or ``bundle`` (a classified volume as numbers and formulas).
+    ``to`` is ``mitsuba`` (3, XML), ``pbrt`` (v4) or ``bundle`` (any scene as numbers and formulas).
     Raises ValueError for another format, and VolrefError if the format cannot say what the scene holds.
     """
     given = str(_case(name, suite).scene_file)

@@ -7,8 +7,8 @@
 
 All that it knows of a scene stands in the bundle, formulas included; comments say what code is
 for. It renders volumes, several together with their clips, projections and isosurfaces of one, and plots of transfer
-functions; surfaces are refused. To see how a wrong renderer is found out, let it make a mistake: `student.py --mistake gamma ...`. Numbers
-of n rays or samples are arrays of length n, vectors have the shape (3, n).
+functions; surfaces are refused, and so are radiative scenes, which `student_paths.py` renders. To see how a wrong
+renderer is found out, let it make a mistake: `student.py --mistake gamma ...`. Numbers of n rays or samples are arrays of length n, vectors have the shape (3, n).
 """
 
 import argparse
@@ -119,7 +119,7 @@ class Volume:
         self.density = Field(self.grid, method, values.ravel())
         if panel["phong"]:
             if min(values.shape) < 3:
-                sys.exit("this renderer takes gradients of grids of 3 nodes or more on each axis")
+                sys.exit("refused: this renderer takes gradients of grids of 3 nodes or more on each axis")
             gradient = central_differences(values, self.grid["spacing"]).reshape(3, -1)
             self.gradient = Field(self.grid, method, into(self.grid)[0].T @ gradient)
         self.modulation = panel.get("modulation")
@@ -218,10 +218,10 @@ class Volume:
         return colour if self.panel["transfer_function"]["kind"] == "table" else density**2 * colour
 
 
-def rays_of(panel):
-    """The eye, and a direction for every pixel, row by row from the top."""
+def rays_of(panel, shift=0):
+    """The eye, and a direction for every pixel, row by row from the top, `shift` pixels off its centre."""
     ray, width, height = panel["ray"], panel["width"], panel["height"]
-    y, x = np.divmod(np.arange(width * height), width)
+    y, x = np.array(np.divmod(np.arange(width * height), width)) + shift
     right = column(ray["half_right"]) * (2 * x + 1 - width) / height
     down = column(ray["half_up"]) * (2 * y + 1 - height) / height
     if "orthographic_height" in ray:
@@ -274,7 +274,7 @@ def picture(panel, colour, opacity):
 def draw_volumes(panel, folder):
     """Several volumes, each constant over each of its steps: the ends of all steps cut a ray into pieces."""
     if panel["surfaces"]:
-        sys.exit("this renderer knows no surfaces")
+        sys.exit("refused: this renderer knows no surfaces")
     volumes = []
     for volume in panel["volumes"]:
         clips = [panel["clips"][index] for index in volume["clips"]]
@@ -415,42 +415,41 @@ def draw_plot(panel, folder):
     return image
 
 
-def main():
-    global mistake
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+def command(render, description, mistakes, *numbers):
+    """A renderer's command line: one bundle, or requests, a line each, until there are no more."""
+    parser = argparse.ArgumentParser(description=description.partition("\n")[0])
     parser.add_argument("bundle", type=Path, nargs="?")
     parser.add_argument("output", type=image_path, nargs="?")
     parser.add_argument("--serve", action="store_true", help="stay, and read requests")
-    parser.add_argument("--mistake", choices=MISTAKES, help=str(MISTAKES)[1:-1])
+    parser.add_argument("--mistake", choices=mistakes, help=str(mistakes)[1:-1])
+    for number, what in numbers:
+        parser.add_argument(f"--{number}", type=int, help=what)
     options = parser.parse_args()
-    mistake = options.mistake
-    if options.serve:
-        serve()
-    elif options.bundle and options.output:
-        render(options.bundle, options.output)
-    else:
+    if options.bundle and options.output:
+        render(options.bundle, options.output, vars(options))
+    elif not options.serve:
         parser.error("a bundle and an output, or --serve")
-
-
-def serve():
-    """Answers requests, a line each, until there are no more."""
-    for line in sys.stdin:
+    for line in sys.stdin if options.serve else []:
         request = json.loads(line)
         try:
-            render(Path(request["export:bundle"]), image_path(request["output"]))
+            render(Path(request["export:bundle"]), image_path(request["output"]), vars(options) | request)
             answer = {"image": request["output"]}
         except SystemExit as refusal:
             answer = {"cannot": str(refusal)}
         print(json.dumps(answer), flush=True)
 
 
-def render(path, output):
+def render(path, output, options):
+    global mistake
+    mistake = options["mistake"]
     bundle = json.loads(path.read_text("utf-8"))
     if bundle["schema"] != "volref/bundle/1":
         sys.exit(f"{path}: not a bundle that this renderer knows")
     pictures = []
     for panel in bundle["panels"]:
-        draw = {"volume": draw_volume, "volumes": draw_volumes, "plot": draw_plot}[panel["shows"]]
+        draw = {"volume": draw_volume, "volumes": draw_volumes, "plot": draw_plot}.get(panel["shows"])
+        if not draw:
+            sys.exit(f"refused: a panel that shows {panel['shows']} (student_paths.py may know it)")
         if "mode" in panel:
             draw = draw_field
         pictures.append(draw(panel, path.parent))
@@ -464,4 +463,4 @@ def render(path, output):
 
 
 if __name__ == "__main__":
-    main()
+    command(render, __doc__, MISTAKES)

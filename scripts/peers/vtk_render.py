@@ -57,8 +57,8 @@ def parts_of(panel):
 
 def obstacles(panel):
     """What of a panel VTK's model has no word for."""
-    if panel["shows"] == "plot":
-        return ["a plot, which is no volume"]
+    if not panel["shows"].startswith("volume"):
+        return [f"a {panel['shows']}, which is no volume"]
     if "mode" in panel and panel["mode"]["name"] not in BLENDS:
         return [f"mode = {panel['mode']['name']!r}"]
     found = []

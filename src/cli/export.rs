@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// Scene file (TOML), or a case of the suite
     scene: PathBuf,
-    /// Format: mitsuba (3, XML), pbrt (v4), bundle (a classified volume as
-    /// numbers and formulas); or its grid alone: raw, nrrd or npy
+    /// Format: mitsuba (3, XML), pbrt (v4), bundle (any scene as
+    /// numbers and formulas); or the grid of a classified volume alone: raw, nrrd or npy
     #[arg(long, value_name = "FORMAT")]
     to: Format,
     /// Folder to write into; created if it does not exist

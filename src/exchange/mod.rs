@@ -1,12 +1,13 @@
 //! Scenes for other renderers.
 //!
 //! [`export`] writes a scene in the format of another renderer: participating media for [Mitsuba 3]
-//! and [pbrt-v4], classified volumes as a plain bundle of numbers, or their grids alone. A scene that a format cannot
+//! and [pbrt-v4], all scenes as a plain bundle of numbers, classified volumes as their grids alone. A scene that a format cannot
 //! express is a [`Refusal`] that names each reason; nothing is approximated. If a scene must be
 //! changed slightly, because other renderers move rays off surfaces by more than rounding, a
 //! comment in the file states it.
 //!
-//! `forms` are shapes by their coordinates, `nested_media` which media lie in which, `limits` what
+//! `bundle` says all that a scene holds, in panels of `volume`, `volumes`, `radiance` and `plot`, whose keys the guide lists
+//! ([`peers`](crate::guide::peers)). `forms` are shapes by their coordinates, `nested_media` which media lie in which, `limits` what
 //! 32-bit numbers lose; `mitsuba` and `pbrt` write.
 //!
 //! [Mitsuba 3]: https://www.mitsuba-renderer.org
@@ -41,7 +42,7 @@ pub enum Format {
     Mitsuba,
     /// A scene of pbrt-v4, with meshes (`.ply`) beside it.
     Pbrt,
-    /// A classified volume or a curve, as numbers and formulas.
+    /// Any scene, as numbers, formulas and raw arrays.
     Bundle,
     /// The grid of a classified volume: bare samples, described in TOML.
     Raw,

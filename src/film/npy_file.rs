@@ -9,6 +9,7 @@ use super::error::check_size;
 use super::reading::{Overflow, Reading};
 use super::{Film, FilmError};
 use half::f16;
+use std::ops::Range;
 
 fn unreadable(reason: impl Into<String>) -> FilmError {
     FilmError::unreadable("NPY", reason)
@@ -18,18 +19,17 @@ fn unreadable(reason: impl Into<String>) -> FilmError {
 const LONGEST_HEADER: usize = 10_000;
 
 /// The header of the array.
-struct NpyHeader {
+pub(crate) struct NpyHeader {
     /// Type of a number, such as `<f4`.
-    descr: String,
+    pub(crate) descr: String,
     /// Whether the first axis runs fastest instead of the last.
-    fortran_order: bool,
+    pub(crate) fortran_order: bool,
     /// Lengths of the axes.
-    shape: Vec<usize>,
+    pub(crate) shape: Vec<usize>,
 }
 
 pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
-    let (text, data) = split(bytes)?;
-    let header = NpyHeader::parse(text)?;
+    let (header, data) = NpyHeader::read(bytes)?;
     let number = NpyNumber::of(&header.descr)?;
     let [height, width, channels] = axes(&header.shape)?;
     check_size(width, height)?;
@@ -91,37 +91,51 @@ pub(super) fn encode_values(shape: &[usize], values: impl Iterator<Item = f32>) 
     bytes
 }
 
-/// The text of the header, and the data.
-fn split(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
-    let cut_off = || unreadable("its header is truncated");
-    let rest = bytes.strip_prefix(b"\x93NUMPY");
-    let rest =
-        rest.ok_or_else(|| unreadable("it does not begin with the signature of the format"))?;
-    let (&[version, minor], rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
-    let (length, rest) = match version {
-        1 => {
-            let (length, rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
-            (usize::from(u16::from_le_bytes(*length)), rest)
-        }
-        2 | 3 => {
-            let (length, rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
-            (u32::from_le_bytes(*length) as usize, rest)
-        }
-        _ => {
-            let reason = format!("its version is {version}.{minor}; known are 1, 2 and 3");
-            return Err(unreadable(reason));
-        }
-    };
-    if length > LONGEST_HEADER {
-        let reason = format!("its header claims {length} bytes; at most {LONGEST_HEADER} are read");
-        return Err(unreadable(reason));
-    }
-    let (text, data) = rest.split_at_checked(length).ok_or_else(cut_off)?;
-    let text = std::str::from_utf8(text).map_err(|_| unreadable("its header is not text"))?;
-    Ok((text, data))
+fn cut_off() -> FilmError {
+    unreadable("its header is truncated")
 }
 
 impl NpyHeader {
+    /// Bytes at the beginning of a file that tell the length of its header.
+    pub(crate) const FIRST_BYTES: usize = 12;
+
+    /// Position of the text of the header, by the first bytes of a file.
+    pub(crate) fn text_at(first: &[u8]) -> Result<Range<usize>, FilmError> {
+        let rest = first.strip_prefix(b"\x93NUMPY");
+        let rest =
+            rest.ok_or_else(|| unreadable("it does not begin with the signature of the format"))?;
+        let (&[version, minor], rest) = rest.split_first_chunk().ok_or_else(cut_off)?;
+        let (begin, length) = match version {
+            1 => {
+                let length = rest.first_chunk().ok_or_else(cut_off)?;
+                (10, usize::from(u16::from_le_bytes(*length)))
+            }
+            2 | 3 => {
+                let length = rest.first_chunk().ok_or_else(cut_off)?;
+                (12, u32::from_le_bytes(*length) as usize)
+            }
+            _ => {
+                let reason = format!("its version is {version}.{minor}; known are 1, 2 and 3");
+                return Err(unreadable(reason));
+            }
+        };
+        if length > LONGEST_HEADER {
+            let reason =
+                format!("its header claims {length} bytes; at most {LONGEST_HEADER} are read");
+            return Err(unreadable(reason));
+        }
+        Ok(begin..begin + length)
+    }
+
+    /// The header of a file, and the data.
+    pub(crate) fn read(bytes: &[u8]) -> Result<(NpyHeader, &[u8]), FilmError> {
+        let text = NpyHeader::text_at(bytes)?;
+        let (header, data) = bytes.split_at_checked(text.end).ok_or_else(cut_off)?;
+        let text = std::str::from_utf8(&header[text.start..]);
+        let text = text.map_err(|_| unreadable("its header is not text"))?;
+        Ok((NpyHeader::parse(text)?, data))
+    }
+
     fn parse(text: &str) -> Result<NpyHeader, FilmError> {
         let mut rest = Rest(text);
         let (mut descr, mut fortran_order, mut shape) = (None, None, None);

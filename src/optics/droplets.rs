@@ -49,6 +49,11 @@ impl Droplets {
         self.diameter
     }
 
+    /// The narrow lobe, the wide one, and the weight of the wide one.
+    pub fn lobes(&self) -> (HenyeyGreenstein, Draine, f64) {
+        (self.narrow, self.wide, self.weight)
+    }
+
     /// The same lobes with `edit` of their `g`.
     pub(super) fn with_asymmetry(&self, edit: impl Fn(Asymmetry) -> Asymmetry) -> Droplets {
         Droplets {

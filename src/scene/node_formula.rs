@@ -12,10 +12,16 @@ const STORED: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
 /// Nodes along an axis, at most: those of a grid of one row.
 const MOST: u64 = NodeFormula::MOST_NODES as u64;
 
-/// Keys that belong to `field`.
-pub(super) const FORMULA_KEYS: [&str; 8] = [
-    "nodes", "spacing", "origin", "value", "slope", "every", "bright", "spot",
-];
+/// Keys that belong to `field` alone.
+pub(super) const FORMULA_KEYS: [&str; 6] = ["nodes", "value", "slope", "every", "bright", "spot"];
+
+/// Distance between nodes, of formulas and of files that state none.
+pub(super) const SPACING: Key = Key::optional("spacing", Kind::Vector)
+    .doc("With `field` or an .npy file: distance between nodes along x, y and z, world units; 1 if left out.");
+
+/// Position of the first node, likewise.
+pub(super) const ORIGIN: Key = Key::optional("origin", Kind::Vector)
+    .doc("With `field` or an .npy file: position of the first node, world units; the origin if left out.");
 
 /// The declarations of `field` and its keys.
 pub(super) const FORMULA: [Key; 9] = [
@@ -23,10 +29,8 @@ pub(super) const FORMULA: [Key; 9] = [
         .doc("In place of `file`, a formula for the value of node (i, j, k), counted from 0: \"ramp\" is `value` + `slope`·(i, j, k); \"spots\" is `value` but at single nodes. Values that 32-bit numbers do not hold exactly are refused."),
     Key::optional("nodes", Kind::Counts(1, MOST))
         .doc("With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB."),
-    Key::optional("spacing", Kind::Vector)
-        .doc("With `field`: distance between nodes along x, y and z, world units; 1 if left out."),
-    Key::optional("origin", Kind::Vector)
-        .doc("With `field`: position of the first node, world units; the origin if left out."),
+    SPACING,
+    ORIGIN,
     Key::optional("value", Kind::Number(STORED))
         .doc("With `field`: of a ramp, the value of the first node; of spots, that of all other nodes; 0 if left out."),
     Key::optional("slope", Kind::Vector)

@@ -2,14 +2,29 @@
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table, joined};
-use super::node_formula::{FORMULA, FORMULA_KEYS};
+use super::node_formula::{FORMULA, FORMULA_KEYS, ORIGIN, SPACING};
 use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
-use crate::volume::{Centring, LoadOptions, NonFinite, Orientation, Splatting, volume_format};
+use crate::volume::{
+    Centring, LatticeError, LoadOptions, NonFinite, Orientation, Splatting, volume_format,
+};
 use std::path::Path;
 
 /// The declaration of a table that names a volume file.
-pub(super) const VOLUME: Table = Table::new("The file a grid of densities comes from.").keys(&KEYS);
+pub(super) const VOLUME: Table =
+    Table::new("The file a grid of densities comes from.").keys(&FILE_KEYS);
+
+const FILE_KEYS: [Key; 9] = joined(
+    KEYS,
+    [
+        SPACING.doc(
+            "Of an .npy file: distance between nodes along x, y and z, world units; 1 if left out.",
+        ),
+        ORIGIN.doc(
+            "Of an .npy file: position of the first node, world units; the origin if left out.",
+        ),
+    ],
+);
 
 /// Rules of [`PLACED_KEYS`].
 pub(super) const PLACED_RULES: [Rule; 4] = [
@@ -126,6 +141,18 @@ impl VolumeRequest {
             options.orientation = Orientation::Oblique;
         }
         options.detached_anywhere = reader.flag("detached_anywhere")?;
-        Ok(VolumeRequest { file, options })
+        if format.is_some_and(|format| format.extensions != [".npy"]) {
+            let what = format!(".npy files; {file:?} states its own");
+            without(&["spacing", "origin"], &what)?;
+        }
+        options.spacing = reader.optional_vector("spacing")?;
+        options.origin = reader.optional_vector("origin")?;
+        let is_spacing = |along: f64| along.is_normal() && along > 0.0;
+        match options.spacing {
+            Some(spacing) if !spacing.to_array().into_iter().all(is_spacing) => {
+                Err(reader.error("spacing", LatticeError::Spacing(spacing).to_string()))
+            }
+            _ => Ok(VolumeRequest { file, options }),
+        }
     }
 }

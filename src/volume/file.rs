@@ -7,6 +7,7 @@ use super::grid::Grid;
 use super::load_options::LoadOptions;
 use super::mitsuba_vol::MITSUBA_VOL;
 use super::nifti::NIFTI;
+use super::npy_array::NPY;
 use super::nrrd::NRRD;
 use super::other_formats::{misnamed, remedy};
 use super::point_cloud::POINT_CLOUD;
@@ -20,12 +21,13 @@ use std::path::Path;
 const HEAD: usize = 352;
 
 /// Every format that is read.
-const VOLUME_FORMATS: [&VolumeFormat; 6] = [
+const VOLUME_FORMATS: [&VolumeFormat; 7] = [
     &POINT_CLOUD,
     &COURSE_GRID,
     &MITSUBA_VOL,
     &NRRD,
     &NIFTI,
+    &NPY,
     &BARE_SAMPLES,
 ];
 
@@ -118,6 +120,7 @@ mod tests {
         assert_eq!(of("a.Nhdr"), Some(NRRD.name));
         assert_eq!(of("a.nii"), Some(NIFTI.name));
         assert_eq!(of("a.b.NII.gz"), Some(NIFTI.name));
+        assert_eq!(of("a.NPY"), Some(NPY.name));
         assert_eq!(of("a.raw.toml"), Some(BARE_SAMPLES.name));
         for other in [
             "", "obj", ".obj", "a.obj.gz", "a.vdb", "a.", "a.gz", ".nii", ".nii.gz",

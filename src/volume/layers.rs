@@ -69,6 +69,11 @@ impl ExponentialLayer {
         })
     }
 
+    /// Density at the base, the base, the direction up, and the scale height.
+    pub fn parameters(&self) -> (f64, DVec3, Direction, f64) {
+        (self.density, self.base, self.up, self.scale_height)
+    }
+
     /// Density at the point `origin`, and the fall of its logarithm over the vector `pace`: what
     /// the exponential profile of the extinction is made of.
     pub fn along(&self, origin: DVec3, pace: DVec3) -> (f64, f64) {
@@ -105,6 +110,11 @@ impl LinearRamp {
             origin: finite("origin", origin)?,
             gradient: finite("gradient", gradient)?,
         })
+    }
+
+    /// The density at an origin, the origin, and the gradient.
+    pub fn parameters(&self) -> (f64, DVec3, DVec3) {
+        (self.density, self.origin, self.gradient)
     }
 
     /// The linear function at the point `origin`, negative where there is nothing, and its change

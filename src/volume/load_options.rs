@@ -1,6 +1,7 @@
 //! Options for reading volume files.
 
 use super::{Centring, Orientation, Splatting};
+use glam::DVec3;
 
 /// Options for converting a file to a grid, where the file is silent or the caller overrides it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,10 @@ pub struct LoadOptions {
     /// True if a header may name a file of data outside its own folder: by an absolute path, by
     /// `..`, or by a symbolic link that leads there.
     pub detached_anywhere: bool,
+    /// For NPY, which states none: the distance between nodes along x, y and z; 1 if left out.
+    pub spacing: Option<DVec3>,
+    /// For NPY: the position of the first node; the origin if left out.
+    pub origin: Option<DVec3>,
 }
 
 impl Default for LoadOptions {
@@ -36,6 +41,8 @@ impl From<Splatting> for LoadOptions {
             non_finite: NonFinite::default(),
             orientation: Orientation::default(),
             detached_anywhere: false,
+            spacing: None,
+            origin: None,
         }
     }
 }

@@ -7,10 +7,6 @@ use std::path::Path;
 const CONVERT: &str = "write the volume as one .nii or .nrrd, as by `nibabel.save` or \
                        `SimpleITK.WriteImage`";
 
-/// Remedy for arrays of NumPy.
-const NPY: &str = "describe the samples by a .toml with the keys `file`, `type`, `endian`, `nodes`, and \
-                   `header_bytes = 128` for most .npy files";
-
 /// Remedy for compressed files.
 const UNPACK: &str = "unpack the file, as by `gunzip`";
 
@@ -18,7 +14,7 @@ const UNPACK: &str = "unpack the file, as by `gunzip`";
 const POINTS: &str = "write the points to an .obj, each as a line `v x y z`";
 
 /// Endings of files that are not read, and the remedy.
-const ENDINGS: [(&str, &str); 14] = [
+const ENDINGS: [(&str, &str); 13] = [
     (
         ".nrrd.gz",
         "unpack the file, as by `gunzip`; the format compresses by `encoding: gzip`",
@@ -39,7 +35,6 @@ const ENDINGS: [(&str, &str); 14] = [
          `encoding = \"gzip\"`",
     ),
     (".dcm", CONVERT),
-    (".npy", NPY),
     (".xyz", POINTS),
     (".ply", POINTS),
     (".pcd", POINTS),
@@ -73,8 +68,8 @@ pub(super) fn misnamed(path: &Path, first: &[u8]) -> Option<String> {
         ("Mitsuba volume", rename(".vol"))
     } else if begins(b"ObjectType") && !any(&[".obj"]) {
         ("MetaImage", CONVERT.to_owned())
-    } else if begins(b"\x93NUMPY") {
-        ("NumPy", NPY.to_owned())
+    } else if begins(b"\x93NUMPY") && !any(&[".npy"]) {
+        ("NumPy", rename(".npy"))
     } else {
         return None;
     };

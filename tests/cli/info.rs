@@ -289,6 +289,7 @@ fn refusals_name_the_remedy() {
     let raw =
         |more: &str| format!("file = \"six.raw\"\ntype = \"uint8\"\nnodes = [3, 2, 1]\n{more}\n");
     folder.write("six.raw", "123456");
+    folder.write("scan.npy", "123456");
     folder.write("long.raw", "header123456");
     folder.write("packed.raw", b"\x1f\x8b\x08");
     folder.write("units.nrrd", nrrd("units: \"mm\" \"um\" \"mm\""));
@@ -449,10 +450,7 @@ fn refusals_name_the_remedy() {
                 "describe the samples by a .toml",
             ],
         ),
-        (
-            "scan.npy",
-            ["unsupported file extension", "`header_bytes = 128`"],
-        ),
+        ("scan.npy", ["no readable NPY file", "numpy.save"]),
         ("scan.nrrd.gz", ["unsupported file extension", "`gunzip`"]),
         (
             "scan.ply",

@@ -189,10 +189,108 @@ fn a_bundle_says_only_what_applies() {
 }
 
 #[test]
-fn light_in_media_is_refused_by_name() {
-    let scene = Scene::load(&root().join("fixtures/scenes/fog/forward.toml")).unwrap();
-    let refusal = bundle(&scene, "fog").unwrap_err();
-    insta::assert_snapshot!(refusal, @"bundle cannot represent radiative: surfaces, media and lights: a bundle states classified volumes only (export it to `mitsuba` or `pbrt`)");
+fn other_conventions_are_refused_by_name() {
+    let conventions = "[classified.conventions]\nlast_step = \"whole\"\n[classified.phong]";
+    let scene = figure_with("figure-1", &[("[classified.phong]", conventions)]);
+    let refusal = bundle(&scene, "whole").unwrap_err();
+    insta::assert_snapshot!(refusal, @"bundle cannot represent classified.conventions: a bundle describes volref's conventions only; leave the table out");
+}
+
+/// Everything that a radiative scene can hold, once.
+const EVERYTHING: &str = r#"
+title = "Everything"
+film = { width = 4, height = 3 }
+camera = { eye = [0, 1, -6], target = [0, 1, 0] }
+sampling = { samples = 24, seed = 7 }
+[radiative]
+scattering = "single"
+environment = [0.25, 0.5, 1]
+surface = [
+    { sphere = { centre = [0, 1, 0], radius = 0.5 }, scale = [1, 2, 1], diffuse = { reflectance = [0.5, 0.25, 0.125] } },
+    { rectangle = { corner = [-5, 0, -5], edge_u = [0, 0, 10], edge_v = [10, 0, 0] }, mirror = { reflectance = 0.75 } },
+    { box = { min = [2, 0, 0], max = [3, 1, 1] }, glass = { index = 1.5 } },
+    { mesh = { file = "../../meshes/gem.obj" }, translate = [-2, 1, 0], diffuse = { reflectance = 0.5 } },
+    { sphere = { centre = [0, 4, 0], radius = 0.25 }, emitter = { radiance = 8, sides = "both" } },
+    { mesh = { file = "../../meshes/gem.obj" }, emitter = { radiance = [1, 2, 3] } },
+]
+medium = [
+    { sphere = { centre = [0, 1, 0], radius = 1 }, sigma_t = 2, albedo = 0.5, g = 0.25 },
+    { grid = { file = "../../volumes/hard/ramp.nrrd" }, scale = [-2, 1, 1], sigma_s = 1, interpolation = "nearest", emission = 0.5, draine = {} },
+    { mesh = { file = "../../meshes/gem.obj" }, sigma_a = 1, sigma_s = 0.5, droplets = { diameter = 12 }, exponential = { base = [0, 1, 0], scale_height = 2 } },
+    { box = { min = [0, 0, 0], max = [1, 1, 1] }, sigma_a = 1, noise = { octaves = 2, offset = [1, 2, 3], threshold = 0.5 } },
+    { box = { min = [0, 0, 0], max = [1, 1, 1] }, sigma_a = 1, linear = { gradient = [0, -0.5, 0] } },
+    { box = { min = [0, 0, 0], max = [1, 1, 1] }, sigma_a = 1, blob = { centre = [0.5, 0.5, 0.5], width = 0.25 } },
+]
+light = [
+    { point = { position = [0, 3, 0], intensity = 4 } },
+    { spot = { position = [0, 3, -1], target = [0, 0, -1], intensity = 6, inner_angle = 30, outer_angle = 45 } },
+    { directional = { direction = [0, -2, 0], irradiance = 0.5 } },
+]
+"#;
+
+/// A bundle of surfaces, media and lights as its reader sees it.
+#[test]
+fn surfaces_media_and_lights_in_words_and_numbers() {
+    let path = root().join("fixtures/scenes/fog/everything.toml");
+    let scene = Scene::parse(EVERYTHING, &path).unwrap();
+    let export = bundle(&scene, "all").unwrap();
+    insta::assert_snapshot!("bundle_of_surfaces_media_and_lights", json_text(&export));
+    // One mesh in three places is two files, and the grid one.
+    let names: Vec<&str> = export.files.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names.len(), 4, "{names:?}");
+}
+
+/// Every radiative scene of the suite is said: what it names stands among the files and the formulas.
+#[test]
+fn every_radiative_scene_has_a_bundle() {
+    let mut said = 0;
+    let families = std::fs::read_dir(root().join("fixtures/scenes")).unwrap();
+    let files = families.flat_map(|family| std::fs::read_dir(family.unwrap().path()).unwrap());
+    let files = files.map(|file| file.unwrap().path());
+    for path in files.filter(|path| path.extension().is_some_and(|it| it == "toml")) {
+        let scene = Scene::load(&path).unwrap();
+        let Model::Radiative(radiative) = &scene.panels[0].model else {
+            continue;
+        };
+        said += 1;
+        let export = bundle(&scene, "scene").unwrap();
+        let description = description(&export);
+        let panel = &description["panels"][0];
+        assert_eq!(panel["shows"], "radiance");
+        let list = |key: &str| panel[key].as_array().unwrap();
+        assert_eq!(list("surfaces").len(), radiative.objects.len());
+        assert_eq!(list("media").len(), radiative.media.len());
+        let parts = ["surfaces", "area_lights", "lights", "media"];
+        for part in parts.into_iter().flat_map(list) {
+            for kind in [
+                &part["kind"],
+                &part["material"],
+                &part["phase"]["kind"],
+                &part["density"]["kind"],
+            ] {
+                let name = kind.as_str();
+                assert!(
+                    name.is_none_or(|name| !panel["formulas"][name].is_null()),
+                    "{kind}"
+                );
+            }
+            let shape = &part["shape"];
+            let count = |key: &str| shape[key].as_u64().unwrap() as usize;
+            if shape["kind"] == "mesh" {
+                let [vertices, triangles] = ["vertices", "triangles"]
+                    .map(|key| contents(&export, shape[key].as_str().unwrap()));
+                assert_eq!(vertices.len(), 24 * count("vertex_count"));
+                assert_eq!(triangles.len(), 12 * count("triangle_count"));
+            }
+            let density = &part["density"];
+            if let Some(file) = density["file"].as_str() {
+                let nodes = density["nodes"].as_array().unwrap().iter();
+                let count: u64 = nodes.map(|nodes| nodes.as_u64().unwrap()).product();
+                assert_eq!(contents(&export, file).len() as u64, 4 * count);
+            }
+        }
+    }
+    assert!(said > 100, "{said}");
 }
 
 /// The bundle restates the gate in numbers; here the gate is held to them.
@@ -518,6 +616,79 @@ fn the_student_writes_three_formats() {
     let rows = floats(&pfm[header.len()..]);
     let from_top: Vec<f32> = rows.chunks(row).rev().flatten().copied().collect();
     assert_eq!(from_top, radiance);
+}
+
+// --- The student's path tracer --------------------------------------------------------------------
+
+/// Verdicts of `validate` on the student's path tracer, with their numbers.
+fn validated_paths(cases: &[&str], command: &str, folder: &Path) -> (i32, Value) {
+    let program = root().join("scripts/peers/student_paths.py");
+    let json = folder.join("results.json");
+    let run = Command::new(env!("CARGO_BIN_EXE_volref"))
+        .arg("validate")
+        .args(cases)
+        .args(["--run", &format!("python3 {} {command}", program.display())])
+        .args(["--explain=0", &format!("--json={}", json.display())])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let results = std::fs::read_to_string(&json).unwrap();
+    (
+        run.status.code().unwrap(),
+        serde_json::from_str(&results).unwrap(),
+    )
+}
+
+/// Media among lights follow from the numbers and words of a bundle alone, with the noise that is stated; and with a
+/// mistake they do not.
+#[test]
+fn the_students_paths_pass_and_mistakes_do_not() {
+    if !python() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let cases = ["known-answers/lit-ball", "known-answers/absorbing-grid"];
+    let command = "{export:bundle} {output} --spp 64 --seed {seed}";
+    let (code, results) = validated_paths(&cases, command, folder.path());
+    assert_eq!(code, 0, "{results:#}");
+    let mistake = format!("{command} --mistake no-absorption");
+    let (code, results) = validated_paths(&cases[..1], &mistake, folder.path());
+    assert_eq!(code, 1, "{results:#}");
+    // A gem of triangles is nothing that it knows, and a classified volume neither.
+    let unknown = ["known-answers/furnace-mesh", "figures/figure-1"];
+    let (code, results) = validated_paths(&unknown, command, folder.path());
+    assert_eq!(code, 4, "{results:#}");
+    let results = results.to_string();
+    for reason in [
+        "refused: media[0]: a mesh",
+        "refused: a panel that shows volume",
+    ] {
+        assert!(results.contains(reason), "{results}");
+    }
+}
+
+/// What renders classified volumes refuses media in words.
+#[test]
+fn the_student_refuses_media() {
+    if !python() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Scene::load(&root().join("fixtures/scenes/fog/forward.toml")).unwrap();
+    bundle(&scene, "fog")
+        .unwrap()
+        .write_into(folder.path())
+        .unwrap();
+    let (done, said) = script(
+        "student.py",
+        &["fog.json", "image.exr"],
+        folder.path(),
+        None,
+    );
+    assert!(
+        !done && said.starts_with("refused: a panel that shows radiance"),
+        "{said}"
+    );
 }
 
 // --- Tables and scripts of other renderers ------------------------------------------------------

@@ -101,13 +101,13 @@ fn what_is_no_volume_file() {
             "smoke.vdb",
             "smoke.vdb: unsupported file extension; supported are .obj (Wavefront point cloud), \
              .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
-             .toml (raw samples, described in TOML)",
+             .npy (NumPy array of shape (z, y, x)), .toml (raw samples, described in TOML)",
         ),
         (
             "bare",
             "bare: unsupported file extension; supported are .obj (Wavefront point cloud), \
              .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
-             .toml (raw samples, described in TOML)",
+             .npy (NumPy array of shape (z, y, x)), .toml (raw samples, described in TOML)",
         ),
     ] {
         assert_eq!(message(&folder, &folder.join(name)), expected);
@@ -186,6 +186,17 @@ fn all_formats_give_the_same_grid() {
     ] {
         let loaded = load_hashed(&fixture(name), &LoadOptions::default()).unwrap();
         assert_eq!(loaded.grid, expected, "{name}");
+    }
+    // NPY states no positions; one array runs along x first, the other along z.
+    let options = LoadOptions {
+        spacing: Some(spacing),
+        origin: Some(lattice.first()),
+        ..LoadOptions::default()
+    };
+    for name in ["grid.npy", "fortran.npy"] {
+        let loaded = load_hashed(&fixture(name), &options).unwrap();
+        assert_eq!(loaded.grid, expected, "{name}");
+        assert_eq!(loaded.to_world, None, "{name}");
     }
     // The course's grid has one spacing, and begins at the origin.
     let course = load(&fixture("grid.bin"), &LoadOptions::default()).unwrap();
@@ -478,7 +489,35 @@ fn keys_of_volume_files() {
         Centring::Cells
     );
 
+    // Of a NumPy array the scene says where it lies, of a medium, too.
+    for name in ["grid.npy", "fortran.npy"] {
+        fs::copy(fixture(name), folder.join(name)).unwrap();
+        let keys = format!("file = {name:?}\nspacing = [0.5, 1, 2]\norigin = [-1, 2, 3]");
+        let expected = load(&fixture("raw.nrrd"), &LoadOptions::default()).unwrap();
+        assert_eq!(*grid_of(&scene(&folder, &keys).unwrap()), expected);
+        let keys = keys.replace('\n', ", ");
+        let medium = format!(
+            "[camera]\neye = [0, 0, -9]\ntarget = [0, 0, 0]\n[radiative]\n\
+             [[radiative.medium]]\nsigma_t = 1\nalbedo = 0\ngrid = {{ {keys} }}\n"
+        );
+        let loaded = Scene::parse(&medium, &folder.join("scene.toml")).unwrap();
+        let Model::Radiative(radiative) = &loaded.panels[0].model else {
+            panic!("a medium");
+        };
+        let density = radiative.media[0].density.as_ref().unwrap();
+        assert_eq!(density.bounds(), expected.lattice().bounds());
+    }
+
     for (keys, expected) in [
+        (
+            "file = \"grid.npy\"\nspacing = [1, 0, 1]",
+            ":5:11: the node spacing must be positive and finite on every axis",
+        ),
+        (
+            "file = \"nan.vol\"\nspacing = [1, 1, 1]",
+            ":5:11: `spacing` applies to .npy files; \"nan.vol\" states its own",
+        ),
+        ("file = \"grid.npy\"\nnodes = [1, 1, 1]", "`nodes`"),
         ("file = \"nan.vol\"", ":4:8: "),
         (
             "file = \"nan.vol\"",
@@ -623,6 +662,7 @@ fn check_all_grids(bytes: &[u8]) -> Result<(), TestCaseError> {
     let options = LoadOptions::default();
     check_grid(read_vol(bytes, &options))?;
     check_grid(read_nrrd(bytes, &options))?;
+    check_grid(read_npy(bytes, &options))?;
     check_grid(read_nifti(bytes, false, &options))?;
     check_grid(read_nifti(bytes, true, &options))?;
     if let Ok(text) = std::str::from_utf8(bytes)
@@ -642,7 +682,7 @@ fn small_volumes() -> impl Strategy<Value = Vec<u8>> {
         "detached.nhdr",
         "grid.nii",
     ];
-    let more = ["grid.nii.gz", "bare.raw.toml"];
+    let more = ["grid.nii.gz", "bare.raw.toml", "grid.npy", "fortran.npy"];
     let names: Vec<&str> = names.into_iter().chain(more).collect();
     prop::sample::select(names).prop_flat_map(|name| mutated(fs::read(fixture(name)).unwrap()))
 }

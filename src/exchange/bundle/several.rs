@@ -3,10 +3,10 @@
 use super::RawFiles;
 use super::inline_arrays::{Entries, Json};
 use super::volume::{
-    GRADIENT, SAMPLING, grid, interpolation, light, or_null, radiance, ray, shading, shadow_ray,
+    GRADIENT, SAMPLING, grid_of, interpolation, light, or_null, radiance, ray, shading, shadow_ray,
     transfer,
 };
-use crate::geometry::{Aabb, Mesh, Shape, Sphere, Transform};
+use crate::geometry::{Aabb, Mesh, Rectangle, Shape, Sphere, Transform};
 use crate::scene::{Classified, Clip, Kept, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
@@ -48,7 +48,7 @@ fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Optio
     let sampling = vec![("step", alone.step.into()), ("formula", SAMPLING.into())];
     let shadow = alone.shadow.map(|shadow| shadow_ray(shadow, look));
     let mut entries = vec![
-        ("grid", Json::Object(grid(alone, file))),
+        ("grid", Json::Object(grid_of(alone, file))),
         ("clips", clips.into()),
         ("interpolation", interpolation(alone.interpolation)),
         ("sampling", Json::Object(sampling)),
@@ -95,16 +95,7 @@ fn surface(surface: &OpaqueSurface) -> Json {
         Shape::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
         Shape::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
         Shape::PlacedMesh(placed) => (of_mesh(placed.shape()), Some(placed.to_world())),
-        Shape::Rectangle(rectangle) => {
-            let [corner, edge_u, edge_v] = rectangle.corner_and_edges();
-            let entries = vec![
-                ("kind", "rectangle".into()),
-                ("corner", corner.to_array().into()),
-                ("edge_u", edge_u.to_array().into()),
-                ("edge_v", edge_v.to_array().into()),
-            ];
-            (entries, None)
-        }
+        Shape::Rectangle(rectangle) => (of_rectangle(rectangle), None),
     };
     let rows = to_world.map(Transform::rows).map(|rows| {
         let rows = rows.map(|row| Json::from(Vec::from(row)));
@@ -118,7 +109,7 @@ fn surface(surface: &OpaqueSurface) -> Json {
     Json::Object(entries)
 }
 
-fn of_sphere(sphere: &Sphere) -> Entries {
+pub(super) fn of_sphere(sphere: &Sphere) -> Entries {
     vec![
         ("kind", "sphere".into()),
         ("centre", sphere.centre().to_array().into()),
@@ -126,11 +117,21 @@ fn of_sphere(sphere: &Sphere) -> Entries {
     ]
 }
 
-fn of_box(bounds: &Aabb) -> Entries {
+pub(super) fn of_box(bounds: &Aabb) -> Entries {
     vec![
         ("kind", "box".into()),
         ("min", bounds.min.to_array().into()),
         ("max", bounds.max.to_array().into()),
+    ]
+}
+
+pub(super) fn of_rectangle(rectangle: &Rectangle) -> Entries {
+    let [corner, edge_u, edge_v] = rectangle.corner_and_edges();
+    vec![
+        ("kind", "rectangle".into()),
+        ("corner", corner.to_array().into()),
+        ("edge_u", edge_u.to_array().into()),
+        ("edge_v", edge_v.to_array().into()),
     ]
 }
 

@@ -2,10 +2,10 @@
 
 use super::inline_arrays::{Entries, Json};
 use super::{modes, points};
-use crate::geometry::Camera;
+use crate::geometry::{Camera, Transform};
 use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::scene::{Classified, Compositing, Shadow};
-use crate::volume::{Centring, Interpolation};
+use crate::volume::{Centring, Interpolation, Lattice};
 use glam::DVec3;
 
 /// All that is computed for a picture of `scene`, whose values stand in `file`.
@@ -27,7 +27,7 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     let mut entries = vec![
         ("shows", "volume".into()),
         ("ray", Json::Object(ray(&scene.camera))),
-        ("grid", Json::Object(grid(scene, file))),
+        ("grid", Json::Object(grid_of(scene, file))),
         ("interpolation", interpolation(scene.interpolation)),
         ("sampling", Json::Object(sampling)),
         (
@@ -102,8 +102,12 @@ pub(super) fn ray(camera: &Camera) -> Entries {
     entries
 }
 
-pub(super) fn grid(scene: &Classified, file: String) -> Entries {
-    let lattice = scene.grid.lattice();
+pub(super) fn grid_of(scene: &Classified, file: String) -> Entries {
+    grid(scene.grid.lattice(), scene.to_world.as_ref(), file)
+}
+
+/// A grid whose values stand in `file`, where the map puts it.
+pub(super) fn grid(lattice: &Lattice, to_world: Option<&Transform>, file: String) -> Entries {
     let bounds = lattice.bounds();
     let format = "bare float32, little endian, x fastest: with [nx, ny, nz] = nodes, the value of \
                   node (i, j, k) is number (k*ny + j)*nx + i, from 0";
@@ -129,7 +133,7 @@ pub(super) fn grid(scene: &Classified, file: String) -> Entries {
         ("box_max", bounds.max.to_array().into()),
         ("faces", faces.into()),
     ];
-    if let Some(to_world) = &scene.to_world {
+    if let Some(to_world) = to_world {
         let rows = to_world.rows().map(Vec::from);
         entries.extend([
             ("matrix", Json::List(rows.map(Json::from).into())),

@@ -244,9 +244,12 @@ fn read_exr(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
 
 macro_rules! volume {
     ($name:literal, $read:literal, $place:literal, $mutant:expr) => {
+        volume!($name, concat!(".", $name), $read, $place, $mutant)
+    };
+    ($name:literal, $ending:expr, $read:literal, $place:literal, $mutant:expr) => {
         Kind {
             name: $name,
-            seeds: |_| files(&VOLUMES, concat!(".", $name)),
+            seeds: |_| files(&VOLUMES, $ending),
             mutant: $mutant,
             read: |workshop, bytes| read_volume(workshop, $read, bytes),
             place: |_| $place.to_owned(),
@@ -431,6 +434,7 @@ pub const KINDS: &[Kind] = &[
     volume!("nii", "read.nii", "mutant.nii", any),
     volume!("nii.gz", "read.nii.gz", "mutant.nii.gz", gzip),
     volume!("raw.toml", "read.raw.toml", "mutant.raw.toml", any),
+    volume!("npy-volume", ".npy", "read.volume.npy", "mutant.npy", any),
     Kind {
         name: "exr-header",
         seeds: |_| files(&IMAGES, ".exr"),

@@ -1,0 +1,389 @@
+//! Surfaces, media and lights in words and numbers.
+
+use super::RawFiles;
+use super::inline_arrays::{Entries, Json};
+use super::several::{of_box, of_rectangle, of_sphere};
+use super::volume::{grid, interpolation, or_null, ray};
+use crate::geometry::{Boundary, Luminous, Shape, Transform};
+use crate::optics::{Density, Field, Light, Material, Phase, Point, Sides};
+use crate::render::Plan;
+use crate::scene::{AreaLight, Body, Object, Panel, Radiative};
+use crate::volume::{Blob, FractalParameters, NOISE_GRADIENTS, NOISE_PERMUTATION};
+use glam::DVec3;
+
+/// All that is computed for a picture of `scene`, the model of `panel`; grids and meshes go to `raw`.
+pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut RawFiles) -> Entries {
+    let plan = Plan::new(panel);
+    let pixel = match plan.is_sampled() {
+        true => ("box", MEAN),
+        false => ("centre", "the radiance along the ray of `ray`"),
+    };
+    let mut parts = Parts {
+        raw,
+        formulas: vec![("radiance", RADIANCE.into()), ("shape", SHAPE.into())],
+    };
+    let surfaces = scene.objects.iter().map(|it| parts.surface(it)).collect();
+    let area_lights = scene.area_lights.iter();
+    let area_lights = area_lights.map(|it| parts.area_light(it)).collect();
+    let lights = scene.lights.iter().map(|it| parts.light(it)).collect();
+    let media = scene.media.iter().map(|it| parts.medium(it)).collect();
+    let pixel = vec![("filter", pixel.0.into()), ("formula", pixel.1.into())];
+    let samples = vec![
+        ("per_pixel", scene.samples.into()),
+        ("seed", scene.seed.into()),
+        ("rule", SAMPLES.into()),
+    ];
+    let scattering = vec![
+        ("most", scene.scattering.max_bounces().into()),
+        ("rule", ORDER.into()),
+        ("left_out", plan.omitted().into()),
+    ];
+    vec![
+        ("shows", "radiance".into()),
+        ("ray", Json::Object(ray(&scene.camera))),
+        ("pixel", Json::Object(pixel)),
+        ("samples", or_null(plan.is_sampled().then_some(samples))),
+        ("scattering", Json::Object(scattering)),
+        ("surfaces", Json::List(surfaces)),
+        ("area_lights", Json::List(area_lights)),
+        ("lights", Json::List(lights)),
+        ("environment", vector(scene.environment)),
+        ("media", Json::List(media)),
+        ("formulas", Json::Object(parts.formulas)),
+    ]
+}
+
+/// The parts of a scene, and the formulas of the kinds that it has.
+struct Parts<'p, 'n> {
+    raw: &'p mut RawFiles<'n>,
+    formulas: Entries,
+}
+
+impl Parts<'_, '_> {
+    fn surface(&mut self, Object { shape, material }: &Object) -> Json {
+        let (shape, to_world) = self.shape(shape);
+        let (kind, key, value, formula) = match material {
+            Material::Diffuse(share) => ("diffuse", "reflectance", vector(*share), DIFFUSE),
+            Material::Mirror(share) => ("mirror", "reflectance", vector(*share), MIRROR),
+            Material::Glass(index) => ("glass", "index", (*index).into(), GLASS),
+        };
+        self.define(kind, formula);
+        Json::Object(vec![
+            ("shape", shape),
+            ("matrix", matrix(to_world)),
+            ("material", kind.into()),
+            (key, value),
+        ])
+    }
+
+    fn area_light(&mut self, light: &AreaLight) -> Json {
+        self.define("area_light", AREA_LIGHT);
+        let shape = match &light.shape {
+            Luminous::Sphere(sphere) => of_sphere(sphere),
+            Luminous::Rectangle(rectangle) => of_rectangle(rectangle),
+            Luminous::Mesh(mesh) => self.raw.mesh(mesh),
+        };
+        let sides = match light.sides {
+            Sides::Front => "front",
+            Sides::Both => "both",
+        };
+        Json::Object(vec![
+            ("shape", Json::Object(shape)),
+            ("matrix", ().into()),
+            ("radiance", vector(light.radiance)),
+            ("sides", sides.into()),
+        ])
+    }
+
+    fn light(&mut self, light: &Light) -> Json {
+        Json::Object(match light {
+            Light::Point(Point {
+                position,
+                intensity,
+            }) => {
+                let numbers = [
+                    ("position", vector(*position)),
+                    ("intensity", vector(*intensity)),
+                ];
+                self.named("point", POINT, numbers)
+            }
+            Light::Spot(light) => {
+                let numbers = [
+                    ("position", vector(light.position)),
+                    ("intensity", vector(light.intensity)),
+                    ("axis", vector(*light.axis())),
+                    ("inner", light.inner().into()),
+                    ("outer", light.outer().into()),
+                ];
+                self.named("spot", SPOT, numbers)
+            }
+            Light::Directional(light) => {
+                let irradiance = vector(light.irradiance);
+                let numbers = [
+                    ("direction", vector(*light.direction)),
+                    ("irradiance", irradiance),
+                ];
+                self.named("directional", DIRECTIONAL, numbers)
+            }
+        })
+    }
+
+    fn medium(&mut self, body: &Body) -> Json {
+        self.define("medium", MEDIUM);
+        let (shape, to_world) = match &body.boundary {
+            None => (().into(), None),
+            Some(boundary) => self.boundary(boundary),
+        };
+        let density = body.density.as_ref().map(|it| self.density(it));
+        let (coefficients, phase) = (&body.medium.coefficients, self.phase(&body.medium.phase));
+        Json::Object(vec![
+            ("shape", shape),
+            ("matrix", matrix(to_world)),
+            ("sigma_a", vector(coefficients.sigma_a())),
+            ("sigma_s", vector(coefficients.sigma_s())),
+            ("emission", vector(body.medium.emission)),
+            ("phase", Json::Object(phase)),
+            ("density", or_null(density)),
+        ])
+    }
+
+    fn density(&mut self, density: &Density) -> Entries {
+        match density.field() {
+            Field::Constant(_) => self.named(
+                "constant",
+                "density = value",
+                [("value", density.range().high.into())],
+            ),
+            Field::Grid(field) => {
+                let file = self.raw.grid(field.shared());
+                let interpolation = interpolation(field.interpolation());
+                let numbers = grid(field.grid().lattice(), None, file).into_iter();
+                self.named(
+                    "grid",
+                    GRID,
+                    numbers.chain([("interpolation", interpolation)]),
+                )
+            }
+            Field::Noise(noise) => {
+                self.define("permutation", NOISE_PERMUTATION.to_vec());
+                self.define("gradients", NOISE_GRADIENTS.map(Vec::from).to_vec());
+                self.named("noise", NOISE, of_noise(noise.parameters()))
+            }
+            Field::Exponential(layer) => {
+                let (density, base, up, scale_height) = layer.parameters();
+                let numbers = [
+                    ("density", density.into()),
+                    ("base", vector(base)),
+                    ("up", vector(*up)),
+                    ("scale_height", scale_height.into()),
+                ];
+                self.named("exponential", EXPONENTIAL, numbers)
+            }
+            Field::Linear(ramp) => {
+                let (density, origin, gradient) = ramp.parameters();
+                let numbers = [
+                    ("density", density.into()),
+                    ("origin", vector(origin)),
+                    ("gradient", vector(gradient)),
+                ];
+                self.named("linear", LINEAR, numbers)
+            }
+            Field::Blob(Blob {
+                centre,
+                peak,
+                width,
+            }) => {
+                let numbers = [
+                    ("centre", vector(*centre)),
+                    ("width", (*width).into()),
+                    ("peak", (*peak).into()),
+                ];
+                self.named("blob", BLOB, numbers)
+            }
+        }
+    }
+
+    fn phase(&mut self, phase: &Phase) -> Entries {
+        match phase {
+            Phase::HenyeyGreenstein(phase) => self.named(
+                "henyey-greenstein",
+                HENYEY_GREENSTEIN,
+                [("g", phase.0.g().into())],
+            ),
+            Phase::Draine(phase) => {
+                let g = phase.asymmetry().g().into();
+                self.named(
+                    "draine",
+                    DRAINE,
+                    [("g", g), ("alpha", phase.alpha().into())],
+                )
+            }
+            Phase::Droplets(phase) => {
+                let (narrow, wide, weight) = phase.lobes();
+                let numbers = [
+                    ("narrow_g", narrow.0.g().into()),
+                    ("g", wide.asymmetry().g().into()),
+                    ("alpha", wide.alpha().into()),
+                    ("weight", weight.into()),
+                ];
+                self.named("droplets", DROPLETS, numbers)
+            }
+        }
+    }
+
+    fn shape<'s>(&mut self, shape: &'s Shape) -> (Json, Option<&'s Transform>) {
+        let (entries, to_world) = match shape {
+            Shape::Sphere(sphere) => (of_sphere(sphere), None),
+            Shape::Box(cuboid) => (of_box(cuboid), None),
+            Shape::Rectangle(rectangle) => (of_rectangle(rectangle), None),
+            Shape::Mesh(mesh) => (self.raw.mesh(mesh), None),
+            Shape::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
+            Shape::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
+            Shape::PlacedMesh(placed) => (self.raw.mesh(placed.shape()), Some(placed.to_world())),
+        };
+        (Json::Object(entries), to_world)
+    }
+
+    fn boundary<'s>(&mut self, boundary: &'s Boundary) -> (Json, Option<&'s Transform>) {
+        let (entries, to_world) = match boundary {
+            Boundary::Sphere(sphere) => (of_sphere(sphere), None),
+            Boundary::Box(cuboid) => (of_box(cuboid), None),
+            Boundary::Mesh(mesh) => (self.raw.mesh(mesh.mesh()), None),
+            Boundary::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
+            Boundary::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
+            Boundary::PlacedMesh(placed) => {
+                let mesh = self.raw.mesh(placed.shape().mesh());
+                (mesh, Some(placed.to_world()))
+            }
+        };
+        (Json::Object(entries), to_world)
+    }
+
+    /// A kind of something with its numbers; `formula` tells what they mean.
+    fn named(
+        &mut self,
+        kind: &'static str,
+        formula: &'static str,
+        numbers: impl IntoIterator<Item = (&'static str, Json)>,
+    ) -> Entries {
+        self.define(kind, formula);
+        [("kind", kind.into())].into_iter().chain(numbers).collect()
+    }
+
+    /// States what `name` means, once.
+    fn define(&mut self, name: &'static str, meaning: impl Into<Json>) {
+        if !self.formulas.iter().any(|(known, _)| *known == name) {
+            self.formulas.push((name, meaning.into()));
+        }
+    }
+}
+
+fn of_noise(noise: &FractalParameters) -> Entries {
+    vec![
+        ("octaves", noise.octaves.into()),
+        ("lacunarity", noise.lacunarity.into()),
+        ("gain", noise.gain.into()),
+        ("scale", vector(noise.scale)),
+        ("offset", vector(noise.offset)),
+        ("max_density", noise.max_density.into()),
+        ("threshold", noise.threshold.into()),
+    ]
+}
+
+fn vector(vector: DVec3) -> Json {
+    vector.to_array().into()
+}
+
+/// The rows of the map, or null.
+fn matrix(to_world: Option<&Transform>) -> Json {
+    let rows = to_world.map(|map| map.rows().map(|row| Json::from(Vec::from(row))));
+    rows.map_or(().into(), |rows| Json::List(rows.into()))
+}
+
+const MEAN: &str = "the mean of the radiance over the square of the pixel (box filter): along the ray of `ray` \
+    with x and y no whole numbers, but spread evenly from half a pixel before them to half a pixel beyond";
+
+const SAMPLES: &str = "what volref takes, for orientation: any number will do, and any way to take them. State \
+    the noise: in an EXR the variances of the means of the pixels, channels variance.R, variance.G and \
+    variance.B, and the samples behind each, channel samples.Y";
+
+const ORDER: &str = "light is turned at most `most` times (null: any number of times) on its way from a light to \
+    the eye, by media and surfaces together, mirrors and glass included: what is turned more often is left out. \
+    The boundary of a medium turns nothing, and a light that is seen directly is turned 0 times. `left_out` \
+    names what the scene leaves out";
+
+const RADIANCE: &str = "L(x, w), the radiance seen from x along w, is for each channel the integral over t from \
+    0 to D of T(t)*(J + the sum over the media of sigma_s * the integral over all directions v of p(w.v)*L(x + \
+    t*w, v)), plus T(D)*S. All is taken at x + t*w; J is the sum of the emissions of the media there, and T(t) = \
+    exp(-integral of the sum of their sigma_a + sigma_s from 0 to t). D is the distance of the nearest surface \
+    or area light, and S what it sends towards x; where there is none, D is infinite and S is `environment`, \
+    linear RGB from every direction. Each of `lights` adds p(w.v)*E*T to the inner integral, v the direction \
+    towards it, E its irradiance at x + t*w and T that of the straight way to it, 0 where a surface, glass and \
+    mirrors too, lies in between; and E*T*cosine to the irradiance on diffuse surfaces. Neither the eye nor \
+    mirrors and glass see `lights`. w and v point away from the eye, against the light, and w.v is the cosine of \
+    the angle of deflection. Coordinates are right-handed";
+
+const SHAPE: &str = "with a matrix, three rows of four numbers, the point q of a shape stands at p = M*q + o in \
+    the world, M its first three columns and o the last. The front of a sphere, of a box or of a closed mesh is \
+    its outside, that of a rectangle, which reaches from corner along edge_u and edge_v, the side that edge_u x \
+    edge_v points to, that of a triangle the side from which its vertices run anticlockwise, before the matrix: \
+    a matrix that mirrors keeps what is in front there. A box may be flat along an axis. Vertices of a mesh: \
+    bare float64, little endian, x, y, z of each; its triangles: bare uint32, little endian, three numbers of \
+    vertices, from 0, of each. Meshes are flat-shaded; the inside of a mesh is where it has been entered more \
+    often than left";
+
+const DIFFUSE: &str = "either side sends, in every direction of that side, reflectance/pi times the irradiance on \
+    it";
+
+const MIRROR: &str =
+    "either side sends reflectance times the radiance seen along the mirrored direction";
+
+const GLASS: &str = "smooth glass: index is that behind the surface over that in front. Seen along w, c = |cos| \
+    of the angle to the normal, r = 1/index from the front, r = index from behind; s = r^2*(1 - c^2). Where s >= \
+    1, F = 1; else with e = sqrt(1 - s), F = (((r*c - e)/(r*c + e))^2 + ((c - r*e)/(c + r*e))^2)/2. It sends \
+    F*L(mirrored) + (1 - F)*r^2*L(refracted), where refracted = r*w + (r*c - e)*n, n the normal on the side of \
+    x: L/index^2 is the same on both sides";
+
+const AREA_LIGHT: &str = "sends `radiance` in every direction from its front, or from both sides, reflects \
+    nothing, and hides what is behind it";
+
+const POINT: &str =
+    "power per steradian `intensity`: at distance r the irradiance intensity/r^2 on what faces it";
+
+const SPOT: &str = "as a point light, times 1 up to the angle `inner` from `axis`, 0 from `outer` on, and (outer \
+    - angle)/(outer - inner) in between; radians";
+
+const DIRECTIONAL: &str = "light that travels along `direction` everywhere, with the irradiance `irradiance` on \
+    what faces it";
+
+const MEDIUM: &str = "fills its shape, or all space if that is null, and does nothing at its boundary. sigma_a \
+    (absorption), sigma_s (scattering) and emission are per length of the world, by channel, and all three are \
+    multiplied by the density, which is 1 where it is null. Where media overlap they add up, each with its phase \
+    function, as `radiance` says: none displaces another, whichever is named first. Boundaries may lie in \
+    surfaces exactly. A density is a function of q, before the matrix of the shape";
+
+const GRID: &str =
+    "node positions and the box are those of points q; beyond the box the density is 0";
+
+const NOISE: &str = "with z = q*scale + offset, component by component, v = (sum of \
+    gain^i*n(z*lacunarity^i))/(sum of gain^i) over i = 0 ... octaves - 1, and d = min(max_density, max(0, (v + \
+    1)/2*max_density)): the density is d where d > threshold, else 0. n is Perlin's improved noise of 2002: with \
+    f = z - floor(z), [i, j, k] = floor(z) mod 256 and P = permutation, the corner [a, b, c] of a cell, each 0 \
+    or 1, has the gradient number P[P[P[i + a] + j + b] + k + c] mod 16 of `gradients`, all indices of P mod \
+    256, and its value is that gradient . (f - [a, b, c]); between the corners values are mixed in straight \
+    lines by the weights 6*f^5 - 15*f^4 + 10*f^3 of each axis";
+
+const EXPONENTIAL: &str = "density*exp(-h/scale_height) at height h = up.(q - base)";
+
+const LINEAR: &str = "max(0, density + gradient.(q - origin))";
+
+const BLOB: &str = "peak*exp(-r^2/(2*width^2)) at distance r from centre";
+
+const HENYEY_GREENSTEIN: &str =
+    "p(c) = (1 - g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2)) per steradian: g > 0 is forward";
+
+const DRAINE: &str = "p(c) = h(g)*(1 + alpha*c^2)/(1 + alpha*(1 + 2*g^2)/3) per steradian, h(g) = (1 - \
+    g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2))";
+
+const DROPLETS: &str = "p(c) = (1 - weight)*h(narrow_g) + weight*h(g)*(1 + alpha*c^2)/(1 + alpha*(1 + 2*g^2)/3) \
+    per steradian, h(g) = (1 - g^2)/(4*pi*(1 + g^2 - 2*g*c)^(3/2))";

@@ -1,0 +1,222 @@
+//! NPY: an array of NumPy of shape (z, y, x). It states no positions: spacing and origin are options.
+
+use super::error::{VolumeFault, refused};
+use super::format::{Stored, VolumeFormat, VolumeRead};
+use super::orientation::{Axes, AxisSteps, Orientation};
+use super::samples::{check_sizes, fill, read_grid};
+use super::source::VolumeSource;
+use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
+use crate::film::{FilmError, NpyHeader};
+use glam::DVec3;
+use std::io;
+
+/// An array of NumPy.
+pub(super) const NPY: VolumeFormat = VolumeFormat {
+    name: "NumPy array of shape (z, y, x)",
+    extensions: &[".npy"],
+    is_point_cloud: false,
+    read,
+};
+
+/// Reads an array of shape (z, y, x), of real numbers, in either order of memory.
+pub fn read_npy(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+    read(&mut VolumeSource::of(bytes), options).map(|(grid, _)| grid)
+}
+
+fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    let header = header(source)?;
+    let (element, endian) = element(&header.descr)?;
+    let [nz, ny, nx] = header.shape[..] else {
+        return refused(format!(
+            "an array of shape {:?}: a volume has the shape (z, y, x), one number at each place; save one \
+             channel, or one time, of it",
+            header.shape
+        ));
+    };
+    let sizes = check_sizes([nx, ny, nz].map(|count| count as u64))?;
+    let spacing = options.spacing.unwrap_or(DVec3::ONE);
+    let [x, y, z] = sizes;
+    let steps = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * spacing);
+    let (sizes, steps) = match header.fortran_order {
+        false => (sizes, AxisSteps::Upright(spacing)),
+        true => (
+            [z, y, x],
+            AxisSteps::Directed([steps[2], steps[1], steps[0]]),
+        ),
+    };
+    let layout = Layout {
+        axes: Axes {
+            sizes,
+            steps,
+            first: options.origin.unwrap_or_default(),
+            centring: Centring::Nodes,
+        },
+        element,
+        endian,
+        encoding: Encoding::Raw,
+        scaling: None,
+        space: None,
+    };
+    // Which index runs fastest is a matter of memory, not of place.
+    let options = LoadOptions {
+        orientation: Orientation::World,
+        ..*options
+    };
+    let grid = read_grid(source, &layout, &options)?;
+    Ok((grid, Stored::Samples(layout)))
+}
+
+fn header(source: &mut VolumeSource) -> Result<NpyHeader, VolumeFault> {
+    let mut bytes = Vec::new();
+    read_up_to(NpyHeader::FIRST_BYTES, source, &mut bytes)?;
+    let text = NpyHeader::text_at(&bytes).map_err(fault)?;
+    read_up_to(text.end, source, &mut bytes)?;
+    let (header, _) = NpyHeader::read(&bytes).map_err(fault)?;
+    Ok(header)
+}
+
+/// Extends `bytes` to a number of bytes of the file, or to its end.
+fn read_up_to(end: usize, source: &mut VolumeSource, bytes: &mut Vec<u8>) -> io::Result<()> {
+    let begin = bytes.len();
+    bytes.resize(end.max(begin), 0);
+    let filled = fill(source, &mut bytes[begin..])?;
+    bytes.truncate(begin + filled);
+    Ok(())
+}
+
+fn fault(error: FilmError) -> VolumeFault {
+    let remedy = "numpy.save of an array of numbers, of shape (z, y, x), writes it right";
+    match error {
+        FilmError::Unreadable { reason, .. } => {
+            format!("no readable NPY file: {reason}; {remedy}")
+        }
+        FilmError::Unsuited { what, .. } => format!("{what}; {remedy}"),
+        other => other.to_string(),
+    }
+    .into()
+}
+
+/// Type of a number, and the order of its bytes.
+fn element(descr: &str) -> Result<(Element, Endian), VolumeFault> {
+    let endian = match descr.starts_with('>') {
+        true => Endian::Big,
+        false => Endian::Little,
+    };
+    let name = match descr.strip_prefix(['<', '>', '|']) {
+        Some("i1") => Element::Int8,
+        // False and True.
+        Some("u1" | "b1") => Element::Uint8,
+        Some("i2") => Element::Int16,
+        Some("u2") => Element::Uint16,
+        Some("i4") => Element::Int32,
+        Some("u4") => Element::Uint32,
+        Some("i8") => Element::Int64,
+        Some("u8") => Element::Uint64,
+        Some("f2") => Element::Float16,
+        Some("f4") => Element::Float32,
+        Some("f8") => Element::Float64,
+        _ => {
+            let shown: String = descr.chars().take(20).collect();
+            return refused(format!(
+                "numbers of the type {shown:?}, which are not read: save array.astype(np.float32)"
+            ));
+        }
+    };
+    Ok((name, endian))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn npy(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+        let text =
+            format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}\n");
+        let mut bytes = b"\x93NUMPY\x01\0".to_vec();
+        bytes.extend((text.len() as u16).to_le_bytes());
+        bytes.extend(text.bytes());
+        bytes.extend(data);
+        bytes
+    }
+
+    /// The value 50 z + 10 y + x at each place: whole numbers of one byte hold it.
+    #[test]
+    fn either_order_of_memory_and_every_type_is_the_same_grid() {
+        let value = |x: usize, y: usize, z: usize| (50 * z + 10 * y + x) as u8;
+        let mut c_order = Vec::new();
+        let mut fortran = Vec::new();
+        for (a, b, c) in
+            (0..4).flat_map(|a| (0..3).flat_map(move |b| (0..2).map(move |c| (a, b, c))))
+        {
+            fortran.push(value(a, b, c));
+        }
+        for (a, b, c) in
+            (0..2).flat_map(|a| (0..3).flat_map(move |b| (0..4).map(move |c| (a, b, c))))
+        {
+            c_order.push(value(c, b, a));
+        }
+        let options = LoadOptions {
+            spacing: Some(DVec3::new(0.5, 1.0, 2.0)),
+            origin: Some(DVec3::new(-1.0, 2.0, 3.0)),
+            orientation: Orientation::AsStored,
+            ..LoadOptions::default()
+        };
+        let shape = "(2, 3, 4)";
+        let plain = read_npy(&npy("|u1", "False", shape, &c_order), &options).unwrap();
+        assert_eq!(plain.lattice().nodes(), [4, 3, 2]);
+        assert_eq!(plain.lattice().spacing(), DVec3::new(0.5, 1.0, 2.0));
+        assert_eq!(plain.lattice().first(), DVec3::new(-1.0, 2.0, 3.0));
+        assert_eq!(plain.values()[..5], [0.0, 1.0, 2.0, 3.0, 10.0]);
+        let turned = read_npy(&npy("|u1", "True", shape, &fortran), &options).unwrap();
+        assert_eq!(turned, plain);
+        macro_rules! as_type {
+            ($descr:literal, $type:ty, $bytes:ident) => {
+                let data = c_order.iter().flat_map(|&v| <$type>::from(v).$bytes());
+                let data: Vec<u8> = data.collect();
+                let other = read_npy(&npy($descr, "False", shape, &data), &options).unwrap();
+                assert_eq!(other, plain, $descr);
+            };
+        }
+        as_type!("<i2", i16, to_le_bytes);
+        as_type!(">u2", u16, to_be_bytes);
+        as_type!("<i4", i32, to_le_bytes);
+        as_type!(">u4", u32, to_be_bytes);
+        as_type!("<i8", i64, to_le_bytes);
+        as_type!("<u8", u64, to_le_bytes);
+        as_type!("<f2", half::f16, to_le_bytes);
+        as_type!(">f4", f32, to_be_bytes);
+        as_type!("<f8", f64, to_le_bytes);
+    }
+
+    #[test]
+    fn what_is_no_volume_is_refused_with_a_remedy() {
+        let read = |bytes: &[u8]| {
+            read_npy(bytes, &LoadOptions::default())
+                .unwrap_err()
+                .to_string()
+        };
+        for (descr, shape, data, expected) in [
+            ("<c8", "(1, 1, 1)", 8, "numbers of the type \"<c8\""),
+            ("|O", "(1, 1, 1)", 8, "numbers of the type \"|O\""),
+            (
+                "<f4",
+                "(1, 1)",
+                4,
+                "an array of shape [1, 1]: a volume has the shape (z, y, x)",
+            ),
+            ("<f4", "(1, 1, 1, 3)", 12, "an array of shape [1, 1, 1, 3]"),
+            ("<f4", "(0, 1, 1)", 0, "has no node"),
+            ("<f4", "(99999, 99999, 99999)", 4, "is too large"),
+            ("<f4", "(1, 2, 1)", 4, "8 bytes, but 4 bytes follow it"),
+            ("<f4", "(1, 2, 1)", 9, "8 bytes, but 9 bytes follow it"),
+        ] {
+            let message = read(&npy(descr, "False", shape, &vec![0; data]));
+            assert!(message.contains(expected), "{message}");
+        }
+        let whole = npy("|u1", "False", "(1, 1, 1)", &[0]);
+        for length in 0..whole.len() - 1 {
+            let message = read(&whole[..length]);
+            assert!(message.contains("NPY"), "{length}: {message}");
+        }
+    }
+}
