@@ -1,106 +1,167 @@
 #!/usr/bin/env python3
-"""Lets volref judge ray casters as their users have them, and prints the table of src/guide/peers.md.
+"""Lets volref judge ray casters as their users have them, and keeps what `volref gallery` makes a page of.
 
-    ray_casters.py                             # all of them, a quarter of an hour on two cores
-    ray_casters.py vispy tutorial              # some
-    ray_casters.py --table                     # the table of the results there are
+    ray_casters.py                             # all of them, an hour on two cores
+    ray_casters.py vispy pygfx                 # some
+    ray_casters.py --table                     # the table of src/guide/peers.md, of the results there are
+    volref gallery scripts/peers/results/* -o gallery.html
 
-Needs what README.md says for each, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON.
-Each is judged over the families `sampled` and `limit` under its profile. Results are kept as DIR/NAME.json.
+Needs what README.md says for each, pillow, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON.
+Each renderer stays, and is asked for every case that it may have words for. Results are kept as DIR/NAME: results.json,
+renderer.toml, and the images as they are displayed, of several steps that with the shortest.
 """
 
 import argparse
+import datetime
 import json
 import os
 import subprocess
 import sys
+import tempfile
 from importlib import metadata
 from pathlib import Path
+
+import numpy as np
+from PIL import Image
 
 HERE = Path(__file__).resolve().parent
 PYTHON = os.environ.get("PYTHON", sys.executable)
 VOLREF = os.environ.get("VOLREF", "volref")
-PLACES = "{export:bundle} {output}"
 
-
-def page(name):
-    return f"node {HERE}/pages/render.js {name} {PLACES} {{step}}"
+# Volumes along the axes are judged under the profile of the renderer, which says nothing of the others.
+BRICKS = "ramp-31-32-33 ramp-37-19-10 ramp-63-64-65 ramp-below-zero ramp-of-16-bits spots-of-8 spots-of-16 spots-in-a-row"
+WITH_PROFILE = ["figures", "sampled", "limit", *(f"bricks/{name}" for name in BRICKS.split())]
+WITHOUT = ["scenes", "reported"]
+# What the page shows of a case; the rest of its results is large.
+SHOWN = "name verdict gate reason notes looks_like conventions profile difference changes".split()
+METRICS = ("mean_difference_", "mean_z_")
 
 
 def python(script, *words):
-    return " ".join([f"{PYTHON} {HERE}/{script} {PLACES}", *words, "--step {step}"])
+    return " ".join([PYTHON, f"{HERE}/{script}", "--serve {export:bundle} {step}", *words])
+
+
+def page(name):
+    return f"--run node {HERE}/pages/render.js {name} {{export:bundle}} {{output}} {{step}}"
 
 
 def package(name):
-    return f"{name} {metadata.version(name)}"
+    return lambda: f"{name} {metadata.version(name)}"
 
 
-def node_package(name):
-    file = HERE / "pages" / "node_modules" / name / "package.json"
-    return json.loads(file.read_text())["version"]
+def node_package(name, package):
+    file = HERE / "pages" / "node_modules" / package / "package.json"
+    return lambda: f"{name} {json.loads(file.read_text())['version']}"
+
+
+def vtk_by_pyvista(processor):
+    return lambda: f"{package('vtk')()}, {processor}, by {package('pyvista')()}"
 
 
 # Name: profile, command, version.
 RENDERERS = {
-    "vtk.js": ("vtkjs", page("vtkjs"), lambda: "vtk.js " + node_package("@kitware/vtk.js")),
-    "niivue": ("niivue", page("niivue"), lambda: "niivue " + node_package("@niivue/niivue")),
-    "vispy": ("vispy", python("vispy_render.py"), lambda: package("vispy")),
-    "vtk-gpu": (
-        "pyvista-gpu",
-        python("pyvista_render.py", "gpu"),
-        lambda: f"{package('vtk')}, graphics card, by {package('pyvista')}",
-    ),
-    "vtk-cpu": (
-        "pyvista-cpu",
-        python("pyvista_render.py", "cpu"),
-        lambda: f"{package('vtk')}, processor, by {package('pyvista')}",
-    ),
+    "vtk": ("vtk", python("vtk_render.py", "--stock"), package("vtk")),
+    "vtk-gpu": ("pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista("graphics card")),
+    "vtk-cpu": ("pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista("processor")),
+    "vispy": ("vispy", python("vispy_render.py"), package("vispy")),
+    "vtk.js": ("vtkjs", page("vtkjs"), node_package("vtk.js", "@kitware/vtk.js")),
+    "niivue": ("niivue", page("niivue"), node_package("niivue", "@niivue/niivue")),
     "tutorial": ("tutorial", page("tutorial"), lambda: "ray marcher of tutorials, WebGL 2"),
 }
 
 
-def validate(name, results):
-    profile, command, _ = RENDERERS[name]
-    call = [VOLREF, "validate", "sampled", "limit", "--only-present", "--format", "npy", "--as", profile]
-    code = subprocess.call([*call, "--run", command, f"--json={results / name}.json"])
+def validate(name, cases, profile, folder, file):
+    _, command, _ = RENDERERS[name]
+    how, _, command = command.partition(" ") if command.startswith("--run") else ("--serve", "", command)
+    call = [VOLREF, "validate", *cases, "--format", "npy", *(["--as", profile] if profile else [])]
+    code = subprocess.call([*call, how, command, "--keep", folder, f"--json={file}"])
     if code in (2, 3):
         sys.exit(code)
+    return json.loads(file.read_text())
+
+
+def judge(name, results):
+    """Judges a renderer, and keeps what the page shows."""
+    with tempfile.TemporaryDirectory() as kept:
+        kept = Path(kept)
+        runs = [(WITH_PROFILE, RENDERERS[name][0]), (WITHOUT, None)]
+        found = [validate(name, *run, kept / str(k), kept / f"{k}.json") for k, run in enumerate(runs)]
+        (results / name).mkdir(parents=True, exist_ok=True)
+        for k, values in enumerate(found):
+            for case in values["cases"]:
+                keep_image(kept / str(k), case["name"], results / name)
+    cases = [shown(case) for values in found for case in values["cases"]]
+    seconds = {case: time for values in found for case, time in values["origin"]["seconds"].items()}
+    values = {"schema": found[0]["schema"], "cases": cases, "origin": {"seconds": seconds}}
+    (results / name / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
+    about = {
+        "name": name,
+        "version": RENDERERS[name][2](),
+        "date": str(datetime.date.today()),
+        "command": f"scripts/peers/ray_casters.py {name}",
+    }
+    lines = [f"{key} = {json.dumps(value)}\n" for key, value in about.items()]
+    (results / name / "renderer.toml").write_text("".join(lines))
+
+
+def shown(case):
+    metrics = {key: value for key, value in case["metrics"].items() if key.startswith(METRICS)}
+    return {key: case[key] for key in SHOWN if key in case} | {"metrics": metrics}
+
+
+def exposure(case):
+    """Stops, by the manifest of the case."""
+    import tomllib
+
+    manifest = HERE.parents[1] / "fixtures" / "cases" / f"{case}.toml"
+    return tomllib.loads(manifest.read_text()).get("exposure", 0)
+
+
+def keep_image(source, case, folder):
+    """The image of a case as it is displayed: sRGB at the exposure of the case."""
+    target = folder / f"{case}.png"
+    target.unlink(missing_ok=True)
+    files = sorted(source.glob(f"{case}*.npy"), key=lambda file: file.name.partition("@")[2] or "1.npy")
+    if not files:
+        return
+    linear = (np.load(files[0])[..., :3] * 2.0 ** exposure(case)).clip(0, 1)
+    codes = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    target.parent.mkdir(exist_ok=True)
+    Image.fromarray(np.round(255 * codes).astype(np.uint8)).save(target, optimize=True)
 
 
 def said(file):
     """The cases that the renderer has words for, by verdict."""
     cases = {}
     for case in json.loads(file.read_text())["cases"]:
-        if "refused:" not in case["reason"]:
+        if "not rendered: " not in case["reason"] and "refused: " not in case["reason"]:
             cases.setdefault(case["verdict"], []).append(case["name"])
     return cases
 
 
 def print_table(names, results):
-    print("| renderer | `--as` | cases | pass | fail |")
-    print("| --- | --- | --- | --- | --- |")
+    print("| renderer | `--as` | cases | pass | convention | other |")
+    print("| --- | --- | --- | --- | --- | --- |")
     for name in names:
-        profile, _, version = RENDERERS[name]
-        cases = said(results / f"{name}.json")
-        passed = cases.pop("pass", [])
+        cases = said(results / name / "results.json")
+        counts = [len(cases.pop(verdict, [])) for verdict in ("pass", "convention")]
         rest = [f"`{case}`" for others in cases.values() for case in others]
-        cells = [version(), f"`{profile}`", len(passed) + len(rest), len(passed), ", ".join(rest) or "none"]
-        print("|", " | ".join(map(str, cells)), "|")
+        cells = [RENDERERS[name][2](), f"`{RENDERERS[name][0]}`", sum(counts) + len(rest), *counts]
+        print("|", " | ".join(map(str, [*cells, ", ".join(rest) or "none"])), "|")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(RENDERERS))
     parser.add_argument("--table", action="store_true", help="print the table, render nothing")
-    parser.add_argument("--results", type=Path, default=Path("ray-casters"), metavar="DIR")
+    parser.add_argument("--results", type=Path, default=HERE / "results", metavar="DIR")
     options = parser.parse_args()
     names = options.names or list(RENDERERS)
     if unknown := set(names) - set(RENDERERS):
         parser.error(f"no such renderer: {', '.join(unknown)}; there are {', '.join(RENDERERS)}")
-    options.results.mkdir(exist_ok=True)
     if not options.table:
         for name in names:
-            validate(name, options.results)
+            judge(name, options.results)
     print_table(names, options.results)
 
 
