@@ -106,7 +106,12 @@ class Volume:
     @property
     def corners(self) -> NDArray[np.float64]:
         """The corners of the box in the world, of shape (8, 3)."""
-        ends = zip(self.grid["box_min"], self.grid["box_max"])
+        return self._corners(0)
+
+    def _corners(self, beyond: float) -> NDArray[np.float64]:
+        """The corners of the box with so many voxels more on each side."""
+        more = beyond * np.array(self.grid["spacing"])
+        ends = zip(self.grid["box_min"] - more, self.grid["box_max"] + more)
         return np.array([*itertools.product(*ends)]) @ self.matrix[:3, :3].T + self.matrix[:3, 3]
 
     @property
@@ -293,8 +298,9 @@ class Bundle:
 
     @property
     def near_and_far(self) -> tuple[float, float]:
-        """Depths that the boxes lie between: half that of their nearest corner, and twice that of the farthest."""
-        corners = np.concatenate([volume.corners for volume in self.volumes])
+        """Depths that the boxes lie between, with half a voxel beyond their faces, where many renderers have theirs:
+        half that of the nearest corner, and twice that of the farthest."""
+        corners = np.concatenate([volume._corners(0.5) for volume in self.volumes])
         depths = (corners - self.eye) @ self.forward
         far = 2 * max(float(depths.max()), 1e-6 * float(np.abs(depths).max()))
         return max(0.5 * float(depths.min()), 1e-4 * far), far
@@ -372,7 +378,7 @@ def save(
     if variance is not None:
         if samples is None:
             raise ValueError("a variance goes with the number of samples per pixel that it is of: samples=N")
-        noise = as_variance(variance, array)
+        noise = as_variance(variance, array) if seeds is None else np.asarray(variance, np.float32)
         channels |= {f"variance.{name}": noise[:, :, index] for index, name in enumerate("RGB")}
         channels["samples.Y"] = np.full(array.shape[:2], whole("samples", samples, 2, 2**32 - 2), np.uint32)
     aside = file.with_name(f".{file.stem}.partial{file.suffix}")

@@ -28,10 +28,8 @@ HERE = Path(__file__).resolve().parent
 PYTHON = os.environ.get("PYTHON", sys.executable)
 VOLREF = os.environ.get("VOLREF", "volref")
 
-# Volumes along the axes are judged under the profile of the renderer, which says nothing of the others.
 BRICKS = "ramp-31-32-33 ramp-37-19-10 ramp-63-64-65 ramp-below-zero ramp-of-16-bits spots-of-8 spots-of-16 spots-in-a-row"
-WITH_PROFILE = ["figures", "sampled", "limit", *(f"bricks/{name}" for name in BRICKS.split())]
-WITHOUT = ["scenes", "reported"]
+CASES = ["figures", "sampled", "limit", *(f"bricks/{name}" for name in BRICKS.split()), "scenes", "reported"]
 # What the page shows of a case; the rest of its results is large.
 SHOWN = "name verdict gate reason notes looks_like conventions profile difference changes".split()
 METRICS = ("mean_difference_", "mean_z_")
@@ -58,22 +56,25 @@ def vtk_by_pyvista(processor):
     return lambda: f"{package('vtk')()}, {processor}, by {package('pyvista')()}"
 
 
-# Name: profile, command, version.
+# Name: options, command, version.
 RENDERERS = {
-    "vtk": ("vtk", python("vtk_render.py", "--stock"), package("vtk")),
-    "vtk-gpu": ("pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista("graphics card")),
-    "vtk-cpu": ("pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista("processor")),
-    "vispy": ("vispy", python("vispy_render.py"), package("vispy")),
-    "vtk.js": ("vtkjs", page("vtkjs"), node_package("vtk.js", "@kitware/vtk.js")),
-    "niivue": ("niivue", page("niivue"), node_package("niivue", "@niivue/niivue")),
-    "tutorial": ("tutorial", page("tutorial"), lambda: "ray marcher of tutorials, WebGL 2"),
+    "vtk": ("--as vtk", python("vtk_render.py", "--stock"), package("vtk")),
+    "vtk-gpu": ("--as pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista("graphics card")),
+    "vtk-cpu": ("--as pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista("processor")),
+    "vispy": ("--as vispy", python("vispy_render.py"), package("vispy")),
+    "napari": ("--as vispy", f"xvfb-run -a {python('napari_render.py')}", package("napari")),
+    "pygfx": ("--bits 8-srgb", python("pygfx_render.py"), package("pygfx")),
+    "yt": ("", python("yt_render.py"), package("yt")),
+    "vtk.js": ("--as vtkjs", page("vtkjs"), node_package("vtk.js", "@kitware/vtk.js")),
+    "niivue": ("--as niivue", page("niivue"), node_package("niivue", "@niivue/niivue")),
+    "tutorial": ("--as tutorial", page("tutorial"), lambda: "ray marcher of tutorials, WebGL 2"),
 }
 
 
-def validate(name, cases, profile, folder, file):
+def validate(name, cases, options, folder, file):
     _, command, _ = RENDERERS[name]
     how, _, command = command.partition(" ") if command.startswith("--run") else ("--serve", "", command)
-    call = [VOLREF, "validate", *cases, "--format", "npy", *(["--as", profile] if profile else [])]
+    call = [VOLREF, "validate", *cases, "--format", "npy", *options.split()]
     code = subprocess.call([*call, how, command, "--keep", folder, f"--json={file}"])
     if code in (2, 3):
         sys.exit(code)
@@ -82,17 +83,21 @@ def validate(name, cases, profile, folder, file):
 
 def judge(name, results):
     """Judges a renderer, and keeps what the page shows."""
+    options = RENDERERS[name][0]
     with tempfile.TemporaryDirectory() as kept:
         kept = Path(kept)
-        runs = [(WITH_PROFILE, RENDERERS[name][0]), (WITHOUT, None)]
-        found = [validate(name, *run, kept / str(k), kept / f"{k}.json") for k, run in enumerate(runs)]
+        first = validate(name, CASES, options, kept / "first", kept / "first.json")
+        # A profile says nothing of several volumes, surfaces and clips.
+        rest = [case["name"] for case in first["cases"] if "says nothing of" in case["reason"]]
+        found = [first]
+        if rest:
+            found.append(validate(name, rest, "", kept / "rest", kept / "rest.json"))
+        cases = {case["name"]: case for values in found for case in values["cases"]}
         (results / name).mkdir(parents=True, exist_ok=True)
-        for k, values in enumerate(found):
-            for case in values["cases"]:
-                keep_image(kept / str(k), case["name"], results / name)
-    cases = [shown(case) for values in found for case in values["cases"]]
+        for case in cases:
+            keep_image(kept / ("rest" if case in rest else "first"), case, results / name)
     seconds = {case: time for values in found for case, time in values["origin"]["seconds"].items()}
-    values = {"schema": found[0]["schema"], "cases": cases, "origin": {"seconds": seconds}}
+    values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": {"seconds": seconds}}
     (results / name / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
     about = {
         "name": name,
@@ -140,13 +145,13 @@ def said(file):
 
 
 def print_table(names, results):
-    print("| renderer | `--as` | cases | pass | convention | other |")
+    print("| renderer | options | cases | pass | convention | other |")
     print("| --- | --- | --- | --- | --- | --- |")
     for name in names:
         cases = said(results / name / "results.json")
         counts = [len(cases.pop(verdict, [])) for verdict in ("pass", "convention")]
         rest = [f"`{case}`" for others in cases.values() for case in others]
-        cells = [RENDERERS[name][2](), f"`{RENDERERS[name][0]}`", sum(counts) + len(rest), *counts]
+        cells = [RENDERERS[name][2](), f"`{RENDERERS[name][0]}`" if RENDERERS[name][0] else "", sum(counts) + len(rest), *counts]
         print("|", " | ".join(map(str, [*cells, ", ".join(rest) or "none"])), "|")
 
 
