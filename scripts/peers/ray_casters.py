@@ -6,7 +6,8 @@
     ray_casters.py --table                     # the table of src/guide/peers.md, of the results there are
     volref gallery scripts/peers/results/* -o gallery.html
 
-Needs what README.md says for each, pillow, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON.
+Needs what README.md says for each, pillow, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON;
+the package volref is that of this checkout.
 Each renderer stays, and is asked for every case that it may have words for. Results are kept as DIR/NAME: results.json,
 renderer.toml, and the images as they are displayed, of several steps that with the shortest.
 """
@@ -18,20 +19,20 @@ import os
 import subprocess
 import sys
 import tempfile
+import tomllib
 from importlib import metadata
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 HERE = Path(__file__).resolve().parent
 PYTHON = os.environ.get("PYTHON", sys.executable)
 VOLREF = os.environ.get("VOLREF", "volref")
+os.environ["PYTHONPATH"] = str(HERE.parents[1] / "python")
 
 BRICKS = "ramp-31-32-33 ramp-37-19-10 ramp-63-64-65 ramp-below-zero ramp-of-16-bits spots-of-8 spots-of-16 spots-in-a-row"
 CASES = ["figures", "sampled", "limit", *(f"bricks/{name}" for name in BRICKS.split()), "scenes", "reported"]
-# What the page shows of a case; the rest of its results is large.
-SHOWN = "name verdict gate reason notes looks_like conventions profile difference changes".split()
+# Of the metrics, the page shows the bias.
 METRICS = ("mean_difference_", "mean_z_")
 
 
@@ -44,30 +45,30 @@ def page(name):
 
 
 def package(name):
-    return lambda: f"{name} {metadata.version(name)}"
+    return lambda: metadata.version(name)
 
 
-def node_package(name, package):
+def node_package(package):
     file = HERE / "pages" / "node_modules" / package / "package.json"
-    return lambda: f"{name} {json.loads(file.read_text())['version']}"
+    return lambda: json.loads(file.read_text())["version"]
 
 
-def vtk_by_pyvista(processor):
-    return lambda: f"{package('vtk')()}, {processor}, by {package('pyvista')()}"
+def vtk_by_pyvista():
+    return f"{metadata.version('vtk')}, by pyvista {metadata.version('pyvista')}"
 
 
 # Name: options, command, version.
 RENDERERS = {
     "vtk": ("--as vtk", python("vtk_render.py", "--stock"), package("vtk")),
-    "vtk-gpu": ("--as pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista("graphics card")),
-    "vtk-cpu": ("--as pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista("processor")),
+    "vtk-gpu": ("--as pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista),
+    "vtk-cpu": ("--as pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista),
     "vispy": ("--as vispy", python("vispy_render.py"), package("vispy")),
     "napari": ("--as vispy", f"xvfb-run -a {python('napari_render.py')}", package("napari")),
     "pygfx": ("--bits 8-srgb", python("pygfx_render.py"), package("pygfx")),
     "yt": ("", python("yt_render.py"), package("yt")),
-    "vtk.js": ("--as vtkjs", page("vtkjs"), node_package("vtk.js", "@kitware/vtk.js")),
-    "niivue": ("--as niivue", page("niivue"), node_package("niivue", "@niivue/niivue")),
-    "tutorial": ("--as tutorial", page("tutorial"), lambda: "ray marcher of tutorials, WebGL 2"),
+    "vtk.js": ("--as vtkjs", page("vtkjs"), node_package("@kitware/vtk.js")),
+    "niivue": ("--as niivue", page("niivue"), node_package("@niivue/niivue")),
+    "tutorial": ("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
 }
 
 
@@ -97,6 +98,7 @@ def judge(name, results):
         for case in cases:
             keep_image(kept / ("rest" if case in rest else "first"), case, results / name)
     seconds = {case: time for values in found for case, time in values["origin"]["seconds"].items()}
+    seconds = {case: time for case, time in seconds.items() if cases[case]["verdict"] not in ("missing", "error")}
     values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": {"seconds": seconds}}
     (results / name / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
     about = {
@@ -111,19 +113,19 @@ def judge(name, results):
 
 def shown(case):
     metrics = {key: value for key, value in case["metrics"].items() if key.startswith(METRICS)}
-    return {key: case[key] for key in SHOWN if key in case} | {"metrics": metrics}
+    return case | {"metrics": metrics, "work": {}}
 
 
 def exposure(case):
     """Stops, by the manifest of the case."""
-    import tomllib
-
     manifest = HERE.parents[1] / "fixtures" / "cases" / f"{case}.toml"
     return tomllib.loads(manifest.read_text()).get("exposure", 0)
 
 
 def keep_image(source, case, folder):
     """The image of a case as it is displayed: sRGB at the exposure of the case."""
+    from PIL import Image
+
     target = folder / f"{case}.png"
     target.unlink(missing_ok=True)
     files = sorted(source.glob(f"{case}*.npy"), key=lambda file: file.name.partition("@")[2] or "1.npy")
@@ -151,7 +153,7 @@ def print_table(names, results):
         cases = said(results / name / "results.json")
         counts = [len(cases.pop(verdict, [])) for verdict in ("pass", "convention")]
         rest = [f"`{case}`" for others in cases.values() for case in others]
-        cells = [RENDERERS[name][2](), f"`{RENDERERS[name][0]}`" if RENDERERS[name][0] else "", sum(counts) + len(rest), *counts]
+        cells = [f"{name} {RENDERERS[name][2]()}", f"`{RENDERERS[name][0]}`" if RENDERERS[name][0] else "", sum(counts) + len(rest), *counts]
         print("|", " | ".join(map(str, [*cells, ", ".join(rest) or "none"])), "|")
 
 
