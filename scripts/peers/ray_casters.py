@@ -19,9 +19,10 @@ import os
 import subprocess
 import sys
 import tempfile
-import tomllib
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,53 +58,64 @@ def vtk_by_pyvista():
     return f"{metadata.version('vtk')}, by pyvista {metadata.version('pyvista')}"
 
 
-# Name: options, command, version.
+class Renderer(NamedTuple):
+    options: str
+    command: str
+    version: Callable[[], str]
+    cases: list[str] = CASES
+
+
+MITSUBA = " ".join([PYTHON, f"{HERE}/run_mitsuba.py", "--serve {export:mitsuba} {spp} {seed}"])
+
 RENDERERS = {
-    "vtk": ("--as vtk", python("vtk_render.py", "--stock"), package("vtk")),
-    "vtk-gpu": ("--as pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista),
-    "vtk-cpu": ("--as pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista),
-    "vispy": ("--as vispy", python("vispy_render.py"), package("vispy")),
-    "napari": ("--as vispy", f"xvfb-run -a {python('napari_render.py')}", package("napari")),
-    "pygfx": ("--bits 8-srgb", python("pygfx_render.py"), package("pygfx")),
-    "yt": ("", python("yt_render.py"), package("yt")),
-    "vtk.js": ("--as vtkjs", page("vtkjs"), node_package("@kitware/vtk.js")),
-    "niivue": ("--as niivue", page("niivue"), node_package("@niivue/niivue")),
-    "tutorial": ("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
+    "vtk": Renderer("--as vtk", python("vtk_render.py", "--stock"), package("vtk")),
+    "vtk-gpu": Renderer("--as pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista),
+    "vtk-cpu": Renderer("--as pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista),
+    "vispy": Renderer("--as vispy", python("vispy_render.py"), package("vispy")),
+    "napari": Renderer("--as vispy", f"xvfb-run -a {python('napari_render.py')}", package("napari")),
+    "pygfx": Renderer("--bits 8-srgb", python("pygfx_render.py"), package("pygfx")),
+    "yt": Renderer("", python("yt_render.py"), package("yt")),
+    "vtk.js": Renderer("--as vtkjs", page("vtkjs"), node_package("@kitware/vtk.js")),
+    "niivue": Renderer("--as niivue", page("niivue"), node_package("@niivue/niivue")),
+    "tutorial": Renderer("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
+    "mitsuba": Renderer("--spp 64", MITSUBA, package("mitsuba"), ["known-answers", "smoke"]),
 }
 
 
-def validate(name, cases, options, folder, file):
-    _, command, _ = RENDERERS[name]
+def validate(name, cases, options, explain, folder, file):
+    command = RENDERERS[name].command
     how, _, command = command.partition(" ") if command.startswith("--run") else ("--serve", "", command)
-    call = [VOLREF, "validate", *cases, "--format", "npy", *options.split()]
+    format = [] if "run_mitsuba" in command else ["--format", "npy"]
+    call = [VOLREF, "validate", *cases, *format, f"--explain={explain}", *options.split()]
     code = subprocess.call([*call, how, command, "--keep", folder, f"--json={file}"])
     if code in (2, 3):
         sys.exit(code)
     return json.loads(file.read_text())
 
 
-def judge(name, results):
+def judge(name, results, explain):
     """Judges a renderer, and keeps what the page shows."""
-    options = RENDERERS[name][0]
+    options = RENDERERS[name].options
     with tempfile.TemporaryDirectory() as kept:
         kept = Path(kept)
-        first = validate(name, CASES, options, kept / "first", kept / "first.json")
+        first = validate(name, RENDERERS[name].cases, options, explain, kept / "first", kept / "first.json")
         # A profile says nothing of several volumes, surfaces and clips.
         rest = [case["name"] for case in first["cases"] if "says nothing of" in case["reason"]]
         found = [first]
         if rest:
-            found.append(validate(name, rest, "", kept / "rest", kept / "rest.json"))
+            found.append(validate(name, rest, "", explain, kept / "rest", kept / "rest.json"))
         cases = {case["name"]: case for values in found for case in values["cases"]}
         (results / name).mkdir(parents=True, exist_ok=True)
+        stops = exposures()
         for case in cases:
-            keep_image(kept / ("rest" if case in rest else "first"), case, results / name)
+            keep_image(kept / ("rest" if case in rest else "first"), case, results / name, stops[case])
     seconds = {case: time for values in found for case, time in values["origin"]["seconds"].items()}
     seconds = {case: time for case, time in seconds.items() if cases[case]["verdict"] not in ("missing", "error")}
     values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": {"seconds": seconds}}
     (results / name / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
     about = {
         "name": name,
-        "version": RENDERERS[name][2](),
+        "version": RENDERERS[name].version(),
         "date": str(datetime.date.today()),
         "command": f"scripts/peers/ray_casters.py {name}",
     }
@@ -116,25 +128,33 @@ def shown(case):
     return case | {"metrics": metrics, "work": {}}
 
 
-def exposure(case):
-    """Stops, by the manifest of the case."""
-    manifest = HERE.parents[1] / "fixtures" / "cases" / f"{case}.toml"
-    return tomllib.loads(manifest.read_text()).get("exposure", 0)
+def exposures():
+    """Stops, by case."""
+    listed = subprocess.run([VOLREF, "list", "--json"], capture_output=True, check=True, cwd=HERE)
+    return {case["name"]: case["exposure"] for case in json.loads(listed.stdout)["cases"]}
 
 
-def keep_image(source, case, folder):
-    """The image of a case as it is displayed: sRGB at the exposure of the case."""
+def keep_image(source, case, folder, exposure):
+    """The image of a case as it is displayed, in sRGB; of several steps that with the shortest."""
     from PIL import Image
 
     target = folder / f"{case}.png"
     target.unlink(missing_ok=True)
-    files = sorted(source.glob(f"{case}*.npy"), key=lambda file: file.name.partition("@")[2] or "1.npy")
-    if not files:
-        return
-    linear = (np.load(files[0])[..., :3] * 2.0 ** exposure(case)).clip(0, 1)
-    codes = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    target.parent.mkdir(exist_ok=True)
-    Image.fromarray(np.round(255 * codes).astype(np.uint8)).save(target, optimize=True)
+    names = [f"{case}{step}.npy" for step in ("@0.25", "@0.5", "")]
+    file = next((source / name for name in names if (source / name).is_file()), source / f"{case}.exr")
+    if file.is_file():
+        linear = (radiance(file) * 2.0**exposure).clip(0, 1)
+        codes = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+        target.parent.mkdir(exist_ok=True)
+        Image.fromarray(np.round(255 * codes).astype(np.uint8)).save(target, optimize=True)
+
+
+def radiance(file):
+    if file.suffix == ".npy":
+        return np.load(file)[..., :3]
+    from run_mitsuba import read_exr
+
+    return read_exr(file)[0]
 
 
 def said(file):
@@ -153,7 +173,7 @@ def print_table(names, results):
         cases = said(results / name / "results.json")
         counts = [len(cases.pop(verdict, [])) for verdict in ("pass", "convention")]
         rest = [f"`{case}`" for others in cases.values() for case in others]
-        cells = [f"{name} {RENDERERS[name][2]()}", f"`{RENDERERS[name][0]}`" if RENDERERS[name][0] else "", sum(counts) + len(rest), *counts]
+        cells = [f"{name} {RENDERERS[name].version()}", f"`{RENDERERS[name].options}`" if RENDERERS[name].options else "", sum(counts) + len(rest), *counts]
         print("|", " | ".join(map(str, [*cells, ", ".join(rest) or "none"])), "|")
 
 
@@ -161,6 +181,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(RENDERERS))
     parser.add_argument("--table", action="store_true", help="print the table, render nothing")
+    parser.add_argument("--explain", type=float, default=10, metavar="SECONDS", help="for a case that fails [10]")
     parser.add_argument("--results", type=Path, default=HERE / "results", metavar="DIR")
     options = parser.parse_args()
     names = options.names or list(RENDERERS)
@@ -168,7 +189,7 @@ def main():
         parser.error(f"no such renderer: {', '.join(unknown)}; there are {', '.join(RENDERERS)}")
     if not options.table:
         for name in names:
-            judge(name, options.results)
+            judge(name, options.results, options.explain)
     print_table(names, options.results)
 
 
