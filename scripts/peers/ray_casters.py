@@ -88,7 +88,7 @@ def validate(name, cases, options, explain, folder, file):
     format = [] if "run_mitsuba" in command else ["--format", "npy"]
     call = [VOLREF, "validate", *cases, *format, f"--explain={explain}", *options.split()]
     code = subprocess.call([*call, how, command, "--keep", folder, f"--json={file}"])
-    if code in (2, 3):
+    if code == 3 or not file.is_file():
         sys.exit(code)
     return json.loads(file.read_text())
 
