@@ -26,16 +26,13 @@ BLENDING = {"maximum": "maximum", "minimum": "minimum", "mean": "average"}
 
 def image_of(volume):
     """The volume as ImageData. Values of cells are cell data, of which pyvista takes means at the points."""
-    grid, values = volume.grid, volume.values.ravel()
+    grid, of_cells = volume.grid, volume.is_of_cells
     nodes = np.array(grid["nodes"])
     if nodes.min() == 1:
         volref.refuse("one layer of nodes: VTK needs two")
-    if volume.is_of_cells:
-        image = pyvista.ImageData(dimensions=nodes + 1, spacing=grid["spacing"], origin=grid["box_min"])
-        image.cell_data["values"] = values
-    else:
-        image = pyvista.ImageData(dimensions=nodes, spacing=grid["spacing"], origin=grid["first_node"])
-        image.point_data["values"] = values
+    origin = grid["box_min"] if of_cells else grid["first_node"]
+    image = pyvista.ImageData(dimensions=nodes + of_cells, spacing=grid["spacing"], origin=origin)
+    (image.cell_data if of_cells else image.point_data)["values"] = volume.values.ravel()
     return image
 
 
