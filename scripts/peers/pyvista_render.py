@@ -56,8 +56,7 @@ def render(bundle, processor, rays):
         shade=False,
         show_scalar_bar=False,
     )
-    actor.prop.interpolation_type = "nearest" if volume.is_nearest else "linear"
-    actor.user_matrix = volume.matrix
+    actor.prop.interpolation_type, actor.user_matrix = "nearest" if volume.is_nearest else "linear", volume.matrix
     actor.mapper.SetAutoAdjustSampleDistances(False)
     actor.mapper.SetLockSampleDistanceToInputSpacing(False)
     actor.mapper.SetSampleDistance(bundle.step)
