@@ -9,6 +9,7 @@
 //! | [`comparing`] | checking a renderer, failures, comparing two images, gates, samples and noise |
 //! | [`staying`] | renderers that are started once: the protocol, loops in Python, JavaScript and C++ |
 //! | [`gallery`] | one page of many renderers, judged |
+//! | [`adapters`] | another renderer, judged: its adapter in Python, from a bundle |
 //! | [`sensitivities`] | derivatives of images; which number of a scene is off, and by how much |
 //! | [`several_machines`] | parts of a suite, units of a golden, Slurm, Kubernetes |
 //! | [`in_your_tests`] | Python, pytest, CMake, GitHub |
@@ -16,6 +17,7 @@
 //! | [`effects`] | the effects that a scene needs, and the instructions saved |
 //! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
 //! | [`peers`] | exports to Mitsuba, pbrt and bundles |
+//! | [`findings`] | faults of renderers, with a check without volref |
 //! | [`reported`] | public reports of wrong images, and what is said of each |
 //! | [`working_on_volref`] | checks, self-test, fuzzing, speed |
 //!
@@ -46,6 +48,9 @@ pub mod staying {}
 #[doc = include_str!("guide/gallery.md")]
 pub mod gallery {}
 #[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/adapters.md")]
+pub mod adapters {}
+#[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/sensitivities.md")]
 pub mod sensitivities {}
 #[doc = include_str!("guide/links.md")]
@@ -66,6 +71,9 @@ pub mod hard_cases {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/peers.md")]
 pub mod peers {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/findings.md")]
+pub mod findings {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/reported.md")]
 pub mod reported {}

@@ -3,6 +3,9 @@
 ``check`` judges an array as the image of a case, ``compare`` one image by another, ``cases`` lists the suite,
 ``scene`` and ``export`` say what to render, and ``render`` renders it. All of them call the program ``volref``, which the package brings.
 
+``bundle`` reads an exported scene as numbers for an adapter of another renderer, which ``main`` makes a program that ``volref
+validate`` calls; ``refuse``, ``save`` and ``serve`` are its parts.
+
 Images are arrays of rows from the top:
 
 - floating point of 16, 32 or 64 bits, shape (height, width, 3), (height, width, 4) with opacity, or
@@ -24,25 +27,36 @@ from ._api import (
     render,
     scene,
 )
+from ._bundle import Bundle, Refusal, Table, Volume, bundle, refuse, save
 from ._program import UnknownCase, VolrefError, program, version
+from ._serve import main, serve
 
 __version__ = version()
 
 __all__ = [
+    "Bundle",
     "Case",
     "Comparison",
     "Flip",
     "Mistake",
+    "Refusal",
     "Result",
+    "Table",
     "UnknownCase",
+    "Volume",
     "VolrefError",
+    "bundle",
     "cases",
     "check",
     "compare",
     "export",
     "flip",
+    "main",
     "program",
+    "refuse",
     "render",
+    "save",
     "scene",
+    "serve",
     "version",
 ]

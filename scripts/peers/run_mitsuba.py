@@ -7,18 +7,19 @@ SCENE.xml is what `volref export --to mitsuba` writes. OUTPUT.exr holds R, G and
 picture has noise, the variance of their means (`variance.R`, `.G`, `.B`) and the samples per pixel
 (`samples.Y`). Made for
 
+    volref validate --serve 'python3 scripts/peers/run_mitsuba.py --serve {export:mitsuba} {spp} {seed}'
     volref validate --run 'python3 scripts/peers/run_mitsuba.py {export:mitsuba} {output} \\
         --spp {spp} --seed {seed}'
 
 Mitsuba tells the noise of a picture in no channel of its own, so the samples are divided among R
 pictures with seeds of their own (64, or one for each sample if there are fewer), and the variance
 of the mean is that of the pictures over R. N is rounded up to a multiple of their samples. What is
-added for rounding, and when no noise is stated, is in `replicates.py`.
+added for rounding, and when no noise is stated, is in `volref.save`.
 
 A scene that is said channel by channel (it has a parameter `channel`) is rendered three times,
 N samples each, and of every picture that channel is taken.
 
-Needs Python 3.9 with `mitsuba` and `numpy`.
+Needs Python 3.11 with `mitsuba` and `volref`.
 """
 
 import argparse
@@ -27,7 +28,8 @@ import xml.etree.ElementTree
 from pathlib import Path
 
 import numpy as np
-from replicates import seeds, shares, summary, write
+import volref
+from replicates import seeds, shares
 
 # The neighbour `mitsuba.py` has the name of the module that is needed here.
 HERE = Path(__file__).resolve().parent
@@ -72,19 +74,13 @@ def read_exr(file):
     return image, values[:, :, [channels[f"variance.{c}"] for c in "RGB"]]
 
 
-def render(scenes, spp, seed, count):
-    """Mean, variance of the mean, and samples per pixel, from at most `count` pictures."""
-    samples, count = shares(spp, count)
-    pictures = [picture(scenes, samples, one) for one in seeds(seed, count)]
-    return *summary(pictures), count * samples
-
-
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scene", type=Path)
-    parser.add_argument("output", type=Path)
+    parser.add_argument("scene", type=Path, nargs="?")
+    parser.add_argument("output", type=Path, nargs="?")
+    parser.add_argument("--serve", action="store_true", help="stay, and read requests from standard input")
     parser.add_argument("--spp", type=int, help="samples per pixel [the scene's]")
     parser.add_argument("--seed", type=int, help="any whole number from 0 on [the scene's]")
     parser.add_argument("--replicates", type=int, default=64, help="at most so many pictures [64]")
@@ -93,14 +89,25 @@ def main():
         help="a parameter of the scene, such as -Dintegrator=volpathmis",
     )
     options = parser.parse_args()
-    defaults = parameters(options.scene)
-    spp = int(defaults.get("spp", 64)) if options.spp is None else options.spp
-    seed = int(defaults.get("seed", 0)) if options.seed is None else options.seed
-    if spp < 2 or seed < 0 or options.replicates < 2:
+    if options.replicates < 2 or (options.spp or 2) < 2 or (options.seed or 0) < 0:
         parser.error("--spp and --replicates are at least 2, --seed is not negative")
+    if options.serve:
+        volref.serve(lambda request: render_to(Path(request["export:mitsuba"]), Path(request["output"]),
+                                               request.get("spp"), request.get("seed"), options))  # fmt: skip
+    elif options.output:
+        render_to(options.scene, options.output, options.spp, options.seed, options)
+    else:
+        parser.error("give a scene and an output, or --serve")
+
+
+def render_to(scene, output, spp, seed, options):
+    """Renders with so many samples and that seed, or else those of the scene."""
+    defaults = parameters(scene)
+    spp = int(defaults.get("spp", 64)) if spp is None else spp
+    seed = int(defaults.get("seed", 0)) if seed is None else seed
     settings = dict(setting.split("=", 1) for setting in options.settings)
-    scenes = load(options.scene, settings)
-    write(options.output, *render(scenes, spp, seed, options.replicates))
+    scenes, (samples, count) = load(scene, settings), shares(spp, options.replicates)
+    volref.save(output, seeds=[picture(scenes, samples, one) for one in seeds(seed, count)], samples=samples)
 
 
 if __name__ == "__main__":

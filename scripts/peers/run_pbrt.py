@@ -25,7 +25,7 @@ each sample if there are fewer). They are rendered side by side, each by one thr
 ends by a signal where the eye is in a medium (`scene.cpp`: while `CreateMedia` goes through the jobs
 of media, the camera's thread takes one away in `GetMedium`).
 
-Needs Python 3.9 with `numpy`.
+Needs Python 3.11 with `volref`.
 """
 
 import argparse
@@ -37,7 +37,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from replicates import seeds, shares, summary, write
+import volref
+from replicates import seeds, shares
 
 CHANNELS = ["red", "green", "blue"]
 GREEN = 1
@@ -140,7 +141,7 @@ def main():
             for seed in seeds(options.seed, count)
         ]
         pictures = [render.result() for render in renders]
-    write(options.output, *summary(pictures), count * samples)
+    volref.save(options.output, seeds=pictures, samples=samples)
 
 
 if __name__ == "__main__":

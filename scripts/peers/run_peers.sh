@@ -13,6 +13,7 @@ set -uo pipefail
 cd "$(dirname "$0")/../.."
 
 python=${PYTHON:-python3}
+export PYTHONPATH=$PWD/python
 peers=${*:-vtk mitsuba}
 spp=${SPP:-64}
 cargo build --quiet --release

@@ -4,8 +4,9 @@
     volref export SCENE --to bundle -o DIR
     vtk_render.py DIR/SCENE.json OUTPUT            # OUTPUT: .npy, .pfm or .exr
     vtk_render.py DIR/SCENE.json OUTPUT --step H   # another distance between samples
+    volref validate limit --as vtk --serve 'vtk_render.py --serve {export:bundle} {step} --stock'
 
-Needs `pip install vtk numpy`; without a screen VTK uses EGL or OSMesa, in software where there is
+Needs `pip install vtk volref`; without a screen VTK uses EGL or OSMesa, in software where there is
 no card. What VTK cannot say is refused by name.
 
 VTK's tables take the opacity of a reference length, which VTK corrects for the step, and the colour,
@@ -14,12 +15,11 @@ of a formula times d^2. Where its model differs by design, lines of its shader a
 """
 
 import argparse
-import json
-import sys
-from pathlib import Path
 
 import numpy as np
-from image_file import image_path, write_image
+import vtk
+import volref
+from vtk.util.numpy_support import numpy_to_vtk
 
 TABLE = 4096  # entries of the tables that stand for the transfer function
 
@@ -50,58 +50,39 @@ SHADER = {
 }  # fmt: skip
 
 
-def parts_of(panel):
-    """The volumes of a panel, of which there is one but in "volumes"."""
-    return panel.get("volumes", [panel])
-
-
-def obstacles(panel):
-    """What of a panel VTK's model has no word for."""
-    if not panel["shows"].startswith("volume"):
-        return [f"a {panel['shows']}, which is no volume"]
-    if "mode" in panel and panel["mode"]["name"] not in BLENDS:
-        return [f"mode = {panel['mode']['name']!r}"]
-    found = []
-    parts = parts_of(panel)
-    for part in parts:
-        values = [point["value"] for point in (part["transfer_function"] or {}).get("points", [])]
-        if len(set(values)) < len(values):
-            found.append("a table with a jump (VTK's runs in straight lines)")
-    if panel.get("compositing", {}).get("method") == "continuous" and panel["sampling"] is None:
-        found.append("a continuous integral without a step")
-    if panel["shadow"]:
-        found.append("the volume shadow (VTK scatters light by a model of its own)")
+def refuse_what_vtk_cannot_say(bundle):
+    features = ["several", "placed", "shading", "clips", "surfaces"]
+    if "shadow" in bundle.asks:
+        volref.refuse("the volume shadow (VTK scatters light by a model of its own)")
+    bundle.allow(*features, *BLENDS)
+    panel, parts = bundle.panel, bundle.volumes
+    if any(volume.has_jump for volume in parts if volume.json["transfer_function"]):
+        volref.refuse("a table with a jump (VTK's runs in straight lines)")
     if any(surface["kind"] != "sphere" for surface in panel.get("surfaces", [])):
-        found.append("surfaces other than spheres (this script knows no others)")
-    if any("modulation" in part for part in parts):
-        found.append("opacities by a second number (this script gives VTK one)")
-    if any(part["clips"] != parts[0]["clips"] for part in parts if "clips" in part):
-        found.append("clips of some of the volumes (VTK's mapper cuts all alike)")
-    return found
+        volref.refuse("surfaces other than spheres (this script knows no others)")
+    if any(volume.json.get("clips") != parts[0].json.get("clips") for volume in parts):
+        volref.refuse("clips of some of the volumes (VTK's mapper cuts all alike)")
 
 
-def tables(vtk, transfer, colours):
-    """Opacity over the reference length, and the radiance of an opaque sample, over density."""
+def tables(volume, white):
+    """Opacity over the reference length, and the radiance of an opaque sample, over density; or that of white."""
+    opacity, colour = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
+    transfer = volume.json["transfer_function"]
     if transfer["kind"] == "table":
-        opacity, colour = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
         for point in transfer["points"]:
             opacity.AddPoint(point["value"], point["opacity"])
-            colour.AddRGBPoint(point["value"], *(colours or [point["colour"]])[0])
+            colour.AddRGBPoint(point["value"], *([1, 1, 1] if white else point["colour"]))
         return opacity, colour
-    density = np.linspace(0, 1, TABLE)
-    clear = (np.exp(-(density**2)) - transfer["floor"]) / (1 - transfer["floor"])
-    position = np.linspace(0, 1, len(colours))
-    channels = [np.interp(density, position, c) * density**2 for c in np.array(colours).T]
-    opacity, colour = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
-    for d, t, *rgb in zip(density, np.clip(clear, 0, 1), *channels):
-        opacity.AddPoint(d, 1 - t)
-        colour.AddRGBPoint(d, *rgb)
+    table = volume.table(TABLE)
+    for d, a, rgb in zip(np.linspace(*table.range, TABLE), table.opacities, table.colours):
+        opacity.AddPoint(d, a)
+        colour.AddRGBPoint(d, *([d**2] * 3 if white else rgb))
     return opacity, colour
 
 
-def mode_tables(vtk, panel):
+def mode_tables(volume):
     """Opacity and colour over the values that a projection or isosurfaces show."""
-    mode = panel["mode"]
+    mode = volume.mode
     opacity, colour = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
     if mode["name"] == "isosurface":
         surfaces = sorted(mode["surfaces"], key=lambda surface: surface["value"])
@@ -117,58 +98,55 @@ def mode_tables(vtk, panel):
         colour.AddRGBPoint(mode["low"], 0, 0, 0)
         colour.AddRGBPoint(mode["high"], 1, 1, 1)
     else:
-        for point in panel["transfer_function"]["points"]:
+        for point in volume.json["transfer_function"]["points"]:
             colour.AddRGBPoint(point["value"], *point["colour"])
     return opacity, colour
 
 
-def look_of(vtk, panel, colours, ambient=1, diffuse=0, specular=0):
+def look_of(volume, white=False, ambient=1, diffuse=0, specular=0):
     """What densities look like, by that share of each kind of light."""
-    look = vtk.vtkVolumeProperty()
-    if "mode" in panel:
-        opacity, colour = mode_tables(vtk, panel)
-        for index, surface in enumerate(panel["mode"].get("surfaces", [])):
+    look, phong = vtk.vtkVolumeProperty(), volume.json["phong"]
+    if volume.mode:
+        opacity, colour = mode_tables(volume)
+        for index, surface in enumerate(volume.mode.get("surfaces", [])):
             look.GetIsoSurfaceValues().SetValue(index, surface["value"])
     else:
-        opacity, colour = tables(vtk, panel["transfer_function"], colours)
-        look.SetScalarOpacityUnitDistance(panel["transfer_function"]["reference_length"])
+        opacity, colour = tables(volume, white)
+        look.SetScalarOpacityUnitDistance(volume.reference_length)
     look.SetScalarOpacity(opacity)
     look.SetColor(colour)
-    if panel["interpolation"]["method"] == "nearest":
+    if volume.is_nearest:
         look.SetInterpolationTypeToNearest()
     else:
         look.SetInterpolationTypeToLinear()
-    look.SetShade(bool(panel["phong"]))
+    look.SetShade(bool(phong))
     look.SetAmbient(ambient)
     look.SetDiffuse(diffuse)
     look.SetSpecular(specular)
-    look.SetSpecularPower(panel["phong"]["shininess"] if panel["phong"] else 1)
+    look.SetSpecularPower(phong["shininess"] if phong else 1)
     return look
 
 
-def looks_of(vtk, panel, stock):
+def looks_of(volume, stock):
     """Looks whose pictures add up to that of the panel: the highlight is white."""
-    colours, phong = (panel["transfer_function"] or {}).get("colours"), panel["phong"]
+    phong = volume.json["phong"]
     if not phong:
-        return [look_of(vtk, panel, colours)]
+        return [look_of(volume)]
     ambient, diffuse, specular = phong["ambient"], phong["diffuse"], phong["specular"]
-    if stock or "mode" in panel:
-        return [look_of(vtk, panel, colours, ambient, diffuse, specular)]
-    looks = [look_of(vtk, panel, colours, ambient, diffuse)]
+    if stock or volume.mode:
+        return [look_of(volume, False, ambient, diffuse, specular)]
+    looks = [look_of(volume, False, ambient, diffuse)]
     if specular:
-        looks.append(look_of(vtk, panel, [[1, 1, 1]], 0, 0, specular))
+        looks.append(look_of(volume, True, 0, 0, specular))
     return looks
 
 
-def image_of(vtk, grid, folder):
-    from vtk.util.numpy_support import numpy_to_vtk
-
-    nodes, spacing, first = (np.array(grid[key]) for key in ("nodes", "spacing", "first_node"))
-    box_min, box_max = np.array(grid["box_min"]), np.array(grid["box_max"])
-    values = np.fromfile(folder / grid["file"], "<f4").reshape(nodes[::-1])
+def image_of(volume):
+    nodes, spacing, first = (np.array(volume.grid[key]) for key in ("nodes", "spacing", "first_node"))
+    box_min, box_max = np.array(volume.grid["box_min"]), np.array(volume.grid["box_max"])
+    values = volume.values
     image = vtk.vtkImageData()
-    if np.all(box_min < first - 0.25 * spacing):
-        # Values of cells: the box reaches half a voxel beyond the outermost nodes.
+    if volume.is_of_cells:
         image.SetDimensions((nodes + 1).tolist())
         image.SetSpacing(spacing)
         image.SetOrigin(box_min)
@@ -189,7 +167,7 @@ def image_of(vtk, grid, folder):
 
 def planes_of(panel):
     """Points and normals of the planes that clip the volumes."""
-    for index in parts_of(panel)[0].get("clips", []):
+    for index in panel.get("volumes", [panel])[0].get("clips", []):
         clip = panel["clips"][index]
         if clip["kind"] == "plane":
             yield clip["point"], clip["normal"]
@@ -199,12 +177,11 @@ def planes_of(panel):
             yield clip["max"], -axis
 
 
-def mapper_of(vtk, panel, folder, step):
-    parts = parts_of(panel)
+def mapper_of(bundle):
     mapper = vtk.vtkGPUVolumeRayCastMapper()
-    for port, part in enumerate(parts):
-        mapper.SetInputDataObject(port, image_of(vtk, part["grid"], folder))
-    for point, normal in planes_of(panel):
+    for port, volume in enumerate(bundle.volumes):
+        mapper.SetInputDataObject(port, image_of(volume))
+    for point, normal in planes_of(bundle.panel):
         plane = vtk.vtkPlane()
         plane.SetOrigin(point)
         plane.SetNormal(normal)
@@ -212,51 +189,37 @@ def mapper_of(vtk, panel, folder, step):
     mapper.AutoAdjustSampleDistancesOff()
     mapper.LockSampleDistanceToInputSpacingOff()
     mapper.UseJitteringOff()
-    mode = panel.get("mode", {"exact": False})
-    if mode["exact"]:
-        step = step or panel["sampling"]["step"] / 16
-    # Several volumes have one step.
-    mapper.SetSampleDistance(step or min(part["sampling"]["step"] for part in parts))
-    if "mode" in panel:
+    mode = bundle.panel.get("mode", {"exact": False})
+    # What is exact is sampled more finely; several volumes have one step.
+    mapper.SetSampleDistance(bundle.step / (16 if mode["exact"] and not bundle.asked_step else 1))
+    if "name" in mode:
         getattr(mapper, f"SetBlendModeTo{BLENDS[mode['name']]}")()
     return mapper
 
 
-def camera_of(vtk, panel):
-    ray = panel["ray"]
-    eye, forward, up = (np.array(ray[key]) for key in ("eye", "forward", "half_up"))
+def camera_of(bundle):
     camera = vtk.vtkCamera()
-    camera.SetPosition(eye)
-    camera.SetFocalPoint(eye + forward)
-    camera.SetViewUp(up)
-    if "orthographic_height" in ray:
+    camera.SetPosition(bundle.eye)
+    camera.SetFocalPoint(bundle.eye + bundle.forward)
+    camera.SetViewUp(bundle.up)
+    if bundle.parallel_height:
         camera.SetParallelProjection(True)
-        camera.SetParallelScale(ray["orthographic_height"] / 2)
+        camera.SetParallelScale(bundle.parallel_height / 2)
     else:
-        camera.SetViewAngle(2 * np.degrees(np.arctan(np.linalg.norm(up))))
-    corners = np.concatenate([corners_of(part["grid"]) for part in parts_of(panel)])
-    reach = np.linalg.norm(np.abs(corners - eye).max(0))
-    camera.SetClippingRange(1e-3 * reach, 2 * reach)
+        camera.SetViewAngle(bundle.field_of_view)
+    camera.SetClippingRange(bundle.near_and_far)
     return camera
 
 
-def corners_of(grid):
-    """The corners of the box of a grid in the world."""
-    ends = np.array([grid["box_min"], grid["box_max"]])
-    corners = np.array([[ends[i, 0], ends[j, 1], ends[k, 2], 1] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    return corners @ np.array(grid.get("matrix", np.eye(3, 4))).T
-
-
-def volume_of(vtk, mapper, parts, looks):
+def volume_of(mapper, parts, looks):
     """The volume, or several as one."""
     volumes = []
     for part, look in zip(parts, looks):
         volume = vtk.vtkVolume()
         volume.SetProperty(look)
-        if "matrix" in part["grid"]:
-            matrix = vtk.vtkMatrix4x4()
-            matrix.DeepCopy(np.vstack([part["grid"]["matrix"], [0, 0, 0, 1]]).ravel())
-            volume.SetUserMatrix(matrix)
+        matrix = vtk.vtkMatrix4x4()
+        matrix.DeepCopy(part.matrix.ravel())
+        volume.SetUserMatrix(matrix)
         volumes.append(volume)
     if len(volumes) == 1:
         volumes[0].SetMapper(mapper)
@@ -268,7 +231,7 @@ def volume_of(vtk, mapper, parts, looks):
     return together
 
 
-def actor_of(vtk, surface, look):
+def actor_of(surface, look):
     """A sphere, lit as the volumes are by their look."""
     source = vtk.vtkSphereSource()
     source.SetRadius(surface["radius"])
@@ -295,17 +258,20 @@ def actor_of(vtk, surface, look):
     return actor
 
 
-def picture(vtk, panel, mapper, looks, stock):
+def picture(bundle, mapper, looks, stock):
     """The picture as floats: VTK's usual buffers hold 8 bits, too few to be judged."""
-    volume = volume_of(vtk, mapper, parts_of(panel), looks)
+    panel = bundle.panel
+    volume = volume_of(mapper, bundle.volumes, looks)
     if not stock:
         for theirs, ours in SHADER.items():
+            if "mode" in panel and "in_specular" in theirs:
+                continue  # surfaces have white highlights
             volume.GetShaderProperty().AddFragmentShaderReplacement(theirs, False, ours, False)
     renderer = vtk.vtkRenderer()
     renderer.AddVolume(volume)
     for surface in panel.get("surfaces", []):
-        renderer.AddActor(actor_of(vtk, surface, looks[0]))
-    renderer.SetActiveCamera(camera_of(vtk, panel))
+        renderer.AddActor(actor_of(surface, looks[0]))
+    renderer.SetActiveCamera(camera_of(bundle))
     renderer.SetTwoSidedLighting(False)
     renderer.SetAutomaticLightCreation(False)
     if panel["light"]:
@@ -322,7 +288,7 @@ def picture(vtk, panel, mapper, looks, stock):
     floats.SetDepthFormat(vtk.vtkTextureObject.Fixed32)
     renderer.SetPass(floats)
 
-    width, height = panel["width"], panel["height"]
+    width, height = bundle.size
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(True)
     window.SetMultiSamples(0)
@@ -335,42 +301,17 @@ def picture(vtk, panel, mapper, looks, stock):
     return pixels[::-1]
 
 
-def render(vtk, panel, folder, step, stock):
-    parts = parts_of(panel)
+def render(bundle, stock):
+    refuse_what_vtk_cannot_say(bundle)
+    parts = bundle.volumes
     stock = stock or len(parts) > 1  # the shader of several volumes has other lines
-    mapper = mapper_of(vtk, panel, folder, step)
-    looks = zip(*(looks_of(vtk, part, stock) for part in parts))
-    pictures = [picture(vtk, panel, mapper, of_all, stock) for of_all in looks]
+    mapper = mapper_of(bundle)
+    looks = zip(*(looks_of(volume, stock) for volume in parts))
+    pictures = [picture(bundle, mapper, of_all, stock) for of_all in looks]
     behind = 1 - pictures[0][:, :, 3:]
-    return sum(p[:, :, :3] for p in pictures) + behind * panel["background"]
+    return sum(p[:, :, :3] for p in pictures) + behind * bundle.background
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("bundle", type=Path)
-    parser.add_argument("output", type=image_path)
-    parser.add_argument("--stock", action="store_true", help="VTK as it is, shader and all")
-    parser.add_argument("--step", type=float, help="distance between samples, world units")
-    options = parser.parse_args()
-    bundle = json.loads(options.bundle.read_text("utf-8"))
-    if bundle["schema"] != "volref/bundle/1":
-        sys.exit(f"{options.bundle}: not a bundle that this script knows")
-    for panel in bundle["panels"]:
-        found = obstacles(panel)
-        if found:
-            sys.exit(f"{options.bundle}: refused: " + "; ".join(found))
-    try:
-        import vtk
-    except ImportError:
-        sys.exit("VTK is missing: pip install vtk")
-    image = np.zeros((bundle["image"]["height"], bundle["image"]["width"], 3))
-    for panel in bundle["panels"]:
-        columns = slice(panel["first_column"], panel["first_column"] + panel["width"])
-        image[:, columns] = render(
-            vtk, panel, options.bundle.parent, options.step, options.stock
-        )
-    write_image(options.output, image)
-
-
-if __name__ == "__main__":
-    main()
+parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+parser.add_argument("--stock", action="store_true", help="VTK as it is, shader and all")
+volref.main(render, parser)

@@ -32,8 +32,10 @@ macro_rules! documents {
 documents! {
     readme: "README.md",
     accuracy_and_cost: "src/guide/accuracy_and_cost.md",
+    adapters: "src/guide/adapters.md",
     comparing: "src/guide/comparing.md",
     effects: "src/guide/effects.md",
+    findings: "src/guide/findings.md",
     fog_and_smoke: "src/guide/fog_and_smoke.md",
     hard_cases: "src/guide/hard_cases.md",
     peers: "src/guide/peers.md",
@@ -134,6 +136,7 @@ const REASONS: &[Reason] = &[
             "pages/render.js",
             "vispy_render.py",
             "pyvista_render.py",
+            "checks.py",
         ],
     },
 ];
@@ -430,6 +433,8 @@ fn shell(folder: &Folder, line: &str) -> (i32, String) {
     let output = shell
         .env("PATH", path)
         .env("CI", "true")
+        // The package, which readers have installed.
+        .env("PYTHONPATH", root().join("python"))
         .stdin(Stdio::null());
     let output = output.output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();

@@ -774,6 +774,7 @@ fn script(name: &str, arguments: &[&str], folder: &Path, program: Option<&Path>)
     let mut run = Command::new("python3");
     run.arg(root().join("scripts/peers").join(name));
     run.args(arguments).current_dir(folder);
+    run.env("PYTHONPATH", root().join("python"));
     match program {
         Some(program) => run.env("PBRT", program),
         None => run.env("PBRT", folder.join("none")),
@@ -888,15 +889,16 @@ fn the_table_of_ray_casters_leaves_out_what_was_refused() {
         case("sampled/cells", "fail", "11 of 4096 pixels differ"),
         case("sampled/slope", "error", "the renderer failed; refused: parallel rays only"),
     ] });
-    let file = folder.path().join("tutorial.json");
-    std::fs::write(file, results.to_string()).unwrap();
+    let results_of_one = folder.path().join("tutorial");
+    std::fs::create_dir(&results_of_one).unwrap();
+    std::fs::write(results_of_one.join("results.json"), results.to_string()).unwrap();
     let mut run = Command::new("python3");
     run.arg(root().join("scripts/peers/ray_casters.py"));
     run.args(["--table", "--results", ".", "tutorial"]);
     let output = run.current_dir(folder.path()).output().unwrap();
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(
-        table.ends_with("| `tutorial` | 2 | 1 | `sampled/cells` |\n"),
+        table.ends_with("| `--as tutorial` | 2 | 1 | 0 | `sampled/cells` |\n"),
         "{table}{}",
         String::from_utf8_lossy(&output.stderr)
     );

@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+"""Faults of renderers, shown without volref: the numbers of src/guide/findings.md.
+
+    checks.py yt_order pygfx_moved ...        # all, if none is named; each needs its renderer alone
+"""
+
+import os
+import sys
+
+os.environ.setdefault("EGL_PLATFORM", "surfaceless")
+
+import numpy as np
+
+
+def yt_image(values, lens, extinction, depth=3.5):
+    """Opaque red where values are below 1.5, green above; the eye looks along +z from z = -3 at a box from 0 to 1."""
+    import yt
+    from yt.visualization.volume_rendering.api import ColorTransferFunction, Scene, create_volume_source
+
+    yt.set_log_level("error")
+    data = yt.load_uniform_grid({"value": values}, values.shape, bbox=np.array([[0, 1.0]] * 3))
+    source = create_volume_source(data.all_data(), ("stream", "value"))
+    source.log_field = False
+    scene = Scene()
+    scene.add_source(source)
+    camera = scene.add_camera(data, lens_type=lens)
+    camera.resolution = (5, 5)
+    camera.position = data.arr([0.5, 0.5, -3.0], "code_length")
+    camera.focus = data.arr([0.5, 0.5, 0.5], "code_length")
+    camera.switch_orientation(north_vector=[0, 1, 0])
+    camera.width = data.arr([2, 2, depth], "code_length")
+    look = ColorTransferFunction((0, 3), grey_opacity=True)
+    look.red.y, look.green.y = 1.0 * (look.red.x < 1.5), 1.0 * (look.red.x >= 1.5)
+    look.alpha.y = np.full(look.nbins, float(extinction))
+    source.transfer_function = look
+    return np.asarray(scene.render())[2, 2]
+
+
+def yt_order():
+    """Of a red half in front of a green one, both opaque, the red one should be seen."""
+    values = np.ones((8, 8, 8))
+    values[:, :, 4:] = 2
+    for lens in ("plane-parallel", "perspective"):
+        red, green = yt_image(values, lens, 200)[:2]
+        print(f"{lens}: red {red:.3f}, green {green:.3f}")
+
+
+def yt_depth():
+    """The opacity of a box of extinction 0.2 and length 1 should be 0.181, whatever the depth of the camera."""
+    for depth in (3.5, 7.0):
+        print(f"depth {depth}: opacity {yt_image(np.ones((8, 8, 8)), 'plane-parallel', 0.2, depth)[3]:.4f}")
+
+
+def pygfx_ball(spacing, offset, with_plane=False):
+    """A ball as an isosurface, lit by a lamp beside the eye; moved with camera, lamp and the plane behind it."""
+    import pygfx as gfx
+
+    counts = np.round(40 / np.array(spacing)).astype(int) + 1
+    x, y, z = (np.arange(count) * step - 20 for count, step in zip(counts, spacing))
+    values = 20 - np.sqrt(x**2 + y[:, None] ** 2 + z[:, None, None] ** 2)
+    white = gfx.Texture(np.ones((4, 4), np.float32), dim=1)
+    look = gfx.VolumeIsoMaterial(clim=(-20, 20), threshold=8, step_size=0.25, substep_size=0.02, map=white)
+    ball = gfx.Volume(gfx.Geometry(grid=gfx.Texture(values.astype(np.float32), dim=3)), look)
+    ball.local.scale, ball.local.position = spacing, np.add(offset, -20)
+    lamp = gfx.PointLight(intensity=3, decay=0)
+    lamp.local.position = np.add(offset, [60, 40, 80])
+    scene = gfx.Scene()
+    scene.add(ball, lamp)
+    if with_plane:
+        plane = gfx.Mesh(gfx.plane_geometry(100, 100), gfx.MeshBasicMaterial(color="red", side="both"))
+        plane.local.position = np.add(offset, [0, 0, -30])
+        scene.add(plane)
+    camera = gfx.PerspectiveCamera(40, 1, depth_range=(10, 400))
+    camera.local.position = np.add(offset, [0, 0, 120])
+    camera.look_at(offset)
+    renderer = gfx.WgpuRenderer(gfx.Texture(dim=2, size=(64, 64, 1), format="rgba8unorm"), pixel_ratio=1, ppaa="none")
+    renderer.render(scene, camera)
+    return renderer.snapshot()[..., :3].astype(int)
+
+
+def pygfx_moved():
+    """The pictures should not change where all is moved."""
+    here, there = (pygfx_ball((1, 1, 1), (x, 0, 0)) for x in (0, 200))
+    print(f"moved along x: mean code {here.mean():.2f} and {there.mean():.2f}")
+    for z in (0, 200):
+        lit = (pygfx_ball((1, 1, 1), (0, 0, z), with_plane=True)[..., 1] > 0).sum()
+        print(f"in front of a plane, moved by {z} along z: {lit} pixels of the ball")
+
+
+def pygfx_normals():
+    """The same ball on finer grids: the pictures should hardly change."""
+    reference = pygfx_ball((1, 1, 1), (0, 0, 0))
+    for spacing in ((0.5, 0.5, 0.5), (1, 1, 0.5), (1, 1, 0.25)):
+        picture = pygfx_ball(spacing, (0, 0, 0))
+        off = (np.abs(picture - reference).max(2) > 8).sum()
+        print(f"voxels {spacing}: mean code {picture.mean():.2f}, {off} of {(reference.max(2) > 0).sum()} lit pixels differ")
+
+
+def vtk_picture(image, gpu, nearest=False, matrix=None, opacity=1.0, clear=False, other=None):
+    """Values as greys from 0 to 1 along z, in parallel, over x and y from -1 to 1, 200 pixels."""
+    import vtk
+
+    mapper = vtk.vtkGPUVolumeRayCastMapper() if gpu else vtk.vtkFixedPointVolumeRayCastMapper()
+    mapper.AutoAdjustSampleDistancesOff()
+    mapper.LockSampleDistanceToInputSpacingOff()
+    mapper.SetSampleDistance(0.05)
+    if not gpu:
+        mapper.SetImageSampleDistance(0.1)
+    colour, opacities = vtk.vtkColorTransferFunction(), vtk.vtkPiecewiseFunction()
+    colour.AddRGBPoint(0, 0, 0, 0)
+    colour.AddRGBPoint(1, 1, 1, 1)
+    opacities.AddPoint(0, 0 if clear else opacity)
+    opacities.AddPoint(1, opacity)
+    look = vtk.vtkVolumeProperty()
+    look.SetColor(colour)
+    look.SetScalarOpacity(opacities)
+    look.SetInterpolationTypeToNearest() if nearest else look.SetInterpolationTypeToLinear()
+    volumes = []
+    for port, one in enumerate([image] + [other] * (other is not None)):
+        mapper.SetInputDataObject(port, one)
+        volume = vtk.vtkVolume()
+        volume.SetProperty(look)
+        if matrix is not None:
+            placed = vtk.vtkMatrix4x4()
+            placed.DeepCopy(np.ravel(matrix))
+            volume.SetUserMatrix(placed)
+        volumes.append(volume)
+    shown = volumes[0]
+    if other is not None:
+        shown = vtk.vtkMultiVolume()
+        for port, volume in enumerate(volumes):
+            shown.SetVolume(volume, port)
+    shown.SetMapper(mapper)
+    renderer = vtk.vtkRenderer()
+    renderer.AddVolume(shown)
+    camera = renderer.GetActiveCamera()
+    camera.ParallelProjectionOn()
+    camera.SetParallelScale(1)
+    camera.SetPosition(0, 0, -5)
+    camera.SetFocalPoint(0, 0, 0)
+    camera.SetViewUp(0, 1, 0)
+    camera.SetClippingRange(1, 10)
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(0)
+    window.SetSize(200, 200)
+    window.AddRenderer(renderer)
+    window.Render()
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    codes = vtk.vtkUnsignedCharArray()
+    window.GetPixelData(0, 0, 199, 199, 0, codes, 0)
+    return vtk_to_numpy(codes).reshape(200, 200, 3)[:, ::-1, 0].astype(int)  # x to the right
+
+
+def vtk_image(values, extent=0.8):
+    """Values, of shape (z, y, x), at nodes from -extent to extent."""
+    import vtk
+    from vtk.util.numpy_support import numpy_to_vtk
+
+    image = vtk.vtkImageData()
+    image.SetDimensions(values.shape[::-1])
+    spacing = [2 * extent / (count - 1) for count in values.shape[::-1]]
+    image.SetSpacing(spacing)
+    image.SetOrigin(-extent, -extent, -extent)
+    image.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(values, np.float32).ravel(), deep=1))
+    return image
+
+
+def vtk_nearest():
+    """Of five nodes at x = -0.8, -0.4 ... 0.8 with greys 0, 1/4 ... 1, colours should change at -0.6, -0.2, 0.2, 0.6."""
+    image = vtk_image(np.broadcast_to(np.linspace(0, 1, 5), (5, 5, 5)))
+    for name, gpu in (("graphics card", True), ("processor", False)):
+        row = vtk_picture(image, gpu, nearest=True)[100]
+        places = (np.flatnonzero(np.abs(np.diff(row)) > 20) + 1) / 100 - 1
+        print(f"{name}: changes at x = {', '.join(f'{place:.2f}' for place in places)}")
+
+
+def vtk_placed():
+    """A box of 1.6 and opacity 0.5 over 1 should have 1 - 0.5^1.6 = 0.670, code 171; by a matrix, too."""
+    ones = np.ones((3, 3, 3))
+    print("spacing 0.8:", vtk_picture(vtk_image(ones), True, opacity=0.5)[100, 100])
+    print("spacing 8, a matrix of 1/10:", vtk_picture(vtk_image(ones, 8), True, opacity=0.5, matrix=np.diag([0.1, 0.1, 0.1, 1]))[100, 100])
+
+
+def vtk_several():
+    """A box from -0.4 to 0.4 should be 80 of 200 pixels wide, also in a larger one that is clear."""
+    box, clear = vtk_image(np.ones((3, 3, 3)), 0.4), vtk_image(np.zeros((3, 3, 3)), 0.8)
+    print("alone:", (vtk_picture(box, True, clear=True)[100] > 20).sum(), "pixels")
+    print("in the larger one:", (vtk_picture(box, True, clear=True, other=clear)[100] > 20).sum(), "pixels")
+
+
+def pyvista_cells():
+    """A cell of 1 among cells of 0: within the cell the value should be 1."""
+    import pyvista
+
+    image = pyvista.ImageData(dimensions=(6, 6, 6))
+    values = np.zeros((5, 5, 5))
+    values[2, 2, 2] = 1
+    image.cell_data["values"] = values.ravel()
+    plotter = pyvista.Plotter(off_screen=True)
+    actor = plotter.add_volume(image, scalars="values", show_scalar_bar=False)
+    drawn = actor.mapper.GetInput()
+    print(f"drawn: {drawn.GetPointData().GetScalars().GetRange()} at {drawn.GetNumberOfPoints()} points, cell data: "
+          f"{drawn.GetCellData().GetScalars() is not None}")  # fmt: skip
+
+
+CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, pyvista_cells]
+
+if __name__ == "__main__":
+    for check in CHECKS:
+        if not sys.argv[1:] or check.__name__ in sys.argv[1:]:
+            print(f"{check.__name__}: {check.__doc__}")
+            check()
