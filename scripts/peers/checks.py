@@ -96,8 +96,8 @@ def pygfx_normals():
         print(f"voxels {spacing}: mean code {picture.mean():.2f}, {off} of {(reference.max(2) > 0).sum()} lit pixels differ")
 
 
-def vtk_picture(image, gpu, nearest=False, matrix=None, opacity=1.0, clear=False, other=None):
-    """Values as greys from 0 to 1 along z, in parallel, over x and y from -1 to 1, 200 pixels."""
+def vtk_picture(image, gpu, nearest=False, matrix=None, opacity=1.0, clear=False, other=None, eye=(0, 0, -5), lamp=None):
+    """Values as greys from 0 to 1, in parallel from `eye`, 2 units in 200 pixels; lit by a lamp."""
     import vtk
 
     mapper = vtk.vtkGPUVolumeRayCastMapper() if gpu else vtk.vtkFixedPointVolumeRayCastMapper()
@@ -114,6 +114,7 @@ def vtk_picture(image, gpu, nearest=False, matrix=None, opacity=1.0, clear=False
     look = vtk.vtkVolumeProperty()
     look.SetColor(colour)
     look.SetScalarOpacity(opacities)
+    look.SetShade(lamp is not None)
     look.SetInterpolationTypeToNearest() if nearest else look.SetInterpolationTypeToLinear()
     volumes = []
     for port, one in enumerate([image] + [other] * (other is not None)):
@@ -133,10 +134,21 @@ def vtk_picture(image, gpu, nearest=False, matrix=None, opacity=1.0, clear=False
     shown.SetMapper(mapper)
     renderer = vtk.vtkRenderer()
     renderer.AddVolume(shown)
+    if lamp is not None:
+        renderer.SetAutomaticLightCreation(False)
+        light = vtk.vtkLight()
+        light.SetLightTypeToSceneLight()
+        light.SetPositional(True)
+        light.SetConeAngle(180)
+        light.SetPosition(lamp)
+        renderer.AddLight(light)
+        look.SetAmbient(0)
+        look.SetDiffuse(1)
+        look.SetSpecular(0)
     camera = renderer.GetActiveCamera()
     camera.ParallelProjectionOn()
     camera.SetParallelScale(1)
-    camera.SetPosition(0, 0, -5)
+    camera.SetPosition(eye)
     camera.SetFocalPoint(0, 0, 0)
     camera.SetViewUp(0, 1, 0)
     camera.SetClippingRange(1, 10)
@@ -154,15 +166,15 @@ def vtk_picture(image, gpu, nearest=False, matrix=None, opacity=1.0, clear=False
 
 
 def vtk_image(values, extent=0.8):
-    """Values, of shape (z, y, x), at nodes from -extent to extent."""
+    """Values, of shape (z, y, x), at nodes from -extent to extent: one for all axes, or x, y and z."""
     import vtk
     from vtk.util.numpy_support import numpy_to_vtk
 
     image = vtk.vtkImageData()
     image.SetDimensions(values.shape[::-1])
-    spacing = [2 * extent / (count - 1) for count in values.shape[::-1]]
-    image.SetSpacing(spacing)
-    image.SetOrigin(-extent, -extent, -extent)
+    extent = np.broadcast_to(extent, 3)
+    image.SetSpacing(2 * extent / (np.array(values.shape[::-1]) - 1))
+    image.SetOrigin(-extent)
     image.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(values, np.float32).ravel(), deep=1))
     return image
 
@@ -190,6 +202,19 @@ def vtk_several():
     print("in the larger one:", (vtk_picture(box, True, clear=True, other=clear)[100] > 20).sum(), "pixels")
 
 
+def vtk_normals():
+    """A ball lit by a lamp should look the same in a cube and in a box twice as long, from wherever it is seen."""
+
+    def ball(extent):
+        x, y, z = (np.linspace(-e, e, round(40 * e) + 1) for e in extent)
+        distance = np.sqrt(x**2 + y[:, None] ** 2 + z[:, None, None] ** 2)
+        return vtk_image(np.clip(10 * (0.6 - distance), 0, 1), extent)
+
+    for eye in ((0, 0, -5), (3, 3, -3)):
+        cube, box = (vtk_picture(ball(extent), True, clear=True, eye=eye, lamp=(2, 3, -4)) for extent in ((1, 1, 1), (1, 1, 2)))
+        print(f"seen from {eye}: mean code {cube[cube > 0].mean():.1f} and {box[cube > 0].mean():.1f}")
+
+
 def pyvista_cells():
     """A cell of 1 among cells of 0: within the cell the value should be 1."""
     import pyvista
@@ -205,7 +230,7 @@ def pyvista_cells():
           f"{drawn.GetCellData().GetScalars() is not None}")  # fmt: skip
 
 
-CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, pyvista_cells]
+CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, vtk_normals, pyvista_cells]
 
 if __name__ == "__main__":
     for check in CHECKS:
