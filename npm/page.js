@@ -1,0 +1,236 @@
+// Renderers of web pages, in Chromium without a screen.
+
+import { randomBytes } from 'node:crypto';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import http from 'node:http';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { Cannot } from './bundle.js';
+import { Chromium } from './chromium.js';
+
+export { findChromium } from './chromium.js';
+
+const HERE = path.dirname(fileURLToPath(import.meta.url));
+const TYPES = {
+  '.css': 'text/css',
+  '.html': 'text/html; charset=utf-8',
+  '.js': 'text/javascript; charset=utf-8',
+  '.json': 'application/json',
+  '.mjs': 'text/javascript; charset=utf-8',
+  '.svg': 'image/svg+xml',
+  '.wasm': 'application/wasm',
+};
+const LEAST_WINDOW = 64;
+const MOST_QUOTED = 3;
+const MOST_MESSAGES = 20;
+const MOST_LETTERS = 500;
+
+/**
+ * A page that renders bundles by a module, which exports `render(element, bundle, step)`: it draws into the element,
+ * which has the size of the image, and returns a canvas, an `ImageData`, RGBA codes or radiance as floats.
+ * `timeout`: limit for an image in seconds, the start of the browser included.
+ */
+export async function startPage(module, { timeout = 60 } = {}) {
+  const file = path.resolve(module);
+  if (!fs.statSync(file, { throwIfNoEntry: false })?.isFile()) throw new Error(`${module}: there is no such file`);
+  if (!(timeout > 0 && timeout < 1e6)) throw new TypeError(`timeout is ${timeout}: give a number of seconds`);
+  const server = new Server(file);
+  await server.listen();
+  return new Page(server, timeout);
+}
+
+export class Page {
+  #server;
+  #timeout;
+  #browser;
+  #last = Promise.resolve();
+
+  constructor(server, timeout) {
+    this.#server = server;
+    this.#timeout = timeout;
+  }
+
+  /** The image of a bundle; by default the step is that of the scene. Images are rendered one after the other. */
+  render(bundle, step) {
+    const image = this.#last.then(() => this.#render(bundle, step));
+    this.#last = image.catch(() => {});
+    return image;
+  }
+
+  /** Ends the browser with all that it started. */
+  async close() {
+    this.#browser?.end();
+    this.#server.close();
+  }
+
+  async #render(bundle, step) {
+    this.#server.bundle = bundle;
+    if (this.#browser?.hasEnded) this.#browser = undefined;
+    this.#browser ??= new Chromium();
+    const browser = this.#browser;
+    const messages = [];
+    let timer;
+    const late = new Promise((_, reject) => {
+      timer = setTimeout(() => {
+        browser.end();
+        reject(new Error(`the page did not return an image within ${this.#timeout} s; its browser was ended`));
+      }, 1000 * this.#timeout);
+    });
+    try {
+      const { width, height } = bundle;
+      const data = await Promise.race([late, this.#inTab(browser, bundle, step, messages)]);
+      return { width, height, data, messages };
+    } catch (error) {
+      if (browser.hasEnded) browser.end();
+      if (error instanceof Cannot) throw error;
+      const others = messages.filter((message) => !error.message.includes(message)).slice(0, MOST_QUOTED);
+      throw new Error([error.message, ...others.map((message) => `console: ${message}`)].join('\n'));
+    } finally {
+      clearTimeout(timer);
+    }
+  }
+
+  async #inTab(browser, { width, height }, step, messages) {
+    const { targetId } = await browser.send('Target.createTarget', { url: 'about:blank' });
+    const { sessionId } = await browser.send('Target.attachToTarget', { targetId, flatten: true });
+    const send = (method, params) => browser.send(method, params, sessionId);
+    let stop;
+    try {
+      const crashed = new Promise((_, reject) => {
+        stop = browser.listen(sessionId, (method, params) => {
+          if (method === 'Inspector.targetCrashed') reject(new Error('the page crashed'));
+          if (method === 'ended') reject(new Error(params.words));
+          this.#note(method, params, messages);
+        });
+      });
+      return await Promise.race([crashed, this.#image(send, width, height, step)]);
+    } finally {
+      stop?.();
+      await browser.send('Target.closeTarget', { targetId }).catch(() => {});
+    }
+  }
+
+  async #image(send, width, height, step) {
+    await Promise.all(['Inspector', 'Log', 'Page', 'Runtime'].map((domain) => send(`${domain}.enable`)));
+    const [w, h] = [width, height].map((size) => Math.max(size, LEAST_WINDOW));
+    await send('Emulation.setDeviceMetricsOverride', { width: w, height: h, deviceScaleFactor: 1, mobile: false });
+    const { errorText } = await send('Page.navigate', { url: this.#server.url });
+    if (errorText) throw new Error(`the page was not loaded: ${errorText}`);
+    const { result, exceptionDetails } = await send('Runtime.evaluate', {
+      expression: `import('./volref/in_page.js').then(({ run }) => run(${step ?? ''}))`,
+      awaitPromise: true,
+      returnByValue: true,
+    });
+    if (exceptionDetails) throw new Error(this.#words(exceptionDetails));
+    if (result.value.cannot !== undefined) throw new Cannot(result.value.cannot);
+    const bytes = Uint8Array.from(Buffer.from(result.value.base64, 'base64'));
+    return result.value.type === 'float' ? new Float32Array(bytes.buffer) : bytes;
+  }
+
+  /** Notes what the page said on its console, and exceptions that nobody caught. */
+  #note(method, params, messages) {
+    if (messages.length >= MOST_MESSAGES) return;
+    if (method === 'Runtime.consoleAPICalled' && ['error', 'assert'].includes(params.type)) {
+      messages.push(this.#short(params.args.map((arg) => arg.description ?? String(arg.value)).join(' ')));
+    }
+    if (method === 'Runtime.exceptionThrown') messages.push(this.#words(params.exceptionDetails));
+    if (method === 'Log.entryAdded' && params.entry.level === 'error') {
+      messages.push(this.#short([params.entry.text, params.entry.url].filter(Boolean).join(' ')));
+    }
+  }
+
+  #words({ exception, text }) {
+    const words = this.#short(exception?.description ?? exception?.value ?? text);
+    const isBare = /Failed to resolve module specifier/.test(words);
+    return isBare ? `${words} (bundle the module first: esbuild MODULE --bundle --format=esm)` : words;
+  }
+
+  /** Text with the names of files in place of addresses. */
+  #short(text) {
+    const named = String(text).replaceAll(this.#server.modules, '').replaceAll(this.#server.url, '');
+    return named.length > MOST_LETTERS ? `${named.slice(0, MOST_LETTERS)}…` : named;
+  }
+}
+
+/** A server of this machine's alone, for pages that know its address: the module's folder, and the bundle. */
+class Server {
+  #file;
+  #root;
+  #token = randomBytes(16).toString('hex');
+  #server = http.createServer((request, response) => this.#answer(request, response));
+  bundle;
+
+  constructor(file) {
+    this.#file = file;
+    this.#root = rootOf(path.dirname(file));
+  }
+
+  async listen() {
+    this.#server.listen(0, '127.0.0.1');
+    await once(this.#server, 'listening');
+    this.#server.unref();
+  }
+
+  get url() {
+    return `http://127.0.0.1:${this.#server.address().port}/${this.#token}/`;
+  }
+
+  /** Address of the files beside the module. */
+  get modules() {
+    return `${this.url}files-of-module/`;
+  }
+
+  close() {
+    this.#server.close();
+  }
+
+  #answer(request, response) {
+    const reply = (status, type, body) =>
+      response.writeHead(status, { 'Content-Type': type, 'Cache-Control': 'no-store', Connection: 'close' }).end(body);
+    const sendFile = (file) => {
+      try {
+        reply(200, TYPES[path.extname(file)] ?? 'application/octet-stream', fs.readFileSync(file));
+      } catch {
+        reply(404, 'text/plain', 'no such file');
+      }
+    };
+    const { pathname } = new URL(request.url, 'http://127.0.0.1');
+    const [token, kind, ...rest] = decoded(pathname).slice(1).split('/');
+    const name = rest.join('/');
+    if (token !== this.#token) return reply(404, 'text/plain', 'no such page');
+    const { description, files, width, height } = this.bundle;
+    const names = Object.keys(files);
+    if (kind === '') return reply(200, TYPES['.html'], html(width, height));
+    if (kind === 'bundle.json') return reply(200, TYPES['.json'], JSON.stringify({ description, files: names }));
+    if (kind === 'files') return reply(200, 'application/octet-stream', files[names[Number(name)]]);
+    if (kind === 'volref' && ['bundle.js', 'files.js', 'in_page.js'].includes(name)) return sendFile(path.join(HERE, name));
+    if (kind === 'module') {
+      const within = path.relative(this.#root, this.#file).split(path.sep).map(encodeURIComponent).join('/');
+      return reply(200, TYPES['.js'], `export * from './files-of-module/${within}';`);
+    }
+    const file = path.join(this.#root, name);
+    if (kind === 'files-of-module' && file.startsWith(this.#root + path.sep)) return sendFile(file);
+    return reply(404, 'text/plain', 'no such file');
+  }
+}
+
+/** The nearest folder with a package.json from `folder` up, or `folder`: modules import from within it. */
+function rootOf(folder) {
+  for (let at = folder; at !== path.dirname(at); at = path.dirname(at)) {
+    if (fs.existsSync(path.join(at, 'package.json'))) return at;
+  }
+  return folder;
+}
+
+function decoded(pathname) {
+  try {
+    return decodeURIComponent(pathname);
+  } catch {
+    return '';
+  }
+}
+
+const html = (width, height) => `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">
+<script type="importmap">{ "imports": { "volref/bundle": "./volref/bundle.js" } }</script>
+<body style="margin: 0"><div style="width: ${width}px; height: ${height}px"></div>`;
