@@ -53,11 +53,17 @@ export function transform(matrix, [x, y, z], w = 1) {
   return w === 0 ? [px, py, pz] : [px / pw, py / pw, pz / pw];
 }
 
+/** Determinant of the first three rows and columns: negative for a matrix that mirrors. */
+export function determinant(matrix) {
+  const [a, b, c] = columns(matrix);
+  return dot(a, cross(b, c));
+}
+
 /** Inverse of a matrix that keeps the fourth coordinate of points: of all but projections. */
 export function invert(matrix) {
-  const [a, b, c] = [0, 4, 8].map((first) => matrix.slice(first, first + 3));
+  const [a, b, c] = columns(matrix);
   const rows = [cross(b, c), cross(c, a), cross(a, b)];
-  const volume = dot(a, rows[0]);
+  const volume = determinant(matrix);
   if (!Number.isFinite(1 / volume)) throw new RangeError('a matrix without an inverse');
   const inverse = rows.map((row) => row.map((value) => value / volume));
   const at = inverse.map((row) => -dot(row, matrix.slice(12, 15)));
@@ -282,7 +288,7 @@ export class Volume {
 
   /** Length of the shortest edge of a cell in the world. */
   get voxel() {
-    return Math.min(...[0, 4, 8].map((first) => length(this.affine.slice(first, first + 3))));
+    return Math.min(...columns(this.affine).map(length));
   }
 
   /** Matrix from numbers of nodes (i, j, k) to the world. */
@@ -385,6 +391,9 @@ function floats(bytes) {
   // A copy, for the bytes may begin anywhere.
   return new Float32Array(view.buffer.slice(view.byteOffset, view.byteOffset + view.byteLength));
 }
+
+/** The first three columns, and their first three rows. */
+export const columns = (matrix) => [0, 4, 8].map((first) => matrix.slice(first, first + 3));
 
 const dot = (a, b) => a.reduce((sum, value, k) => sum + value * b[k], 0);
 const minus = (a, b) => a.map((value, k) => value - b[k]);
