@@ -1,10 +1,8 @@
 #!/usr/bin/env node
 // The program volref, with the arguments of this script.
 
-import { spawnSync } from 'node:child_process';
+import { spawn } from 'node:child_process';
 import { VolrefError, program } from './program.js';
-
-const SIGNALS = ['SIGINT', 'SIGTERM', 'SIGHUP'];
 
 function file() {
   try {
@@ -16,7 +14,16 @@ function file() {
   }
 }
 
-const ran = spawnSync(file(), process.argv.slice(2), { stdio: 'inherit' });
-if (ran.error) console.error(`cannot run volref: ${ran.error.message}`);
-if (SIGNALS.includes(ran.signal)) process.kill(process.pid, ran.signal);
-process.exitCode = ran.status ?? 2;
+const child = spawn(file(), process.argv.slice(2), { stdio: 'inherit' });
+// A terminal sends this one to both.
+process.on('SIGINT', () => {});
+for (const signal of ['SIGTERM', 'SIGHUP']) process.on(signal, () => child.kill(signal));
+child.on('error', (error) => {
+  console.error(`cannot run volref: ${error.message}`);
+  process.exitCode = 2;
+});
+child.on('exit', (code, signal) => {
+  process.removeAllListeners();
+  if (signal) process.kill(process.pid, signal);
+  process.exitCode = code ?? 2;
+});
