@@ -341,13 +341,12 @@ export class Volume {
     const [least, most] = [points[0].value, points.at(-1).value];
     const reference = this.part.transfer_function?.reference_length ?? 1;
     const exponent = { length: reference, step, voxel: this.voxel }[per] / reference;
-    const floats = new Float32Array(4 * count);
-    for (let index = 0; index < count; index++) {
+    const entries = Array.from({ length: count }, (_, index) => {
       const { colour, opacity } = between(points, least + ((most - least) * index) / (count - 1));
-      floats.set([...colour, 1 - (1 - opacity) ** exponent], 4 * index);
-    }
-    const bytes = Uint8Array.from(floats, (value) => Math.round(255 * Math.min(1, Math.max(0, value))));
-    return { floats, bytes, least, most };
+      return [...colour, 1 - (1 - opacity) ** exponent];
+    }).flat();
+    const bytes = Uint8Array.from(entries, (value) => Math.round(255 * Math.min(1, Math.max(0, value))));
+    return { floats: Float32Array.from(entries), bytes, least, most };
   }
 }
 

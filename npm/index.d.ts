@@ -34,9 +34,9 @@ export interface SuiteOptions {
 }
 
 export interface CheckOptions extends SuiteOptions {
-  /** Conventions by which to judge: a name such as `vtkjs`, or a file. Codes are radiance then, of whatever case. */
+  /** Conventions by which to judge: a name such as `vtkjs`, or a file. Codes are those of radiance, without exposure. */
   profile?: string;
-  /** Bits of a channel: differences up to half a code agree. With `8-linear` codes are radiance, without exposure. */
+  /** Bits of a channel: differences up to half a code agree. With `8-linear` codes are those of radiance, without exposure. */
   bits?: 8 | '8-linear' | '8-srgb';
   /** Pass images that are right under other conventions. */
   acceptConventions?: boolean;

@@ -53,6 +53,9 @@ export class Page {
 
   /** The image of a bundle; by default the step is that of the scene. Images are rendered one after the other. */
   render(bundle, step) {
+    if (step !== undefined && !(Number.isFinite(step) && step > 0)) {
+      return Promise.reject(new TypeError(`step is ${JSON.stringify(step)}: give a positive number`));
+    }
     const image = this.#last.then(() => this.#render(bundle, step));
     this.#last = image.catch(() => {});
     return image;
@@ -141,7 +144,7 @@ export class Page {
   }
 
   #words({ exception, text }) {
-    const words = this.#short(exception?.description ?? exception?.value ?? text);
+    const words = this.#short(exception?.description ?? (exception ? `${text} ${exception.value}` : text));
     const isBare = /Failed to resolve module specifier/.test(words);
     return isBare ? `${words} (bundle the module first: esbuild MODULE --bundle --format=esm)` : words;
   }

@@ -75,6 +75,7 @@ async function answer(page, line) {
     if (request?.volref !== 1) throw new Error(`a request of the protocol ${request?.volref}, and not 1`);
     const { 'export:bundle': bundle, output, step } = request;
     if (!bundle) throw new Error('the request has no bundle: name {export:bundle} in the command');
+    if (!output) throw new Error('the request has no output');
     await draw(page, bundle, output, step);
     return { image: output };
   } catch (error) {
