@@ -26,6 +26,8 @@ export interface Case {
   computes: string;
   /** Exposure of 8-bit images, in stops. */
   exposure: number;
+  /** Scene file (TOML). */
+  sceneFile: string;
 }
 
 export interface SuiteOptions {

@@ -25,6 +25,7 @@ export function cases(...filters) {
     shows: found.shows,
     computes: found.computes,
     exposure: found.exposure,
+    sceneFile: path.resolve(found.scene),
   }));
 }
 
@@ -82,8 +83,9 @@ export function check(name, image, options = {}) {
 
 /** The bundle of a case; its files are kept in `folder`, if one is given. */
 export function exportBundle(name, { folder, suite } = {}) {
+  const scene = suite === undefined ? text(name) : one(name, suite).sceneFile;
   const exported = (into) => {
-    const { main } = call(['export', one(name, suite).name, '--to=bundle', `--output=${into}`, ...suiteWords(suite)]);
+    const { main } = call(['export', scene, '--to=bundle', `--output=${into}`]);
     return readBundle(path.join(into, main));
   };
   return folder === undefined ? inTemporaryFolder(exported) : exported(folder);
@@ -125,9 +127,13 @@ function colours(data, channels) {
   return channels === 3 ? data : data.filter((_, index) => index % 4 < 3);
 }
 
-function one(name, suite) {
+function text(name) {
   if (typeof name !== 'string') throw new TypeError(`the name of a case is text, family/name, and not ${typeof name}`);
-  const found = cases(name, { suite });
+  return name;
+}
+
+function one(name, suite) {
+  const found = cases(text(name), { suite });
   if (found.length !== 1) throw new VolrefError(`${name} names ${found.length} cases: give one, as family/name`);
   return found[0];
 }
@@ -165,8 +171,7 @@ function write(file, image, isRadiance) {
 }
 
 function suiteWords(suite) {
-  const folder = suite ?? process.env.VOLREF_SUITE;
-  return folder ? [`--suite=${folder}`] : [];
+  return suite === undefined ? [] : [`--suite=${suite}`];
 }
 
 function inTemporaryFolder(work) {

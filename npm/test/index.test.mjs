@@ -125,6 +125,18 @@ test('a bundle is kept where that is asked', () => {
   assert.deepStrictEqual(fs.readdirSync(within('kept')).sort(), ['thin.grid-1.raw', 'thin.json']);
 });
 
+test('another suite is judged by', () => {
+  const suite = within('suite');
+  volref('suite', '--extract', suite);
+  const scene = path.join(suite, 'fixtures/scenes/sampled/thin.toml');
+  assert.strictEqual(cases('sampled/thin', { suite })[0].sceneFile, scene);
+  fs.writeFileSync(scene, fs.readFileSync(scene, 'utf8').replace(/width = \d+/, 'width = 32'));
+  assert.strictEqual(exportBundle('sampled/thin', { suite }).width, 32);
+  assert.strictEqual(exportBundle('sampled/thin').width, 64);
+  const black = { width: 64, height: 64, data: new Float32Array(3 * 64 * 64) };
+  assert.match(check('sampled/thin', black, { suite, explain: 0 }).verdict, /error|missing/);
+});
+
 test('a program that is missing, or another one, is named', () => {
   const known = process.env.VOLREF_PROGRAM;
   const with_ = (file) => {
