@@ -34,7 +34,8 @@ const GRAPHICS = ['--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklis
 const PREFIX = 'volref-page-';
 const SIGNALS = ['SIGINT', 'SIGTERM', 'SIGHUP'];
 const MOST_SAID = 4096;
-const DAY = 86_400_000;
+// A browser that starts has its lock long before.
+const LONGEST_START = 600_000;
 
 /** Path of Chromium: that of $CHROMIUM, else one on the path, or where systems install it; or none. */
 export function findChromium() {
@@ -70,7 +71,7 @@ export class Chromium {
     this.#child = spawn(program, [...flags, `--user-data-dir=${this.#profile}`, 'about:blank'], {
       // Its own group, so that all that it starts is ended.
       detached: process.platform !== 'win32',
-      env: { ...(isLinux ? { EGL_PLATFORM: 'surfaceless' } : {}), ...process.env },
+      env: isLinux ? { EGL_PLATFORM: 'surfaceless', ...process.env, TMPDIR: this.#profile } : process.env,
       stdio: ['ignore', 'ignore', 'pipe', 'pipe', 'pipe'],
       windowsHide: true,
     });
@@ -154,14 +155,26 @@ export class Chromium {
   }
 }
 
-/** Removes profiles that are older than a day, of processes that were killed before they could. */
+/** Removes profiles of browsers whose starter was killed before it could. */
 function removeLeftProfiles() {
   for (const name of fs.readdirSync(os.tmpdir()).filter((name) => name.startsWith(PREFIX))) {
     const folder = path.join(os.tmpdir(), name);
     try {
-      if (fs.lstatSync(folder).mtimeMs < Date.now() - DAY) fs.rmSync(folder, { recursive: true, force: true });
+      if (isLeft(folder)) fs.rmSync(folder, { recursive: true, force: true });
     } catch {
-      // Another user's.
+      // It is being removed, or another user's.
     }
+  }
+}
+
+/** The browser whose profile that is has ended: its lock is gone, or names a process of this machine that is. */
+function isLeft(folder) {
+  const lock = path.join(folder, 'SingletonLock');
+  if (!fs.lstatSync(lock, { throwIfNoEntry: false })) return fs.lstatSync(folder).mtimeMs < Date.now() - LONGEST_START;
+  const [, host, pid] = /^(.*)-(\d+)$/.exec(fs.readlinkSync(lock)) ?? [];
+  try {
+    return host === os.hostname() && !process.kill(Number(pid), 0);
+  } catch (error) {
+    return error.code === 'ESRCH';
   }
 }
