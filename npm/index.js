@@ -10,6 +10,7 @@ import { VolrefError, call } from './program.js';
 export { VolrefError, program } from './program.js';
 
 const MOST_HALVINGS = 10;
+const FILE_KEYS = ['file', 'vertices', 'triangles'];
 
 /** The cases that the filters name: families, cases, or patterns such as `figures/*`; all without one. */
 export function cases(...filters) {
@@ -94,10 +95,16 @@ export function exportBundle(name, { folder, suite } = {}) {
 /** The bundle of a file that `volref export --to bundle` wrote. */
 export function readBundle(file) {
   const description = JSON.parse(fs.readFileSync(file, 'utf8'));
-  const parts = (description.panels ?? []).flatMap((panel) => [panel, ...(panel.volumes ?? [])]);
-  const names = new Set(parts.map((part) => part.grid?.file).filter(Boolean));
   const read = (name) => [name, fs.readFileSync(path.join(path.dirname(file), path.basename(name)))];
-  return new Bundle(description, Object.fromEntries([...names].map(read)));
+  return new Bundle(description, Object.fromEntries([...new Set(filesIn(description))].map(read)));
+}
+
+/** Names of the files beside a bundle. */
+function filesIn(value) {
+  if (value === null || typeof value !== 'object') return [];
+  return Object.entries(value).flatMap(([key, part]) =>
+    FILE_KEYS.includes(key) && typeof part === 'string' ? [part] : filesIn(part),
+  );
 }
 
 /** Writes an image as NPY, where codes of 8 bits are divided by 255, or as PNG, whole or not at all. */
