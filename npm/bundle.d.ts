@@ -4,9 +4,25 @@ export type Vector = [number, number, number];
 
 /** Words for what a scene asks of a renderer. */
 export type Feature =
-  | 'composited' | 'maximum' | 'minimum' | 'mean' | 'sum' | 'attenuated-maximum' | 'isosurface'
-  | 'parallel' | 'perspective' | 'trilinear' | 'nearest' | 'phong' | 'shadow' | 'matrix'
-  | 'volumes' | 'surfaces' | 'clips' | 'modulation' | 'early-termination';
+  | 'composited'
+  | 'maximum'
+  | 'minimum'
+  | 'mean'
+  | 'sum'
+  | 'attenuated-maximum'
+  | 'isosurface'
+  | 'parallel'
+  | 'perspective'
+  | 'trilinear'
+  | 'nearest'
+  | 'phong'
+  | 'shadow'
+  | 'matrix'
+  | 'volumes'
+  | 'surfaces'
+  | 'clips'
+  | 'modulation'
+  | 'early-termination';
 
 /** A point of a transfer function: linear colour, and opacity over the reference length. */
 export interface Point {

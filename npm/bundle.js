@@ -72,6 +72,8 @@ export function invert(matrix) {
 
 /** A bundle: what `volref export --to bundle` wrote. */
 export class Bundle {
+  #volumes;
+
   /** `description`: the JSON; `files`: for each file that it names, its bytes. */
   constructor(description, files) {
     if (description?.schema !== SCHEMA) {
@@ -103,7 +105,8 @@ export class Bundle {
 
   /** The volumes of the panel. */
   get volumes() {
-    return (this.panel.volumes ?? [this.panel]).map((part) => new Volume(part, this));
+    this.#volumes ??= (this.panel.volumes ?? [this.panel]).map((part) => new Volume(part, this));
+    return this.#volumes;
   }
 
   /** The volume, where there is one only. */
@@ -234,7 +237,12 @@ export class Bundle {
 
   /** Matrix from the camera, which looks along -z with y up, to the world. */
   get cameraToWorld() {
-    return ofColumns(this.right, this.up, this.forward.map((value) => -value), this.eye);
+    return ofColumns(
+      this.right,
+      this.up,
+      this.forward.map((value) => -value),
+      this.eye,
+    );
   }
 
   /** Matrix from the world to the camera. */
@@ -256,6 +264,7 @@ export class Bundle {
 /** A volume of a bundle. */
 export class Volume {
   #bundle;
+  #values;
 
   constructor(part, bundle) {
     this.part = part;
@@ -269,6 +278,11 @@ export class Volume {
 
   /** The values, x fastest. */
   get values() {
+    this.#values ??= this.#read();
+    return this.#values;
+  }
+
+  #read() {
     const { file, nodes } = this.part.grid;
     const bytes = this.#bundle.files[file];
     if (!bytes) throw new TypeError(`the bundle lacks its file ${file}`);
@@ -305,7 +319,11 @@ export class Volume {
 
   /** Matrix from the coordinates of the grid to the world. */
   get placement() {
-    const rows = this.part.grid.matrix ?? [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]];
+    const rows = this.part.grid.matrix ?? [
+      [1, 0, 0, 0],
+      [0, 1, 0, 0],
+      [0, 0, 1, 0],
+    ];
     return ofColumns(...[0, 1, 2, 3].map((column) => rows.map((row) => row[column])));
   }
 

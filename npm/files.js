@@ -21,7 +21,9 @@ export function npy(values, shape) {
 
 /** The values and the shape of an NPY file of 32-bit or 64-bit floats. */
 export function readNpy(bytes) {
-  const file = ArrayBuffer.isView(bytes) ? new Uint8Array(bytes.buffer, bytes.byteOffset, bytes.byteLength) : new Uint8Array(bytes);
+  const file = ArrayBuffer.isView(bytes)
+    ? new Uint8Array(bytes.buffer, bytes.byteOffset, bytes.byteLength)
+    : new Uint8Array(bytes);
   if (file.length < 12 || MAGIC.some((code, k) => file[k] !== code)) throw new TypeError('not an NPY file');
   const [first, length] =
     file[6] === 1 ? [10, file[8] + 256 * file[9]] : [12, new DataView(file.buffer, file.byteOffset).getUint32(8, true)];

@@ -11,7 +11,8 @@ export async function run(step) {
   const bundle = new Bundle(description, Object.fromEntries(await Promise.all(files.map(read))));
   try {
     const { render } = await import(`${place}module`);
-    if (typeof render !== 'function') throw new TypeError('the module exports no function render(element, bundle, step)');
+    if (typeof render !== 'function')
+      throw new TypeError('the module exports no function render(element, bundle, step)');
     const image = await render(document.querySelector('div'), bundle, step ?? bundle.step);
     return packed(checked(values(image, bundle), bundle));
   } catch (error) {
@@ -51,10 +52,14 @@ function codes(canvas) {
 function checked(values, { width, height }) {
   const isFloat = values instanceof Float32Array;
   if (!isFloat && !(values instanceof Uint8Array) && !(values instanceof Uint8ClampedArray)) {
-    throw new TypeError('render returns a canvas, an ImageData, a Uint8Array of RGBA codes or a Float32Array of radiance');
+    throw new TypeError(
+      'render returns a canvas, an ImageData, a Uint8Array of RGBA codes or a Float32Array of radiance',
+    );
   }
   if (![3, 4].includes(values.length / (width * height))) {
-    throw new RangeError(`render returned ${values.length} values, which are not ${width} × ${height} pixels of 3 or 4`);
+    throw new RangeError(
+      `render returned ${values.length} values, which are not ${width} × ${height} pixels of 3 or 4`,
+    );
   }
   return values;
 }

@@ -152,7 +152,9 @@ function named(name, image) {
     return image.map((each, index) => [`${name}.${index}`, each]);
   }
   if (image && typeof image === 'object' && !('data' in image)) {
-    const factors = Object.keys(image).map(Number).sort((a, b) => b - a);
+    const factors = Object.keys(image)
+      .map(Number)
+      .sort((a, b) => b - a);
     if (factors.length === 0 || factors.length > MOST_HALVINGS || factors.some((factor, k) => factor !== 0.5 ** k)) {
       throw new TypeError(`factors on the step are 1, 0.5, 0.25 and so on without a gap, not ${Object.keys(image)}`);
     }
@@ -168,7 +170,9 @@ function write(file, image, isRadiance) {
   const isCodes = data instanceof Uint8Array || data instanceof Uint8ClampedArray;
   const channels = data?.length / (width * height);
   if (!isFloat && !isCodes) {
-    throw new TypeError('an image is { width, height, data }, its data a Float32Array, Uint8Array or Uint8ClampedArray');
+    throw new TypeError(
+      'an image is { width, height, data }, its data a Float32Array, Uint8Array or Uint8ClampedArray',
+    );
   }
   if (![3, 4].includes(channels)) {
     throw new TypeError(`${data.length} values are not ${width} × ${height} pixels of 3 or 4 channels`);

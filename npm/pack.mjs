@@ -37,10 +37,13 @@ function platformPackage(platform, binary, folder) {
 }
 
 function packed(folder, into) {
-  for (const license of ['LICENSE-APACHE', 'LICENSE-MIT']) fs.copyFileSync(path.join(ROOT, license), path.join(folder, license));
+  for (const license of ['LICENSE-APACHE', 'LICENSE-MIT'])
+    fs.copyFileSync(path.join(ROOT, license), path.join(folder, license));
   const windows = process.platform === 'win32';
   const words = ['pack', '--silent', `--pack-destination=${into}`];
-  console.log(execFileSync(windows ? 'npm.cmd' : 'npm', words, { cwd: folder, encoding: 'utf8', shell: windows }).trim());
+  console.log(
+    execFileSync(windows ? 'npm.cmd' : 'npm', words, { cwd: folder, encoding: 'utf8', shell: windows }).trim(),
+  );
 }
 
 function fault(words) {
@@ -68,7 +71,8 @@ try {
   const folder = path.join(staged, 'volref');
   fs.mkdirSync(folder);
   const isPart = (name) => /\.(js|d\.ts)$/.test(name) || ['README.md', 'package.json'].includes(name);
-  for (const name of fs.readdirSync(HERE).filter(isPart)) fs.copyFileSync(path.join(HERE, name), path.join(folder, name));
+  for (const name of fs.readdirSync(HERE).filter(isPart))
+    fs.copyFileSync(path.join(HERE, name), path.join(folder, name));
   packed(folder, into);
 } finally {
   fs.rmSync(staged, { recursive: true, force: true });

@@ -21,6 +21,10 @@ const TYPES = {
   '.svg': 'image/svg+xml',
   '.wasm': 'application/wasm',
 };
+const BYTES = 'application/octet-stream';
+const MISSING = [404, 'text/plain', 'no such file'];
+/** Files of this package that pages load. */
+const OWN = ['bundle.js', 'files.js', 'in_page.js'];
 const LEAST_WINDOW = 64;
 const MOST_QUOTED = 3;
 const MOST_MESSAGES = 20;
@@ -161,7 +165,10 @@ class Server {
   #file;
   #root;
   #token = randomBytes(16).toString('hex');
-  #server = http.createServer((request, response) => this.#answer(request, response));
+  #server = http.createServer((request, response) => {
+    const [status, type, body] = this.#answer(request.url);
+    response.writeHead(status, { 'Content-Type': type, 'Cache-Control': 'no-store', Connection: 'close' }).end(body);
+  });
   bundle;
 
   constructor(file) {
@@ -188,35 +195,35 @@ class Server {
     this.#server.close();
   }
 
-  #answer(request, response) {
-    const reply = (status, type, body) =>
-      response.writeHead(status, { 'Content-Type': type, 'Cache-Control': 'no-store', Connection: 'close' }).end(body);
-    const sendFile = (file) => {
-      try {
-        reply(200, TYPES[path.extname(file)] ?? 'application/octet-stream', fs.readFileSync(file));
-      } catch {
-        reply(404, 'text/plain', 'no such file');
-      }
-    };
-    const { pathname } = new URL(request.url, 'http://127.0.0.1');
-    const [token, kind, ...rest] = decoded(pathname).slice(1).split('/');
+  #answer(address) {
+    try {
+      return this.#found(new URL(address, 'http://127.0.0.1').pathname);
+    } catch {
+      return MISSING;
+    }
+  }
+
+  #found(pathname) {
+    const [token, kind, ...rest] = decodeURIComponent(pathname).slice(1).split('/');
+    if (token !== this.#token) return MISSING;
     const name = rest.join('/');
-    if (token !== this.#token) return reply(404, 'text/plain', 'no such page');
     const { description, files, width, height } = this.bundle;
     const names = Object.keys(files);
-    if (kind === '') return reply(200, TYPES['.html'], html(width, height));
-    if (kind === 'bundle.json') return reply(200, TYPES['.json'], JSON.stringify({ description, files: names }));
-    if (kind === 'files') return reply(200, 'application/octet-stream', files[names[Number(name)]]);
-    if (kind === 'volref' && ['bundle.js', 'files.js', 'in_page.js'].includes(name)) return sendFile(path.join(HERE, name));
+    if (kind === '') return [200, TYPES['.html'], html(width, height)];
+    if (kind === 'bundle.json') return [200, TYPES['.json'], JSON.stringify({ description, files: names })];
+    if (kind === 'files') return [200, BYTES, files[names[Number(name)]]];
+    if (kind === 'volref' && OWN.includes(name)) return contents(path.join(HERE, name));
     if (kind === 'module') {
       const within = path.relative(this.#root, this.#file).split(path.sep).map(encodeURIComponent).join('/');
-      return reply(200, TYPES['.js'], `export * from './files-of-module/${within}';`);
+      return [200, TYPES['.js'], `export * from './files-of-module/${within}';`];
     }
     const file = path.join(this.#root, name);
-    if (kind === 'files-of-module' && file.startsWith(this.#root + path.sep)) return sendFile(file);
-    return reply(404, 'text/plain', 'no such file');
+    const isWithin = !path.relative(this.#root, file).startsWith('..');
+    return kind === 'files-of-module' && isWithin ? contents(file) : MISSING;
   }
 }
+
+const contents = (file) => [200, TYPES[path.extname(file)] ?? BYTES, fs.readFileSync(file)];
 
 /** The nearest folder with a package.json from `folder` up, or `folder`: modules import from within it. */
 function rootOf(folder) {
@@ -224,14 +231,6 @@ function rootOf(folder) {
     if (fs.existsSync(path.join(at, 'package.json'))) return at;
   }
   return folder;
-}
-
-function decoded(pathname) {
-  try {
-    return decodeURIComponent(pathname);
-  } catch {
-    return '';
-  }
 }
 
 const html = (width, height) => `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">

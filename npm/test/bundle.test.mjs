@@ -5,7 +5,13 @@ import { test } from 'node:test';
 import { exportBundle } from 'volref';
 import { Bundle, Cannot, determinant, invert, multiply, transform } from 'volref/bundle';
 
-const CASES = ['sampled/perspective-z-up', 'sampled/parallel-z-up', 'sampled/from-within', 'sampled/column', 'scenes/sheared'];
+const CASES = [
+  'sampled/perspective-z-up',
+  'sampled/parallel-z-up',
+  'sampled/from-within',
+  'sampled/column',
+  'scenes/sheared',
+];
 
 const near = (a, b, tolerance = 1e-9) => {
   for (const [k, value] of a.entries()) assert.ok(Math.abs(value - b[k]) <= tolerance, `${a} is not ${b}`);
@@ -25,7 +31,12 @@ for (const name of CASES) {
   test(`a point of a ray comes back to its pixel: ${name}`, () => {
     const bundle = exportBundle(name);
     const clip = multiply(bundle.projection, bundle.view);
-    for (const [x, y] of [[0, 0], [bundle.width - 1, 0], [0, bundle.height - 1], [17, 31]]) {
+    for (const [x, y] of [
+      [0, 0],
+      [bundle.width - 1, 0],
+      [0, bundle.height - 1],
+      [17, 31],
+    ]) {
       for (const t of [bundle.near, 0.5 * (bundle.near + bundle.far), bundle.far]) {
         const [right, up] = transform(clip, onRay(bundle, x, y, t));
         near([((right + 1) * bundle.width - 1) / 2, ((1 - up) * bundle.height - 1) / 2], [x, y], 1e-6);
@@ -41,13 +52,17 @@ for (const name of CASES) {
   test(`nodes and box stand where the bundle says: ${name}`, () => {
     const bundle = exportBundle(name);
     const { grid } = bundle.panel;
-    const placed = (q) => (grid.matrix ? grid.matrix.map((row) => row[3] + q.reduce((sum, v, k) => sum + row[k] * v, 0)) : q);
+    const placed = (q) =>
+      grid.matrix ? grid.matrix.map((row) => row[3] + q.reduce((sum, v, k) => sum + row[k] * v, 0)) : q;
     const node = [1, 0, 2];
     near(transform(bundle.affine, node), placed(grid.first_node.map((first, k) => first + node[k] * grid.spacing[k])));
     near(bundle.corners[0], placed(grid.box_min));
     near(bundle.corners[7], placed(grid.box_max));
     near(transform(invert(bundle.volume.boxToWorld), placed(grid.box_max)), [1, 1, 1]);
-    assert.strictEqual(bundle.values.length, bundle.nodes.reduce((product, n) => product * n, 1));
+    assert.strictEqual(
+      bundle.values.length,
+      bundle.nodes.reduce((product, n) => product * n, 1),
+    );
   });
 }
 
@@ -72,7 +87,10 @@ test('a table is the closed form of its points', () => {
       const opacity = 1 - (1 - (0.1 + 0.2 * k)) ** (length / 0.2);
       const right = [k / 4, 0.2 + 0.05 * k, 1 - k / 4, opacity];
       near([...floats.subarray(4 * k, 4 * k + 4)], right, 1e-6);
-      assert.deepStrictEqual([...bytes.subarray(4 * k, 4 * k + 4)], right.map((part) => Math.round(255 * part)));
+      assert.deepStrictEqual(
+        [...bytes.subarray(4 * k, 4 * k + 4)],
+        right.map((part) => Math.round(255 * part)),
+      );
     }
   }
 });
@@ -81,7 +99,11 @@ test('of two points at one value the later holds, at either end, too', () => {
   const point = (value, opacity) => ({ value, colour: [opacity, 0, 0], opacity });
   const jumps = [point(0, 0.1), point(0, 0.2), point(1, 0.3), point(1, 0.5), point(2, 0.6), point(2, 0.7)];
   const { floats } = withTransfer({ kind: 'table', reference_length: 1, points: jumps }).table(5);
-  near([0, 1, 2, 3, 4].map((k) => floats[4 * k]), [0.2, 0.25, 0.5, 0.55, 0.7], 1e-6);
+  near(
+    [0, 1, 2, 3, 4].map((k) => floats[4 * k]),
+    [0.2, 0.25, 0.5, 0.55, 0.7],
+    1e-6,
+  );
 });
 
 test('a formula is computed', () => {
@@ -102,7 +124,13 @@ test('a formula is computed', () => {
 test('a projection shows colours without opacity', () => {
   const window = exportBundle('scenes/maximum');
   const { low, high } = window.panel.mode;
-  assert.deepStrictEqual(window.points().map(({ value, opacity }) => [value, opacity]), [[low, 1], [high, 1]]);
+  assert.deepStrictEqual(
+    window.points().map(({ value, opacity }) => [value, opacity]),
+    [
+      [low, 1],
+      [high, 1],
+    ],
+  );
   const exact = exportBundle('scenes/maximum-exact');
   assert.ok(exact.points().every((point) => point.opacity === 1));
   assert.strictEqual(exact.step, exact.panel.sampling.step / 16);
@@ -120,12 +148,18 @@ test('what a renderer has no words for is refused by name', () => {
     }
   };
   assert.strictEqual(refused('scenes/maximum', 'perspective', 'trilinear', 'composited'), 'mode = "maximum"');
-  assert.match(refused('scenes/three-in-shadow', 'perspective', 'trilinear', 'composited'), /shadow.*matrix.*several volumes/);
+  assert.match(
+    refused('scenes/three-in-shadow', 'perspective', 'trilinear', 'composited'),
+    /shadow.*matrix.*several volumes/,
+  );
   assert.match(refused('scenes/ball-in-rings', 'perspective', 'trilinear', 'composited'), /surfaces/);
   assert.match(refused('figures/figure-5'), /more than one panel/);
   assert.ok(Object.keys(exportBundle('figures/figure-2').files).length > 0);
   exportBundle('sampled/nearest-blocks').refuseAllBut('perspective', 'nearest', 'composited');
-  assert.throws(() => exportBundle('sampled/thin').refuseAllBut('orthographic'), /orthographic is no feature of scenes: there are/);
+  assert.throws(
+    () => exportBundle('sampled/thin').refuseAllBut('orthographic'),
+    /orthographic is no feature of scenes: there are/,
+  );
   assert.throws(() => exportBundle('sampled/thin').table(1), /2 entries or more/);
   assert.throws(() => exportBundle('sampled/thin').table(8, { per: 'metre' }), /give one of length, step, voxel/);
   assert.throws(() => exportBundle('smoke/cornell').panel);
@@ -144,5 +178,8 @@ test('a bundle that is damaged is rejected', () => {
   assert.throws(() => new Bundle({ ...description, schema: 'volref/bundle/99' }, files), /bundle\/99/);
   assert.throws(() => new Bundle(null, files), /schema/);
   assert.throws(() => new Bundle(description, {}).values, /lacks its file/);
-  assert.throws(() => new Bundle(description, { [file]: files[file].subarray(4) }).values, /21951 values, and not 21952/);
+  assert.throws(
+    () => new Bundle(description, { [file]: files[file].subarray(4) }).values,
+    /21951 values, and not 21952/,
+  );
 });

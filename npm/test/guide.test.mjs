@@ -11,7 +11,9 @@ import { findChromium } from 'volref/page';
 
 const HERE = path.dirname(fileURLToPath(import.meta.url));
 const CHAPTER = process.env.VOLREF_CHAPTER ?? path.join(HERE, '../../src/guide/in_your_tests.md');
-const [theirs, renderer, ...others] = [...fs.readFileSync(CHAPTER, 'utf8').matchAll(/```javascript\n(.*?)```/gs)].map(([, block]) => block);
+const [theirs, renderer, ...others] = [...fs.readFileSync(CHAPTER, 'utf8').matchAll(/```javascript\n(.*?)```/gs)].map(
+  ([, block]) => block,
+);
 // Within the project, whose packages it imports.
 const folder = fs.mkdtempSync(path.join(HERE, 'guide-'));
 after(() => fs.rmSync(folder, { recursive: true, force: true }));
@@ -30,6 +32,9 @@ test('a project tests its canvas', { skip: findChromium() ? false : 'there is no
 });
 
 test('the README of the package shows the same test', () => {
-  const readme = fs.readFileSync(path.join(path.dirname(createRequire(import.meta.url).resolve('volref/package.json')), 'README.md'), 'utf8');
+  const readme = fs.readFileSync(
+    path.join(path.dirname(createRequire(import.meta.url).resolve('volref/package.json')), 'README.md'),
+    'utf8',
+  );
   assert.ok(readme.includes(theirs));
 });

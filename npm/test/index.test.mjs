@@ -31,7 +31,10 @@ function codesOf({ width, height, data }) {
 
 test('an array survives the way through the program', () => {
   const image = rendered('sampled/thin');
-  fs.writeFileSync(within('again.npy'), npy(image.data, [image.height, image.width, image.data.length / image.width / image.height]));
+  fs.writeFileSync(
+    within('again.npy'),
+    npy(image.data, [image.height, image.width, image.data.length / image.width / image.height]),
+  );
   volref('compare', '--gate', 'exact', within('rendered.npy'), within('again.npy'));
   const doubles = Float64Array.of(1, -0.5, Number.MAX_VALUE, NaN);
   assert.deepStrictEqual(readNpy(npy(doubles, [2, 2])), { values: doubles, shape: [2, 2] });
@@ -54,7 +57,8 @@ test('a PNG is read by the program as it was written', () => {
 
 test('damaged arrays are rejected', () => {
   const whole = npy(Float32Array.of(1, 2), [2]);
-  const text = (bytes, from, to) => Uint8Array.from(Buffer.from(Buffer.from(bytes).toString('latin1').replace(from, to), 'latin1'));
+  const text = (bytes, from, to) =>
+    Uint8Array.from(Buffer.from(Buffer.from(bytes).toString('latin1').replace(from, to), 'latin1'));
   for (const [bytes, words] of [
     [new Uint8Array(), /not an NPY file/],
     [whole.subarray(0, 11), /not an NPY file/],
@@ -83,7 +87,11 @@ test('an image is judged', () => {
   const image = rendered('figures/figure-1');
   const right = check('figures/figure-1', image);
   assert.ok(right.passed, String(right));
-  const black = check('figures/figure-1', { ...image, data: new Float32Array(image.data.length) }, { report: within('report') });
+  const black = check(
+    'figures/figure-1',
+    { ...image, data: new Float32Array(image.data.length) },
+    { report: within('report') },
+  );
   assert.strictEqual(black.verdict, 'fail');
   assert.strictEqual(black.looksLike[0].name, 'black');
   assert.match(String(black), /looks like black: .*\nreport: /s);
@@ -95,8 +103,15 @@ test('codes are those of the exposure, or with 8-linear of radiance', () => {
   const image = codesOf(rendered('limit/thin-haze'));
   assert.ok(check('limit/thin-haze', { 1: image, 0.5: image, 0.25: image }, { bits: '8-linear', explain: 0 }).passed);
   assert.ok(!check('limit/thin-haze', { 1: image, 0.5: image, 0.25: image }, { explain: 0 }).passed);
-  const withOpacity = { ...image, data: Uint8Array.from({ length: (image.data.length / 3) * 4 }, (_, k) => (k % 4 < 3 ? image.data[3 * (k >> 2) + (k % 4)] : 9)) };
-  assert.ok(check('limit/thin-haze', { 1: withOpacity, 0.5: image, 0.25: image }, { bits: '8-linear', explain: 0 }).passed);
+  const withOpacity = {
+    ...image,
+    data: Uint8Array.from({ length: (image.data.length / 3) * 4 }, (_, k) =>
+      k % 4 < 3 ? image.data[3 * (k >> 2) + (k % 4)] : 9,
+    ),
+  };
+  assert.ok(
+    check('limit/thin-haze', { 1: withOpacity, 0.5: image, 0.25: image }, { bits: '8-linear', explain: 0 }).passed,
+  );
 });
 
 test('what is no image is rejected before the program is called', () => {
@@ -109,7 +124,10 @@ test('what is no image is rejected before the program is called', () => {
   assert.throws(() => check(7, {}), TypeError);
   assert.throws(() => check('figures/*', {}), /names 5 cases: give one/);
   assert.throws(judge({ width, height, data: new Uint8Array(3 * width * height) }, { profile: 'nobody' }), VolrefError);
-  assert.throws(() => writeImage(within('image.exr'), { width, height, data: new Uint8Array(3 * width * height) }), /\.npy or \.png/);
+  assert.throws(
+    () => writeImage(within('image.exr'), { width, height, data: new Uint8Array(3 * width * height) }),
+    /\.npy or \.png/,
+  );
 });
 
 test('nothing is left of an image that could not be written', () => {

@@ -3,6 +3,7 @@
 import assert from 'node:assert';
 import { spawn, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import http from 'node:http';
 import { createRequire } from 'node:module';
 import os from 'node:os';
 import path from 'node:path';
@@ -22,7 +23,9 @@ const options = { skip: findChromium() ? false : 'there is no Chromium', timeout
 
 // What is to go wrong is said by the step.
 fs.writeFileSync(within('parts.js'), 'export const colour = (k) => `rgb(${10 * k} 20 30)`;');
-fs.writeFileSync(within('page.js'), `
+fs.writeFileSync(
+  within('page.js'),
+  `
 import { refuse } from 'volref/bundle';
 import { colour } from './parts.js';
 
@@ -45,7 +48,8 @@ export async function render(element, bundle, step) {
   await new Promise(requestAnimationFrame);
   return canvas;
 }
-`);
+`,
+);
 
 /** State, parent and group of a process. */
 function statOf(pid) {
@@ -56,17 +60,23 @@ function statOf(pid) {
 /** Processes that inherited the temporary folder of this test, and those of their groups: some overwrite what they inherited. */
 function processes() {
   if (process.platform !== 'linux') return [];
-  const found = fs.readdirSync('/proc').map(Number).filter((pid) => pid > 0 && pid !== process.pid).flatMap((pid) => {
-    try {
-      const isMarked = fs.readFileSync(`/proc/${pid}/environ`, 'utf8').includes(`TMPDIR=${folder}`);
-      return [{ pid, isMarked, ...statOf(pid) }];
-    } catch {
-      return [];
-    }
-  });
+  const found = fs
+    .readdirSync('/proc')
+    .map(Number)
+    .filter((pid) => pid > 0 && pid !== process.pid)
+    .flatMap((pid) => {
+      try {
+        const isMarked = fs.readFileSync(`/proc/${pid}/environ`, 'utf8').includes(`TMPDIR=${folder}`);
+        return [{ pid, isMarked, ...statOf(pid) }];
+      } catch {
+        return [];
+      }
+    });
   for (const { isMarked, group } of found) if (isMarked) groups.add(group);
   groups.delete(statOf('self').group);
-  return found.filter(({ isMarked, group, state }) => state !== 'Z' && (isMarked || groups.has(group))).map(({ pid }) => pid);
+  return found
+    .filter(({ isMarked, group, state }) => state !== 'Z' && (isMarked || groups.has(group)))
+    .map(({ pid }) => pid);
 }
 
 const groups = new Set();
@@ -89,7 +99,10 @@ test('a canvas is read, and its faults are said', options, async (t) => {
   assert.deepStrictEqual([...data.subarray(0, 4)], [10, 20, 30, 255]);
   assert.deepStrictEqual([...data.subarray(-4)], [0, 0, 0, 0]);
   await assert.rejects(page.render(bundle, 2), (error) => error instanceof Cannot && error.message === 'two');
-  await assert.rejects(page.render(bundle, 3), /^Error: RangeError: three is too much\n.*at render \(page\.js:\d+:\d+\)/s);
+  await assert.rejects(
+    page.render(bundle, 3),
+    /^Error: RangeError: three is too much\n.*at render \(page\.js:\d+:\d+\)/s,
+  );
   assert.deepStrictEqual((await page.render(bundle, 6)).messages, ['six 6']);
   await assert.rejects(page.render(bundle, 7), /5 values, which are not 64 × 64 pixels/);
   const radiance = await page.render(bundle, 8);
@@ -99,14 +112,19 @@ test('a canvas is read, and its faults are said', options, async (t) => {
   await assert.rejects(page.render(bundle, 11), /1 × 64 pixels, and not 64 × 64/);
   // Side by side, one after the other.
   const both = await Promise.allSettled([page.render(bundle, 3), page.render(bundle)]);
-  assert.deepStrictEqual(both.map(({ status }) => status), ['rejected', 'fulfilled']);
+  assert.deepStrictEqual(
+    both.map(({ status }) => status),
+    ['rejected', 'fulfilled'],
+  );
   assert.strictEqual(profiles().length, 1);
   await page.close();
   await nothingIsLeft();
 });
 
 test('a page of WebGL is judged', options, async (t) => {
-  fs.writeFileSync(within('webgl.js'), `
+  fs.writeFileSync(
+    within('webgl.js'),
+    `
     export function render(element, bundle) {
       const canvas = document.createElement('canvas');
       [canvas.width, canvas.height] = [bundle.width, bundle.height];
@@ -121,12 +139,20 @@ test('a page of WebGL is judged', options, async (t) => {
       quarter(0, 1, [1, 0, 0, 1]);
       quarter(1, 0, [0, 0, 1, 0.5]);
       return canvas;
-    }`);
+    }`,
+  );
   const page = await startPage(within('webgl.js'));
   t.after(() => page.close());
   const image = await page.render(thin());
   const at = (x, y) => [...image.data.subarray(4 * (64 * y + x), 4 * (64 * y + x) + 4)];
-  assert.deepStrictEqual([at(1, 1), at(62, 1), at(62, 62)], [[255, 0, 0, 255], [0, 0, 0, 0], [0, 0, 255, 128]]);
+  assert.deepStrictEqual(
+    [at(1, 1), at(62, 1), at(62, 62)],
+    [
+      [255, 0, 0, 255],
+      [0, 0, 0, 0],
+      [0, 0, 255, 128],
+    ],
+  );
   assert.strictEqual(check('sampled/thin', image, { bits: '8-linear', explain: 0 }).verdict, 'fail');
 });
 
@@ -139,25 +165,29 @@ test('an endless page is ended, and the next one is rendered', options, async (t
   await nothingIsLeft();
 });
 
-test('a page that crashes is an error, as is a browser that ends', { ...options, skip: options.skip || process.platform !== 'linux' }, async (t) => {
-  const page = await startPage(within('page.js'), { timeout: 30 });
-  t.after(() => page.close());
-  await page.render(thin(), 1);
-  const killed = async (isIt) => {
-    const image = assert.rejects(page.render(thin(), 5), /the page crashed|Chromium ended by SIGKILL/);
-    await pause(1000);
-    for (const pid of processes()) {
-      if (isIt(fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8'))) process.kill(pid, 'SIGKILL');
-    }
-    await image;
-  };
-  await killed((words) => words.includes('--type=renderer'));
-  assert.strictEqual((await page.render(thin(), 1)).width, 64);
-  await killed((words) => words.includes('--remote-debugging-pipe') && !words.includes('--type='));
-  assert.strictEqual((await page.render(thin(), 1)).width, 64);
-  await page.close();
-  await nothingIsLeft();
-});
+test(
+  'a page that crashes is an error, as is a browser that ends',
+  { ...options, skip: options.skip || process.platform !== 'linux' },
+  async (t) => {
+    const page = await startPage(within('page.js'), { timeout: 30 });
+    t.after(() => page.close());
+    await page.render(thin(), 1);
+    const killed = async (isIt) => {
+      const image = assert.rejects(page.render(thin(), 5), /the page crashed|Chromium ended by SIGKILL/);
+      await pause(1000);
+      for (const pid of processes()) {
+        if (isIt(fs.readFileSync(`/proc/${pid}/cmdline`, 'utf8'))) process.kill(pid, 'SIGKILL');
+      }
+      await image;
+    };
+    await killed((words) => words.includes('--type=renderer'));
+    assert.strictEqual((await page.render(thin(), 1)).width, 64);
+    await killed((words) => words.includes('--remote-debugging-pipe') && !words.includes('--type='));
+    assert.strictEqual((await page.render(thin(), 1)).width, 64);
+    await page.close();
+    await nothingIsLeft();
+  },
+);
 
 test('a module that cannot be loaded says why', options, async (t) => {
   await assert.rejects(startPage(within('none.js')), /there is no such file/);
@@ -179,9 +209,55 @@ test('a module that cannot be loaded says why', options, async (t) => {
   await nothingIsLeft();
 });
 
+test('a browser that does not start says why', options, async () => {
+  const known = process.env.CHROMIUM;
+  for (const [program, words] of [
+    [within('none'), /cannot run .*none/],
+    ['/bin/false', /Chromium ended with exit code 1/],
+  ]) {
+    process.env.CHROMIUM = program;
+    const page = await startPage(within('page.js'));
+    await assert.rejects(page.render(thin()), words);
+    await page.close();
+  }
+  if (known === undefined) delete process.env.CHROMIUM;
+  else process.env.CHROMIUM = known;
+  await nothingIsLeft();
+});
+
+test('others learn nothing from the server of a page', options, async (t) => {
+  const outside = [
+    'files-of-module/..%2f..%2f..%2f..%2fetc%2fpasswd',
+    'volref/page.js',
+    'files/9',
+    '%ff',
+  ];
+  fs.writeFileSync(
+    within('address.js'),
+    `
+    export async function render(element, bundle) {
+      const answers = await Promise.all(${JSON.stringify(outside)}.map((name) => fetch(location.href + name)));
+      const found = await Promise.all(answers.map(async (answer) => (answer.ok && (await answer.text()) !== '' ? 1 : 0)));
+      return new Float32Array(3 * bundle.width * bundle.height).fill(location.port).fill(Math.max(...found), 1, 2);
+    }`,
+  );
+  const page = await startPage(within('address.js'));
+  t.after(() => page.close());
+  const [port, found] = (await page.render(thin())).data;
+  assert.strictEqual(found, 0);
+  for (const address of ['/', '//', '/%', '/bundle.json', '/undefined/bundle.json', '/files/0']) {
+    const status = await new Promise((resolve) =>
+      http.get({ port, path: address }, (answer) => resolve(answer.resume().statusCode)),
+    );
+    assert.strictEqual(status, 404, address);
+  }
+  assert.strictEqual((await page.render(thin())).data[0], port);
+});
+
 test('volref-page renders once', options, async () => {
   thinFiles();
-  const once = (...words) => spawnSync(process.execPath, [SCRIPT, within('page.js'), within('thin.json'), ...words], { encoding: 'utf8' });
+  const once = (...words) =>
+    spawnSync(process.execPath, [SCRIPT, within('page.js'), within('thin.json'), ...words], { encoding: 'utf8' });
   assert.strictEqual(once(within('image.npy'), '--step', '6').stderr, 'console: six 6\n');
   const { values, shape } = readNpy(fs.readFileSync(within('image.npy')));
   assert.deepStrictEqual(shape, [64, 64, 3]);
@@ -190,7 +266,13 @@ test('volref-page renders once', options, async () => {
   assert.deepStrictEqual([refused.status, refused.stderr], [1, 'refused: two\n']);
   assert.ok(!fs.existsSync(within('none.npy')));
   assert.match(once(within('image.exr')).stderr, /\.npy or \.png/);
-  for (const words of [[], ['x.npy', '--step', 'two'], ['x.npy', '--stpe', '2'], ['x.npy', '--timeout', '0'], ['a.npy', 'b.npy']]) {
+  for (const words of [
+    [],
+    ['x.npy', '--step', 'two'],
+    ['x.npy', '--stpe', '2'],
+    ['x.npy', '--timeout', '0'],
+    ['a.npy', 'b.npy'],
+  ]) {
     const { status, stderr } = once(...words);
     assert.deepStrictEqual([status, /volref-page MODULE --serve/.test(stderr)], [2, true], words);
   }
@@ -203,7 +285,9 @@ function thinFiles() {
 
 /** volref-page as a renderer that stays, and a function that asks it. */
 function staying(...words) {
-  const child = spawn(process.execPath, [SCRIPT, within('page.js'), '--serve', ...words], { stdio: ['pipe', 'pipe', 'pipe'] });
+  const child = spawn(process.execPath, [SCRIPT, within('page.js'), '--serve', ...words], {
+    stdio: ['pipe', 'pipe', 'pipe'],
+  });
   const answers = [];
   let waiting;
   let rest = '';
@@ -228,7 +312,12 @@ function staying(...words) {
 test('volref-page stays, and hostile lines are errors', options, async () => {
   thinFiles();
   const { child, ask, ended } = staying();
-  const request = { volref: 1, case: 'sampled/thin', 'export:bundle': within('thin.json'), output: within('image.npy') };
+  const request = {
+    volref: 1,
+    case: 'sampled/thin',
+    'export:bundle': within('thin.json'),
+    output: within('image.npy'),
+  };
   assert.deepStrictEqual(await ask({ ...request, step: 1 }), { image: within('image.npy') });
   assert.deepStrictEqual(await ask({ ...request, step: 2 }), { cannot: 'two' });
   assert.match((await ask({ ...request, step: 3 })).error, /three is too much/);
@@ -254,7 +343,7 @@ test('volref-page stays, and hostile lines are errors', options, async () => {
 test('nothing is left when volref-page is ended', options, async () => {
   thinFiles();
   const request = { volref: 1, 'export:bundle': within('thin.json'), output: within('image.npy'), step: 1 };
-  for (const signal of ['SIGTERM', 'SIGINT', 'SIGKILL']) {
+  for (const signal of ['SIGTERM', 'SIGKILL']) {
     const { child, ask, ended } = staying();
     await ask(request);
     const left = profiles();

@@ -13,7 +13,7 @@ import vtkVolume from '@kitware/vtk.js/Rendering/Core/Volume';
 import vtkVolumeMapper from '@kitware/vtk.js/Rendering/Core/VolumeMapper';
 import vtkOpenGLRenderWindow from '@kitware/vtk.js/Rendering/OpenGL/RenderWindow';
 
-const BLENDS = { composited: 'Composite', maximum: 'MaximumIntensity', minimum: 'MinimumIntensity', mean: 'AverageIntensity' };
+const INTENSITIES = { maximum: 'MaximumIntensity', minimum: 'MinimumIntensity', mean: 'AverageIntensity' };
 
 function actorOf(bundle, step) {
   const { grid, phong, transfer_function: transfer } = bundle.panel;
@@ -24,7 +24,7 @@ function actorOf(bundle, step) {
   mapper.setInputData(image);
   mapper.setAutoAdjustSampleDistances(false);
   mapper.setSampleDistance(step);
-  mapper[`setBlendModeTo${BLENDS[bundle.mode]}`]();
+  mapper[`setBlendModeTo${INTENSITIES[bundle.mode] ?? 'Composite'}`]();
   const opacity = vtkPiecewiseFunction.newInstance({ allowDuplicateScalars: true });
   const colour = vtkColorTransferFunction.newInstance({ allowDuplicateScalars: true });
   for (const point of bundle.points()) {
@@ -39,7 +39,8 @@ function actorOf(bundle, step) {
   if (transfer) look.setScalarOpacityUnitDistance(0, transfer.reference_length);
   look.setRGBTransferFunction(0, colour);
   look.setShade(Boolean(phong));
-  if (phong) look.set({ ambient: phong.ambient, diffuse: phong.diffuse, specular: phong.specular, specularPower: phong.shininess });
+  const { ambient, diffuse, specular, shininess: specularPower } = phong ?? {};
+  if (phong) look.set({ ambient, diffuse, specular, specularPower });
   if (bundle.volume.isNearest) look.setInterpolationTypeToNearest();
   else look.setInterpolationTypeToLinear();
   return actor;
@@ -56,18 +57,19 @@ function setCamera(camera, bundle) {
 }
 
 export function render(element, bundle, step) {
-  bundle.refuseAllBut('parallel', 'perspective', 'trilinear', 'nearest', 'phong', 'matrix', ...Object.keys(BLENDS));
-  const renderer = vtkRenderer.newInstance({ background: bundle.background, automaticLightCreation: false, twoSidedLighting: false });
+  const modes = ['composited', ...Object.keys(INTENSITIES)];
+  bundle.refuseAllBut('parallel', 'perspective', 'trilinear', 'nearest', 'phong', 'matrix', ...modes);
+  const { background, panel, width, height } = bundle;
+  const renderer = vtkRenderer.newInstance({ background, automaticLightCreation: false, twoSidedLighting: false });
   renderer.addVolume(actorOf(bundle, step));
   setCamera(renderer.getActiveCamera(), bundle);
-  if (bundle.panel.light) {
-    renderer.addLight(vtkLight.newInstance({ lightType: 'SceneLight', positional: true, coneAngle: 180, position: bundle.panel.light.position }));
-  }
+  const lamp = { lightType: 'SceneLight', positional: true, coneAngle: 180, position: panel.light?.position };
+  if (panel.light) renderer.addLight(vtkLight.newInstance(lamp));
   const window = vtkRenderWindow.newInstance();
   window.addRenderer(renderer);
   const view = vtkOpenGLRenderWindow.newInstance();
   view.setContainer(element);
-  view.setSize(bundle.width, bundle.height);
+  view.setSize(width, height);
   window.addView(view);
   const interactor = vtkRenderWindowInteractor.newInstance();
   interactor.setView(view);
