@@ -8,8 +8,9 @@ export { npy, png, readNpy } from './files.js';
 
 const SCHEMA = 'volref/bundle/1';
 const LENGTHS = ['length', 'step', 'voxel'];
-const MODES = ['composited', 'maximum', 'minimum', 'mean', 'sum', 'attenuated-maximum', 'isosurface'];
+const MODES = ['maximum', 'minimum', 'mean', 'sum', 'attenuated-maximum', 'isosurface'];
 const FEATURES = {
+  composited: 'composited samples',
   parallel: 'parallel rays',
   perspective: 'rays from one point',
   trilinear: 'trilinear interpolation',
@@ -161,7 +162,7 @@ export class Bundle {
 
   /** Refuses the scene for each of its features that is not among `known`. */
   refuseAllBut(...known) {
-    const all = [...MODES, ...Object.keys(FEATURES)];
+    const all = [...Object.keys(FEATURES), ...MODES];
     const unknown = known.find((word) => !all.includes(word));
     if (unknown) throw new TypeError(`${unknown} is no feature of scenes: there are ${all.join(', ')}`);
     const missing = this.features.filter((word) => !known.includes(word));
