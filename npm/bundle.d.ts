@@ -2,27 +2,10 @@
 export type Matrix = number[];
 export type Vector = [number, number, number];
 
-/** Words for what a scene asks of a renderer. */
-export type Feature =
-  | 'composited'
-  | 'maximum'
-  | 'minimum'
-  | 'mean'
-  | 'sum'
-  | 'attenuated-maximum'
-  | 'isosurface'
-  | 'parallel'
-  | 'perspective'
-  | 'trilinear'
-  | 'nearest'
-  | 'phong'
-  | 'shadow'
-  | 'matrix'
-  | 'volumes'
-  | 'surfaces'
-  | 'clips'
-  | 'modulation'
-  | 'early-termination';
+/** A projection, or isosurfaces. */
+export type Mode = 'maximum' | 'minimum' | 'mean' | 'sum' | 'attenuated-maximum' | 'isosurface';
+/** What a picture takes beside one volume along the axes, composited. */
+export type Feature = Mode | 'several' | 'placed' | 'shading' | 'shadow' | 'clips' | 'surfaces' | 'modulation';
 
 /** A point of a transfer function: linear colour, and opacity over the reference length. */
 export interface Point {
@@ -64,8 +47,8 @@ export class Volume {
   readonly affine: Matrix;
   /** From the unit cube, which the box of the volume is in texture coordinates, to the world. */
   readonly boxToWorld: Matrix;
-  /** From the coordinates of the grid to the world. */
-  readonly placement: Matrix;
+  /** From the coordinates of the grid to the world: the unit matrix where the volume is not placed. */
+  readonly matrix: Matrix;
   /** Corners of the box in the world. */
   readonly corners: Vector[];
   /** Points of the transfer function, of a formula `count` of them; of a projection the colours that it shows. */
@@ -97,10 +80,11 @@ export class Bundle {
   readonly step: number;
   readonly background: Vector;
   /** `composited`, or a projection or isosurfaces. */
-  readonly mode: Feature;
-  readonly features: Feature[];
-  /** Refuses the scene for each of its features that is not among `known`. */
-  refuseAllBut(...known: Feature[]): void;
+  readonly mode: 'composited' | Mode;
+  /** Features that the picture takes, each with the words for it. */
+  readonly asks: Partial<Record<Feature, string>>;
+  /** Refuses the scene if the picture takes features beside these. */
+  allow(...features: Feature[]): void;
   points(count?: number): Point[];
   table(count?: number, options?: TableOptions): Table;
   readonly isParallel: boolean;
@@ -117,7 +101,7 @@ export class Bundle {
   readonly corners: Vector[];
   /** Distance from the eye to the farthest corner. */
   readonly farthest: number;
-  /** Depths of planes between which all corners lie, unless the eye stands in or beside the boxes. */
+  /** Depths of planes: half that of the nearest corner, unless the eye stands within, and twice that of the farthest. */
   readonly near: number;
   readonly far: number;
   /** From the camera, which looks along -z with y up, to the world. */
@@ -129,7 +113,7 @@ export class Bundle {
 }
 
 /** Something in the scene for which the renderer has no words. */
-export class Cannot extends Error {}
+export class Refusal extends Error {}
 /** Says that the renderer has no words for the scene. */
 export function refuse(reason: string): never;
 

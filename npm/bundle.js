@@ -10,29 +10,23 @@ const SCHEMA = 'volref/bundle/1';
 const LENGTHS = ['length', 'step', 'voxel'];
 const MODES = ['maximum', 'minimum', 'mean', 'sum', 'attenuated-maximum', 'isosurface'];
 const FEATURES = {
-  composited: 'composited samples',
-  parallel: 'parallel rays',
-  perspective: 'rays from one point',
-  trilinear: 'trilinear interpolation',
-  nearest: 'values of the nearest node',
-  phong: 'shading by gradients',
-  shadow: 'the shadow of a volume',
-  matrix: 'a volume placed by a matrix',
-  volumes: 'several volumes',
-  surfaces: 'surfaces',
+  several: 'several volumes',
+  placed: 'a volume placed by a matrix',
+  shading: 'shading',
+  shadow: 'a shadow',
   clips: 'clips',
+  surfaces: 'surfaces',
   modulation: 'opacities by a second number',
-  'early-termination': 'an early end of rays',
 };
 
 /** Something in the scene for which the renderer has no words: `volref validate` counts the image as missing. */
-export class Cannot extends Error {
-  name = 'Cannot';
+export class Refusal extends Error {
+  name = 'Refusal';
 }
 
 /** Says that the renderer has no words for the scene. */
 export function refuse(reason) {
-  throw new Cannot(reason);
+  throw new Refusal(reason);
 }
 
 /** Length of a vector. */
@@ -113,7 +107,7 @@ export class Bundle {
   /** The volume, where there is one only. */
   get volume() {
     const [volume, ...others] = this.volumes;
-    if (others.length > 0) refuse(FEATURES.volumes);
+    if (others.length > 0) refuse(FEATURES.several);
     return volume;
   }
 
@@ -144,29 +138,31 @@ export class Bundle {
     return this.panel.mode?.name ?? 'composited';
   }
 
-  /** Words for what the scene asks of a renderer, those that `refuseAllBut` takes. */
-  get features() {
+  /** Features that the picture takes beside one volume along the axes, composited, each with the words for it. */
+  get asks() {
     const { panel, volumes } = this;
-    const has = (key) => volumes.some(({ part }) => part[key]) || Boolean(panel[key]);
-    return [
-      this.isParallel ? 'parallel' : 'perspective',
-      this.mode,
-      ...new Set(volumes.map(({ part }) => part.interpolation.method)),
-      ...['phong', 'shadow', 'modulation'].filter(has),
-      ...['surfaces', 'clips'].filter((key) => panel[key]?.length > 0),
-      ...(volumes.some(({ part }) => part.grid.matrix) ? ['matrix'] : []),
-      ...(volumes.length > 1 ? ['volumes'] : []),
-      ...(panel.early_termination ? ['early-termination'] : []),
-    ];
+    const parts = volumes.map(({ part }) => part);
+    const asked = {
+      [this.mode]: MODES.includes(this.mode),
+      several: volumes.length > 1,
+      placed: parts.some((part) => part.grid.matrix),
+      shading: parts.some((part) => part.phong),
+      shadow: panel.shadow || parts.some((part) => part.shadow),
+      clips: panel.clips?.length > 0,
+      surfaces: panel.surfaces?.length > 0,
+      modulation: parts.some((part) => part.modulation),
+    };
+    const names = Object.keys(asked).filter((name) => asked[name]);
+    return Object.fromEntries(names.map((name) => [name, FEATURES[name] ?? `mode = "${name}"`]));
   }
 
-  /** Refuses the scene for each of its features that is not among `known`. */
-  refuseAllBut(...known) {
+  /** Refuses the scene if the picture takes features beside these. */
+  allow(...features) {
     const all = [...Object.keys(FEATURES), ...MODES];
-    const unknown = known.find((word) => !all.includes(word));
-    if (unknown) throw new TypeError(`${unknown} is no feature of scenes: there are ${all.join(', ')}`);
-    const missing = this.features.filter((word) => !known.includes(word));
-    if (missing.length > 0) refuse(missing.map((word) => FEATURES[word] ?? `mode = "${word}"`).join(', '));
+    const unknown = features.find((name) => !all.includes(name));
+    if (unknown !== undefined) throw new TypeError(`${unknown} is no feature: give ${all.join(', ')}`);
+    const beside = Object.entries(this.asks).filter(([name]) => !features.includes(name));
+    if (beside.length > 0) refuse(beside.map(([, words]) => words).join('; '));
   }
 
   /** Points of the transfer function: see `Volume`. */
@@ -220,16 +216,15 @@ export class Bundle {
     return Math.max(...this.corners.map((corner) => length(minus(corner, this.eye))));
   }
 
-  /** Depth of the far plane: no corner lies behind it. */
+  /** Depth of the far plane: twice that of the farthest corner. */
   get far() {
     const deepest = Math.max(...this.#depths());
-    return 1.001 * (deepest > 0 ? deepest : this.farthest);
+    return 2 * (deepest > 0 ? deepest : this.farthest);
   }
 
-  /** Depth of the near plane: no corner lies before it, unless the eye stands in or beside the boxes. */
+  /** Depth of the near plane: half that of the nearest corner, for many renderers draw boxes half a voxel larger. */
   get near() {
-    const nearest = 0.999 * Math.min(...this.#depths());
-    return Math.max(nearest, this.isParallel ? 0 : 1e-3 * this.far);
+    return Math.max(0.5 * Math.min(...this.#depths()), 1e-4 * this.far);
   }
 
   #depths() {
@@ -309,17 +304,17 @@ export class Volume {
   /** Matrix from numbers of nodes (i, j, k) to the world. */
   get affine() {
     const { spacing, first_node: first } = this.part.grid;
-    return multiply(this.placement, scaled(spacing, first));
+    return multiply(this.matrix, scaled(spacing, first));
   }
 
   /** Matrix from the unit cube, which the box of the volume is in texture coordinates, to the world. */
   get boxToWorld() {
     const { box_min: min, box_max: max } = this.part.grid;
-    return multiply(this.placement, scaled(minus(max, min), min));
+    return multiply(this.matrix, scaled(minus(max, min), min));
   }
 
-  /** Matrix from the coordinates of the grid to the world. */
-  get placement() {
+  /** Matrix from the coordinates of the grid to the world: the unit matrix where the volume is not placed. */
+  get matrix() {
     const rows = this.part.grid.matrix ?? [
       [1, 0, 0, 0],
       [0, 1, 0, 0],
@@ -344,8 +339,13 @@ export class Volume {
       return [0, 1].map((grey) => ({ value: [mode.low, mode.high][grey], colour: [grey, grey, grey], opacity: 1 }));
     }
     if (!transfer) refuse(`mode = "${mode?.name}" as a transfer function`);
-    const known = transfer.points ?? ofFormula(transfer, count);
+    const known = transfer.points ?? ofFormula(transfer, count, this.#most());
     return mode ? known.map((point) => ({ ...point, opacity: 1 })) : known;
+  }
+
+  /** The largest value, or 1. */
+  #most() {
+    return this.values.reduce((most, value) => Math.max(most, value), 1);
   }
 
   /**
@@ -391,12 +391,12 @@ function between(points, value) {
   return { colour: p.colour.map((c, k) => mixed(c, q.colour[k])), opacity: mixed(p.opacity, q.opacity) };
 }
 
-/** Evenly spaced points of a formula, from 0 to 1: colours are multiplied by the square of the value. */
-function ofFormula({ colours, floor }, count) {
+/** Evenly spaced points of a formula, from 0 to `most`: colours are multiplied by the square of the value. */
+function ofFormula({ colours, floor }, count, most) {
   return Array.from({ length: count }, (_, index) => {
-    const value = index / (count - 1);
+    const value = (most * index) / (count - 1);
     const clear = (Math.exp(-(value ** 2)) - floor) / (1 - floor);
-    const place = value * (colours.length - 1);
+    const place = Math.min(value, 1) * (colours.length - 1);
     const before = Math.max(0, Math.min(Math.floor(place), colours.length - 2));
     const next = colours[before + 1] ?? colours[before];
     const colour = colours[before].map((c, k) => (c + (next[k] - c) * (place - before)) * value ** 2);

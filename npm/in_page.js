@@ -16,7 +16,7 @@ export async function run(step) {
     const image = await render(document.querySelector('div'), bundle, step ?? bundle.step);
     return packed(checked(values(image, bundle), bundle));
   } catch (error) {
-    if (error?.name === 'Cannot') return { cannot: error.message };
+    if (error?.name === 'Refusal') return { cannot: error.message };
     throw error;
   }
 }

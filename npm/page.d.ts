@@ -12,7 +12,7 @@ export interface PageImage {
 
 /** A page that renders bundles. */
 export interface Page {
-  /** The image of a bundle; by default the step is that of the scene. Throws a `Cannot` that the module threw. */
+  /** The image of a bundle; by default the step is that of the scene. Throws a `Refusal` that the module threw. */
   render(bundle: Bundle, step?: number): Promise<PageImage>;
   /** Ends the browser with all that it started. */
   close(): Promise<void>;

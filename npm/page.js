@@ -6,7 +6,7 @@ import fs from 'node:fs';
 import http from 'node:http';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { Cannot } from './bundle.js';
+import { Refusal } from './bundle.js';
 import { Chromium } from './chromium.js';
 
 export { findChromium } from './chromium.js';
@@ -90,7 +90,7 @@ export class Page {
       return { width, height, data, messages };
     } catch (error) {
       if (browser.hasEnded) browser.end();
-      if (error instanceof Cannot) throw error;
+      if (error instanceof Refusal) throw error;
       const others = messages.filter((message) => !error.message.includes(message)).slice(0, MOST_QUOTED);
       throw new Error([error.message, ...others.map((message) => `console: ${message}`)].join('\n'));
     } finally {
@@ -130,7 +130,7 @@ export class Page {
       returnByValue: true,
     });
     if (exceptionDetails) throw new Error(this.#words(exceptionDetails));
-    if (result.value.cannot !== undefined) throw new Cannot(result.value.cannot);
+    if (result.value.cannot !== undefined) throw new Refusal(result.value.cannot);
     const bytes = Uint8Array.from(Buffer.from(result.value.base64, 'base64'));
     return result.value.type === 'float' ? new Float32Array(bytes.buffer) : bytes;
   }

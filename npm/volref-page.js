@@ -3,7 +3,7 @@
 
 import readline from 'node:readline';
 import { parseArgs } from 'node:util';
-import { Cannot } from './bundle.js';
+import { Refusal } from './bundle.js';
 import { readBundle, writeImage } from './index.js';
 import { startPage } from './page.js';
 
@@ -79,13 +79,13 @@ async function answer(page, line) {
     await draw(page, bundle, output, step);
     return { image: output };
   } catch (error) {
-    return error instanceof Cannot ? { cannot: error.message } : { error: error.message };
+    return error instanceof Refusal ? { cannot: error.message } : { error: error.message };
   }
 }
 
 // Nobody reads the answers.
 process.stdout.on('error', () => process.exit(1));
 main().catch((error) => {
-  console.error(error instanceof Cannot ? `refused: ${error.message}` : error.message);
+  console.error(error instanceof Refusal ? `refused: ${error.message}` : error.message);
   process.exit(1);
 });

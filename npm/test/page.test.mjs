@@ -10,7 +10,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
 import { check, exportBundle } from 'volref';
-import { Cannot, readNpy } from 'volref/bundle';
+import { Refusal, readNpy } from 'volref/bundle';
 import { findChromium, startPage } from 'volref/page';
 
 const SCRIPT = path.join(path.dirname(createRequire(import.meta.url).resolve('volref/package.json')), 'volref-page.js');
@@ -98,7 +98,7 @@ test('a canvas is read, and its faults are said', options, async (t) => {
   assert.deepStrictEqual([width, height, data.length, messages], [64, 64, 4 * 64 * 64, []]);
   assert.deepStrictEqual([...data.subarray(0, 4)], [10, 20, 30, 255]);
   assert.deepStrictEqual([...data.subarray(-4)], [0, 0, 0, 0]);
-  await assert.rejects(page.render(bundle, 2), (error) => error instanceof Cannot && error.message === 'two');
+  await assert.rejects(page.render(bundle, 2), (error) => error instanceof Refusal && error.message === 'two');
   await assert.rejects(
     page.render(bundle, 3),
     /^Error: RangeError: three is too much\n.*at render \(page\.js:\d+:\d+\)/s,
@@ -226,12 +226,7 @@ test('a browser that does not start says why', options, async () => {
 });
 
 test('others learn nothing from the server of a page', options, async (t) => {
-  const outside = [
-    'files-of-module/..%2f..%2f..%2f..%2fetc%2fpasswd',
-    'volref/page.js',
-    'files/9',
-    '%ff',
-  ];
+  const outside = ['files-of-module/..%2f..%2f..%2f..%2fetc%2fpasswd', 'volref/page.js', 'files/9', '%ff'];
   fs.writeFileSync(
     within('address.js'),
     `

@@ -1,6 +1,7 @@
 // three.js: the volume shader of its examples, which projects the maximum.
 
 import * as three from 'three';
+import { refuse } from 'volref/bundle';
 import { VolumeRenderShader1 as shader } from 'three/addons/shaders/VolumeShader.js';
 
 function place(object, matrix) {
@@ -10,7 +11,8 @@ function place(object, matrix) {
 }
 
 export function render(element, bundle) {
-  bundle.refuseAllBut('parallel', 'perspective', 'trilinear', 'nearest', 'matrix', 'maximum');
+  bundle.allow('placed', 'maximum');
+  if (bundle.mode === 'composited') refuse('composited samples');
   const { width, height, nodes, volume } = bundle;
   const renderer = new three.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true });
   renderer.setSize(width, height);
@@ -45,8 +47,8 @@ export function render(element, bundle) {
   const { near, far, parallelHeight: tall } = bundle;
   const wide = (tall * width) / height;
   const camera = bundle.isParallel
-    ? new three.OrthographicCamera(-wide / 2, wide / 2, tall / 2, -tall / 2, near / 2, 2 * far)
-    : new three.PerspectiveCamera(bundle.fieldOfView, width / height, near / 2, 2 * far);
+    ? new three.OrthographicCamera(-wide / 2, wide / 2, tall / 2, -tall / 2, near, far)
+    : new three.PerspectiveCamera(bundle.fieldOfView, width / height, near, far);
   place(camera, bundle.cameraToWorld);
   const scene = new three.Scene();
   scene.background = new three.Color().setRGB(...bundle.background, three.LinearSRGBColorSpace);

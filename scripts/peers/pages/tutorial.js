@@ -36,7 +36,7 @@ function cube() {
 }
 
 export function render(element, bundle, step) {
-  bundle.refuseAllBut('parallel', 'perspective', 'trilinear', 'nearest', 'matrix', 'composited');
+  bundle.allow('placed');
   const { width, height, volume } = bundle;
   const canvas = document.createElement('canvas');
   [canvas.width, canvas.height] = [width, height];

@@ -33,7 +33,7 @@ function actorOf(bundle, step) {
   }
   const actor = vtkVolume.newInstance();
   actor.setMapper(mapper);
-  actor.setUserMatrix(bundle.volume.placement);
+  actor.setUserMatrix(bundle.volume.matrix);
   const look = actor.getProperty();
   look.setScalarOpacity(0, opacity);
   if (transfer) look.setScalarOpacityUnitDistance(0, transfer.reference_length);
@@ -57,8 +57,7 @@ function setCamera(camera, bundle) {
 }
 
 export function render(element, bundle, step) {
-  const modes = ['composited', ...Object.keys(INTENSITIES)];
-  bundle.refuseAllBut('parallel', 'perspective', 'trilinear', 'nearest', 'phong', 'matrix', ...modes);
+  bundle.allow('placed', 'shading', ...Object.keys(INTENSITIES));
   const { background, panel, width, height } = bundle;
   const renderer = vtkRenderer.newInstance({ background, automaticLightCreation: false, twoSidedLighting: false });
   renderer.addVolume(actorOf(bundle, step));
