@@ -59,11 +59,11 @@ export class Volume {
 
 /** What `volref export --to bundle` wrote: a scene as numbers. */
 export class Bundle {
-  constructor(description: Record<string, any>, files: Record<string, ArrayBuffer | Uint8Array>);
+  constructor(description: Record<string, any>, files: Record<string, ArrayBuffer | ArrayBufferView>);
   /** The JSON. */
   readonly description: Record<string, any>;
   /** The bytes of the files that it names. */
-  readonly files: Record<string, ArrayBuffer | Uint8Array>;
+  readonly files: Record<string, ArrayBuffer | ArrayBufferView>;
   readonly name: string;
   /** Size of the image. */
   readonly width: number;
@@ -133,6 +133,6 @@ export function columns(matrix: Matrix): Vector[];
 export function pixels(gl: any, width?: number, height?: number): Uint8Array;
 /** An NPY file of an array, the last axis of `shape` fastest. */
 export function npy(values: Float32Array | Float64Array, shape: number[]): Uint8Array;
-export function readNpy(bytes: ArrayBuffer | Uint8Array): { values: Float32Array | Float64Array; shape: number[] };
+export function readNpy(bytes: ArrayBuffer | ArrayBufferView): { values: Float32Array | Float64Array; shape: number[] };
 /** A PNG file of 8-bit codes, RGB or RGBA, top row first. */
 export function png(codes: Uint8Array | Uint8ClampedArray, width: number, height: number): Uint8Array;

@@ -211,7 +211,7 @@ class Server {
     const names = Object.keys(files);
     if (kind === '') return [200, TYPES['.html'], html(width, height)];
     if (kind === 'bundle.json') return [200, TYPES['.json'], JSON.stringify({ description, files: names })];
-    if (kind === 'files') return [200, BYTES, files[names[Number(name)]]];
+    if (kind === 'files') return [200, BYTES, bytesOf(files[names[Number(name)]])];
     if (kind === 'volref' && OWN.includes(name)) return contents(path.join(HERE, name));
     if (kind === 'module') {
       const within = path.relative(this.#root, this.#file).split(path.sep).map(encodeURIComponent).join('/');
@@ -223,6 +223,8 @@ class Server {
   }
 }
 
+const bytesOf = (part) =>
+  ArrayBuffer.isView(part) ? new Uint8Array(part.buffer, part.byteOffset, part.byteLength) : new Uint8Array(part);
 const contents = (file) => [200, TYPES[path.extname(file)] ?? BYTES, fs.readFileSync(file)];
 
 /** The nearest folder with a package.json from `folder` up, or `folder`: modules import from within it. */

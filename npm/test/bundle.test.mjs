@@ -164,7 +164,10 @@ test('what a renderer has no words for is refused by name', () => {
     }
   };
   assert.strictEqual(refused('scenes/maximum', 'mean', 'shading'), 'mode = "maximum"');
-  assert.match(refused('scenes/three-in-shadow', 'maximum'), /several volumes; a volume placed by a matrix; shading; a shadow/);
+  assert.match(
+    refused('scenes/three-in-shadow', 'maximum'),
+    /several volumes; a volume placed by a matrix; shading; a shadow/,
+  );
   assert.match(refused('scenes/ball-in-rings', 'maximum'), /surfaces/);
   assert.match(refused('figures/figure-5'), /more than one panel/);
   assert.ok(Object.keys(exportBundle('figures/figure-2').files).length > 0);

@@ -10,7 +10,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
 import { check, exportBundle } from 'volref';
-import { Refusal, readNpy } from 'volref/bundle';
+import { Bundle, Refusal, readNpy } from 'volref/bundle';
 import { findChromium, startPage } from 'volref/page';
 
 const SCRIPT = path.join(path.dirname(createRequire(import.meta.url).resolve('volref/package.json')), 'volref-page.js');
@@ -154,6 +154,26 @@ test('a page of WebGL is judged', options, async (t) => {
     ],
   );
   assert.strictEqual(check('sampled/thin', image, { bits: '8-linear', explain: 0 }).verdict, 'fail');
+});
+
+test('values of any kind of array arrive in the page', options, async (t) => {
+  fs.writeFileSync(
+    within('values.js'),
+    'export const render = (element, { values, width, height }) => new Float32Array(3 * width * height).fill(values.at(-1));',
+  );
+  const page = await startPage(within('values.js'));
+  t.after(() => page.close());
+  const { description, files } = thin();
+  const [name] = Object.keys(files);
+  const values = new Float32Array(files[name].length / 4 + 1).fill(7).subarray(1);
+  for (const part of [values, values.slice().buffer, Buffer.from(values.buffer, 4)]) {
+    assert.strictEqual((await page.render(new Bundle(description, { [name]: part }))).data[0], 7);
+  }
+  await assert.rejects(
+    page.render(new Bundle(description, { [name]: values.subarray(1) })),
+    /21951 values, and not 21952/,
+  );
+  await assert.rejects(page.render(new Bundle(description, {})), /lacks its file/);
 });
 
 test('an endless page is ended, and the next one is rendered', options, async (t) => {
