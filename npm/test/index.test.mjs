@@ -101,17 +101,12 @@ test('an image is judged', () => {
 test('codes are those of the exposure, or with 8-linear of radiance', () => {
   // Its exposure is 3 stops.
   const image = codesOf(rendered('limit/thin-haze'));
-  assert.ok(check('limit/thin-haze', { 1: image, 0.5: image, 0.25: image }, { bits: '8-linear', explain: 0 }).passed);
-  assert.ok(!check('limit/thin-haze', { 1: image, 0.5: image, 0.25: image }, { explain: 0 }).passed);
-  const withOpacity = {
-    ...image,
-    data: Uint8Array.from({ length: (image.data.length / 3) * 4 }, (_, k) =>
-      k % 4 < 3 ? image.data[3 * (k >> 2) + (k % 4)] : 9,
-    ),
-  };
-  assert.ok(
-    check('limit/thin-haze', { 1: withOpacity, 0.5: image, 0.25: image }, { bits: '8-linear', explain: 0 }).passed,
+  const data = Uint8Array.from({ length: (image.data.length / 3) * 4 }, (_, k) =>
+    k % 4 < 3 ? image.data[3 * (k >> 2) + (k % 4)] : 9,
   );
+  const images = { 1: { ...image, data }, 0.5: image, 0.25: image };
+  assert.ok(check('limit/thin-haze', images, { bits: '8-linear', explain: 0 }).passed);
+  assert.ok(!check('limit/thin-haze', images, { explain: 0 }).passed);
 });
 
 test('what is no image is rejected before the program is called', () => {

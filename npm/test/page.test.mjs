@@ -177,9 +177,9 @@ test('values of any kind of array arrive in the page', options, async (t) => {
 });
 
 test('an endless page is ended, and the next one is rendered', options, async (t) => {
-  const page = await startPage(within('page.js'), { timeout: 8 });
+  const page = await startPage(within('page.js'), { timeout: 6 });
   t.after(() => page.close());
-  await assert.rejects(page.render(thin(), 4), /did not return an image within 8 s/);
+  await assert.rejects(page.render(thin(), 4), /did not return an image within 6 s/);
   assert.strictEqual((await page.render(thin(), 1)).width, 64);
   await page.close();
   await nothingIsLeft();
