@@ -59,6 +59,13 @@ else
     echo "not tested: that needs Python 3.11 with venv"
 fi
 
+step "the npm packages"
+if node -e 'process.exit(process.versions.node.split(".")[0] < 18)' 2>/dev/null && command -v npm >/dev/null; then
+    scripts/check-npm.sh
+else
+    echo "not tested: that needs Node 18.3 and npm"
+fi
+
 step "cmake/volref.cmake"
 if command -v ctest >/dev/null && { python3 -c 'import numpy' || /usr/bin/python3 -c 'import numpy'; } 2>/dev/null; then
     scripts/check-cmake.sh

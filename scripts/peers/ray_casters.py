@@ -42,7 +42,7 @@ def python(script, *words):
 
 
 def page(name):
-    return f"--run node {HERE}/pages/render.js {name} {{export:bundle}} {{output}} {{step}}"
+    return f"node {HERE.parents[1]}/npm/volref-page.js {HERE}/pages/built/{name}.js --serve {{export:bundle}} {{step}}"
 
 
 def package(name):
@@ -77,6 +77,7 @@ RENDERERS = {
     "yt": Renderer("", python("yt_render.py"), package("yt")),
     "vtk.js": Renderer("--as vtkjs", page("vtkjs"), node_package("@kitware/vtk.js")),
     "niivue": Renderer("--as niivue", page("niivue"), node_package("@niivue/niivue")),
+    "three.js": Renderer("", page("three"), node_package("three")),
     "tutorial": Renderer("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
     "mitsuba": Renderer("--spp 64", MITSUBA, package("mitsuba"), ["known-answers", "smoke"]),
 }
@@ -84,10 +85,9 @@ RENDERERS = {
 
 def validate(name, cases, options, explain, folder, file):
     command = RENDERERS[name].command
-    how, _, command = command.partition(" ") if command.startswith("--run") else ("--serve", "", command)
     format = [] if "run_mitsuba" in command else ["--format", "npy"]
     call = [VOLREF, "validate", *cases, *format, f"--explain={explain}", *options.split()]
-    code = subprocess.call([*call, how, command, "--keep", folder, f"--json={file}"])
+    code = subprocess.call([*call, "--serve", command, "--keep", folder, f"--json={file}"])
     if code == 3 or not file.is_file():
         sys.exit(code)
     return json.loads(file.read_text())

@@ -133,7 +133,7 @@ const REASONS: &[Reason] = &[
         words: "needs the ray casters",
         of: &[
             "ray_casters.py",
-            "pages/render.js",
+            "volref-page",
             "vispy_render.py",
             "pyvista_render.py",
             "checks.py",
@@ -291,8 +291,10 @@ impl Block<'_> {
                 assert!(value.is_ok(), "{place}: {line}");
             }),
             "rust" => assert!(place.file != "README.md", "{place}: nothing runs it"),
-            // python/tests/test_guide.py, scripts/check-cmake.sh and tests/cli/action.rs run such.
-            "python" | "cmake" | "yaml" if place.file.ends_with("in_your_tests.md") => {}
+            // python/tests/test_guide.py, npm/test/guide.test.mjs, scripts/check-cmake.sh and
+            // tests/cli/action.rs run such.
+            "python" | "javascript" | "cmake" | "yaml"
+                if place.file.ends_with("in_your_tests.md") => {}
             other => panic!("{place}: a block of {other:?}, which no test reads"),
         }
     }
