@@ -27,6 +27,7 @@ MISTAKES = {
 }
 mistake = None  # the one to be made
 random = None  # generator of random numbers
+NUMBERS = {"sphere": ["centre", "radius"], "box": ["min", "max"], "rectangle": ["corner", "edge_u", "edge_v"]}
 TINY = 1e-300  # in place of a divisor of 0
 
 
@@ -57,13 +58,13 @@ class Shape:
     def __init__(self, part, key):
         self.part, form = part, part["shape"] or refuse(f"{key}: a medium that fills all space")
         self.kind = form["kind"]
-        if self.kind == "mesh":
-            refuse(f"{key}: a mesh")
+        if self.kind not in NUMBERS:
+            refuse(f"{key}: a {self.kind}")
         self.inverse, self.offset = into({"matrix": part["matrix"]} if part["matrix"] else {})
-        # centre and radius; min and max; corner and two edges, then a normal as long as the area
-        _, *self.form = (column(v) if isinstance(v, list) else v for v in form.values())
+        numbers = [form[name] for name in NUMBERS[self.kind]]
+        self.form = [column(number) if isinstance(number, list) else number for number in numbers]
         if self.kind == "rectangle":
-            self.form.append(cross(*self.form[1:]))
+            self.form.append(cross(*self.form[1:]))  # to the front, as long as the area
 
     def span(self, origins, directions):
         """Where rays enter and leave; those that miss it leave before they enter."""
@@ -220,7 +221,7 @@ class Tracer:
         return share
 
     def from_light(self, light, points):
-        """Direction, distance and irradiance of a point, spot or directional light, its shadow included."""
+        """Direction and irradiance of a point, spot or directional light, its shadow included."""
         if light["kind"] == "directional":
             towards, far = -column(light["direction"]) + 0 * points, np.full(points.shape[1], np.inf)
             return towards, column(light["irradiance"]) * self.transmittance(points, towards, far)
