@@ -1,6 +1,8 @@
 //! `volref gallery`: the page of several renderers.
 
 use crate::folder::{Folder, Run};
+use std::fs;
+use std::path::Path;
 
 /// A suite with goldens, and the runs of three renderers: one right, one that forgets a shadow and has no words for
 /// curves, and one that failed.
@@ -239,4 +241,29 @@ fn what_is_no_run_is_told() {
         std::fs::remove_dir_all(folder.path("pipe")).unwrap();
     }
     assert_eq!(folder.files(), before);
+}
+
+/// The results of renderers that are kept beside their adapters make one page.
+#[test]
+fn renderers_with_adapters_stand_on_one_page() {
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/peers/results");
+    let runs = fs::read_dir(results).unwrap();
+    let mut runs: Vec<String> = runs
+        .map(|run| run.unwrap().path().to_str().unwrap().to_owned())
+        .collect();
+    runs.sort();
+    let folder = Folder::new();
+    let runs: Vec<&str> = runs.iter().map(String::as_str).collect();
+    let run = gallery(&folder, &runs);
+    run.expect(0, &[&format!("{} renderers", runs.len())]);
+    let page = folder.text("page.html");
+    for case in ["sampled/column", "scenes/turned"] {
+        assert_eq!(cells(&page, case).len(), 2 + runs.len(), "{case}");
+    }
+    for renderer in runs {
+        let about = Path::new(renderer).join("renderer.toml");
+        let name = fs::read_to_string(about).unwrap();
+        let name = name.lines().next().unwrap().replace("name = ", "");
+        assert!(page.contains(name.trim_matches('"')), "{name}");
+    }
 }
