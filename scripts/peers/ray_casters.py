@@ -68,7 +68,7 @@ class Renderer(NamedTuple):
 MITSUBA = " ".join([PYTHON, f"{HERE}/run_mitsuba.py", "--serve {export:mitsuba} {spp} {seed}"])
 
 RENDERERS = {
-    "vtk": Renderer("--as vtk", python("vtk_render.py", "--stock"), package("vtk")),
+    "vtk": Renderer(f"--as {HERE}/vtk_profile.toml", python("vtk_render.py", "--stock"), package("vtk")),
     "vtk-gpu": Renderer("--as pyvista-gpu", python("pyvista_render.py"), vtk_by_pyvista),
     "vtk-cpu": Renderer("--as pyvista-cpu", python("pyvista_render.py", "--processor cpu"), vtk_by_pyvista),
     "vispy": Renderer("--as vispy", python("vispy_render.py"), package("vispy")),
@@ -173,7 +173,8 @@ def print_table(names, results):
         cases = said(results / name / "results.json")
         counts = [len(cases.pop(verdict, [])) for verdict in ("pass", "convention")]
         rest = [f"`{case}`" for others in cases.values() for case in others]
-        cells = [f"{name} {RENDERERS[name].version()}", f"`{RENDERERS[name].options}`" if RENDERERS[name].options else "", sum(counts) + len(rest), *counts]
+        options = RENDERERS[name].options.replace(f"{HERE}/", "")
+        cells = [f"{name} {RENDERERS[name].version()}", f"`{options}`" if options else "", sum(counts) + len(rest), *counts]
         print("|", " | ".join(map(str, [*cells, ", ".join(rest) or "none"])), "|")
 
 
