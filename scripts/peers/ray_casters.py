@@ -173,7 +173,8 @@ def print_table(names, results):
         cases = said(results / name / "results.json")
         counts = [len(cases.pop(verdict, [])) for verdict in ("pass", "convention")]
         rest = [f"`{case}`" for others in cases.values() for case in others]
-        cells = [f"{name} {RENDERERS[name].version()}", f"`{RENDERERS[name].options}`" if RENDERERS[name].options else "", sum(counts) + len(rest), *counts]
+        options = RENDERERS[name].options.replace(f"{HERE}/", "")
+        cells = [f"{name} {RENDERERS[name].version()}", f"`{options}`" if options else "", sum(counts) + len(rest), *counts]
         print("|", " | ".join(map(str, [*cells, ", ".join(rest) or "none"])), "|")
 
 

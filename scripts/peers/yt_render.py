@@ -48,8 +48,8 @@ def render(bundle):
     middle = (near + far) / 2
     camera = scene.add_camera(data, lens_type="plane-parallel" if bundle.parallel_height else "perspective")
     camera.resolution = (width, height)
-    camera.position = data.arr(bundle.eye, "code_length")
     camera.focus = data.arr(bundle.eye + middle * bundle.forward, "code_length")
+    camera.position = data.arr(bundle.eye, "code_length")
     camera.switch_orientation(north_vector=bundle.up)
     tall = bundle.parallel_height or 2 * middle * np.tan(np.radians(bundle.field_of_view) / 2)
     depth = far - near if bundle.parallel_height else middle
