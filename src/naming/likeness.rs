@@ -47,7 +47,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// Sentence for a difference in which nothing stands out.
-const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
+pub const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
     and it is in no channel, box or part that is looked for";
 
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.

@@ -7,7 +7,7 @@ mod shipped_profile;
 
 pub use convention_search::{Agreement, ConventionSearch, Explained};
 pub use likeness::{
-    CACHE_VARIABLE, Likenesses, Predictions, Search, SearchStep, Stage, cache_of_the_user,
-    is_number_found, likeness,
+    CACHE_VARIABLE, Likenesses, NOTHING_STANDS_OUT, Predictions, Search, SearchStep, Stage,
+    cache_of_the_user, is_number_found, likeness,
 };
 pub use rate::{Naming, naming};

@@ -6,6 +6,7 @@ use crate::compare::Picture;
 use crate::compare::flip::SrgbImage;
 use crate::film::{CHANNELS, Film};
 use crate::judging::{CaseResult, Summary, Verdict};
+use crate::naming::NOTHING_STANDS_OUT;
 use crate::suite::NOT_RENDERED;
 use minijinja::{Value, context};
 use std::collections::BTreeMap;
@@ -171,15 +172,18 @@ fn said(result: &CaseResult) -> &'static str {
 fn fault(result: &CaseResult) -> String {
     let best = result.changes.iter().filter(|change| change.fits_best);
     let best: Vec<&str> = best.map(|change| change.words.as_str()).collect();
+    let measured = result.difference.first();
+    let measured = measured.filter(|sentence| *sentence != NOTHING_STANDS_OUT);
     match result.verdict {
         Verdict::Pass => String::new(),
         Verdict::Convention => result.conventions.join("; "),
         _ if !result.looks_like.is_empty() => format!("looks like {}", result.looks_like[0]),
         Verdict::Fail if !best.is_empty() => best.join("; "),
-        Verdict::Fail if !result.difference.is_empty() => result.difference[0].clone(),
-        _ => {
-            let reason = result.reason.strip_prefix(NOT_RENDERED);
-            reason.unwrap_or(&result.reason).to_owned()
+        verdict => {
+            let reason = &result.reason;
+            let reason = reason.strip_prefix(NOT_RENDERED).unwrap_or(reason);
+            let measured = measured.filter(|_| verdict == Verdict::Fail);
+            measured.map_or(reason, String::as_str).to_owned()
         }
     }
 }
