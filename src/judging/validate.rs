@@ -40,9 +40,10 @@ pub fn validate_at(
     let checked = CheckedGolden::load(case, store);
     let checked = checked.and_then(|checked| checked.with_sensitivities(case));
     let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
+    let has_image = matches!(output, Output::Picture(_) | Output::Refined(_));
     let checked = checked.and_then(|checked| match profile {
-        Some(profile) => checked.under(profile),
-        None => Ok(checked),
+        Some(profile) if has_image => checked.under(profile),
+        _ => Ok(checked),
     });
     let (finding, checked) = match (output, checked) {
         (Output::Picture(picture), Ok(checked)) => {

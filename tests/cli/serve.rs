@@ -444,3 +444,24 @@ fn usage() {
         run.stdout
     );
 }
+
+/// What cannot be said is missing under a profile, too, that says nothing of the scene.
+#[test]
+fn what_cannot_be_said_needs_no_profile() {
+    let folder = Folder::new();
+    folder.write(
+        "renderer.sh",
+        "while read -r line; do echo '{\"cannot\":\"several volumes\"}'; done",
+    );
+    let run = folder.volref(&[
+        "validate",
+        "scenes/two-fogs",
+        "--as=vispy",
+        "--serve",
+        "sh renderer.sh {scene}",
+    ]);
+    run.expect(4, &[]);
+    let said = "not rendered: several volumes";
+    assert!(run.stdout.starts_with("missing"), "{}", run.stdout);
+    assert!(run.stdout.contains(said), "{}", run.stdout);
+}
