@@ -51,7 +51,7 @@ pub const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less ac
     and it is in no channel, box or part that is looked for";
 
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.
-const UNDECIDABLE: &str = "no single mistake that was tried agrees with the image; at this noise two together cannot be \
+const UNDECIDABLE: &str = "no single mistake that was tried is shown to be the cause; at this noise two together cannot be \
     told apart: more samples would tell";
 
 /// Sentence for right colours with an opacity that no mistake makes.

@@ -92,18 +92,29 @@ impl Fault {
             match *edit {
                 Edit::Number(number, change) => truth.numbers.push((number.to_owned(), change)),
                 Edit::Convention(words) => truth.conventions.push(words),
+                Edit::Mistake(name) => {
+                    let of_mistake = tables::NUMBERS_OF_MISTAKES.iter();
+                    let numbers = of_mistake.filter(|it| it.0 == name);
+                    let numbers = numbers.map(|it| (it.1.to_owned(), it.2));
+                    truth.numbers.extend(numbers);
+                }
                 _ => {}
             }
         }
-        let names = edits.iter().filter_map(|edit| match edit {
-            Edit::Mistake(name) => Some(*name),
-            _ => None,
-        });
-        let names: Vec<&str> = names.collect();
-        if names.len() == edits.len() {
-            truth.names.push(names.join(" + "));
-            let reversed: Vec<&str> = names.into_iter().rev().collect();
-            truth.names.push(reversed.join(" + "));
+        let names: Vec<Vec<&str>> = edits.iter().map(tables::names_of).collect();
+        match &names[..] {
+            [alone] => truth
+                .names
+                .extend(alone.iter().map(|&name| name.to_owned())),
+            [first, second] => {
+                for one in first {
+                    for other in second {
+                        truth.names.push(format!("{one} + {other}"));
+                        truth.names.push(format!("{other} + {one}"));
+                    }
+                }
+            }
+            _ => {}
         }
         Fault {
             kind,
@@ -759,7 +770,8 @@ fn by_hand() -> Vec<Fault> {
             "lamp at both sides",
             ABSORPTION,
             Path(|s| s.area_lights[0].sides = volref::optics::Sides::Both),
-        ),
+        )
+        .named(&["emitter-sides-exchanged"]),
         geometry(
             "lamp a unit lower",
             ABSORPTION,

@@ -182,15 +182,36 @@ const SAME: [(&str, f64, &str); 4] = [
 ];
 
 /// Changes of a number that mistakes of [`MISTAKES`] are, where there is one medium, or one light.
-const NUMBERS_OF_MISTAKES: [(&str, &str, f64); 7] = [
+pub const NUMBERS_OF_MISTAKES: [(&str, &str, f64); 8] = [
     ("emitter-over-pi", "lamp", FRAC_1_PI - 1.0),
     ("environment-doubled", "environment", 1.0),
     ("extinction-base-ten", "density", LN_10 - 1.0),
     ("extinction-base-two", "density", LN_2 - 1.0),
     ("extinction-doubled", "density", 1.0),
     ("one-pixel-up", "camera.down", -1.0),
+    ("one-pixel-right", "camera.right", 1.0),
     ("diffuse-over-pi", "reflectance", FRAC_1_PI - 1.0),
 ];
+
+/// Names of mistakes that say what these edits do, beside their own.
+const OTHER_NAMES: [(&str, &str); 2] = [
+    ("emitter-over-pi", "bright-over-pi"),
+    (
+        "places values at the centres of cells, as in textures",
+        "volume-cells-for-nodes",
+    ),
+];
+
+/// Names of mistakes that say what `edit` does.
+pub fn names_of(edit: &Edit) -> Vec<&'static str> {
+    let (words, own) = match edit {
+        Edit::Mistake(name) => (*name, Some(*name)),
+        Edit::Convention(words) => (*words, None),
+        _ => return Vec::new(),
+    };
+    let others = OTHER_NAMES.iter().filter(|it| it.0 == words);
+    own.into_iter().chain(others.map(|it| it.1)).collect()
+}
 
 /// A fault of an image, with its label if it has one, and the number that is off.
 struct OfImage {
@@ -869,14 +890,7 @@ pub fn faults() -> Vec<Fault> {
             } else {
                 ""
             };
-            let fault = Fault::new(kind, format!("{name}{again}"), case, &[Edit::Mistake(name)]);
-            let is_of_all = *name == "emitter-over-pi";
-            let fault = fault.named(if is_of_all { &["bright-over-pi"] } else { &[] });
-            let mut numbers = NUMBERS_OF_MISTAKES.iter().filter(|it| it.0 == *name);
-            match numbers.next() {
-                Some((_, number, change)) => fault.number(number, *change),
-                None => fault,
-            }
+            Fault::new(kind, format!("{name}{again}"), case, &[Edit::Mistake(name)])
         });
         all.extend(at_both_rates(faults));
     }
