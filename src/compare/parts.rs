@@ -136,16 +136,18 @@ impl Part {
             };
             let [near, middle, far] = [0.1, 0.5, 0.9].map(|share| quantile(of_shown(), share));
             if far > DEPTH * near {
-                parts.push(part(
+                let nearer = part(
                     &format!(
                         "in the nearer half of what is seen, no farther from the eye than {middle:.3} units"
                     ),
                     &|i| distances[i] <= middle,
-                ));
-                parts.push(part(
+                );
+                let farther = part(
                     &format!("in the farther half of what is seen, beyond {middle:.3} units"),
                     &|i| distances[i] > middle && distances[i].is_finite(),
-                ));
+                );
+                // Halves, however much background there is: never both hold more than their due.
+                parts.extend([nearer, farther].map(|half| Part { due: 0.5, ..half }));
             }
         }
         parts

@@ -260,7 +260,7 @@ fn renderers_with_adapters_stand_on_one_page() {
     assert!(run.stdout.contains(&count), "{}", run.stdout);
     let page = folder.text("page.html");
     for case in ["sampled/column", "scenes/turned"] {
-        assert_eq!(cells(&page, case).len(), 2 + runs.len(), "{case}");
+        assert_eq!(cells(&page, case).len(), 1 + runs.len(), "{case}");
     }
     for renderer in runs {
         let about = Path::new(renderer).join("renderer.toml");
