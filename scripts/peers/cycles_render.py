@@ -137,7 +137,9 @@ def set_up(panel):
 
 
 def picture(scene, samples, seed):
-    scene.cycles.samples, scene.cycles.seed = samples, seed
+    # The first sample of a pixel lies in its middle, whatever the seed: it is left out.
+    scene.cycles.use_sample_subset, scene.cycles.sample_offset = True, 1
+    scene.cycles.samples, scene.cycles.sample_subset_length, scene.cycles.seed = samples + 1, samples, seed
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = str(Path(folder) / "image.exr")
         bpy.ops.render.render(write_still=True)
