@@ -130,6 +130,7 @@ def set_up(panel):
     for kind in ("max", "diffuse", "glossy", "transmission", "volume", "transparent_max"):
         setattr(cycles, f"{kind}_bounces", MOST if most is None or kind == "transparent_max" else most - 1)
     cycles.sample_clamp_indirect = cycles.sample_clamp_direct = cycles.light_sampling_threshold = 0
+    cycles.volume_biased = True  # by steps, which media of one density need not
     # Cycles has no centre: a narrow filter stands for it; its box has the width of a pixel.
     cycles.pixel_filter_type = "BOX" if panel["pixel"]["filter"] == "box" else "GAUSSIAN"
     cycles.filter_width = 0.01
