@@ -65,7 +65,11 @@ class Renderer(NamedTuple):
     cases: list[str] = CASES
 
 
-MITSUBA = " ".join([PYTHON, f"{HERE}/run_mitsuba.py", "--serve {export:mitsuba} {spp} {seed}"])
+def path_tracer(script, export, of):
+    """A renderer that tells its noise, at 64 samples per pixel."""
+    command = f"{PYTHON} {HERE}/{script} --serve {{export:{export}}} {{spp}} {{seed}}"
+    return Renderer("--spp 64", command, package(of), ["known-answers", "smoke"])
+
 
 RENDERERS = {
     "vtk": Renderer("--as vtk", python("vtk_render.py", "--stock"), package("vtk")),
@@ -79,13 +83,14 @@ RENDERERS = {
     "niivue": Renderer("--as niivue", page("niivue"), node_package("@niivue/niivue")),
     "three.js": Renderer("", page("three"), node_package("three")),
     "tutorial": Renderer("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
-    "mitsuba": Renderer("--spp 64", MITSUBA, package("mitsuba"), ["known-answers", "smoke"]),
+    "mitsuba": path_tracer("run_mitsuba.py", "mitsuba", "mitsuba"),
+    "cycles": path_tracer("cycles_render.py", "bundle", "bpy"),
 }
 
 
 def validate(name, cases, options, explain, folder, file):
     command = RENDERERS[name].command
-    format = [] if "run_mitsuba" in command else ["--format", "npy"]
+    format = [] if "{spp}" in command else ["--format", "npy"]
     call = [VOLREF, "validate", *cases, *format, f"--explain={explain}", *options.split()]
     code = subprocess.call([*call, "--serve", command, "--keep", folder, f"--json={file}"])
     if code == 3 or not file.is_file():
