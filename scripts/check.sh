@@ -60,7 +60,7 @@ else
 fi
 
 step "the npm packages"
-if node -e 'process.exit(process.versions.node.split(".")[0] < 18)' 2>/dev/null && command -v npm >/dev/null; then
+if node -e 'process.exit(process.versions.node.split(".")[0] < 18 ? 1 : 0)' 2>/dev/null && command -v npm >/dev/null; then
     scripts/check-npm.sh
 else
     echo "not tested: that needs Node 18.3 and npm"

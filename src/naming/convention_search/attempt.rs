@@ -101,36 +101,27 @@ struct Candidate {
 type Candidates = BTreeMap<ConventionSet, Candidate>;
 
 /// A change of a set of conventions.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 struct Change {
     choice: &'static str,
-    /// The convention that answers the choice, and one that goes with it; volref's own if none does.
-    to: ConventionSet,
+    /// The convention that answers the choice; volref's own if none does.
+    to: Option<usize>,
 }
 
 impl Change {
     /// The change to the convention of this index.
     fn to(index: usize) -> Change {
-        Change::to_all(vec![index])
-    }
-
-    /// The change to these conventions, the first of which is about its choice.
-    fn to_all(to: ConventionSet) -> Change {
         Change {
-            choice: CATALOGUE[to[0]].choice,
-            to,
+            choice: CATALOGUE[index].choice,
+            to: Some(index),
         }
     }
 
     /// `set` with this change.
-    fn of(&self, set: &[usize]) -> ConventionSet {
-        let is_answered = |index: &usize| {
-            let choice = CATALOGUE[*index].choice;
-            let mut answered = self.to.iter().map(|&to| CATALOGUE[to].choice);
-            choice == self.choice || answered.any(|other| other == choice)
-        };
-        let others = set.iter().copied().filter(|index| !is_answered(index));
-        let mut changed: ConventionSet = others.chain(self.to.iter().copied()).collect();
+    fn of(self, set: &[usize]) -> ConventionSet {
+        let others = set.iter().copied();
+        let others = others.filter(|&index| CATALOGUE[index].choice != self.choice);
+        let mut changed: ConventionSet = others.chain(self.to).collect();
         changed.sort_unstable();
         changed
     }
@@ -313,17 +304,15 @@ impl<'a> Attempt<'a> {
         candidates.get_mut(set)?.is_expanded = true;
         let others = (0..CATALOGUE.len()).filter(|index| !set.contains(index));
         let to_own = set.iter().map(|&index| Change {
-            choice: CATALOGUE[index].choice,
-            to: ConventionSet::new(),
+            to: None,
+            ..Change::to(index)
         });
         // A change may be about a thing that the scene does not have.
         let before = stated(&under(self.scene, set));
         let changes = others.map(Change::to).chain(to_own);
-        let changes = changes.chain(of_steps_with_opacities(set));
-        let changes: Vec<(Change, ConventionSet)> = changes
-            .map(|change| (change.clone(), change.of(set)))
-            .filter(|(_, to)| stated(&under(self.scene, to)) != before)
-            .collect();
+        let changes = changes.map(|change| (change, change.of(set)));
+        let changes = changes.filter(|(_, to)| stated(&under(self.scene, to)) != before);
+        let changes: Vec<(Change, ConventionSet)> = changes.collect();
         let singles = changes.iter().map(|(_, to)| to.clone()).collect();
         self.render(singles, candidates)?;
         let effects = Effects::new(
@@ -417,18 +406,6 @@ impl<'a> Attempt<'a> {
             });
         others.collect()
     }
-}
-
-/// Changes of the length of a step, with the opacity of the step that was stated: alone the one changes little, and
-/// the other nothing.
-fn of_steps_with_opacities(set: &[usize]) -> impl Iterator<Item = Change> {
-    let about = |choice: &'static str| {
-        (0..CATALOGUE.len()).filter(move |&index| CATALOGUE[index].choice == choice)
-    };
-    let lengths = about("step_length").filter(|length| !set.contains(length));
-    lengths.flat_map(move |length| {
-        about("step_opacity").map(move |opacity| Change::to_all(vec![length, opacity]))
-    })
 }
 
 /// All that conventions are about in the volumes of a scene.
