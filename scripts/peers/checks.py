@@ -230,7 +230,113 @@ def pyvista_cells():
           f"{drawn.GetCellData().GetScalars() is not None}")  # fmt: skip
 
 
+# A lamp from (-5.3, -3.7) to (6.6, 4.2), seen such that a unit is a pixel, in the middle of 32 by 32.
+SIDE, LAMP = 32, [(-5.3, -3.7, 0), (6.6, -3.7, 0), (6.6, 4.2, 0), (-5.3, 4.2, 0)]
+
+
+def print_edges(image, label):
+    """Of the lamp, by its light in the middle columns and rows; rows of the image run from the bottom."""
+    half, light = SIDE // 2, image / image.max()
+    across, up = light[half - 2 : half + 2].mean(0), light[:, half - 2 : half + 2].mean(1)
+    edges = [-across[:half].sum(), across[half:].sum(), -up[:half].sum(), up[half:].sum()]
+    print(f"{label}: x from {edges[0]:.2f} to {edges[1]:.2f}, y from {edges[2]:.2f} to {edges[3]:.2f}")
+
+
+def cycles_first():
+    """The edges of a lamp, the mean of 16 seeds, should be at x -5.3 and 6.6, y -3.7 and 4.2, with 4 samples as with 64."""
+    import tempfile
+
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.render.engine, scene.render.resolution_x, scene.render.resolution_y = "CYCLES", SIDE, SIDE
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.pixel_filter_type = "BOX"
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.data.angle, camera.location = 2 * np.arctan(0.5), (0, 0, SIDE)
+    mesh, look = bpy.data.meshes.new("lamp"), bpy.data.materials.new("light")
+    mesh.from_pydata(LAMP, [], [(0, 1, 2, 3)])
+    look.use_nodes = True
+    nodes = look.node_tree.nodes
+    nodes.clear()
+    look.node_tree.links.new(nodes.new("ShaderNodeEmission").outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs[0])
+    mesh.materials.append(look)
+    for thing in (camera, bpy.data.objects.new("lamp", mesh)):
+        scene.collection.objects.link(thing)
+    scene.camera = camera
+    for samples, offset in ((1, 0), (4, 0), (64, 0), (4, 1)):
+        scene.cycles.samples, scene.cycles.use_sample_subset = samples + offset, True
+        scene.cycles.sample_offset, scene.cycles.sample_subset_length = offset, samples
+        images = []
+        for scene.cycles.seed in range(1000, 1016):
+            with tempfile.TemporaryDirectory() as folder:
+                scene.render.filepath = f"{folder}/image.exr"
+                bpy.ops.render.render(write_still=True)
+                image = bpy.data.images.load(scene.render.filepath)
+                image.colorspace_settings.name = "Non-Color"
+                images.append(np.array(image.pixels[:]).reshape(SIDE, SIDE, 4)[:, :, 0])
+        print_edges(np.mean(images, axis=0), f"{samples} samples from number {offset} on")
+
+
+def lux_image(vertices, triangles, camera, albedo, side, samples, more=""):
+    """A diffuse shape that emits 1, as LuxCore's path tracer shows it; rows from the bottom."""
+    import time
+
+    import pyluxcore
+
+    pyluxcore.Init()
+    pyluxcore.SetLogHandler(lambda line: None)
+    scene, properties, settings = pyluxcore.Scene(), pyluxcore.Properties(), pyluxcore.Properties()
+    look = f"type = matte\nkd = {albedo} {albedo} {albedo}\nemission = 1 1 1\nemission.theta = 90".splitlines()
+    lines = ["scene.camera.type = perspective", "scene.camera.screenwindow = -1 1 -1 1", *camera.splitlines()]
+    lines += [f"scene.materials.look.{line}" for line in look]
+    lines += ["scene.objects.shape.material = look", "scene.objects.shape.shape = shape"]
+    properties.SetFromString("\n".join(lines) + "\n")
+    scene.DefineMesh("shape", vertices, triangles, None, None, None, None)
+    scene.Parse(properties)
+    settings.SetFromString(
+        f"renderengine.type = PATHCPU\nsampler.type = RANDOM\nfilm.width = {side}\nfilm.height = {side}\n"
+        "film.filter.type = BOX\nfilm.filter.width = 0.5\nfilm.imagepipelines.0.0.type = NOP\n"
+        f"path.pathdepth.total = 1000\npath.pathdepth.diffuse = 1000\nbatch.haltspp = {samples}\n{more}"
+    )
+    session = pyluxcore.RenderSession(pyluxcore.RenderConfig(settings, scene))
+    session.Start()
+    while not session.HasDone():
+        time.sleep(0.05)
+        session.UpdateStats()
+    session.Stop()
+    image = np.zeros(side * side * 3, np.float32)
+    session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB, image)
+    return image.reshape(side, side, 3)[:, :, 0]
+
+
+def lux_low():
+    """The edges of a lamp should be at x -5.3 and 6.6, y -3.7 and 4.2."""
+    camera = (
+        f"scene.camera.lookat.orig = 0 0 {SIDE}\nscene.camera.lookat.target = 0 0 0\nscene.camera.up = 0 1 0\n"
+        f"scene.camera.fieldofview = {2 * np.degrees(np.arctan(0.5))}"
+    )
+    print_edges(lux_image(LAMP, [(0, 1, 2), (0, 2, 3)], camera, 0, SIDE, 256), "lamp")
+
+
+def lux_roulette():
+    """A closed box of albedo 0.73 that emits 1 should have the radiance 1/(1 - 0.73) = 3.704 everywhere."""
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    inward = [(2, 3, 1, 0), (5, 7, 6, 4), (1, 5, 4, 0), (6, 7, 3, 2), (4, 6, 2, 0), (3, 7, 5, 1)]
+    triangles = [half for a, b, c, d in inward for half in ((a, b, c), (a, c, d))]
+    camera = (
+        "scene.camera.lookat.orig = 0.1 0.2 0.5\nscene.camera.lookat.target = 0 0 -1\n"
+        "scene.camera.up = 0 1 0\nscene.camera.fieldofview = 60"
+    )
+    for label, more in (("with roulette", ""), ("without", "path.russianroulette.depth = 1000\n")):
+        image = lux_image(corners, triangles, camera, 0.73, 16, 256, more)
+        print(f"{label}: {image.mean():.3f} ± {image.std() / 16:.3f}")
+
+
 CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, vtk_normals, pyvista_cells]
+CHECKS += [cycles_first, lux_low, lux_roulette]
 
 if __name__ == "__main__":
     for check in CHECKS:

@@ -85,6 +85,7 @@ RENDERERS = {
     "tutorial": Renderer("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
     "mitsuba": path_tracer("run_mitsuba.py", "mitsuba", "mitsuba"),
     "cycles": path_tracer("cycles_render.py", "bundle", "bpy"),
+    "luxcore": path_tracer("lux_render.py", "bundle", "pyluxcore"),
 }
 
 
