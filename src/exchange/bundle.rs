@@ -9,6 +9,7 @@ mod modes;
 mod plot;
 mod radiative;
 mod several;
+mod shapes;
 mod volume;
 
 use super::{Export, Format, Refusal};

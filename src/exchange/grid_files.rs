@@ -4,6 +4,7 @@
 //! it in the world is not applied to them, and stands in the scene.
 
 use super::{Export, Format, Refusal};
+use crate::film::npy_header;
 use crate::scene::{Panel, Scene};
 use crate::volume::{Centring, Grid};
 use std::fmt::Display;
@@ -15,7 +16,10 @@ pub(super) fn grid_files(scene: &Scene, format: Format, name: &str) -> Result<Ex
     let grid = only_grid(scene, format)?;
     let mut samples = match format {
         Format::Nrrd => nrrd_header(grid).into_bytes(),
-        Format::Npy => npy_header(grid),
+        Format::Npy => {
+            let [nx, ny, nz] = grid.lattice().nodes();
+            npy_header(&[nz, ny, nx])
+        }
         _ => Vec::new(),
     };
     let header = samples.len();
@@ -75,21 +79,6 @@ fn nrrd_header(grid: &Grid<f32>) -> String {
         joined(lattice.nodes(), " "),
         joined(lattice.first().to_array(), ","),
     )
-}
-
-/// Source: "NPY format", version 1.0 (numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
-fn npy_header(grid: &Grid<f32>) -> Vec<u8> {
-    let [nx, ny, nz] = grid.lattice().nodes();
-    let shape = format!("({nz}, {ny}, {nx})");
-    let mut text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
-    // Data begin at a multiple of 64, after 10 bytes, the text and the end of the line.
-    let padding = (64 - (10 + text.len() + 1) % 64) % 64;
-    text.extend(std::iter::repeat_n(' ', padding));
-    text.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\0".to_vec();
-    bytes.extend((text.len() as u16).to_le_bytes());
-    bytes.extend(text.bytes());
-    bytes
 }
 
 /// Description of raw samples, as volref reads it.

@@ -76,6 +76,15 @@ pub(super) fn encode(film: &Film) -> Vec<u8> {
 
 /// The array of this shape, float32.
 pub(super) fn encode_values(shape: &[usize], values: impl Iterator<Item = f32>) -> Vec<u8> {
+    let mut bytes = npy_header(shape);
+    for value in values {
+        bytes.extend_from_slice(&value.to_le_bytes());
+    }
+    bytes
+}
+
+/// The beginning of the file of an array of this shape, float32; its data follow.
+pub(crate) fn npy_header(shape: &[usize]) -> Vec<u8> {
     let shape = shown(shape);
     let mut text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
     // Data begin at a multiple of 64, after 10 bytes, the text and the end of the line.
@@ -85,9 +94,6 @@ pub(super) fn encode_values(shape: &[usize], values: impl Iterator<Item = f32>) 
     let mut bytes = b"\x93NUMPY\x01\0".to_vec();
     bytes.extend((text.len() as u16).to_le_bytes());
     bytes.extend(text.bytes());
-    for value in values {
-        bytes.extend_from_slice(&value.to_le_bytes());
-    }
     bytes
 }
 

@@ -2,9 +2,9 @@
 
 use super::RawFiles;
 use super::inline_arrays::{Entries, Json};
-use super::several::{of_box, of_rectangle, of_sphere};
+use super::shapes::{matrix_or_null, of_box, of_rectangle, of_shape, of_sphere};
 use super::volume::{grid, interpolation, or_null, ray};
-use crate::geometry::{Boundary, Luminous, Shape, Transform};
+use crate::geometry::{Boundary, Luminous, Transform};
 use crate::optics::{Density, Field, Light, Material, Phase, Point, Sides};
 use crate::render::Plan;
 use crate::scene::{AreaLight, Body, Object, Panel, Radiative};
@@ -61,7 +61,7 @@ struct Parts<'p, 'n> {
 
 impl Parts<'_, '_> {
     fn surface(&mut self, Object { shape, material }: &Object) -> Json {
-        let (shape, to_world) = self.shape(shape);
+        let (shape, to_world) = of_shape(shape, |mesh| self.raw.mesh(mesh));
         let (kind, key, value, formula) = match material {
             Material::Diffuse(share) => ("diffuse", "reflectance", vector(*share), DIFFUSE),
             Material::Mirror(share) => ("mirror", "reflectance", vector(*share), MIRROR),
@@ -69,8 +69,8 @@ impl Parts<'_, '_> {
         };
         self.define(kind, formula);
         Json::Object(vec![
-            ("shape", shape),
-            ("matrix", matrix(to_world)),
+            ("shape", Json::Object(shape)),
+            ("matrix", matrix_or_null(to_world)),
             ("material", kind.into()),
             (key, value),
         ])
@@ -138,7 +138,7 @@ impl Parts<'_, '_> {
         let (coefficients, phase) = (&body.medium.coefficients, self.phase(&body.medium.phase));
         Json::Object(vec![
             ("shape", shape),
-            ("matrix", matrix(to_world)),
+            ("matrix", matrix_or_null(to_world)),
             ("sigma_a", vector(coefficients.sigma_a())),
             ("sigma_s", vector(coefficients.sigma_s())),
             ("emission", vector(body.medium.emission)),
@@ -231,19 +231,6 @@ impl Parts<'_, '_> {
         }
     }
 
-    fn shape<'s>(&mut self, shape: &'s Shape) -> (Json, Option<&'s Transform>) {
-        let (entries, to_world) = match shape {
-            Shape::Sphere(sphere) => (of_sphere(sphere), None),
-            Shape::Box(cuboid) => (of_box(cuboid), None),
-            Shape::Rectangle(rectangle) => (of_rectangle(rectangle), None),
-            Shape::Mesh(mesh) => (self.raw.mesh(mesh), None),
-            Shape::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
-            Shape::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
-            Shape::PlacedMesh(placed) => (self.raw.mesh(placed.shape()), Some(placed.to_world())),
-        };
-        (Json::Object(entries), to_world)
-    }
-
     fn boundary<'s>(&mut self, boundary: &'s Boundary) -> (Json, Option<&'s Transform>) {
         let (entries, to_world) = match boundary {
             Boundary::Sphere(sphere) => (of_sphere(sphere), None),
@@ -292,12 +279,6 @@ fn of_noise(noise: &FractalParameters) -> Entries {
 
 fn vector(vector: DVec3) -> Json {
     vector.to_array().into()
-}
-
-/// The rows of the map, or null.
-fn matrix(to_world: Option<&Transform>) -> Json {
-    let rows = to_world.map(|map| map.rows().map(|row| Json::from(Vec::from(row))));
-    rows.map_or(().into(), |rows| Json::List(rows.into()))
 }
 
 const MEAN: &str = "the mean of the radiance over the square of the pixel (box filter): along the ray of `ray` \

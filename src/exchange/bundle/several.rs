@@ -2,11 +2,12 @@
 
 use super::RawFiles;
 use super::inline_arrays::{Entries, Json};
+use super::shapes::{matrix_or_null, of_mesh, of_shape};
 use super::volume::{
     GRADIENT, SAMPLING, grid_of, interpolation, light, or_null, radiance, ray, shading, shadow_ray,
     transfer,
 };
-use crate::geometry::{Aabb, Mesh, Rectangle, Shape, Sphere, Transform};
+use crate::geometry::Aabb;
 use crate::scene::{Classified, Clip, Kept, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
@@ -88,62 +89,13 @@ fn clip(clip: &Clip) -> Json {
 }
 
 fn surface(surface: &OpaqueSurface) -> Json {
-    let (mut entries, to_world) = match &surface.shape {
-        Shape::Sphere(sphere) => (of_sphere(sphere), None),
-        Shape::Box(bounds) => (of_box(bounds), None),
-        Shape::Mesh(mesh) => (of_mesh(mesh), None),
-        Shape::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
-        Shape::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
-        Shape::PlacedMesh(placed) => (of_mesh(placed.shape()), Some(placed.to_world())),
-        Shape::Rectangle(rectangle) => (of_rectangle(rectangle), None),
-    };
-    let rows = to_world.map(Transform::rows).map(|rows| {
-        let rows = rows.map(|row| Json::from(Vec::from(row)));
-        Json::List(rows.into())
-    });
+    let (mut entries, to_world) = of_shape(&surface.shape, of_mesh);
     entries.extend([
-        ("matrix", rows.unwrap_or(().into())),
+        ("matrix", matrix_or_null(to_world)),
         ("colour", surface.colour.to_array().into()),
         ("phong", or_null(surface.phong.map(shading))),
     ]);
     Json::Object(entries)
-}
-
-pub(super) fn of_sphere(sphere: &Sphere) -> Entries {
-    vec![
-        ("kind", "sphere".into()),
-        ("centre", sphere.centre().to_array().into()),
-        ("radius", sphere.radius().into()),
-    ]
-}
-
-pub(super) fn of_box(bounds: &Aabb) -> Entries {
-    vec![
-        ("kind", "box".into()),
-        ("min", bounds.min.to_array().into()),
-        ("max", bounds.max.to_array().into()),
-    ]
-}
-
-pub(super) fn of_rectangle(rectangle: &Rectangle) -> Entries {
-    let [corner, edge_u, edge_v] = rectangle.corner_and_edges();
-    vec![
-        ("kind", "rectangle".into()),
-        ("corner", corner.to_array().into()),
-        ("edge_u", edge_u.to_array().into()),
-        ("edge_v", edge_v.to_array().into()),
-    ]
-}
-
-fn of_mesh(mesh: &Mesh) -> Entries {
-    let vertices = mesh.vertices().iter();
-    let vertices = vertices.map(|vertex| Json::from(Vec::from(vertex.to_array())));
-    let faces = mesh.faces().iter().map(|face| Json::from(Vec::from(*face)));
-    vec![
-        ("kind", "mesh".into()),
-        ("vertices", Json::List(vertices.collect())),
-        ("triangles", Json::List(faces.collect())),
-    ]
 }
 
 const SURFACE: &str = "surfaces are opaque. With a matrix, the point q of a shape stands at p = M*q + o in \

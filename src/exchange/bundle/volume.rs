@@ -1,6 +1,7 @@
 //! A classified volume in words and numbers.
 
 use super::inline_arrays::{Entries, Json};
+use super::shapes::matrix;
 use super::{modes, points};
 use crate::geometry::{Camera, Transform};
 use crate::optics::{Appearance, Phong, TransferFunction};
@@ -134,9 +135,8 @@ pub(super) fn grid(lattice: &Lattice, to_world: Option<&Transform>, file: String
         ("faces", faces.into()),
     ];
     if let Some(to_world) = to_world {
-        let rows = to_world.rows().map(Vec::from);
         entries.extend([
-            ("matrix", Json::List(rows.map(Json::from).into())),
+            ("matrix", matrix(to_world)),
             ("placement", PLACEMENT.into()),
         ]);
     }
