@@ -2,7 +2,7 @@
 //!
 //! Bricks have 8 to 128 nodes to an edge: brick m holds nodes n·m to n·m + n − 1 along each axis.
 
-use super::densities::{GridValues, in_classified, rearranged};
+use super::grids::{GridValues, rearranged};
 use super::{Edit, Mistake, set};
 use crate::scene::Classified;
 use crate::volume::{Grid, Interpolation};
@@ -13,12 +13,12 @@ macro_rules! mistakes {
         $(Mistake {
             name: concat!("brick-borders-doubled-", $edge),
             advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and the last layer of each is there twice: a layer that two bricks share counts once in the position of what follows"),
-            edit: Edit::Classified(|scene| in_classified(scene, |grid| doubled(grid, $edge))),
+            edit: Edit::Grid(|grid| doubled(grid, $edge)),
         },
         Mistake {
             name: concat!("brick-borders-dropped-", $edge),
             advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and a layer between any two is missing: bricks follow each other without a gap"),
-            edit: Edit::Classified(|scene| in_classified(scene, |grid| dropped(grid, $edge))),
+            edit: Edit::Grid(|grid| dropped(grid, $edge)),
         },
         Mistake {
             name: concat!("brick-borders-clamped-", $edge),
@@ -36,7 +36,7 @@ macro_rules! mistakes {
         Mistake {
             name: "atlas-width-wrong",
             advice: "slices of the volume are taken from the wrong places of their atlas: of an atlas of nx by ny slices, slice k is in column k mod nx and row floor(k / nx), not floor(k / ny); a square one hides it",
-            edit: Edit::Classified(|scene| in_classified(scene, of_a_wrong_atlas)),
+            edit: Edit::Grid(of_a_wrong_atlas),
         },
     ] };
 }

@@ -1,12 +1,5 @@
 //! Mistakes in ray casters of classified volumes.
 
-use super::densities::{
-    as_cubes, cells_for_nodes, half_a_voxel_back, half_a_voxel_back_along_x,
-    half_a_voxel_back_along_y, half_a_voxel_back_along_z, half_a_voxel_on, half_a_voxel_on_along_x,
-    half_a_voxel_on_along_y, half_a_voxel_on_along_z, in_classified, indices_reversed, part,
-    reversed_along_x, reversed_along_z, rows_as_long_as_columns, signed_as_unsigned, transposed,
-    upside_down, without_low_byte, x_and_y_exchanged, x_and_z_exchanged, y_and_z_exchanged,
-};
 use super::{Edit, Mistake, set};
 use crate::geometry::length_of;
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
@@ -187,16 +180,6 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
-        name: "volume-half-voxel-off",
-        advice: "the volume is half a voxel off, towards larger coordinates: values belong to nodes, the first of which lies at the corner of the box",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on)),
-    },
-    Mistake {
-        name: "volume-half-voxel-back",
-        advice: "the volume is half a voxel off, towards smaller coordinates: values belong to nodes, the first of which lies at the corner of the box",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back)),
-    },
-    Mistake {
         name: "lookups-half-voxel-on",
         advice: "values are looked up half a voxel beside the sample, towards larger coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, once",
         edit: Edit::Classified(|scene| looked_up(scene, Lookup::HalfOn)),
@@ -205,116 +188,6 @@ pub(super) const MISTAKES: &[Mistake] = &[
         name: "lookups-half-voxel-back",
         advice: "values are looked up half a voxel beside the sample, towards smaller coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, not u/n",
         edit: Edit::Classified(|scene| looked_up(scene, Lookup::HalfBack)),
-    },
-    Mistake {
-        name: "volume-half-voxel-along-x",
-        advice: "the volume is half a voxel off along x alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on_along_x)),
-    },
-    Mistake {
-        name: "volume-half-voxel-back-along-x",
-        advice: "the volume is half a voxel off along x alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back_along_x)),
-    },
-    Mistake {
-        name: "volume-half-voxel-along-y",
-        advice: "the volume is half a voxel off along y alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on_along_y)),
-    },
-    Mistake {
-        name: "volume-half-voxel-back-along-y",
-        advice: "the volume is half a voxel off along y alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back_along_y)),
-    },
-    Mistake {
-        name: "volume-half-voxel-along-z",
-        advice: "the volume is half a voxel off along z alone, towards larger coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_on_along_z)),
-    },
-    Mistake {
-        name: "volume-half-voxel-back-along-z",
-        advice: "the volume is half a voxel off along z alone, towards smaller coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?",
-        edit: Edit::Classified(|scene| in_classified(scene, half_a_voxel_back_along_z)),
-    },
-    Mistake {
-        name: "volume-cells-for-nodes",
-        advice: "the values of the volume are placed at the centres of cells, as in textures: the outermost lie on the faces of the box",
-        edit: Edit::Classified(|scene| in_classified(scene, cells_for_nodes)),
-    },
-    Mistake {
-        name: "voxels-taken-for-cubes",
-        advice: "voxels are cubes: the spacing along each axis is that of the file",
-        edit: Edit::Classified(|scene| in_classified(scene, as_cubes)),
-    },
-    Mistake {
-        name: "last-slices-missing",
-        advice: "the last slice along each axis is missing: n nodes have n - 1 cells between them, and all are seen",
-        edit: Edit::Classified(|scene| in_classified(scene, |grid| part(grid, [0; 3], [1; 3]))),
-    },
-    Mistake {
-        name: "last-slice-missing-along-z",
-        advice: "the last slice along z is missing: n nodes have n - 1 cells between them, and all are seen",
-        edit: Edit::Classified(|scene| in_classified(scene, |grid| part(grid, [0; 3], [0, 0, 1]))),
-    },
-    Mistake {
-        name: "outermost-slices-missing",
-        advice: "the first and the last slice along each axis are missing: the volume ends at its outermost nodes",
-        edit: Edit::Classified(|scene| in_classified(scene, |grid| part(grid, [1; 3], [1; 3]))),
-    },
-    Mistake {
-        name: "volume-axes-exchanged",
-        advice: "x and z of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
-        edit: Edit::Classified(|scene| in_classified(scene, x_and_z_exchanged)),
-    },
-    Mistake {
-        name: "volume-x-and-y-exchanged",
-        advice: "x and y of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
-        edit: Edit::Classified(|scene| in_classified(scene, x_and_y_exchanged)),
-    },
-    Mistake {
-        name: "volume-y-and-z-exchanged",
-        advice: "y and z of the volume are swapped: x runs fastest in memory, at index x + nx (y + ny z)",
-        edit: Edit::Classified(|scene| in_classified(scene, y_and_z_exchanged)),
-    },
-    Mistake {
-        name: "volume-rows-of-another-length",
-        advice: "rows of the volume are taken for as long as its columns: the index is x + nx (y + ny z), with nx where y is multiplied, not ny",
-        edit: Edit::Classified(|scene| in_classified(scene, rows_as_long_as_columns)),
-    },
-    Mistake {
-        name: "volume-upside-down",
-        advice: "the volume is upside down: y grows upwards",
-        edit: Edit::Classified(|scene| in_classified(scene, upside_down)),
-    },
-    Mistake {
-        name: "volume-reversed-along-x",
-        advice: "the volume is mirrored along its own x: values are stored from the first node on, in the direction of the axis",
-        edit: Edit::Classified(|scene| in_classified(scene, reversed_along_x)),
-    },
-    Mistake {
-        name: "volume-reversed-along-z",
-        advice: "the volume is mirrored along its own z: slices are stored from the first node on, in the direction of the axis",
-        edit: Edit::Classified(|scene| in_classified(scene, reversed_along_z)),
-    },
-    Mistake {
-        name: "volume-transposed",
-        advice: "coordinates between 0 and 1 are given in the order x, y, z to an array whose axes are z, y, x: the volume is turned over, and stretched to its box",
-        edit: Edit::Classified(|scene| in_classified(scene, transposed)),
-    },
-    Mistake {
-        name: "volume-indices-reversed",
-        advice: "indices of nodes are given in the order x, y, z to an array whose axes are z, y, x, and clamped to its ends: it is array[z, y, x]",
-        edit: Edit::Classified(|scene| in_classified(scene, indices_reversed)),
-    },
-    Mistake {
-        name: "signed-read-as-unsigned",
-        advice: "values below 0 are read as large ones: they are stored as signed numbers, and read as unsigned ones of as many bits",
-        edit: Edit::Classified(|scene| in_classified(scene, signed_as_unsigned)),
-    },
-    Mistake {
-        name: "low-byte-left-out",
-        advice: "of values of 16 bits the lower 8 are left out, so that values are in steps of 256: keep 16 bits, or scale the range of the volume to 8",
-        edit: Edit::Classified(|scene| in_classified(scene, without_low_byte)),
     },
     Mistake {
         name: "transform-ignored",

@@ -8,6 +8,7 @@
 mod bricks;
 mod classified;
 mod densities;
+mod grids;
 mod images;
 mod lights;
 mod media;
@@ -16,6 +17,7 @@ mod projections;
 mod surfaces;
 mod transport;
 
+use self::grids::GridValues;
 use crate::film::Film;
 use crate::geometry::{Camera, Surface, length_of};
 use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
@@ -39,6 +41,10 @@ pub struct Mistake {
 enum Edit {
     /// Of a classified volume.
     Classified(fn(&mut Classified) -> bool),
+    /// Of the grid of a classified volume.
+    Grid(fn(&GridValues) -> Option<GridValues>),
+    /// Of the grid of every medium.
+    MediumGrids(fn(&GridValues) -> Option<GridValues>),
     /// Of the camera of either; with the height of a pixel over that of the image.
     View(fn(&Camera, f64) -> Camera),
     /// Of the formula for opacity, of a classified volume or of its plot.
@@ -95,16 +101,13 @@ impl Mistake {
         let mut occurs = false;
         for panel in &mut scene.panels {
             occurs |= match (&self.edit, &mut panel.model) {
-                (Edit::Classified(edit), Model::Classified(classified)) => {
-                    // Conventions are about composited samples, and of several volumes no renderer has others than
-                    // those about them.
-                    let occurs = classified.edit_volumes(edit);
-                    let is_rendered = match classified.mode {
-                        Mode::Composited => classified.has_conventions_that_are_rendered(),
-                        _ => classified.conventions == Conventions::default(),
-                    };
-                    occurs && is_rendered
-                }
+                (Edit::Classified(edit), Model::Classified(scene)) => in_classified(scene, edit),
+                (Edit::Grid(edit), Model::Classified(scene)) => in_classified(scene, |volume| {
+                    edit(&volume.grid).is_some_and(|grid| {
+                        volume.grid = grid;
+                        true
+                    })
+                }),
                 (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
                 // Of two mistakes of one tracer there is no image.
@@ -139,6 +142,18 @@ impl Mistake {
     }
 }
 
+/// Edits the volumes of `scene`; whether that applies, and can be rendered.
+fn in_classified(scene: &mut Classified, edit: impl Fn(&mut Classified) -> bool) -> bool {
+    // Conventions are about composited samples, and of several volumes no renderer has others than
+    // those about them.
+    let occurs = scene.edit_volumes(edit);
+    let is_rendered = match scene.mode {
+        Mode::Composited => scene.has_conventions_that_are_rendered(),
+        _ => scene.conventions == Conventions::default(),
+    };
+    occurs && is_rendered
+}
+
 /// Optical depth beyond which nobody waits for light to be scattered all the way through: a path takes
 /// about as many collisions. Media that only absorb may be deeper, until a mistake makes them scatter.
 const DEEPEST: f64 = 4096.0;
@@ -159,6 +174,9 @@ fn scattering_depth(scene: &Radiative) -> f64 {
 fn in_radiative(edit: &Edit, scene: &mut Radiative) -> bool {
     match edit {
         Edit::Radiative(edit) => edit(scene),
+        Edit::MediumGrids(edit) => densities::grids(scene, |grid, interpolation| {
+            edit(grid).map(|grid| (grid, interpolation))
+        }),
         Edit::Medium(edit) => changed(scene.media.iter_mut().map(|body| &mut body.medium), *edit),
         Edit::Light(edit) => changed(&mut scene.lights, *edit),
         Edit::Material(edit) => {
@@ -208,10 +226,13 @@ pub fn catalogue() -> impl Iterator<Item = &'static Mistake> {
     [
         images::MISTAKES,
         classified::MISTAKES,
+        grids::OF_VOLUMES,
+        grids::OF_VOLUMES_ALONE,
         objects::MISTAKES,
         projections::MISTAKES,
         bricks::MISTAKES,
         media::MISTAKES,
+        grids::OF_MEDIA,
         densities::MISTAKES,
         lights::MISTAKES,
         surfaces::MISTAKES,

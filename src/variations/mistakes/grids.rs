@@ -1,0 +1,298 @@
+//! Mistakes about the grid: where its values lie, and in which order they are stored.
+//!
+//! Those that media can have, too, are there twice: "volume-…" and "grid-…".
+
+use super::{Edit, Mistake};
+use crate::volume::{Centring, Grid, Lattice};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Half a voxel off along one axis.
+macro_rules! half_a_voxel_along {
+    ($axis:literal, $grid:literal, $edit:path, $name:literal, $side:literal, $direction:expr) => {
+        Mistake {
+            name: concat!($grid, "-half-voxel", $name, "-along-", $axis),
+            advice: concat!("the ", $grid, " is half a voxel off along ", $axis, " alone, towards ", $side, " coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?"),
+            edit: $edit(|grid| moved_by_voxels(grid, $direction * 0.5)),
+        }
+    };
+}
+
+macro_rules! mistakes {
+    ($grid:literal, $edit:path) => { &[
+        Mistake {
+            name: concat!($grid, "-half-voxel-off"),
+            advice: concat!("the ", $grid, " is half a voxel off, towards larger coordinates: values belong to nodes, the first of which lies at the corner of the box"),
+            edit: $edit(|grid| moved_by_voxels(grid, DVec3::splat(0.5))),
+        },
+        Mistake {
+            name: concat!($grid, "-half-voxel-back"),
+            advice: concat!("the ", $grid, " is half a voxel off, towards smaller coordinates: values belong to nodes, the first of which lies at the corner of the box"),
+            edit: $edit(|grid| moved_by_voxels(grid, DVec3::splat(-0.5))),
+        },
+        half_a_voxel_along!("x", $grid, $edit, "", "larger", DVec3::X),
+        half_a_voxel_along!("x", $grid, $edit, "-back", "smaller", DVec3::NEG_X),
+        half_a_voxel_along!("y", $grid, $edit, "", "larger", DVec3::Y),
+        half_a_voxel_along!("y", $grid, $edit, "-back", "smaller", DVec3::NEG_Y),
+        half_a_voxel_along!("z", $grid, $edit, "", "larger", DVec3::Z),
+        half_a_voxel_along!("z", $grid, $edit, "-back", "smaller", DVec3::NEG_Z),
+        Mistake {
+            name: concat!($grid, "-cells-for-nodes"),
+            advice: concat!("the values of the ", $grid, " are placed at the centres of cells, as in textures: the outermost lie on the faces of the box"),
+            edit: $edit(cells_for_nodes),
+        },
+        Mistake {
+            name: concat!($grid, "-axes-exchanged"),
+            advice: concat!("x and z of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)"),
+            edit: $edit(x_and_z_exchanged),
+        },
+        Mistake {
+            name: concat!($grid, "-x-and-y-exchanged"),
+            advice: concat!("x and y of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)"),
+            edit: $edit(x_and_y_exchanged),
+        },
+        Mistake {
+            name: concat!($grid, "-y-and-z-exchanged"),
+            advice: concat!("y and z of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)"),
+            edit: $edit(y_and_z_exchanged),
+        },
+        Mistake {
+            name: concat!($grid, "-rows-of-another-length"),
+            advice: concat!("rows of the ", $grid, " are taken for as long as its columns: the index is x + nx (y + ny z), with nx where y is multiplied, not ny"),
+            edit: $edit(rows_as_long_as_columns),
+        },
+        Mistake {
+            name: concat!($grid, "-upside-down"),
+            advice: concat!("the ", $grid, " is upside down: y grows upwards"),
+            edit: $edit(|grid| reversed_along(grid, 1)),
+        },
+        Mistake {
+            name: concat!($grid, "-reversed-along-x"),
+            advice: concat!("the ", $grid, " is mirrored along its own x: values are stored from the first node on, in the direction of the axis"),
+            edit: $edit(|grid| reversed_along(grid, 0)),
+        },
+        Mistake {
+            name: concat!($grid, "-reversed-along-z"),
+            advice: concat!("the ", $grid, " is mirrored along its own z: slices are stored from the first node on, in the direction of the axis"),
+            edit: $edit(|grid| reversed_along(grid, 2)),
+        },
+    ] };
+}
+
+/// Of classified volumes and of media.
+pub(super) const OF_VOLUMES: &[Mistake] = mistakes!("volume", Edit::Grid);
+pub(super) const OF_MEDIA: &[Mistake] = mistakes!("grid", Edit::MediumGrids);
+
+/// Of classified volumes alone.
+pub(super) const OF_VOLUMES_ALONE: &[Mistake] = &[
+    Mistake {
+        name: "voxels-taken-for-cubes",
+        advice: "voxels are cubes: the spacing along each axis is that of the file",
+        edit: Edit::Grid(as_cubes),
+    },
+    Mistake {
+        name: "last-slices-missing",
+        advice: "the last slice along each axis is missing: n nodes have n - 1 cells between them, and all are seen",
+        edit: Edit::Grid(|grid| part(grid, [0; 3], [1; 3])),
+    },
+    Mistake {
+        name: "last-slice-missing-along-z",
+        advice: "the last slice along z is missing: n nodes have n - 1 cells between them, and all are seen",
+        edit: Edit::Grid(|grid| part(grid, [0; 3], [0, 0, 1])),
+    },
+    Mistake {
+        name: "outermost-slices-missing",
+        advice: "the first and the last slice along each axis are missing: the volume ends at its outermost nodes",
+        edit: Edit::Grid(|grid| part(grid, [1; 3], [1; 3])),
+    },
+    Mistake {
+        name: "volume-transposed",
+        advice: "coordinates between 0 and 1 are given in the order x, y, z to an array whose axes are z, y, x: the volume is turned over, and stretched to its box",
+        edit: Edit::Grid(transposed),
+    },
+    Mistake {
+        name: "volume-indices-reversed",
+        advice: "indices of nodes are given in the order x, y, z to an array whose axes are z, y, x, and clamped to its ends: it is array[z, y, x]",
+        edit: Edit::Grid(indices_reversed),
+    },
+    Mistake {
+        name: "signed-read-as-unsigned",
+        advice: "values below 0 are read as large ones: they are stored as signed numbers, and read as unsigned ones of as many bits",
+        edit: Edit::Grid(signed_as_unsigned),
+    },
+    Mistake {
+        name: "low-byte-left-out",
+        advice: "of values of 16 bits the lower 8 are left out, so that values are in steps of 256: keep 16 bits, or scale the range of the volume to 8",
+        edit: Edit::Grid(without_low_byte),
+    },
+];
+
+/// A grid as scenes share it.
+pub(super) type GridValues = Arc<Grid<f32>>;
+
+/// In place of where they are, so many voxels further.
+fn moved_by_voxels(grid: &GridValues, voxels: DVec3) -> Option<GridValues> {
+    let old = grid.lattice();
+    let first = old.first() + old.spacing() * voxels;
+    let lattice = Lattice::new(old.nodes(), old.spacing(), first).ok()?;
+    on(lattice.with_centring(old.centring()).ok()?, grid)
+}
+
+/// In the same box, but each value in the middle of a cell of its own.
+fn cells_for_nodes(grid: &GridValues) -> Option<GridValues> {
+    let old = grid.lattice();
+    if old.centring() == Centring::Cells {
+        return None;
+    }
+    let bounds = old.bounds();
+    let counts = DVec3::from_array(old.nodes().map(|count| count as f64));
+    let spacing = bounds.size() / counts;
+    let lattice = Lattice::new(old.nodes(), spacing, bounds.min + spacing * 0.5).ok()?;
+    on(lattice.with_centring(Centring::Cells).ok()?, grid)
+}
+
+/// Every spacing is the shortest, about the same centre.
+fn as_cubes(grid: &GridValues) -> Option<GridValues> {
+    let old = grid.lattice();
+    let spacing = DVec3::splat(old.voxel());
+    let middle = old.bounds().centre();
+    let steps = DVec3::from_array(old.nodes().map(|count| (count - 1) as f64));
+    let lattice = Lattice::new(old.nodes(), spacing, middle - 0.5 * steps * spacing).ok()?;
+    (spacing != old.spacing()).then_some(())?;
+    on(lattice.with_centring(old.centring()).ok()?, grid)
+}
+
+/// Without so many of the first and of the last layers along each axis that has more.
+fn part(grid: &GridValues, first: [usize; 3], last: [usize; 3]) -> Option<GridValues> {
+    let old = grid.lattice();
+    let nodes = old.nodes();
+    let left = [0, 1, 2].map(|axis| nodes[axis].saturating_sub(first[axis] + last[axis]));
+    left.iter().all(|&count| count > 1).then_some(())?;
+    let lattice = Lattice::new(left, old.spacing(), old.position(first)).ok()?;
+    let lattice = lattice.with_centring(old.centring()).ok()?;
+    let source = |index| {
+        let [i, j, k] = lattice.node(index);
+        old.index([i + first[0], j + first[1], k + first[2]])
+    };
+    let values = (0..lattice.node_count()).map(|index| grid.values()[source(index)]);
+    Grid::new(lattice, values.collect()).ok().map(Arc::new)
+}
+
+/// The values of `grid` at the nodes of another lattice.
+fn on(lattice: Lattice, grid: &GridValues) -> Option<GridValues> {
+    let grid = Grid::new(lattice, grid.values().to_vec());
+    grid.ok().map(Arc::new)
+}
+
+/// Read as though z ran fastest; nothing of a grid that is no cube of nodes is left in its place,
+/// so that of any other size is read with the sizes exchanged too.
+fn x_and_z_exchanged(grid: &GridValues) -> Option<GridValues> {
+    let [_, ny, nz] = grid.lattice().nodes();
+    rearranged(grid, |[i, j, k]| k + nz * (j + ny * i))
+}
+
+/// Read as though y ran fastest.
+fn x_and_y_exchanged(grid: &GridValues) -> Option<GridValues> {
+    let [nx, ny, _] = grid.lattice().nodes();
+    rearranged(grid, |[i, j, k]| j + ny * (i + nx * k))
+}
+
+/// Read as though z ran faster than y.
+fn y_and_z_exchanged(grid: &GridValues) -> Option<GridValues> {
+    let [nx, _, nz] = grid.lattice().nodes();
+    rearranged(grid, |[i, j, k]| i + nx * (k + nz * j))
+}
+
+/// Read with the number of nodes along y as the length of a row; nothing of a grid with as many along x.
+fn rows_as_long_as_columns(grid: &GridValues) -> Option<GridValues> {
+    let [nx, ny, _] = grid.lattice().nodes();
+    let count = grid.values().len();
+    (nx != ny)
+        .then(|| rearranged(grid, |[i, j, k]| (i + ny * j + nx * ny * k) % count))
+        .flatten()
+}
+
+/// Whole numbers, some below 0, of the fewest bits that hold them: 8, 16 or 32.
+fn signed_as_unsigned(grid: &GridValues) -> Option<GridValues> {
+    let (low, high) = whole_range(grid)?;
+    let holds = |bits: i32| low >= -exp2(bits - 1) && high < exp2(bits - 1);
+    let bits = [8, 16, 32].into_iter().find(|&bits| holds(bits))?;
+    let past = exp2(bits) as f32;
+    let unsigned = |value| if value < 0.0 { value + past } else { value };
+    (low < 0.0).then(|| mapped(grid, unsigned)).flatten()
+}
+
+/// Whole numbers of 16 bits, some of more than 8.
+fn without_low_byte(grid: &GridValues) -> Option<GridValues> {
+    let (low, high) = whole_range(grid)?;
+    let are_of_two_bytes = low >= 0.0 && (256.0..65536.0).contains(&high);
+    let high_byte = |value: f32| (value / 256.0).floor() * 256.0;
+    let lost = are_of_two_bytes.then(|| mapped(grid, high_byte)).flatten();
+    lost.filter(|lost| lost.values() != grid.values())
+}
+
+/// The range of values that are whole numbers.
+fn whole_range(grid: &GridValues) -> Option<(f64, f64)> {
+    let are_whole = grid.values().iter().all(|value| value.fract() == 0.0);
+    are_whole.then(|| grid.range())
+}
+
+/// A power of two.
+fn exp2(bits: i32) -> f64 {
+    (1_u64 << bits) as f64
+}
+
+/// Nodes in the reverse order along an axis.
+fn reversed_along(grid: &GridValues, axis: usize) -> Option<GridValues> {
+    let lattice = grid.lattice();
+    rearranged(grid, |mut node| {
+        node[axis] = lattice.nodes()[axis] - 1 - node[axis];
+        lattice.index(node)
+    })
+}
+
+/// In the same box, x and z exchanged with their counts of nodes; nothing of a grid with as many along both, where it
+/// is [`x_and_z_exchanged`].
+fn transposed(grid: &GridValues) -> Option<GridValues> {
+    let old = grid.lattice();
+    let ([nx, ny, nz], bounds) = (old.nodes(), old.bounds());
+    let nodes = [nz, ny, nx];
+    let (ends, first) = match old.centring() {
+        Centring::Nodes => (1, 0.0),
+        Centring::Cells => (0, 0.5),
+    };
+    let cells = nodes.map(|count| (count - ends) as f64);
+    let spacing = bounds.size() / DVec3::from_array(cells);
+    let lattice = Lattice::new(nodes, spacing, bounds.min + spacing * first).ok()?;
+    let lattice = lattice.with_centring(old.centring()).ok()?;
+    let values = (0..grid.values().len()).map(|index| {
+        let [i, j, k] = lattice.node(index);
+        grid.values()[old.index([k, j, i])]
+    });
+    let values = (nx != nz).then(|| values.collect())?;
+    Grid::new(lattice, values).ok().map(Arc::new)
+}
+
+/// The node of x and z exchanged, clamped to the grid; nothing of a grid with as many nodes along both.
+fn indices_reversed(grid: &GridValues) -> Option<GridValues> {
+    let lattice = grid.lattice();
+    let [nx, _, nz] = lattice.nodes();
+    let exchanged = |[i, j, k]: [usize; 3]| lattice.index([k.min(nx - 1), j, i.min(nz - 1)]);
+    (nx != nz).then(|| rearranged(grid, exchanged)).flatten()
+}
+
+/// The value of each node is that of the index that `source` gives.
+pub(super) fn rearranged(
+    grid: &GridValues,
+    source: impl Fn([usize; 3]) -> usize,
+) -> Option<GridValues> {
+    let (lattice, values) = (*grid.lattice(), grid.values());
+    let moved = (0..values.len()).map(|index| values[source(lattice.node(index))]);
+    Grid::new(lattice, moved.collect()).ok().map(Arc::new)
+}
+
+/// Each value by itself.
+pub(super) fn mapped(grid: &GridValues, map: impl Fn(f32) -> f32) -> Option<GridValues> {
+    let values = grid.values().iter().map(|&value| map(value)).collect();
+    Grid::new(*grid.lattice(), values).ok().map(Arc::new)
+}
