@@ -29,7 +29,8 @@ pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
 /// The spacing is `size / (n − 1)` of the first axis with more than one node, in `f64`; that
 /// size must be positive. The other sizes have no effect, but must be finite and not negative: a
 /// thin axis may give 0. Header and length are checked before anything is allocated. Values must be
-/// finite; densities that are negative are left to [`Grid::check_densities`].
+/// finite; densities that are negative are left to
+/// [`Grid::check_densities`](super::Grid::check_densities).
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     let mut header = [0; HEADER];
