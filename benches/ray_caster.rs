@@ -42,8 +42,15 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
         file = "smoke-128.bin"
     "#;
     let folder = tempfile::tempdir().expect("a folder for the grid");
-    let grid = volref::volume::write_course_grid(&grid).expect("an isotropic grid");
-    std::fs::write(folder.path().join("smoke-128.bin"), grid).expect("room for 8 MB");
+    let lattice = grid.lattice();
+    let counts = lattice.nodes().map(|nodes| nodes as i32);
+    let sizes = counts.map(|nodes| (lattice.spacing().x * f64::from(nodes - 1)) as f32);
+    let numbers = sizes.iter().chain(grid.values());
+    let bytes = counts.iter().flat_map(|count| count.to_le_bytes());
+    let bytes: Vec<u8> = bytes
+        .chain(numbers.flat_map(|it| it.to_le_bytes()))
+        .collect();
+    std::fs::write(folder.path().join("smoke-128.bin"), bytes).expect("room for 8 MB");
     Scene::parse(&(camera + text), &folder.path().join("scene.toml")).expect("a valid scene")
 });
 

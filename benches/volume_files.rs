@@ -7,13 +7,12 @@
 
 use divan::Bencher;
 use divan::counter::BytesCount;
-use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 use std::time::Instant;
 use tempfile::TempDir;
-use volref::volume::{Grid, Lattice, LoadOptions, load, write_vol};
+use volref::volume::{LoadOptions, load, vol_bytes};
 
 const SIZES: [usize; 4] = [64, 128, 256, 512];
 
@@ -40,10 +39,10 @@ static FOLDER: LazyLock<TempDir> =
 fn file(size: usize) -> PathBuf {
     let path = FOLDER.path().join(format!("{size}.vol"));
     if !path.exists() {
-        let lattice = Lattice::new([size; 3], DVec3::ONE, DVec3::ZERO).expect("a small cube");
-        let values = (0..lattice.node_count()).map(|i| (i % 97) as f32).collect();
-        let grid = Grid::new(lattice, values).expect("one value per node");
-        std::fs::write(&path, write_vol(&grid).expect("a plain grid")).expect("room for it");
+        let values: Vec<f32> = (0..size.pow(3)).map(|i| (i % 97) as f32).collect();
+        let corners = [[0.0; 3], [(size - 1) as f32; 3]];
+        let bytes = vol_bytes([size as i32; 3], corners, &values);
+        std::fs::write(&path, bytes).expect("room for it");
     }
     path
 }

@@ -4,8 +4,8 @@
 #   scripts/code-lines.sh            rooms
 #   scripts/code-lines.sh --files    files, longest first
 #
-# A test module begins at `#[cfg(test)]` before `mod` and ends the file; files named tests.rs are
-# tests. A comment is a line that begins with `//`.
+# A test module begins at `#[cfg(test)]`, or that of Unix alone, before `mod` and ends the file; files
+# named tests.rs are tests. A comment is a line that begins with `//`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +13,7 @@ find src -name '*.rs' ! -name tests.rs -print0 | sort -z | xargs -0 awk '
     FNR == 1 { tests = 0; attribute = 0 }
     tests { next }
     attribute && /^mod [a-z_]+ \{/ { tests = 1; count[FILENAME]--; next }
-    { attribute = /^#\[cfg\(test\)\]$/ }
+    { attribute = /^#\[cfg\((test|all\(test, unix\))\)\]$/ }
     /^[[:space:]]*(\/\/|$)/ { next }
     { count[FILENAME]++ }
     END { for (file in count) print count[file], file }

@@ -2,10 +2,10 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use volref::volume::{LoadOptions, read_course_grid, write_course_grid};
+use volref::volume::{LoadOptions, read_volume};
 
 fuzz_target!(|bytes: &[u8]| {
-    let Ok(grid) = read_course_grid(bytes, &LoadOptions::default()) else { return };
-    assert!(grid.values().iter().all(|value| value.is_finite()));
-    let _ = write_course_grid(&grid);
+    if let Ok(grid) = read_volume("grid.bin", bytes, None, &LoadOptions::default()) {
+        assert!(grid.values().iter().all(|value| value.is_finite()));
+    }
 });

@@ -3,11 +3,11 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use volref::volume::{LoadOptions, NonFinite, Orientation, read_nrrd, read_nrrd_header};
+use volref::volume::{LoadOptions, NonFinite, Orientation, read_volume};
 
 fuzz_target!(|bytes: &[u8]| {
     let options = LoadOptions::default();
-    if let Ok(grid) = read_nrrd(bytes, &options) {
+    if let Ok(grid) = read_volume("grid.nrrd", bytes, None, &options) {
         assert!(grid.values().iter().all(|value| value.is_finite()));
     }
     let loose = LoadOptions {
@@ -15,12 +15,11 @@ fuzz_target!(|bytes: &[u8]| {
         non_finite: NonFinite::Replaced(0.0),
         ..options
     };
-    if let Ok(grid) = read_nrrd(bytes, &loose) {
+    if let Ok(grid) = read_volume("grid.nrrd", bytes, None, &loose) {
         assert!(grid.values().iter().all(|value| value.is_finite()));
     }
-    if let Ok(header) = read_nrrd_header(bytes)
-        && let Some(data) = bytes.windows(2).position(|pair| pair == b"\n\n")
-    {
-        let _ = header.read_data(&bytes[data + 2..], &options);
+    if let Some(data) = bytes.windows(2).position(|pair| pair == b"\n\n") {
+        let (header, data) = bytes.split_at(data + 2);
+        let _ = read_volume("grid.nhdr", header, Some(data), &options);
     }
 });

@@ -2,14 +2,12 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use volref::volume::{LoadOptions, RawVolume};
+use volref::volume::{LoadOptions, read_volume};
 
 fuzz_target!(|bytes: &[u8]| {
     let end = bytes.windows(2).position(|pair| pair == b"\n\n");
     let (text, data) = bytes.split_at(end.map_or(bytes.len(), |end| end + 2));
-    let Ok(text) = std::str::from_utf8(text) else { return };
-    let Ok(volume) = RawVolume::parse(text) else { return };
-    if let Ok(grid) = volume.read_data(data, &LoadOptions::default()) {
+    if let Ok(grid) = read_volume("grid.toml", text, Some(data), &LoadOptions::default()) {
         assert!(grid.values().iter().all(|value| value.is_finite()));
     }
 });

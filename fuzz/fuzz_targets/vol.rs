@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use volref::volume::{Centring, LoadOptions, read_vol, write_vol};
+use volref::volume::{Centring, LoadOptions, read_volume, vol_bytes};
 
 fuzz_target!(|bytes: &[u8]| {
     for centring in [Centring::Nodes, Centring::Cells] {
@@ -11,10 +11,15 @@ fuzz_target!(|bytes: &[u8]| {
             centring: Some(centring),
             ..LoadOptions::default()
         };
-        let Ok(grid) = read_vol(bytes, &options) else { continue };
+        let Ok(grid) = read_volume("grid.vol", bytes, None, &options) else { continue };
         assert!(grid.values().iter().all(|value| value.is_finite()));
-        if let Ok(written) = write_vol(&grid) {
-            let again = read_vol(&written, &options).expect("what was written can be read");
+        let (lattice, bounds) = (grid.lattice(), grid.lattice().bounds());
+        let corners = [bounds.min, bounds.max].map(|corner| corner.as_vec3());
+        if corners[1].is_finite() && corners[1].cmpgt(corners[0]).all() {
+            let counts = lattice.nodes().map(|nodes| nodes as i32);
+            let written = vol_bytes(counts, corners.map(|it| it.to_array()), grid.values());
+            let again = read_volume("grid.vol", &written, None, &options);
+            let again = again.expect("what was written can be read");
             assert_eq!(again.values(), grid.values());
             assert_eq!(again.lattice().nodes(), grid.lattice().nodes());
         }

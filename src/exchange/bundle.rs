@@ -20,7 +20,6 @@ use crate::render::{Plan, plans};
 use crate::scene::{Conventions, Model, Panel, Scene};
 use crate::volume::Grid;
 use inline_arrays::{Entries, Json, to_json};
-use std::sync::Arc;
 
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
 /// `NAME.backdrop-1.raw` for each plot, `NAME.vertices-1.raw` and `NAME.triangles-1.raw` for each mesh of a
@@ -75,7 +74,7 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
         }
         Model::Curve(curve) => {
             let layout = PlotLayout::new(curve, panel.width, panel.height);
-            let file = raw.backdrop(&layout.backdrop);
+            let file = raw.floats("backdrop", layout.backdrop.as_flattened());
             Ok(plot::described(curve, &layout, file))
         }
         Model::Radiative(scene) => Ok(radiative::described(panel, scene, raw)),
@@ -143,37 +142,16 @@ fn points(points: &TransferPoints) -> Json {
 /// The files beside the JSON: bare numbers, little endian.
 struct RawFiles<'n> {
     name: &'n str,
-    grids: Vec<(Arc<Grid<f32>>, String)>,
-    backdrops: usize,
     files: Vec<(String, Vec<u8>)>,
 }
 
 impl RawFiles<'_> {
     fn new(name: &str) -> RawFiles<'_> {
-        RawFiles {
-            name,
-            grids: Vec::new(),
-            backdrops: 0,
-            files: Vec::new(),
-        }
+        let files = Vec::new();
+        RawFiles { name, files }
     }
 
-    /// Name of the file with the values of `grid`. Panels that share a grid share the file.
-    fn grid(&mut self, grid: &Arc<Grid<f32>>) -> String {
-        if let Some((_, file)) = self
-            .grids
-            .iter()
-            .find(|(known, _)| Arc::ptr_eq(known, grid))
-        {
-            return file.clone();
-        }
-        let file = format!("{}.grid-{}.raw", self.name, self.grids.len() + 1);
-        self.grids.push((grid.clone(), file.clone()));
-        self.add(&file, grid.values());
-        file
-    }
-
-    /// A mesh: equal vertices, or triangles, share a file.
+    /// A mesh, its vertices and its triangles in files of their own.
     fn mesh(&mut self, mesh: &Mesh) -> Entries {
         let coordinates = mesh.vertices().iter().flat_map(|it| it.to_array());
         let vertices = coordinates.flat_map(f64::to_le_bytes).collect();
@@ -189,7 +167,18 @@ impl RawFiles<'_> {
         ]
     }
 
-    /// Name of the file that holds these bytes.
+    /// Name of the file with the values of `grid`.
+    fn grid(&mut self, grid: &Grid<f32>) -> String {
+        self.floats("grid", grid.values())
+    }
+
+    /// Name of the file that holds these numbers.
+    fn floats(&mut self, kind: &str, values: &[f32]) -> String {
+        let bytes = values.iter().flat_map(|value| value.to_le_bytes());
+        self.shared(kind, bytes.collect())
+    }
+
+    /// Name of the file that holds these bytes: equal ones share it.
     fn shared(&mut self, kind: &str, bytes: Vec<u8>) -> String {
         let begin = format!("{}.{kind}-", self.name);
         let alike = self
@@ -202,17 +191,5 @@ impl RawFiles<'_> {
         let file = format!("{begin}{}.raw", alike.count() + 1);
         self.files.push((file.clone(), bytes));
         file
-    }
-
-    fn backdrop(&mut self, pixels: &[[f32; 3]]) -> String {
-        self.backdrops += 1;
-        let file = format!("{}.backdrop-{}.raw", self.name, self.backdrops);
-        self.add(&file, pixels.as_flattened());
-        file
-    }
-
-    fn add(&mut self, file: &str, values: &[f32]) {
-        let bytes = values.iter().flat_map(|value| value.to_le_bytes());
-        self.files.push((file.to_owned(), bytes.collect()));
     }
 }

@@ -77,22 +77,23 @@ impl<'s> ExportScene<'s> {
             );
             faults.add("radiative", what);
         }
-        let surfaces = objects
-            .iter()
-            .enumerate()
-            .map(|(object, (key, form, material))| BoundarySurface {
-                key: key.clone(),
-                form: form.clone(),
-                opaque: !matches!(material, Material::Glass(_))
-                    && !matches!(form, Form::Mesh { .. }),
-                object: Some(object),
-            });
-        let lamps = area_lights.iter().map(|(key, form, _)| BoundarySurface {
+        let surface = |key: &String, form: &Form, object, is_clear: bool| BoundarySurface {
             key: key.clone(),
             form: form.clone(),
-            opaque: !matches!(form, Form::Mesh { .. }),
-            object: None,
+            opaque: !is_clear && !matches!(form, Form::Mesh { .. }),
+            object,
+        };
+        let surfaces = objects.iter().enumerate();
+        let surfaces = surfaces.map(|(object, (key, form, material))| {
+            surface(
+                key,
+                form,
+                Some(object),
+                matches!(material, Material::Glass(_)),
+            )
         });
+        let lamps = area_lights.iter();
+        let lamps = lamps.map(|(key, form, _)| surface(key, form, None, false));
         let surfaces: Vec<BoundarySurface> = surfaces.chain(lamps).collect();
         let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, gap(reach), faults);
         ExportScene {

@@ -60,7 +60,7 @@ pub(super) fn vol(grid: &Grid<f32>) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{Lattice, LoadOptions, read_vol};
+    use crate::volume::{Lattice, LoadOptions, read_volume};
 
     #[test]
     fn a_triangle_as_ply() {
@@ -78,7 +78,7 @@ mod tests {
     fn a_grid_is_written_to_the_bit() {
         let lattice = Lattice::new([2, 1, 2], DVec3::ONE, DVec3::ZERO).unwrap();
         let grid = Grid::new(lattice, vec![0.1, 2.5, 1e-30, 7.0]).unwrap();
-        let back = read_vol(&vol(&grid), &LoadOptions::default()).unwrap();
+        let back = read_volume("grid.vol", &vol(&grid), None, &LoadOptions::default()).unwrap();
         assert_eq!(back.values(), grid.values());
     }
 }

@@ -271,7 +271,7 @@ impl MitsubaWriter<'_> {
         match light {
             Light::Point(light) => {
                 let parts = [
-                    point("position", light.position),
+                    coordinates("point", "position", light.position),
                     rgb("intensity", light.intensity),
                 ];
                 self.element("emitter", "point", "", &parts);
@@ -297,7 +297,7 @@ impl MitsubaWriter<'_> {
             }
             Light::Directional(light) => {
                 let parts = [
-                    vector("direction", *light.direction),
+                    coordinates("vector", "direction", *light.direction),
                     rgb("irradiance", light.irradiance),
                 ];
                 self.element("emitter", "directional", "", &parts);
@@ -356,7 +356,8 @@ impl MitsubaWriter<'_> {
         let _ = writeln!(self.body, "    <!-- {key} -->");
         let (kind, mut children) = match form {
             Form::Sphere { centre, radius } => {
-                let children = vec![point("center", *centre), typed("float", "radius", radius)];
+                let centre = coordinates("point", "center", *centre);
+                let children = vec![centre, typed("float", "radius", radius)];
                 ("sphere", children)
             }
             Form::Ellipsoid { .. } => {
@@ -562,14 +563,8 @@ fn rgb(name: &str, value: DVec3) -> String {
     typed("rgb", name, listed(value))
 }
 
-fn point(name: &str, value: DVec3) -> String {
-    let DVec3 { x, y, z } = value;
-    format!("<point name=\"{name}\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
-}
-
-fn vector(name: &str, value: DVec3) -> String {
-    let DVec3 { x, y, z } = value;
-    format!("<vector name=\"{name}\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
+fn coordinates(tag: &str, name: &str, DVec3 { x, y, z }: DVec3) -> String {
+    format!("<{tag} name=\"{name}\" x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")
 }
 
 /// A view, of an image plane whose half width is scaled to `half_width`.

@@ -53,26 +53,22 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them.
-    pub const ALL: [Format; 6] = [
-        Format::Mitsuba,
-        Format::Pbrt,
-        Format::Bundle,
-        Format::Raw,
-        Format::Nrrd,
-        Format::Npy,
+    /// All of them, by their names on the command line.
+    const NAMES: [(&str, Format); 6] = [
+        ("mitsuba", Format::Mitsuba),
+        ("pbrt", Format::Pbrt),
+        ("bundle", Format::Bundle),
+        ("raw", Format::Raw),
+        ("nrrd", Format::Nrrd),
+        ("npy", Format::Npy),
     ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Format::Mitsuba => "mitsuba",
-            Format::Pbrt => "pbrt",
-            Format::Bundle => "bundle",
-            Format::Raw => "raw",
-            Format::Nrrd => "nrrd",
-            Format::Npy => "npy",
-        }
+        let named = Format::NAMES
+            .into_iter()
+            .find(|(_, format)| *format == self);
+        named.expect("every format has one").0
     }
 }
 
@@ -86,13 +82,11 @@ impl FromStr for Format {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Format, String> {
-        Format::ALL
-            .into_iter()
-            .find(|format| format.name() == text)
-            .ok_or_else(|| {
-                let names = Format::ALL.map(Format::name).join(", ");
-                format!("there is no format `{text}`: choose one of {names}")
-            })
+        let named = Format::NAMES.into_iter().find(|(name, _)| *name == text);
+        named.map(|(_, format)| format).ok_or_else(|| {
+            let names = Format::NAMES.map(|(name, _)| name).join(", ");
+            format!("there is no format `{text}`: choose one of {names}")
+        })
     }
 }
 
@@ -118,13 +112,14 @@ pub fn export_at(
     exposure: Option<f64>,
 ) -> Result<Export, Refusal> {
     let name = &plain(name);
-    match format {
+    let write = match format {
+        Format::Mitsuba => mitsuba::scene,
+        Format::Pbrt => pbrt::scene,
         Format::Bundle => return bundle::bundle_at(scene, name, exposure),
         Format::Raw | Format::Nrrd | Format::Npy => {
             return grid_files::grid_files(scene, format, name);
         }
-        Format::Mitsuba | Format::Pbrt => {}
-    }
+    };
     let [panel] = &scene.panels[..] else {
         let what = "several pictures side by side; write a scene of each panel";
         return Err(Refusal::of(format, "panel", what));
@@ -141,11 +136,7 @@ pub fn export_at(
             return Err(Refusal::of(format, "curve", what));
         }
     };
-    match format {
-        Format::Mitsuba => mitsuba::scene(panel, radiative, name),
-        Format::Pbrt => pbrt::scene(panel, radiative, name),
-        _ => unreachable!("answered above"),
-    }
+    write(panel, radiative, name)
 }
 
 /// A name that is safe in any file system, shell, XML attribute and pbrt string.
@@ -167,7 +158,7 @@ mod tests {
 
     #[test]
     fn formats_have_names() {
-        for format in Format::ALL {
+        for (_, format) in Format::NAMES {
             assert_eq!(format.to_string().parse(), Ok(format));
         }
         let error = "Mitsuba".parse::<Format>().unwrap_err();

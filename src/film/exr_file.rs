@@ -35,43 +35,76 @@ in place of variances";
 pub(super) const NOT_CONVERTED: &str = "the colours were converted to the primaries of Rec.709, and \
 variances cannot be: write both with those primaries, or give several renderings with different seeds";
 
-pub(super) fn encode(film: &Film) -> Result<Vec<u8>, FilmError> {
-    let channel = |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
-    let colour = |c: usize| film.radiance().iter().map(|pixel| pixel[c]).collect();
-    let mut channels = vec![
-        channel("R", colour(0)),
-        channel("G", colour(1)),
-        channel("B", colour(2)),
-    ];
-    if let Some(opacity) = film.opacity() {
-        channels.push(channel("A", opacity.to_vec()));
-    }
-    if let Some(depth) = film.depth() {
-        channels.push(channel("Z", depth.to_vec()));
-    }
-    if let Some(noise) = film.noise().filter(|noise| !noise.is_known()) {
-        for (c, name) in VARIANCE.into_iter().enumerate() {
-            let values = noise.variance().iter().map(|pixel| pixel[c]).collect();
-            channels.push(channel(name, values));
+impl Film {
+    /// The image as EXR, 32-bit float, lossless: R, G and B; A if there is opacity; Z if there is depth; if there is
+    /// noise, the variances of the means as layer `variance` and the number of samples as layer
+    /// `samples`.
+    pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
+        let channel =
+            |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
+        let colour = |c: usize| self.radiance().iter().map(|pixel| pixel[c]).collect();
+        let mut channels = vec![
+            channel("R", colour(0)),
+            channel("G", colour(1)),
+            channel("B", colour(2)),
+        ];
+        if let Some(opacity) = self.opacity() {
+            channels.push(channel("A", opacity.to_vec()));
         }
-        // As whole numbers: a float has none above 2²⁴.
-        let samples = FlatSamples::U32(vec![noise.samples(); film.radiance().len()]);
-        channels.push(AnyChannel::new(SAMPLES, samples));
+        if let Some(depth) = self.depth() {
+            channels.push(channel("Z", depth.to_vec()));
+        }
+        if let Some(noise) = self.noise().filter(|noise| !noise.is_known()) {
+            for (c, name) in VARIANCE.into_iter().enumerate() {
+                let values = noise.variance().iter().map(|pixel| pixel[c]).collect();
+                channels.push(channel(name, values));
+            }
+            // As whole numbers: a float has none above 2²⁴.
+            let samples = FlatSamples::U32(vec![noise.samples(); self.radiance().len()]);
+            channels.push(AnyChannel::new(SAMPLES, samples));
+        }
+        let size = [self.width(), self.height()];
+        written_parts(vec![part(size, LayerAttributes::default(), channels)])
     }
-    written(
-        [film.width(), film.height()],
-        LayerAttributes::default(),
-        channels,
-    )
-}
 
-/// The file of a single part with these channels.
-fn written(
-    size: [usize; 2],
-    attributes: LayerAttributes,
-    channels: Vec<AnyChannel<FlatSamples>>,
-) -> Result<Vec<u8>, FilmError> {
-    written_parts(vec![part(size, attributes, channels)])
+    /// Reads an EXR image. The image is the display window: pixels outside are cut off, and pixels
+    /// without data are black and transparent.
+    ///
+    /// Colours are the channels R, G and B, in upper or lower case, of half, float or integer type,
+    /// with A if present; without any colours a channel Y is grey. They may be in a layer, either a
+    /// part of the file with that name or channels such as `beauty.R`: the only layer with colours,
+    /// else the one without a name, else the only one called `rgba`, `beauty` or `combined`. All
+    /// else is ignored, except for noise: the layers `variance` (of the means; R, G, B) and
+    /// `samples` (Y).
+    ///
+    /// Colours with other primaries than those of Rec.709, by `chromaticities`, `colorInteropID` or
+    /// `acesImageContainerFlag`, are converted, the white point by the Bradford transform;
+    /// [`Film::changes_on_reading`] says so.
+    ///
+    /// Deep data, subsampled channels, luminance with chroma, colours that are not linear RGB or whose
+    /// statements contradict each other, several views, environment maps, pixels that are not square,
+    /// opacity that colours are not multiplied by, the compressions DWAA and DWAB and, of half floats,
+    /// B44 and B44A, windows that end before they begin, and files with a missing block of pixels in
+    /// any part or resolution are refused. Values that are not finite are kept.
+    pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
+        Film::from_exr_within(bytes, u64::MAX)
+    }
+
+    /// As [`Film::from_exr`], of a file whose pixels, those of all its parts, take at most so many bytes.
+    pub fn from_exr_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
+        let file = read_file_within(bytes, most)?;
+        picture(&file, &main_layer(&file)?)
+    }
+
+    /// Reads the file of variances beside an image: an EXR whose colours are variances of the
+    /// mean, and whose channel `samples.Y` is the number of samples; for
+    /// [`Film::with_variance_of`].
+    pub fn variance_from_exr(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
+        let file = read_file(bytes)?;
+        let colours = main_layer(&file)?;
+        let samples = beside(&colours, &file, SAMPLES).ok_or(FilmError::Noise(NO_COUNT))?;
+        Ok((picture(&file, &colours)?, count(samples)?))
+    }
 }
 
 /// A part of a file.
@@ -105,22 +138,6 @@ pub(super) fn written_parts(
     Ok(bytes.into_inner())
 }
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
-    decode_within(bytes, u64::MAX)
-}
-
-pub(super) fn decode_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
-    let file = read_file_within(bytes, most)?;
-    picture(&file, &main_layer(&file)?)
-}
-
-pub(super) fn decode_variance(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
-    let file = read_file(bytes)?;
-    let colours = main_layer(&file)?;
-    let samples = beside(&colours, &file, SAMPLES).ok_or(FilmError::Noise(NO_COUNT))?;
-    Ok((picture(&file, &colours)?, count(samples)?))
-}
-
 fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
     let frame = PixelWindow::of(colours.part, file)?;
     check_opacity(colours)?;
@@ -131,14 +148,9 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
             .changes
             .push(format!("was read from the layer {layer}"));
     }
-    let [r, g, b] = colours.rgb.map(floats);
-    let mut radiance: Vec<[f32; 3]> = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
-    if colours
-        .rgb
-        .iter()
-        .chain(&colours.opacity)
-        .any(|of| has_infinite_halves(of))
-    {
+    let mut radiance = pixels(colours.rgb);
+    let mut channels = colours.rgb.iter().chain(&colours.opacity);
+    if channels.any(|of| has_infinite_halves(of)) {
         reading.overflow = Some(Overflow::Half);
     }
     let noise = noise(colours, file)?;
@@ -189,6 +201,12 @@ fn convert(radiance: &mut [[f32; 3]], from: Primaries) {
     }
 }
 
+/// The colours of the pixels, given their channels.
+pub(super) fn pixels(rgb: [&FlatSamples; 3]) -> Vec<[f32; 3]> {
+    let [r, g, b] = rgb.map(floats);
+    (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect()
+}
+
 fn has_infinite_halves(samples: &FlatSamples) -> bool {
     matches!(samples, FlatSamples::F16(values) if values.iter().any(|value| value.is_infinite()))
 }
@@ -236,7 +254,7 @@ fn read_parts(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
         .map_err(unreadable)
 }
 
-pub(super) fn floats(samples: &FlatSamples) -> Vec<f32> {
+fn floats(samples: &FlatSamples) -> Vec<f32> {
     samples.values_as_f32().collect()
 }
 
@@ -271,12 +289,8 @@ fn noise(colours: &Colours, file: &ExrParts) -> Result<Option<Noise>, FilmError>
     let [Some(r), Some(g), Some(b)] = channels else {
         return Err(FilmError::Noise("the layer variance lacks R, G or B"));
     };
-    let [r, g, b] = [r, g, b].map(floats);
-    let Some(samples) = beside(colours, file, SAMPLES) else {
-        return Err(FilmError::Noise(NO_COUNT));
-    };
-    let variance = (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect();
-    Ok(Some(Noise::of_samples(variance, count(samples)?)))
+    let samples = beside(colours, file, SAMPLES).ok_or(FilmError::Noise(NO_COUNT))?;
+    Ok(Some(Noise::of_samples(pixels([r, g, b]), count(samples)?)))
 }
 
 /// Position of an image's pixels among those of a part of its file.

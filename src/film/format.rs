@@ -17,19 +17,20 @@ pub enum FilmFormat {
 }
 
 impl FilmFormat {
-    /// All formats.
-    pub const ALL: [FilmFormat; 4] = [
-        FilmFormat::Exr,
-        FilmFormat::Pfm,
-        FilmFormat::Npy,
-        FilmFormat::Png,
+    /// All formats, by their extensions.
+    const EXTENSIONS: [(&str, FilmFormat); 4] = [
+        ("exr", FilmFormat::Exr),
+        ("pfm", FilmFormat::Pfm),
+        ("npy", FilmFormat::Npy),
+        ("png", FilmFormat::Png),
     ];
 
     /// The format for the extension of `path`, in upper or lower case.
     pub fn of(path: &Path) -> Option<FilmFormat> {
         let extension = path.extension()?;
-        let is_of = |format: &FilmFormat| extension.eq_ignore_ascii_case(format.extension());
-        FilmFormat::ALL.into_iter().find(is_of)
+        let mut formats = FilmFormat::EXTENSIONS.into_iter();
+        let found = formats.find(|(of, _)| extension.eq_ignore_ascii_case(of));
+        found.map(|(_, format)| format)
     }
 
     /// The way from an image that is not read to one that is, by the extension of `path`.
@@ -55,12 +56,9 @@ impl FilmFormat {
 
     /// The extension, without the dot.
     pub fn extension(self) -> &'static str {
-        match self {
-            FilmFormat::Exr => "exr",
-            FilmFormat::Pfm => "pfm",
-            FilmFormat::Npy => "npy",
-            FilmFormat::Png => "png",
-        }
+        let mut formats = FilmFormat::EXTENSIONS.into_iter();
+        let found = formats.find(|(_, format)| *format == self);
+        found.expect("every format has one").0
     }
 
     /// Fails if `bytes` begin with the signature of another kind of image file. Unknown bytes are

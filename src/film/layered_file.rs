@@ -1,7 +1,7 @@
 //! Several images in one EXR file, each as a layer. Values are rounded to their noise, which makes
 //! files of derivatives ten times smaller.
 
-use super::exr_file::{floats, part, read_file, written_parts};
+use super::exr_file::{part, pixels, read_file, written_parts};
 use super::exr_layers::samples_of;
 use super::noise::rounded_to;
 use super::{Film, FilmError};
@@ -78,12 +78,9 @@ impl LayeredFilm {
             });
             for name in names {
                 let colours = |prefix: &str| {
-                    let channels = ["R", "G", "B"]
-                        .map(|letter| samples_of(part, &format!("{prefix}.{letter}")).map(floats));
-                    let [r, g, b] = channels;
-                    let (r, g, b) = (r?, g?, b?);
-                    let pixels = (0..r.len()).map(|at| [r[at], g[at], b[at]]);
-                    Some(pixels.collect::<Vec<_>>())
+                    let [r, g, b] = ["R", "G", "B"]
+                        .map(|letter| samples_of(part, &format!("{prefix}.{letter}")));
+                    Some(pixels([r?, g?, b?]))
                 };
                 let (Some(means), Some(errors)) =
                     (colours(&name), colours(&format!("{name}.{ERROR}")))

@@ -23,6 +23,7 @@ mod stored;
 
 use crate::math::Moments;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 pub use alpha::Alpha;
 pub use depth::Depth;
@@ -139,25 +140,6 @@ impl Film {
         Film::with_noise(width, height, means, variances, samples)
     }
 
-    /// At least two independent renderings of one image, combined into an image with noise.
-    ///
-    /// If all state their number of samples and their variance, the result is that of a single
-    /// image of all those samples: it has the spread within and between the renderings, and its
-    /// samples are the sum of theirs.
-    ///
-    /// Otherwise each rendering counts as one number: the variance of the mean is their sample
-    /// variance divided by their number n, which is then [`Noise::samples`]
-    /// ([`Noise::is_of_renderings`]). For few renderings this is very rough: its relative standard
-    /// error is √(2/(n − 1)), 1 for three and ½ for nine, and by chance it may be close to 0.
-    /// Variances stated by the renderings are not used then. [`Film::samples`] is the sum of theirs
-    /// if all have one.
-    ///
-    /// Fails if sizes differ, if only some have opacity, or if two renderings are equal in every
-    /// bit: these are not independent, and their spread would suggest that there is no noise.
-    pub fn from_replicates(films: &[Film]) -> Result<Film, FilmError> {
-        replicates::pooled(films)
-    }
-
     /// This image with noise: the radiances of `variance`, an image of the same size, are the
     /// variances of its means of `samples` samples each, at least two. They are used unchanged.
     pub fn with_variance_of(self, variance: &Film, samples: u32) -> Result<Film, FilmError> {
@@ -221,51 +203,46 @@ impl Film {
     /// The films side by side, from left to right. All must have the same height, and all or none
     /// opacity. The noise is kept if all have noise from the same number of samples.
     pub fn side_by_side(films: &[Film]) -> Film {
-        let height = films[0].height;
         let width = films.iter().map(|film| film.width).sum();
-        let mut radiance = Vec::with_capacity(width * height);
-        let mut opacity = Vec::with_capacity(width * height);
-        let mut variance = Vec::new();
-        let samples = films[0].noise.as_ref().map_or(0, Noise::samples);
-        for row in 0..height {
-            for film in films {
-                let row = row * film.width..(row + 1) * film.width;
-                radiance.extend_from_slice(&film.radiance[row.clone()]);
-                let part = film.opacity.as_ref().map_or(&[][..], |o| &o[row.clone()]);
-                opacity.extend_from_slice(part);
-                let noise = film.noise.as_ref().filter(|n| n.samples == samples);
-                variance.extend_from_slice(noise.map_or(&[][..], |n| &n.variance[row]));
-            }
-        }
-        let mut film = Film::new(width, height, radiance);
-        film.opacity = (opacity.len() == width * height).then_some(opacity);
-        film.noise = (samples > 0 && variance.len() == width * height)
-            .then(|| Noise::of_samples(variance, samples));
-        film.samples = film.noise.as_ref().map(|noise| noise.samples.into());
-        film
+        let rows = (0..films[0].height).flat_map(|row| {
+            let row_of = move |film: &Film| row * film.width..(row + 1) * film.width;
+            films.iter().map(move |film| (film, row_of(film)))
+        });
+        Film::of_pieces([width, films[0].height], rows)
     }
 
     /// The films below each other, from the top. All must have the same width, and all or none opacity.
     /// The noise is kept if all have noise from the same number of samples.
     pub fn below_each_other(films: &[Film]) -> Film {
-        let samples = |film: &Film| film.noise.as_ref().map(Noise::samples);
-        let first = samples(&films[0])
-            .filter(|_| films.iter().all(|film| samples(film) == samples(&films[0])));
-        let radiance: Vec<[f32; 3]> = films
-            .iter()
-            .flat_map(|film| &film.radiance)
-            .copied()
-            .collect();
-        let opacity: Option<Vec<&[f32]>> = films.iter().map(Film::opacity).collect();
-        let variance = films
-            .iter()
-            .filter_map(|film| film.noise.as_ref())
-            .flat_map(|noise| &noise.variance);
         let height = films.iter().map(|film| film.height).sum();
-        let mut film = Film::new(films[0].width, height, radiance);
-        film.opacity = opacity.map(|parts| parts.concat());
-        film.noise = first.map(|samples| Noise::of_samples(variance.copied().collect(), samples));
-        film.samples = film.noise.as_ref().map(|noise| noise.samples.into());
+        let whole = films.iter().map(|film| (film, 0..film.radiance.len()));
+        Film::of_pieces([films[0].width, height], whole)
+    }
+
+    /// An image of runs of pixels of others, in its own order: with opacity if all have one, with noise
+    /// if all have that of as many samples.
+    fn of_pieces<'f>(
+        [width, height]: [usize; 2],
+        pieces: impl Iterator<Item = (&'f Film, Range<usize>)> + Clone,
+    ) -> Film {
+        let radiance = pieces.clone().flat_map(|(film, run)| &film.radiance[run]);
+        let mut film = Film::new(width, height, radiance.copied().collect());
+        let opacity = pieces
+            .clone()
+            .map(|(film, run)| Some(&film.opacity()?[run]));
+        film.opacity = opacity
+            .collect::<Option<Vec<_>>>()
+            .map(|runs| runs.concat());
+        let samples = |film: &Film| film.noise.as_ref().map(Noise::samples);
+        let first = pieces.clone().next().and_then(|(film, _)| samples(film));
+        let variance = pieces.map(|(film, run)| {
+            let noise = film.noise.as_ref().filter(|_| samples(film) == first)?;
+            Some(&noise.variance[run])
+        });
+        if let (Some(samples), Some(runs)) = (first, variance.collect::<Option<Vec<_>>>()) {
+            film.noise = Some(Noise::of_samples(runs.concat(), samples));
+            film.samples = Some(samples.into());
+        }
         film
     }
 
@@ -462,106 +439,5 @@ impl Film {
             hasher.update(&noise.samples.to_le_bytes());
         }
         hasher.finalize().to_hex().to_string()
-    }
-
-    /// 8-bit sRGB codes of the radiance times 2^`exposure`, clipped to [0, 1], rounded to the
-    /// nearest code. NaN becomes black.
-    pub fn srgb_codes(&self, exposure: f64) -> Vec<[u8; 3]> {
-        png_file::srgb_codes(&self.radiance, exposure)
-    }
-
-    /// A PNG preview at `exposure` stops.
-    pub fn to_png(&self, exposure: f64) -> Vec<u8> {
-        Film::codes_to_png(&self.srgb_codes(exposure), self.width, self.height)
-    }
-
-    /// 8-bit sRGB codes as a PNG image.
-    ///
-    /// # Panics
-    /// If there is not one code triple per pixel.
-    pub fn codes_to_png(codes: &[[u8; 3]], width: usize, height: usize) -> Vec<u8> {
-        png_file::encode(codes, width, height)
-    }
-
-    /// The image as EXR, 32-bit float, lossless: R, G and B; A if there is opacity; Z if there is depth; if there is
-    /// noise, the variances of the means as layer `variance` and the number of samples as layer
-    /// `samples`.
-    pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
-        exr_file::encode(self)
-    }
-
-    /// Reads an EXR image. The image is the display window: pixels outside are cut off, and pixels
-    /// without data are black and transparent.
-    ///
-    /// Colours are the channels R, G and B, in upper or lower case, of half, float or integer type,
-    /// with A if present; without any colours a channel Y is grey. They may be in a layer, either a
-    /// part of the file with that name or channels such as `beauty.R`: the only layer with colours,
-    /// else the one without a name, else the only one called `rgba`, `beauty` or `combined`. All
-    /// else is ignored, except for noise: the layers `variance` (of the means; R, G, B) and
-    /// `samples` (Y).
-    ///
-    /// Colours with other primaries than those of Rec.709, by `chromaticities`, `colorInteropID` or
-    /// `acesImageContainerFlag`, are converted, the white point by the Bradford transform;
-    /// [`Film::changes_on_reading`] says so.
-    ///
-    /// Deep data, subsampled channels, luminance with chroma, colours that are not linear RGB or whose
-    /// statements contradict each other, several views, environment maps, pixels that are not square,
-    /// opacity that colours are not multiplied by, the compressions DWAA and DWAB and, of half floats,
-    /// B44 and B44A, windows that end before they begin, and files with a missing block of pixels in
-    /// any part or resolution are refused. Values that are not finite are kept.
-    pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
-        exr_file::decode(bytes)
-    }
-
-    /// As [`Film::from_exr`], of a file whose pixels, those of all its parts, take at most so many bytes.
-    pub fn from_exr_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
-        exr_file::decode_within(bytes, most)
-    }
-
-    /// Reads the file of variances beside an image: an EXR whose colours are variances of the
-    /// mean, and whose channel `samples.Y` is the number of samples; for
-    /// [`Film::with_variance_of`].
-    pub fn variance_from_exr(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
-        exr_file::decode_variance(bytes)
-    }
-
-    /// Reads a PFM image: colour, or grey as three equal channels, of either byte order, multiplied
-    /// by the magnitude of its scale. Values that are not finite are kept.
-    pub fn from_pfm(bytes: &[u8]) -> Result<Film, FilmError> {
-        pfm_file::decode(bytes)
-    }
-
-    /// The image as PFM, little endian, without its opacity and noise.
-    pub fn to_pfm(&self) -> Vec<u8> {
-        pfm_file::encode(self)
-    }
-
-    /// Reads a NumPy array: float16, float32 or float64 of either byte order, of the shape (height,
-    /// width, 3), (height, width, 4) with opacity, or (height, width) or (height, width, 1) for
-    /// grey, in C or Fortran order. Values that are not finite are kept, and those beyond 32 bits
-    /// become infinite.
-    pub fn from_npy(bytes: &[u8]) -> Result<Film, FilmError> {
-        npy_file::decode(bytes)
-    }
-
-    /// The image as a NumPy array, float32, of shape (height, width, 3), or (height, width, 4) with
-    /// opacity; without its noise.
-    pub fn to_npy(&self) -> Vec<u8> {
-        npy_file::encode(self)
-    }
-
-    /// The depth as a NumPy array, float32, of shape (height, width), if there is any.
-    pub fn depth_to_npy(&self) -> Option<Vec<u8>> {
-        let depth = self.depth.as_ref()?.iter().copied();
-        Some(npy_file::encode_values(&[self.height, self.width], depth))
-    }
-
-    /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette; 16-bit values become the
-    /// nearest codes (v/257). Returns width, height and the codes.
-    ///
-    /// Transparent pixels, animations, colours beyond the end of the palette, pixels that are not
-    /// square, and codes that are not sRGB (other primaries, another gamma or profile) are refused.
-    pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
-        png_file::decode(bytes)
     }
 }

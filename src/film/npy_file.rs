@@ -28,54 +28,68 @@ pub(crate) struct NpyHeader {
     pub(crate) shape: Vec<usize>,
 }
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
-    let (header, data) = NpyHeader::read(bytes)?;
-    let number = NpyNumber::of(&header.descr)?;
-    let [height, width, channels] = axes(&header.shape)?;
-    check_size(width, height)?;
-    // In 64 bits: with words of 32 the product can overflow.
-    let lengths = [width, height, channels, number.bytes].map(|length| length as u64);
-    let expected: u64 = lengths.into_iter().product();
-    if data.len() as u64 != expected {
-        return Err(unreadable(format!(
-            "an array of shape {} and type {} has {expected} bytes, and {} follow the header",
-            shown(&header.shape),
-            header.descr,
-            data.len()
-        )));
-    }
-    let value = |row: usize, column: usize, channel: usize| {
-        let index = if header.fortran_order {
-            row + height * (column + width * channel)
-        } else {
-            (row * width + column) * channels + channel
+impl Film {
+    /// Reads a NumPy array: float16, float32 or float64 of either byte order, of the shape (height,
+    /// width, 3), (height, width, 4) with opacity, or (height, width) or (height, width, 1) for
+    /// grey, in C or Fortran order. Values that are not finite are kept, and those beyond 32 bits
+    /// become infinite.
+    pub fn from_npy(bytes: &[u8]) -> Result<Film, FilmError> {
+        let (header, data) = NpyHeader::read(bytes)?;
+        let number = NpyNumber::of(&header.descr)?;
+        let [height, width, channels] = axes(&header.shape)?;
+        check_size(width, height)?;
+        // In 64 bits: with words of 32 the product can overflow.
+        let lengths = [width, height, channels, number.bytes].map(|length| length as u64);
+        let expected: u64 = lengths.into_iter().product();
+        if data.len() as u64 != expected {
+            return Err(unreadable(format!(
+                "an array of shape {} and type {} has {expected} bytes, and {} follow the header",
+                shown(&header.shape),
+                header.descr,
+                data.len()
+            )));
+        }
+        let value = |row: usize, column: usize, channel: usize| {
+            let index = if header.fortran_order {
+                row + height * (column + width * channel)
+            } else {
+                (row * width + column) * channels + channel
+            };
+            number.read(&data[index * number.bytes..][..number.bytes])
         };
-        number.read(&data[index * number.bytes..][..number.bytes])
-    };
-    let reading = Reading {
-        overflow: number.overflow(data),
-        ..Reading::default()
-    };
-    let positions = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
-    if channels == 4 {
-        let pixel = |(row, column)| [0, 1, 2, 3].map(|c| value(row, column, c));
-        let film = Film::with_opacity(width, height, positions.map(pixel).collect());
-        return Ok(Film { reading, ..film });
+        let reading = Reading {
+            overflow: number.overflow(data),
+            ..Reading::default()
+        };
+        let positions = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
+        if channels == 4 {
+            let pixel = |(row, column)| [0, 1, 2, 3].map(|c| value(row, column, c));
+            let film = Film::with_opacity(width, height, positions.map(pixel).collect());
+            return Ok(Film { reading, ..film });
+        }
+        let pixel = |(row, column)| [0, 1, 2].map(|c| value(row, column, c % channels));
+        let film = Film::new(width, height, positions.map(pixel).collect());
+        Ok(Film { reading, ..film })
     }
-    let pixel = |(row, column)| [0, 1, 2].map(|c| value(row, column, c % channels));
-    let film = Film::new(width, height, positions.map(pixel).collect());
-    Ok(Film { reading, ..film })
-}
 
-pub(super) fn encode(film: &Film) -> Vec<u8> {
-    let channels = if film.opacity().is_some() { 4 } else { 3 };
-    let pixels = (0..film.radiance().len()).map(|index| film.pixel(index));
-    let values = pixels.flat_map(|pixel| pixel.into_iter().take(channels));
-    encode_values(&[film.height(), film.width(), channels], values)
+    /// The image as a NumPy array, float32, of shape (height, width, 3), or (height, width, 4) with
+    /// opacity; without its noise.
+    pub fn to_npy(&self) -> Vec<u8> {
+        let channels = if self.opacity().is_some() { 4 } else { 3 };
+        let pixels = (0..self.radiance().len()).map(|index| self.pixel(index));
+        let values = pixels.flat_map(|pixel| pixel.into_iter().take(channels));
+        encode_values(&[self.height(), self.width(), channels], values)
+    }
+
+    /// The depth as a NumPy array, float32, of shape (height, width), if there is any.
+    pub fn depth_to_npy(&self) -> Option<Vec<u8>> {
+        let depth = self.depth.as_ref()?.iter().copied();
+        Some(encode_values(&[self.height, self.width], depth))
+    }
 }
 
 /// The array of this shape, float32.
-pub(super) fn encode_values(shape: &[usize], values: impl Iterator<Item = f32>) -> Vec<u8> {
+fn encode_values(shape: &[usize], values: impl Iterator<Item = f32>) -> Vec<u8> {
     let mut bytes = npy_header(shape);
     for value in values {
         bytes.extend_from_slice(&value.to_le_bytes());

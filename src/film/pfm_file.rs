@@ -43,72 +43,85 @@ fn length<'b>(bytes: &'b [u8], what: &str) -> Result<(usize, &'b [u8]), FilmErro
     Ok((length, rest))
 }
 
-pub(super) fn decode(bytes: &[u8]) -> Result<Film, FilmError> {
-    let (channels, rest) = match word(bytes)? {
-        ("PF", rest) => (3, rest),
-        ("Pf", rest) => (1, rest),
-        (kind @ ("PF4" | "PH" | "Ph" | "PH4"), _) => {
-            return Err(FilmError::unsuited(
-                format!("{kind} is a variant of PFM with opacity or half floats"),
-                "write PF, three 32-bit floats a pixel, or opacity and half floats as .exr",
+impl Film {
+    /// Reads a PFM image: colour, or grey as three equal channels, of either byte order, multiplied
+    /// by the magnitude of its scale. Values that are not finite are kept.
+    pub fn from_pfm(bytes: &[u8]) -> Result<Film, FilmError> {
+        let (channels, rest) = match word(bytes)? {
+            ("PF", rest) => (3, rest),
+            ("Pf", rest) => (1, rest),
+            (kind @ ("PF4" | "PH" | "Ph" | "PH4"), _) => {
+                return Err(FilmError::unsuited(
+                    format!("{kind} is a variant of PFM with opacity or half floats"),
+                    "write PF, three 32-bit floats a pixel, or opacity and half floats as .exr",
+                ));
+            }
+            _ => return Err(unreadable("it does not begin with PF or Pf")),
+        };
+        let (width, rest) = length(rest, "columns")?;
+        let (height, rest) = length(rest, "rows")?;
+        check_size(width, height)?;
+        let (text, rest) = word(rest)?;
+        let scale: f32 = text.parse().unwrap_or(f32::NAN);
+        if !scale.is_finite() || scale == 0.0 {
+            let reason = format!("its scale is {text:?}, not a number other than 0");
+            return Err(unreadable(reason));
+        }
+        let expected = width * height * channels * 4;
+        let data = match rest.strip_prefix(b"\r\n") {
+            // A line may end in two characters, but then the data would begin with the second.
+            Some(data) if data.len() == expected => data,
+            _ => &rest[1..],
+        };
+        if data.len() != expected {
+            return Err(unreadable(format!(
+                "{width} × {height} pixels of {channels} channels are {expected} bytes, and {} follow \
+                 the header",
+                data.len()
+            )));
+        }
+        let is_little = scale < 0.0;
+        let factor = scale.abs();
+        let number = |bytes: &[u8; 4], is_little: bool| {
+            if is_little {
+                f32::from_le_bytes(*bytes)
+            } else {
+                f32::from_be_bytes(*bytes)
+            }
+        };
+        let stored = |bytes: &[u8; 4]| number(bytes, is_little);
+        let (numbers, _) = data.as_chunks::<4>();
+        let rows = numbers.chunks_exact(width * channels).rev();
+        let pixels = rows.flat_map(|row| row.chunks_exact(channels));
+        let colour = |pixel: &[[u8; 4]]| [0, 1, 2].map(|c| stored(&pixel[c % channels]) * factor);
+        let mut film = Film::new(width, height, pixels.map(colour).collect());
+        if factor != 1.0 {
+            let change = format!("was multiplied by {factor}, the magnitude of its scale");
+            film.reading.changes.push(change);
+            let mut stored = numbers.iter().map(stored);
+            if stored.any(|value| value.is_finite() && (value * factor).is_infinite()) {
+                film.reading.overflow = Some(Overflow::Scale);
+            }
+        }
+        let mut swapped = numbers.iter().map(|bytes| number(bytes, !is_little));
+        if numbers.iter().map(stored).any(is_strange) && swapped.all(is_ordinary) {
+            film.reading.is_swapped = true;
+            film.reading.changes.push(format!(
+                "has values of ordinary size only in the other byte order than its scale {text} states: a \
+                 negative scale is little-endian, a positive one big-endian"
             ));
         }
-        _ => return Err(unreadable("it does not begin with PF or Pf")),
-    };
-    let (width, rest) = length(rest, "columns")?;
-    let (height, rest) = length(rest, "rows")?;
-    check_size(width, height)?;
-    let (text, rest) = word(rest)?;
-    let scale: f32 = text.parse().unwrap_or(f32::NAN);
-    if !scale.is_finite() || scale == 0.0 {
-        let reason = format!("its scale is {text:?}, not a number other than 0");
-        return Err(unreadable(reason));
+        Ok(film)
     }
-    let expected = width * height * channels * 4;
-    let data = match rest.strip_prefix(b"\r\n") {
-        // A line may end in two characters, but then the data would begin with the second.
-        Some(data) if data.len() == expected => data,
-        _ => &rest[1..],
-    };
-    if data.len() != expected {
-        return Err(unreadable(format!(
-            "{width} × {height} pixels of {channels} channels are {expected} bytes, and {} follow \
-             the header",
-            data.len()
-        )));
-    }
-    let is_little = scale < 0.0;
-    let factor = scale.abs();
-    let number = |bytes: &[u8; 4], is_little: bool| {
-        if is_little {
-            f32::from_le_bytes(*bytes)
-        } else {
-            f32::from_be_bytes(*bytes)
+
+    /// The image as PFM, little endian, without its opacity and noise.
+    pub fn to_pfm(&self) -> Vec<u8> {
+        let mut bytes = format!("PF\n{} {}\n-1.0\n", self.width(), self.height()).into_bytes();
+        for row in self.radiance().chunks_exact(self.width().max(1)).rev() {
+            bytes.extend(row.iter().flatten().flat_map(|value| value.to_le_bytes()));
         }
-    };
-    let stored = |bytes: &[u8; 4]| number(bytes, is_little);
-    let (numbers, _) = data.as_chunks::<4>();
-    let rows = numbers.chunks_exact(width * channels).rev();
-    let pixels = rows.flat_map(|row| row.chunks_exact(channels));
-    let colour = |pixel: &[[u8; 4]]| [0, 1, 2].map(|c| stored(&pixel[c % channels]) * factor);
-    let mut film = Film::new(width, height, pixels.map(colour).collect());
-    if factor != 1.0 {
-        let change = format!("was multiplied by {factor}, the magnitude of its scale");
-        film.reading.changes.push(change);
-        let mut stored = numbers.iter().map(stored);
-        if stored.any(|value| value.is_finite() && (value * factor).is_infinite()) {
-            film.reading.overflow = Some(Overflow::Scale);
-        }
+        bytes
     }
-    let mut swapped = numbers.iter().map(|bytes| number(bytes, !is_little));
-    if numbers.iter().map(stored).any(is_strange) && swapped.all(is_ordinary) {
-        film.reading.is_swapped = true;
-        film.reading.changes.push(format!(
-            "has values of ordinary size only in the other byte order than its scale {text} states: a \
-             negative scale is little-endian, a positive one big-endian"
-        ));
-    }
-    Ok(film)
 }
 
 /// A magnitude that radiance seldom has, and ordinary numbers have with their bytes reversed.
@@ -124,11 +137,3 @@ fn is_ordinary(value: f32) -> bool {
 /// Largest ordinary magnitude. Infinity and the usual NaN with their bytes reversed are subnormal, so that
 /// an image that has them in the right order is not suspected.
 const MOST_ORDINARY: f32 = 1e12;
-
-pub(super) fn encode(film: &Film) -> Vec<u8> {
-    let mut bytes = format!("PF\n{} {}\n-1.0\n", film.width(), film.height()).into_bytes();
-    for row in film.radiance().chunks_exact(film.width().max(1)).rev() {
-        bytes.extend(row.iter().flatten().flat_map(|value| value.to_le_bytes()));
-    }
-    bytes
-}

@@ -4,90 +4,107 @@ use super::noise::NoiseOrigin;
 use super::reading::Reading;
 use super::{Film, FilmError};
 
-pub(super) fn pooled(films: &[Film]) -> Result<Film, FilmError> {
-    let fail = |reason: String| Err(FilmError::Replicates(reason));
-    let [first, others @ ..] = films else {
-        return fail("there is none".to_owned());
-    };
-    if others.is_empty() {
-        return fail("there is only one, which has no spread".to_owned());
-    }
-    for (index, film) in others.iter().enumerate() {
-        let index = index + 1;
-        if (film.width, film.height) != (first.width, first.height) {
-            return fail(format!(
-                "number 0 has {} × {} pixels, number {index} {} × {}",
-                first.width, first.height, film.width, film.height
-            ));
-        }
-        if film.opacity.is_some() != first.opacity.is_some() {
-            return fail(format!(
-                "of number 0 and number {index} one has opacity and one has none"
-            ));
-        }
-        let is_same = |other: &Film| bits(other).eq(bits(film));
-        if let Some(same) = films[..index].iter().position(is_same) {
-            return fail(format!(
-                "number {same} and number {index} are the same in every bit: give each its own \
-                 seed, or one image alone if it has no noise"
-            ));
-        }
-    }
-    let counts: Option<Vec<u32>> = films
-        .iter()
-        .map(|film| Some(film.noise()?.samples))
-        .collect();
-    let is_of_renderings = counts.is_none();
-    let (numbers, parts) = match counts {
-        Some(counts) => {
-            let total = counts.iter().map(|&count| u64::from(count)).sum::<u64>();
-            (u32::try_from(total).unwrap_or(u32::MAX), counts)
-        }
-        None => (films.len() as u32, vec![1; films.len()]),
-    };
-    let mut radiance = Vec::with_capacity(first.radiance.len());
-    let mut variance = Vec::with_capacity(first.radiance.len());
-    for index in 0..first.radiance.len() {
-        let pixel = [0, 1, 2].map(|channel| {
-            pooled_value(films.iter().zip(&parts).map(|(film, &count)| {
-                ReplicateMoments {
-                    count: f64::from(count),
-                    mean: f64::from(film.radiance[index][channel]),
-                    // Of a single number there is none, and `count` is 1.
-                    variance_of_mean: film
-                        .noise()
-                        .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),
-                }
-            }))
-        });
-        radiance.push(pixel.map(|(mean, _)| mean as f32));
-        variance.push(pixel.map(|(_, variance)| variance as f32));
-    }
-    let opacity = first.opacity.is_some().then(|| {
-        let weights = parts.iter().map(|&count| f64::from(count));
-        let total: f64 = weights.clone().sum();
-        let mean = |index: usize| {
-            let values = films.iter().map(|film| f64::from(film.pixel(index)[3]));
-            let sum: f64 = values.zip(weights.clone()).map(|(v, w)| v * w).sum();
-            (sum / total) as f32
+impl Film {
+    /// At least two independent renderings of one image, combined into an image with noise.
+    ///
+    /// If all state their number of samples and their variance, the result is that of a single
+    /// image of all those samples: it has the spread within and between the renderings, and its
+    /// samples are the sum of theirs.
+    ///
+    /// Otherwise each rendering counts as one number: the variance of the mean is their sample
+    /// variance divided by their number n, which is then [`Noise::samples`]
+    /// ([`Noise::is_of_renderings`]). For few renderings this is very rough: its relative standard
+    /// error is √(2/(n − 1)), 1 for three and ½ for nine, and by chance it may be close to 0.
+    /// Variances stated by the renderings are not used then. [`Film::samples`] is the sum of theirs
+    /// if all have one.
+    ///
+    /// Fails if sizes differ, if only some have opacity, or if two renderings are equal in every
+    /// bit: these are not independent, and their spread would suggest that there is no noise.
+    pub fn from_replicates(films: &[Film]) -> Result<Film, FilmError> {
+        let fail = |reason: String| Err(FilmError::Replicates(reason));
+        let [first, others @ ..] = films else {
+            return fail("there is none".to_owned());
         };
-        (0..first.radiance.len()).map(mean).collect()
-    });
-    let mut film = Film::with_noise(first.width, first.height, radiance, variance, numbers);
-    film.opacity = opacity;
-    let mut changed = films.iter().map(|film| &film.reading);
-    let changed = changed.find(|reading| **reading != Reading::default());
-    film.reading = changed.cloned().unwrap_or_default();
-    let roundings = films.iter().map(Film::absolute_rounding);
-    let rounding = roundings.fold(0.0, f64::max);
-    film.reading.rounding = (rounding > 0.0).then_some(rounding);
-    film.samples = films.iter().map(Film::samples).sum();
-    if let Some(noise) = &mut film.noise
-        && is_of_renderings
-    {
-        noise.origin = NoiseOrigin::Renderings;
+        if others.is_empty() {
+            return fail("there is only one, which has no spread".to_owned());
+        }
+        for (index, film) in others.iter().enumerate() {
+            let index = index + 1;
+            if (film.width, film.height) != (first.width, first.height) {
+                return fail(format!(
+                    "number 0 has {} × {} pixels, number {index} {} × {}",
+                    first.width, first.height, film.width, film.height
+                ));
+            }
+            if film.opacity.is_some() != first.opacity.is_some() {
+                return fail(format!(
+                    "of number 0 and number {index} one has opacity and one has none"
+                ));
+            }
+            let is_same = |other: &Film| bits(other).eq(bits(film));
+            if let Some(same) = films[..index].iter().position(is_same) {
+                return fail(format!(
+                    "number {same} and number {index} are the same in every bit: give each its own \
+                     seed, or one image alone if it has no noise"
+                ));
+            }
+        }
+        let counts: Option<Vec<u32>> = films
+            .iter()
+            .map(|film| Some(film.noise()?.samples))
+            .collect();
+        let is_of_renderings = counts.is_none();
+        let (numbers, parts) = match counts {
+            Some(counts) => {
+                let total = counts.iter().map(|&count| u64::from(count)).sum::<u64>();
+                (u32::try_from(total).unwrap_or(u32::MAX), counts)
+            }
+            None => (films.len() as u32, vec![1; films.len()]),
+        };
+        let mut radiance = Vec::with_capacity(first.radiance.len());
+        let mut variance = Vec::with_capacity(first.radiance.len());
+        for index in 0..first.radiance.len() {
+            let pixel = [0, 1, 2].map(|channel| {
+                pooled_value(films.iter().zip(&parts).map(|(film, &count)| {
+                    ReplicateMoments {
+                        count: f64::from(count),
+                        mean: f64::from(film.radiance[index][channel]),
+                        // Of a single number there is none, and `count` is 1.
+                        variance_of_mean: film
+                            .noise()
+                            .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),
+                    }
+                }))
+            });
+            radiance.push(pixel.map(|(mean, _)| mean as f32));
+            variance.push(pixel.map(|(_, variance)| variance as f32));
+        }
+        let opacity = first.opacity.is_some().then(|| {
+            let weights = parts.iter().map(|&count| f64::from(count));
+            let total: f64 = weights.clone().sum();
+            let mean = |index: usize| {
+                let values = films.iter().map(|film| f64::from(film.pixel(index)[3]));
+                let sum: f64 = values.zip(weights.clone()).map(|(v, w)| v * w).sum();
+                (sum / total) as f32
+            };
+            (0..first.radiance.len()).map(mean).collect()
+        });
+        let mut film = Film::with_noise(first.width, first.height, radiance, variance, numbers);
+        film.opacity = opacity;
+        let mut changed = films.iter().map(|film| &film.reading);
+        let changed = changed.find(|reading| **reading != Reading::default());
+        film.reading = changed.cloned().unwrap_or_default();
+        let roundings = films.iter().map(Film::absolute_rounding);
+        let rounding = roundings.fold(0.0, f64::max);
+        film.reading.rounding = (rounding > 0.0).then_some(rounding);
+        film.samples = films.iter().map(Film::samples).sum();
+        if let Some(noise) = &mut film.noise
+            && is_of_renderings
+        {
+            noise.origin = NoiseOrigin::Renderings;
+        }
+        Ok(film)
     }
-    Ok(film)
 }
 
 /// The bits of every colour of an image, so that NaN equals itself.

@@ -30,15 +30,10 @@ impl TryFrom<StoredFilm> for Film {
             return Err("the image has not one value per pixel");
         }
         Ok(Film {
-            width: stored.width,
-            height: stored.height,
-            radiance: stored.radiance,
             opacity: stored.opacity,
             noise: stored.noise,
             samples: stored.samples,
-            reading: Default::default(),
-            quantisation: None,
-            depth: None,
+            ..Film::new(stored.width, stored.height, stored.radiance)
         })
     }
 }

@@ -98,6 +98,7 @@ impl Aabb {
 }
 
 /// The axis of the largest component of a vector without negative components, the first of several.
+#[inline]
 pub fn longest_axis(v: DVec3) -> usize {
     if v.x >= v.y && v.x >= v.z {
         0

@@ -1,5 +1,6 @@
 //! Meshes that enclose a volume.
 
+use super::forward::forward;
 use super::{Aabb, Crossing, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface, Transform};
 use crate::math::Sum;
 use std::sync::Arc;
@@ -52,20 +53,11 @@ impl ClosedMesh {
 }
 
 impl Surface for ClosedMesh {
-    fn bounds(&self) -> Aabb {
-        self.0.bounds()
-    }
-
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        self.0.crossing(ray, limit)
-    }
-
-    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
-        self.0.hit_at(ray, crossing)
-    }
-
-    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        self.0.blocks(ray, limit)
+    forward! { (.0)
+        fn bounds() -> Aabb;
+        fn crossing(ray: &Ray, limit: f64) -> Option<Crossing>;
+        fn hit_at(ray: &Ray, crossing: &Crossing) -> Hit;
+        fn blocks(ray: &Ray, limit: f64) -> bool;
     }
 }
 

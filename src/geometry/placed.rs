@@ -37,6 +37,11 @@ impl<S: Surface> Placed<S> {
         }
     }
 
+    pub(super) fn moved(self, by: &Transform) -> Placed<S> {
+        let to_world = self.to_world.then(by);
+        Placed::new(self.shape, to_world)
+    }
+
     /// The shape in its own space.
     pub fn shape(&self) -> &S {
         &self.shape

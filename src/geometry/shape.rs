@@ -1,8 +1,9 @@
 //! Enums over the shapes of a scene.
 
+use super::forward::{forward, within};
 use super::{
     Aabb, ClosedMesh, Convex, Crossing, Emitter, EmitterExtent, EmitterPdf, Hit, Mesh, Placed, Ray,
-    Rectangle, Solid, Span, Sphere, Surface, SurfacePoint,
+    Rectangle, Solid, Span, Sphere, Surface, SurfacePoint, Transform,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -68,85 +69,47 @@ pub enum Luminous {
     Mesh(Arc<Mesh>),
 }
 
-/// Calls the same method on every variant.
-macro_rules! each {
-    ($self:expr, $kind:ident: $($variant:ident)|+, $shape:ident => $call:expr) => {
-        match $self { $($kind::$variant($shape) => $call,)+ }
-    };
-}
-
 impl Surface for Shape {
-    fn bounds(&self) -> Aabb {
-        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.bounds())
-    }
-
-    fn bounding_sphere(&self) -> (DVec3, f64) {
-        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.bounding_sphere())
-    }
-
-    fn hull(&self) -> Vec<DVec3> {
-        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.hull())
-    }
-
-    fn slack(&self) -> f64 {
-        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.slack())
-    }
-
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.crossing(ray, limit))
-    }
-
-    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
-        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.hit_at(ray, crossing))
-    }
-
-    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        each!(self, Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.blocks(ray, limit))
+    forward! { (Shape: Sphere | Box | Rectangle | Mesh | PlacedSphere | PlacedBox | PlacedMesh)
+        fn bounds() -> Aabb;
+        fn bounding_sphere() -> (DVec3, f64);
+        fn hull() -> Vec<DVec3>;
+        fn slack() -> f64;
+        fn crossing(ray: &Ray, limit: f64) -> Option<Crossing>;
+        fn hit_at(ray: &Ray, crossing: &Crossing) -> Hit;
+        fn blocks(ray: &Ray, limit: f64) -> bool;
     }
 }
 
 impl Surface for Boundary {
-    fn bounds(&self) -> Aabb {
-        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.bounds())
-    }
-
-    fn slack(&self) -> f64 {
-        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.slack())
-    }
-
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.crossing(ray, limit))
-    }
-
-    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
-        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.hit_at(ray, crossing))
-    }
-
-    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.blocks(ray, limit))
+    forward! { (Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh)
+        fn bounds() -> Aabb;
+        fn slack() -> f64;
+        fn crossing(ray: &Ray, limit: f64) -> Option<Crossing>;
+        fn hit_at(ray: &Ray, crossing: &Crossing) -> Hit;
+        fn blocks(ray: &Ray, limit: f64) -> bool;
     }
 }
 
 impl Solid for Boundary {
-    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        each!(self, Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh,
-            shape => shape.append_spans(ray, spans));
+    forward! { (Boundary: Sphere | Box | Mesh | PlacedSphere | PlacedBox | PlacedMesh)
+        fn append_spans(ray: &Ray, spans: &mut Vec<Span>);
     }
 }
 
 impl Boundary {
+    /// The shape where `by` takes it.
+    pub fn moved(self, by: &Transform) -> Boundary {
+        match self {
+            Boundary::Sphere(sphere) => Boundary::PlacedSphere(Placed::new(sphere, *by)),
+            Boundary::Box(bounds) => Boundary::PlacedBox(Placed::new(bounds, *by)),
+            Boundary::Mesh(mesh) => Boundary::PlacedMesh(Placed::new(mesh, *by)),
+            Boundary::PlacedSphere(sphere) => Boundary::PlacedSphere(sphere.moved(by)),
+            Boundary::PlacedBox(bounds) => Boundary::PlacedBox(bounds.moved(by)),
+            Boundary::PlacedMesh(mesh) => Boundary::PlacedMesh(mesh.moved(by)),
+        }
+    }
+
     /// The shape, if it is convex by its kind; a mesh may be anything.
     pub fn convex(&self) -> Option<ConvexBoundary<'_>> {
         match self {
@@ -162,102 +125,53 @@ impl Boundary {
 impl ConvexBoundary<'_> {
     /// The segment of `ray` inside, as [`Convex::span`].
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        each!(self, ConvexBoundary: Sphere | Box | PlacedSphere | PlacedBox,
+        within!(self, (ConvexBoundary: Sphere | Box | PlacedSphere | PlacedBox),
             shape => Convex::span(*shape, ray))
     }
 }
 
 impl Surface for Luminous {
-    fn bounds(&self) -> Aabb {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.bounds())
-    }
-
-    fn hull(&self) -> Vec<DVec3> {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.hull())
-    }
-
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.crossing(ray, limit))
-    }
-
-    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.hit_at(ray, crossing))
-    }
-
-    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        each!(self, Luminous: Sphere | Rectangle | Mesh,
-            shape => shape.blocks(ray, limit))
+    forward! { (Luminous: Sphere | Rectangle | Mesh)
+        fn bounds() -> Aabb;
+        fn hull() -> Vec<DVec3>;
+        fn crossing(ray: &Ray, limit: f64) -> Option<Crossing>;
+        fn hit_at(ray: &Ray, crossing: &Crossing) -> Hit;
+        fn blocks(ray: &Ray, limit: f64) -> bool;
     }
 }
 
 impl Emitter for Luminous {
-    fn area(&self) -> f64 {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.area())
-    }
-
-    fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.sample(uv))
-    }
-
-    fn sample_towards(&self, to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf) {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.sample_towards(to, uv))
-    }
-
-    fn pdf_towards(&self, to: DVec3) -> EmitterPdf {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.pdf_towards(to))
-    }
-
-    fn extent(&self) -> EmitterExtent {
-        each!(self, Luminous: Sphere | Rectangle | Mesh, shape => shape.extent())
+    forward! { (Luminous: Sphere | Rectangle | Mesh)
+        fn area() -> f64;
+        fn sample(uv: [f64; 2]) -> SurfacePoint;
+        fn sample_towards(to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf);
+        fn pdf_towards(to: DVec3) -> EmitterPdf;
+        fn extent() -> EmitterExtent;
     }
 }
 
 impl<S: Surface> Surface for Arc<S> {
-    fn bounds(&self) -> Aabb {
-        (**self).bounds()
-    }
-
-    fn bounding_sphere(&self) -> (DVec3, f64) {
-        (**self).bounding_sphere()
-    }
-
-    fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        (**self).crossing(ray, limit)
-    }
-
-    fn hit_at(&self, ray: &Ray, crossing: &Crossing) -> Hit {
-        (**self).hit_at(ray, crossing)
-    }
-
-    fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        (**self).blocks(ray, limit)
+    forward! { (*)
+        fn bounds() -> Aabb;
+        fn bounding_sphere() -> (DVec3, f64);
+        fn crossing(ray: &Ray, limit: f64) -> Option<Crossing>;
+        fn hit_at(ray: &Ray, crossing: &Crossing) -> Hit;
+        fn blocks(ray: &Ray, limit: f64) -> bool;
     }
 }
 
 impl<S: Solid> Solid for Arc<S> {
-    fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        (**self).append_spans(ray, spans);
+    forward! { (*)
+        fn append_spans(ray: &Ray, spans: &mut Vec<Span>);
     }
 }
 
 impl<S: Emitter> Emitter for Arc<S> {
-    fn area(&self) -> f64 {
-        (**self).area()
-    }
-
-    fn sample(&self, uv: [f64; 2]) -> SurfacePoint {
-        (**self).sample(uv)
-    }
-
-    fn sample_towards(&self, to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf) {
-        (**self).sample_towards(to, uv)
-    }
-
-    fn pdf_towards(&self, to: DVec3) -> EmitterPdf {
-        (**self).pdf_towards(to)
-    }
-
-    fn extent(&self) -> EmitterExtent {
-        (**self).extent()
+    forward! { (*)
+        fn area() -> f64;
+        fn sample(uv: [f64; 2]) -> SurfacePoint;
+        fn sample_towards(to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf);
+        fn pdf_towards(to: DVec3) -> EmitterPdf;
+        fn extent() -> EmitterExtent;
     }
 }

@@ -28,7 +28,7 @@ use crate::render::{Effect, Event, Plan, Sampling, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
     Centring, DensityField, Grid, GridDensity, GridError, Interpolation, Lattice, LoadOptions,
-    NonFinite, Trilinear, read_nrrd,
+    NonFinite, Trilinear, read_volume,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -266,7 +266,7 @@ fn nrrd_with(odd: &str) -> String {
 fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
     for text in ["nan", "inf", "-inf"] {
         let file = nrrd_with(text);
-        let refused = read_nrrd(file.as_bytes(), &LoadOptions::default());
+        let refused = read_volume("grid.nrrd", file.as_bytes(), None, &LoadOptions::default());
         let message = refused.map_or_else(|error| error.to_string(), |_| String::new());
         let is_named = message.contains("(1, 2, 3)") && message.to_lowercase().contains(text);
         let what = format_args!("{text} is refused by node and value: {message}");
@@ -275,7 +275,7 @@ fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
             non_finite: NonFinite::Replaced(0.0),
             ..LoadOptions::default()
         };
-        match read_nrrd(file.as_bytes(), &options) {
+        match read_volume("grid.nrrd", file.as_bytes(), None, &options) {
             Ok(grid) => {
                 margin.exact(format_args!("{text}, replaced"), grid.values()[57], 0.0);
                 let volume = classified(Arc::new(grid), by_formula(1.0));

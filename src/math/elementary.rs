@@ -6,79 +6,49 @@
 //! correctly rounded by IEEE 754 and can be used directly.
 
 /// `e^x`.
-pub fn exp(x: f64) -> f64 {
-    libm::exp(x)
-}
+pub use libm::exp;
 
 /// `e^x − 1`, accurate for small `x`.
-pub fn exp_m1(x: f64) -> f64 {
-    libm::expm1(x)
-}
+pub use libm::expm1 as exp_m1;
 
 /// Natural logarithm of `x ≥ 0`; `−∞` at 0.
-pub fn ln(x: f64) -> f64 {
-    libm::log(x)
-}
+pub use libm::log as ln;
 
 /// `ln(1 + x)`, accurate for small `x ≥ −1`; `−∞` at −1.
-pub fn ln_1p(x: f64) -> f64 {
-    libm::log1p(x)
-}
+pub use libm::log1p as ln_1p;
 
 /// Logarithm to base 2 of `x ≥ 0`.
-pub fn log2(x: f64) -> f64 {
-    libm::log2(x)
-}
+pub use libm::log2;
 
 /// Logarithm to base 10 of `x ≥ 0`; `−∞` at 0.
-pub fn log10(x: f64) -> f64 {
-    libm::log10(x)
-}
+pub use libm::log10;
 
 /// `2^x`.
-pub fn exp2(x: f64) -> f64 {
-    libm::exp2(x)
-}
+pub use libm::exp2;
 
 /// `x^y` for real `y`.
-pub fn pow(x: f64, y: f64) -> f64 {
-    libm::pow(x, y)
-}
+pub use libm::pow;
 
 /// Cube root.
-pub fn cbrt(x: f64) -> f64 {
-    libm::cbrt(x)
-}
+pub use libm::cbrt;
 
 /// Sine of an angle in radians.
-pub fn sin(x: f64) -> f64 {
-    libm::sin(x)
-}
+pub use libm::sin;
 
 /// Cosine of an angle in radians.
-pub fn cos(x: f64) -> f64 {
-    libm::cos(x)
-}
+pub use libm::cos;
 
 /// Tangent of an angle in radians.
-pub fn tan(x: f64) -> f64 {
-    libm::tan(x)
-}
+pub use libm::tan;
 
 /// Angle of the point (`x`, `y`) about the origin, radians, in [−π, π].
-pub fn atan2(y: f64, x: f64) -> f64 {
-    libm::atan2(y, x)
-}
+pub use libm::atan2;
 
 /// Error function, `2/√π ∫₀^x e^(−s²) ds`.
-pub fn erf(x: f64) -> f64 {
-    libm::erf(x)
-}
+pub use libm::erf;
 
 /// `1 − erf(x)`, accurate where that is small.
-pub fn erfc(x: f64) -> f64 {
-    libm::erfc(x)
-}
+pub use libm::erfc;
 
 /// `x^n` by repeated squaring, in an order fixed here rather than by the compiler.
 /// Relative error about `n` roundings at most: a squaring doubles the error before it. (Measured

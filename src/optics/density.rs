@@ -2,7 +2,7 @@
 
 use super::density_line::DensityLine;
 use super::profiles::{ExponentialProfile, GaussianProfile, LinearProfile};
-use crate::geometry::{Aabb, Ray, Span, Transform};
+use crate::geometry::{Aabb, Ray, Span, Transform, forward};
 use crate::volume::{
     Blob, Blocks, ConstantDensity, DensityField, DensityRange, ExponentialLayer, FractalDensity,
     GridDensity, LinearRamp, Walk,
@@ -27,27 +27,10 @@ pub enum Field {
     Blob(Blob),
 }
 
-/// Calls the same method on whatever field it is.
-macro_rules! each {
-    ($self:expr, $field:ident => $call:expr) => {
-        match $self {
-            Field::Constant($field) => $call,
-            Field::Grid($field) => $call,
-            Field::Noise($field) => $call,
-            Field::Exponential($field) => $call,
-            Field::Linear($field) => $call,
-            Field::Blob($field) => $call,
-        }
-    };
-}
-
 impl DensityField for Field {
-    fn density(&self, point: DVec3) -> f64 {
-        each!(self, field => field.density(point))
-    }
-
-    fn range_over(&self, bounds: &Aabb) -> DensityRange {
-        each!(self, field => field.range_over(bounds))
+    forward! { (Field: Constant | Grid | Noise | Exponential | Linear | Blob)
+        fn density(point: DVec3) -> f64;
+        fn range_over(bounds: &Aabb) -> DensityRange;
     }
 }
 

@@ -4,6 +4,7 @@ use super::deflection::{Asymmetry, Deflection};
 use super::draine::Draine;
 use super::droplets::Droplets;
 use super::henyey_greenstein::HenyeyGreenstein;
+use crate::geometry::forward;
 use std::fmt;
 
 /// The phase function of a medium.
@@ -29,23 +30,13 @@ impl Phase {
         Phase::HenyeyGreenstein(HenyeyGreenstein(g))
     }
 
-    /// The phase function at a deflection, per steradian; also the density with which
-    /// [`Phase::deflection`] samples that direction.
-    pub fn per_steradian(&self, deflection: &Deflection) -> f64 {
-        match self {
-            Phase::HenyeyGreenstein(phase) => phase.per_steradian(deflection),
-            Phase::Draine(phase) => phase.per_steradian(deflection),
-            Phase::Droplets(phase) => phase.per_steradian(deflection),
-        }
-    }
+    forward! { (Phase: HenyeyGreenstein | Draine | Droplets)
+        /// The phase function at a deflection, per steradian; also the density with which
+        /// [`Phase::deflection`] samples that direction.
+        pub fn per_steradian(deflection: &Deflection) -> f64;
 
-    /// The deflection that belongs to `u`, uniform in [0, 1).
-    pub fn deflection(&self, u: f64) -> Deflection {
-        match self {
-            Phase::HenyeyGreenstein(phase) => phase.deflection(u),
-            Phase::Draine(phase) => phase.deflection(u),
-            Phase::Droplets(phase) => phase.deflection(u),
-        }
+        /// The deflection that belongs to `u`, uniform in [0, 1).
+        pub fn deflection(u: f64) -> Deflection;
     }
 
     /// Mean cosine of the deflection.

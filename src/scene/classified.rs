@@ -186,14 +186,10 @@ impl Classified {
         let compositing = read_compositing(reader, &order)?;
         let lengths: Vec<[f64; 2]> = volumes.iter().map(|it| lengths(&it.placed)).collect();
         let step = reader.length("step")?;
-        let step = |(volume, lengths): (&VolumeTable, &[f64; 2])| match volume
-            .reader
-            .optional_length("step")?
-        {
-            None => checked_step(step, *lengths).map_err(|message| reader.error("step", message)),
-            Some(own) => {
-                checked_step(own, *lengths).map_err(|message| volume.reader.error("step", message))
-            }
+        let step = |(volume, lengths): (&VolumeTable, &[f64; 2])| {
+            let own = volume.reader.optional_length("step")?;
+            let place = own.map_or(reader, |_| volume.reader);
+            place.accepted_at("step", checked_step(own.unwrap_or(step), *lengths))
         };
         let steps = volumes
             .iter()
@@ -219,14 +215,10 @@ impl Classified {
         }
         let own = |volume: &VolumeTable| read_phong(volume.reader);
         let phongs = volumes.iter().map(own).collect::<SceneResult<Vec<_>>>()?;
-        let shadow = reader.table("shadow")?;
         let looks: Vec<_> = volumes.iter().map(|it| &it.transfer_function).collect();
-        let shadows = shadow.map(|reader| read_shadows(&reader, &lengths, &looks));
-        let shadows = shadows.transpose()?;
-        let conventions = reader.table("conventions")?;
-        let conventions = conventions
-            .map(|reader| Conventions::read(&reader))
-            .transpose()?;
+        let shadows = |reader: &Reader| read_shadows(reader, &lengths, &looks);
+        let shadows = reader.table_as("shadow", shadows)?;
+        let conventions = reader.table_as("conventions", Conventions::read)?;
         let conventions = conventions.unwrap_or_default();
         let parts = volumes.into_iter().zip(steps).zip(phongs).enumerate();
         let mut parts = parts.map(|(index, ((volume, step), own))| Volume {
@@ -266,9 +258,7 @@ impl Classified {
             let help = "make `step`, `classified.shadow.step` or both longer";
             reader.mistake("shadow", message, help)
         })?;
-        scene
-            .check_brightness()
-            .map_err(|message| reader.error("volume", message))?;
+        reader.accepted_at("volume", scene.check_brightness())?;
         scene.check_objects(reader, &names)?;
         Ok(scene)
     }
@@ -551,15 +541,14 @@ fn read_light(
 
 /// The shading that a table asks for.
 fn read_phong(reader: &Reader) -> SceneResult<Option<Phong>> {
-    let Some(reader) = reader.table("phong")? else {
-        return Ok(None);
-    };
-    Ok(Some(Phong {
-        ambient: reader.number("ambient")?,
-        diffuse: reader.number("diffuse")?,
-        specular: reader.number("specular")?,
-        shininess: reader.count("shininess")? as u32,
-    }))
+    reader.table_as("phong", |reader| {
+        Ok(Phong {
+            ambient: reader.number("ambient")?,
+            diffuse: reader.number("diffuse")?,
+            specular: reader.number("specular")?,
+            shininess: reader.count("shininess")? as u32,
+        })
+    })
 }
 
 /// Edges of a voxel and of the box of the world around a volume: the lengths that steps are measured by.
@@ -577,9 +566,9 @@ fn read_shadows(
     let given = reader.optional_length("reference_step")?;
     let reference_step =
         |(look, lengths): (&&TransferFunction, &[f64; 2])| match (given, &look.appearance) {
-            (Some(length), _) => length
-                .in_world_units(lengths[0])
-                .map_err(|message| reader.error("reference_step", message)),
+            (Some(length), _) => {
+                reader.accepted_at("reference_step", length.in_world_units(lengths[0]))
+            }
             (None, Appearance::Points(_)) => Ok(look.reference_length),
             (None, Appearance::Formula { .. }) => {
                 let message = "missing key `reference_step` in [classified.shadow]";
@@ -602,9 +591,8 @@ fn read_shadows(
     }
     let step = reader.length("step")?;
     let shadow = |(&reference_step, lengths): (&f64, &[f64; 2])| {
-        let step = checked_step(step, *lengths).map_err(|message| reader.error("step", message))?;
         Ok(Shadow {
-            step,
+            step: reader.accepted_at("step", checked_step(step, *lengths))?,
             reference_step,
         })
     };

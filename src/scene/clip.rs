@@ -57,8 +57,8 @@ impl Clip {
 
     /// Reads a `[[classified.clip]]`, given the names of the volumes.
     pub(super) fn read(reader: &Reader, names: &[Option<String>]) -> SceneResult<Clip> {
-        let kept = match reader.table("box")? {
-            Some(table) => Kept::Inside(read_box(&table)?),
+        let kept = match reader.table_as("box", read_box)? {
+            Some(inside) => Kept::Inside(inside),
             None => {
                 let (point, normal) = (reader.vector("point")?, reader.vector("normal")?);
                 let normal = Direction::of(normal).ok_or_else(|| {

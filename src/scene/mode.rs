@@ -176,70 +176,45 @@ impl Isosurfaces {
 impl Mode {
     /// The mode of `[classified]`, without keys that contradict it; `order` is that of compositing.
     pub(super) fn read(reader: &Reader, order: &str) -> SceneResult<Mode> {
+        let without = |key: &str, message: String, help: &str| match reader.has(key) {
+            true => Err(reader.mistake(key, message, help)),
+            false => Ok(()),
+        };
         let Some(name) = reader.optional_text("mode")? else {
             let help = "choose what a pixel shows with `mode`, or leave the key out";
             for Key { name, .. } in &MODE[1..] {
-                let message = format!("composited samples have no `{name}`");
-                without(reader, [*name], &message, help)?;
+                without(name, format!("composited samples have no `{name}`"), help)?;
             }
             return Ok(Mode::Composited);
         };
-        let nothing = "leave the key out";
-        without(
-            reader,
-            ["early_termination"],
-            &format!("`mode = {name:?}` ends no ray early"),
-            nothing,
-        )?;
-        without(
-            reader,
-            ["conventions"],
-            &format!("conventions are about composited samples, and `mode = {name:?}` has none"),
-            "leave the table out",
-        )?;
-        without(
-            reader,
-            ["shadow"],
-            &format!("nothing casts a shadow with `mode = {name:?}`"),
-            "leave the table out, or `mode`",
-        )?;
+        let (key, table) = ("leave the key out", "leave the table out");
+        let mode = format!("`mode = {name:?}`");
+        let message = format!("{mode} ends no ray early");
+        without("early_termination", message, key)?;
+        let message = format!("conventions are about composited samples, and {mode} has none");
+        without("conventions", message, table)?;
+        let message = format!("nothing casts a shadow with {mode}");
+        without("shadow", message, "leave the table out, or `mode`")?;
         if order == "back-to-front" {
-            let message = format!("`mode = {name:?}` knows one order: from the eye on");
-            return Err(reader.mistake(
-                "compositing",
-                message,
-                "leave the key out, or say \"continuous\" for exact values",
-            ));
+            let message = format!("{mode} knows one order: from the eye on");
+            let help = "leave the key out, or say \"continuous\" for exact values";
+            return Err(reader.mistake("compositing", message, help));
         }
         if name == ISOSURFACE {
-            let message = "isosurfaces have colours of their own";
-            without(reader, ["window", "attenuation"], message, nothing)?;
+            for other in ["window", "attenuation"] {
+                let message = "isosurfaces have colours of their own";
+                without(other, message.to_owned(), key)?;
+            }
             return Ok(Mode::Isosurfaces(read_surfaces(reader)?));
         }
-        without(
-            reader,
-            ["isosurface"],
-            &format!("`mode = {name:?}` shows no surface"),
-            "leave the tables out, or say `mode = \"isosurface\"`",
-        )?;
-        without(
-            reader,
-            ["phong"],
-            &format!("`mode = {name:?}` shows a value, which has no normal"),
-            "leave the table out",
-        )?;
-        let window = reader
-            .table("window")?
-            .map(|reader| read_window(&reader))
-            .transpose()?;
+        let help = "leave the tables out, or say `mode = \"isosurface\"`";
+        without("isosurface", format!("{mode} shows no surface"), help)?;
+        let message = format!("{mode} shows a value, which has no normal");
+        without("phong", message, table)?;
+        let window = reader.table_as("window", read_window)?;
         if name != ATTENUATED {
-            let message = format!("`mode = {name:?}` attenuates nothing");
-            without(
-                reader,
-                ["attenuation"],
-                &message,
-                "leave the key out, or say `mode = \"attenuated-maximum\"`",
-            )?;
+            let help = "leave the key out, or say `mode = \"attenuated-maximum\"`";
+            without("attenuation", format!("{mode} attenuates nothing"), help)?;
         }
         let of = match name.as_str() {
             "maximum" => Projected::Maximum,
@@ -298,19 +273,6 @@ impl Mode {
                 Projected::AttenuatedMaximum(_) => ATTENUATED,
             }),
         }
-    }
-}
-
-/// Refuses `keys`, which mean nothing because of what `message` says.
-fn without<'k>(
-    reader: &Reader,
-    keys: impl IntoIterator<Item = &'k str>,
-    message: &str,
-    help: &str,
-) -> SceneResult<()> {
-    match keys.into_iter().find(|key| reader.has(key)) {
-        Some(key) => Err(reader.mistake(key, message, help)),
-        None => Ok(()),
     }
 }
 

@@ -100,25 +100,20 @@ impl Objects {
         files: &mut Files,
         names: &[Option<String>],
     ) -> SceneResult<Objects> {
-        let (surfaces, clips) = (reader.tables("surface")?, reader.tables("clip")?);
-        for (key, count) in [("surface", surfaces.len()), ("clip", clips.len())] {
-            check_count(reader, key, count)?;
+        for key in ["surface", "clip"] {
+            check_count(reader, key, reader.tables(key)?.len())?;
         }
-        let surface = |reader: &Reader| -> SceneResult<OpaqueSurface> {
-            let shape = shapes::shape(reader, files, false)?;
-            let colour = reader.vector("colour")?;
+        let surfaces = reader.tables_as("surface", |reader| {
             Ok(OpaqueSurface {
-                shape,
-                colour,
+                shape: shapes::shape(reader, files, false)?,
+                colour: reader.vector("colour")?,
                 phong: None,
             })
-        };
-        let surfaces = surfaces.iter().map(surface).collect::<SceneResult<_>>()?;
-        let clips = clips.iter().map(|clip| Clip::read(clip, names));
+        })?;
         Ok(Objects {
             volumes: vec![],
             surfaces,
-            clips: clips.collect::<SceneResult<_>>()?,
+            clips: reader.tables_as("clip", |clip| Clip::read(clip, names))?,
             modulation: None,
         })
     }

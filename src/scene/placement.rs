@@ -39,10 +39,7 @@ impl PlacedGrid {
     /// This grid, moved as the table of its volume says.
     pub(super) fn moved(self, reader: &Reader) -> SceneResult<PlacedGrid> {
         let by_scene = match reader.optional_matrix("transform")? {
-            Some(rows) => {
-                let map = Transform::from_rows(rows);
-                Some(map.map_err(|error| reader.error("transform", error.to_string()))?)
-            }
+            Some(rows) => Some(reader.accepted_at("transform", Transform::from_rows(rows))?),
             None => ShapeTransform::read(reader)?.to_world,
         };
         let to_world = match (self.to_world, by_scene) {

@@ -209,6 +209,11 @@ impl<'d, 's> Reader<'d, 's> {
         self.mistake(name, message, help)
     }
 
+    /// What was made of the value of `name`, or the mistake in it.
+    pub fn accepted_at<T>(&self, name: &str, made: Result<T, impl Display>) -> SceneResult<T> {
+        made.map_err(|error| self.error(name, error.to_string()))
+    }
+
     /// What was made of the values of keys, or the mistake in the one that is refused.
     pub fn accepted<T>(&self, made: Result<T, InvalidParameter>) -> SceneResult<T> {
         made.map_err(|error| self.error(error.name, error.message))

@@ -77,10 +77,8 @@ pub(super) fn read_transfer_function(
     opacity: OpacityByValue,
     voxel: f64,
 ) -> SceneResult<TransferFunction> {
-    let reference_length = reader
-        .length("reference_length")?
-        .in_world_units(voxel)
-        .map_err(|message| reader.error("reference_length", message))?;
+    let reference_length = reader.length("reference_length")?.in_world_units(voxel);
+    let reference_length = reader.accepted_at("reference_length", reference_length)?;
     let appearance = match opacity {
         OpacityByValue::Points(points) => Appearance::Points(points),
         OpacityByValue::Formula(opacity) => {

@@ -198,67 +198,53 @@ impl Outputs {
             return Ok(None);
         };
         let files: Vec<_> = files.iter().collect();
-        let replicates = files.iter().filter_map(|(role, file)| match role {
-            Role::Replicate(number) => Some((*number, file)),
-            Role::Single | Role::Variance | Role::Depth | Role::Step(_) => None,
-        });
-        let same = files.windows(2).find(|pair| pair[0].0 == pair[1].0);
-        let same = same.map(|pair| (&pair[0].1, &pair[1].1));
-        let single = files.first().filter(|(role, _)| *role == Role::Single);
-        let steps = files.iter().filter_map(|(role, file)| match role {
-            Role::Step(halvings) => Some((*halvings, file)),
-            Role::Single | Role::Variance | Role::Depth | Role::Replicate(_) => None,
-        });
-        let other = replicates.clone().next();
-        let both = single.zip(other).or(files
-            .first()
-            .filter(|(role, _)| matches!(role, Role::Replicate(_)))
-            .zip(steps.clone().next()));
-        if let Some((one, other)) = same.or(both.map(|((_, one), (_, other))| (one, other))) {
+        let mut pairs = files.windows(2).map(|pair| [pair[0], pair[1]]);
+        let same = pairs.find(|[one, other]| one.0 == other.0);
+        let (beside, images): (Vec<_>, Vec<_>) = files
+            .into_iter()
+            .partition(|(role, _)| matches!(role, Role::Variance | Role::Depth));
+        let is_replicate = |(role, _): &(Role, PathBuf)| matches!(role, Role::Replicate(_));
+        let of_another_kind = || {
+            let first = images.first()?;
+            let is_other = |image: &&&(Role, PathBuf)| is_replicate(image) != is_replicate(first);
+            Some([*first, *images.iter().find(is_other)?])
+        };
+        if let Some(two) = same.or_else(of_another_kind) {
             return Err(OutputError::Several {
                 case: case.to_owned(),
-                files: [one.to_owned(), other.to_owned()],
+                files: two.map(|(_, file)| file.to_owned()),
             });
         }
-        let first = replicates
-            .clone()
-            .next()
-            .map_or(0, |(number, _)| number.min(1));
-        if let Some(((_, file), missing)) = replicates
-            .zip(first..)
-            .find(|((number, _), expected)| number != expected)
-        {
-            return Err(OutputError::Gap {
-                case: case.to_owned(),
-                file: file.to_owned(),
-                missing,
-            });
-        }
-        let last_step = steps.clone().next_back();
-        if let Some((last, file)) = last_step {
-            let there: Vec<u32> = single
-                .map(|_| 0)
-                .into_iter()
-                .chain(steps.map(|(n, _)| n))
-                .collect();
-            if let Some(missing) = (0..=last.max(2)).find(|step| !there.contains(step)) {
+        // Replicates alone, or steps alone.
+        let numbers = images.iter().map(|(role, file)| match role {
+            Role::Replicate(number) | Role::Step(number) => (*number, file.to_owned()),
+            Role::Single | Role::Variance | Role::Depth => (0, file.to_owned()),
+        });
+        let numbers: Vec<(u32, PathBuf)> = numbers.collect();
+        let is_refined = matches!(images.last(), Some((Role::Step(_), _)));
+        let case = case.to_owned();
+        if is_refined && let Some((last, file)) = numbers.last() {
+            let has = |step: u32| numbers.iter().any(|(number, _)| *number == step);
+            if let Some(missing) = (0..=*last.max(&2)).find(|step| !has(*step)) {
+                let file = file.clone();
                 return Err(OutputError::Step {
-                    case: case.to_owned(),
-                    file: file.to_owned(),
+                    case,
+                    file,
+                    missing,
+                });
+            }
+        } else if let Some((first, _)) = numbers.first() {
+            let mut numbered = numbers.iter().zip(*first.min(&1)..);
+            let gap = numbered.find(|((number, _), expected)| number != expected);
+            if let Some(((_, file), missing)) = gap {
+                let file = file.clone();
+                return Err(OutputError::Gap {
+                    case,
+                    file,
                     missing,
                 });
             }
         }
-        let is_refined = last_step.is_some();
-        let (beside, images): (Vec<_>, Vec<_>) = files
-            .into_iter()
-            .partition(|(role, _)| matches!(role, Role::Variance | Role::Depth));
-        let file_of = |role: Role| {
-            let mut files = beside.iter();
-            let found = files.find(|(other, _)| *other == role);
-            found.map(|(_, file)| file.to_owned())
-        };
-        let (variance, depth) = (file_of(Role::Variance), file_of(Role::Depth));
         if let Some((role, file)) = beside.first()
             && images.len() != 1
         {
@@ -266,26 +252,27 @@ impl Outputs {
                 Role::Depth => ("depth", "are several, with seeds of their own"),
                 _ => ("variance", "are several, whose spread says it already"),
             };
+            let there = match images[..] {
+                [] => "is none",
+                _ if is_refined => "are several, with smaller and smaller steps",
+                _ => of_replicates,
+            };
+            let file = file.clone();
             return Err(OutputError::Beside {
-                case: case.to_owned(),
-                file: file.clone(),
+                case,
+                file,
                 what,
-                there: if images.is_empty() {
-                    "is none"
-                } else if is_refined {
-                    "are several, with smaller and smaller steps"
-                } else {
-                    of_replicates
-                },
+                there,
             });
         }
+        let file_of = |role: Role| {
+            let found = beside.iter().find(|(other, _)| *other == role);
+            found.map(|(_, file)| file.to_owned())
+        };
         Ok(Some(Found {
-            files: images
-                .into_iter()
-                .map(|(_, file)| file.to_owned())
-                .collect(),
-            variance,
-            depth,
+            variance: file_of(Role::Variance),
+            depth: file_of(Role::Depth),
+            files: numbers.into_iter().map(|(_, file)| file).collect(),
             is_refined,
         }))
     }

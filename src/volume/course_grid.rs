@@ -5,11 +5,11 @@
 //! node lies at the world origin.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Stored, VolumeFormat, VolumeRead};
-use super::orientation::{Axes, AxisSteps};
+use super::format::{VolumeFormat, VolumeRead};
+use super::orientation::Axes;
 use super::samples::{fill, read_grid};
 use super::source::VolumeSource;
-use super::{Centring, Element, Encoding, Endian, Grid, Lattice, Layout, LoadOptions};
+use super::{Element, Lattice, Layout, LoadOptions};
 use glam::DVec3;
 
 /// Bytes of the header.
@@ -26,16 +26,11 @@ pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
     read,
 };
 
-/// Reads the binary grid of the ray-casting assignment.
-///
 /// The spacing is `size / (n − 1)` of the first axis with more than one node, in `f64`; that
 /// size must be positive. The other sizes have no effect, but must be finite and not negative: a
 /// thin axis may give 0. Header and length are checked before anything is allocated. Values must be
-/// finite; densities that are negative are left to [`Grid::check_densities`].
-pub fn read_course_grid(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
-    read(&mut VolumeSource::of(bytes), options).map(|(grid, _)| grid)
-}
-
+/// finite; densities that are negative are left to
+/// [`Grid::check_densities`](super::Grid::check_densities).
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     let mut header = [0; HEADER];
@@ -48,21 +43,8 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     }
     let lattice = lattice(&header)?;
     check_length(&lattice, length)?;
-    let layout = Layout {
-        axes: Axes {
-            sizes: lattice.nodes(),
-            steps: AxisSteps::Upright(lattice.spacing()),
-            first: lattice.first(),
-            centring: Centring::Nodes,
-        },
-        element: Element::Float32,
-        endian: Endian::Little,
-        encoding: Encoding::Raw,
-        scaling: None,
-        space: None,
-    };
-    let grid = read_grid(source, &layout, options)?;
-    Ok((grid, Stored::Samples(layout)))
+    let axes = Axes::upright(lattice.nodes(), lattice.spacing(), lattice.first());
+    read_grid(source, &Layout::raw(Element::Float32, axes), options)
 }
 
 /// The nodes that a header describes.
@@ -117,54 +99,13 @@ fn check_length(lattice: &Lattice, bytes: u64) -> Result<(), VolumeFault> {
     ))
 }
 
-/// The bytes of a binary grid: for grids of one spacing whose first node lies at the origin.
-///
-/// The header stores lengths as `float32`, so the spacing is kept to a relative error of 2⁻²⁴.
-/// A grid that came from this format survives unchanged: from size to spacing and
-/// back is two roundings in `f64`, far from the border between two `float32`.
-pub fn write_course_grid(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
-    let lattice = grid.lattice();
-    let spacing = lattice.spacing();
-    if spacing != DVec3::splat(spacing.x) {
-        return refused(format!(
-            "a binary grid has one spacing, this grid has {spacing}: resample it first"
-        ));
-    }
-    if lattice.first() != DVec3::ZERO {
-        let first = lattice.first();
-        return refused(format!(
-            "a binary grid begins at the world origin, this grid at {first}: move it first"
-        ));
-    }
-    if lattice.node_count() == 1 {
-        return refused(ONE_NODE);
-    }
-    grid.check_densities().map_err(|error| error.to_string())?;
-    let sizes = lattice.nodes().map(|n| spacing.x * (n - 1) as f64);
-    let mut bytes = Vec::with_capacity(HEADER + 4 * lattice.node_count());
-    for (nodes, size) in lattice.nodes().into_iter().zip(sizes) {
-        let stored = size as f32;
-        let sayable = stored.is_finite() && (stored > 0.0 || nodes == 1);
-        match i32::try_from(nodes) {
-            Ok(count) if sayable => bytes.extend(count.to_le_bytes()),
-            _ => {
-                return refused(format!(
-                    "the header of a binary grid cannot hold {nodes} nodes over a length of {size}"
-                ));
-            }
-        }
-    }
-    bytes.extend(sizes.iter().flat_map(|&size| (size as f32).to_le_bytes()));
-    bytes.extend(grid.values().iter().flat_map(|value| value.to_le_bytes()));
-    Ok(bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::{Grid, read_volume};
 
     fn read(bytes: &[u8]) -> Result<Grid<f32>, VolumeFault> {
-        read_course_grid(bytes, &LoadOptions::default())
+        read_volume("grid.bin", bytes, None, &LoadOptions::default())
     }
 
     fn file(nodes: [i32; 3], sizes: [f32; 3], values: &[f32]) -> Vec<u8> {
@@ -303,48 +244,18 @@ mod tests {
             grid.check_densities().unwrap_err().to_string(),
             "voxel (1, 1, 1) holds -0.5: densities must be finite and not negative"
         );
-        assert!(write_course_grid(&grid).is_err());
     }
 
     #[test]
-    fn what_was_read_survives_being_written() {
+    fn the_spacing_keeps_the_size() {
         for nodes in [2, 3, 7, 56, 111] {
             for size in [1.0, 0.1, 55.7, 1e-30, 3e38] {
                 let header = [size, 0.0, size];
                 let bytes = file([nodes, 1, 2], header, &vec![0.5; 2 * nodes as usize]);
-                let grid = read(&bytes).unwrap();
-                let again = write_course_grid(&grid).unwrap();
-                assert_eq!(read(&again).unwrap(), grid, "{nodes} {size}");
+                let spacing = read(&bytes).unwrap().lattice().spacing();
+                // Two roundings in `f64`, far from the border between two `f32`.
+                assert_eq!((spacing.x * f64::from(nodes - 1)) as f32, size, "{nodes}");
             }
-        }
-        let whole = file([3, 2, 1], [1.0, 0.5, 0.0], &[0.5; 6]);
-        let grid = read(&whole).unwrap();
-        assert_eq!(write_course_grid(&grid).unwrap(), whole);
-    }
-
-    #[test]
-    fn grids_that_the_format_cannot_hold() {
-        let message = |nodes: [usize; 3], spacing, first, value| {
-            let lattice = Lattice::new(nodes, spacing, first).unwrap();
-            let grid = Grid::new(lattice, vec![value; lattice.node_count()]).unwrap();
-            write_course_grid(&grid).unwrap_err().to_string()
-        };
-        let (zero, one) = (DVec3::ZERO, DVec3::ONE);
-        assert_eq!(
-            message([2, 2, 2], DVec3::new(1.0, 2.0, 1.0), zero, 1.0),
-            "a binary grid has one spacing, this grid has [1, 2, 1]: resample it first"
-        );
-        assert_eq!(
-            message([2, 2, 2], one, DVec3::X, 1.0),
-            "a binary grid begins at the world origin, this grid at [1, 0, 0]: move it first"
-        );
-        assert!(message([1, 1, 1], one, zero, 1.0).contains("has no spacing"));
-        assert!(message([2, 1, 1], one, zero, f32::NAN).contains("voxel (0, 0, 0) holds NaN"));
-        for spacing in [1e39, 1e-46] {
-            assert!(
-                message([2, 1, 1], DVec3::splat(spacing), zero, 1.0)
-                    .starts_with("the header of a binary grid cannot hold 2 nodes over a length")
-            );
         }
     }
 }

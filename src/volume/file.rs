@@ -1,7 +1,7 @@
 //! Volumes from files, in the format of the extension.
 
 use super::course_grid::COURSE_GRID;
-use super::error::VolumeError;
+use super::error::{VolumeError, VolumeFault};
 use super::format::{Stored, VolumeFormat};
 use super::grid::Grid;
 use super::load_options::LoadOptions;
@@ -55,6 +55,27 @@ pub fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
     })
 }
 
+/// The grid in `bytes` of a file of that name, whose extension tells the format, and in the `samples` of
+/// the file that it may name as theirs.
+pub fn read_volume(
+    name: &str,
+    bytes: &[u8],
+    samples: Option<&[u8]>,
+    options: &LoadOptions,
+) -> Result<Grid<f32>, VolumeFault> {
+    let format = known_format(Path::new(name))?;
+    let mut source = VolumeSource::of(name, bytes, samples);
+    (format.read)(&mut source, options).map(|(grid, _)| grid)
+}
+
+fn known_format(path: &Path) -> Result<&'static VolumeFormat, VolumeFault> {
+    volume_format(path).ok_or_else(|| {
+        let known = volume_formats();
+        let remedy = remedy(path).map_or(String::new(), |remedy| format!("; {remedy}"));
+        format!("unsupported file extension; supported are {known}{remedy}").into()
+    })
+}
+
 /// The supported formats with their extensions, as a list for people.
 pub fn volume_formats() -> String {
     VOLUME_FORMATS
@@ -71,14 +92,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Grid<f32>, VolumeError
 ///
 /// A splatted cloud has the maximum 1. Values of a grid are finite by default, and may be negative.
 pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeError> {
-    let Some(format) = volume_format(path) else {
-        let known = volume_formats();
-        let remedy = remedy(path).map_or(String::new(), |remedy| format!("; {remedy}"));
-        return Err(VolumeError {
-            path: path.to_owned(),
-            fault: format!("unsupported file extension; supported are {known}{remedy}").into(),
-        });
-    };
+    let format = known_format(path).map_err(|fault| VolumeError {
+        path: path.to_owned(),
+        fault,
+    })?;
     let mut source = VolumeSource::open(path)?;
     let first = source
         .fill_buf()

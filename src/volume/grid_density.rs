@@ -2,7 +2,7 @@
 
 use super::{
     Blocks, Cell, Centring, CubicSegment, DensityField, DensityRange, Grid, Interpolation,
-    NodeLine, Walk,
+    NodeLine, Reconstruction, Walk,
 };
 use crate::geometry::{Aabb, Line, Span};
 use crate::math::Sum;
@@ -49,10 +49,7 @@ impl GridDensity {
     /// The value at the point of `cell`.
     #[inline]
     fn read(&self, cell: &Cell) -> f64 {
-        match self.interpolation {
-            Interpolation::Trilinear => cell.trilinear(&self.grid),
-            Interpolation::Nearest => cell.nearest(&self.grid),
-        }
+        self.interpolation.read(&*self.grid, cell)
     }
 
     /// The box that the grid fills.
@@ -85,7 +82,7 @@ impl GridDensity {
     /// less certain, the more a ray runs along the planes between nodes (`tests/library/exact/grids.rs`).
     pub fn integral(&self, origin: DVec3, direction: DVec3, span: Span, lookups: &mut u64) -> f64 {
         let lattice = self.grid.lattice();
-        let line = NodeLine::from(lattice.to_nodes(origin), direction, lattice);
+        let line = NodeLine::new(Line { origin, direction }, lattice);
         let mut sum = Sum::default();
         for visit in self.pieces(line, span) {
             let Span { near, far } = visit;
@@ -113,8 +110,7 @@ impl GridDensity {
         direction: DVec3,
         span: Span,
     ) -> impl Iterator<Item = Span> {
-        let lattice = self.grid.lattice();
-        let line = NodeLine::from(lattice.to_nodes(origin), direction, lattice);
+        let line = NodeLine::new(Line { origin, direction }, self.grid.lattice());
         self.pieces(line, span)
     }
 

@@ -10,11 +10,11 @@
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Stored, VolumeFormat, VolumeRead};
-use super::orientation::{Axes, AxisSteps};
+use super::format::{VolumeFormat, VolumeRead};
+use super::orientation::Axes;
 use super::samples::{check_sizes, fill, read_grid};
 use super::source::VolumeSource;
-use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
+use super::{Centring, Element, Layout, LoadOptions};
 use glam::DVec3;
 
 /// Bytes of the header.
@@ -28,11 +28,6 @@ pub(super) const MITSUBA_VOL: VolumeFormat = VolumeFormat {
     read,
 };
 
-/// Reads a Mitsuba volume.
-pub fn read_vol(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
-    read(&mut VolumeSource::of(bytes), options).map(|(grid, _)| grid)
-}
-
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let mut header = [0; HEADER];
     let filled = fill(source, &mut header)?;
@@ -45,9 +40,7 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
             "the file ends after {filled} of the 48 bytes of its header"
         ));
     }
-    let layout = layout(&header, options)?;
-    let grid = read_grid(source, &layout, options)?;
-    Ok((grid, Stored::Samples(layout)))
+    read_grid(source, &layout(&header, options)?, options)
 }
 
 fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolumeFault> {
@@ -110,44 +103,14 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, Volume
             spacing[axis] = extent[axis] / (sizes[axis] - 1) as f64;
         }
     }
+    let axes = Axes {
+        centring,
+        ..Axes::upright(sizes, spacing, first)
+    };
     Ok(Layout {
-        axes: Axes {
-            sizes,
-            steps: AxisSteps::Upright(spacing),
-            first,
-            centring,
-        },
-        element,
-        endian: Endian::Little,
-        encoding: Encoding::Raw,
         scaling,
-        space: None,
+        ..Layout::raw(element, axes)
     })
-}
-
-/// The bytes of a Mitsuba volume of `float32`.
-///
-/// The header holds the box of the grid, as `float32`: of a grid that came from this format it
-/// survives unchanged, of others to a relative error of 2⁻²⁴. It does not hold the centring:
-/// whoever reads a [cell-centred](Centring::Cells) grid must ask for that.
-pub fn write_vol(grid: &Grid<f32>) -> Result<Vec<u8>, VolumeFault> {
-    let lattice = grid.lattice();
-    let bounds = lattice.bounds();
-    let corners = [bounds.min.as_vec3(), bounds.max.as_vec3()];
-    let ascends = corners[1].cmpgt(corners[0]).all();
-    let mut counts = [0; 3];
-    for (count, nodes) in counts.iter_mut().zip(lattice.nodes()) {
-        // Zero, for what is no `int32`, is no count either.
-        *count = i32::try_from(nodes).unwrap_or(0);
-    }
-    if !(corners[0].is_finite() && corners[1].is_finite() && ascends) || counts.contains(&0) {
-        let (min, max) = (bounds.min, bounds.max);
-        return refused(format!(
-            "the header of a Mitsuba volume cannot hold a box from {min} to {max}"
-        ));
-    }
-    let [min, max] = corners.map(|corner| corner.to_array());
-    Ok(vol_bytes(counts, [min, max], grid.values()))
 }
 
 /// A Mitsuba volume of `float32` samples in a box.
@@ -171,6 +134,7 @@ pub fn vol_bytes(counts: [i32; 3], corners: [[f32; 3]; 2], values: &[f32]) -> Ve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::{Grid, read_volume};
 
     /// A header and its data.
     fn file(kind: i32, sizes: [i32; 3], channels: i32, corners: [f32; 6], data: &[u8]) -> Vec<u8> {
@@ -187,6 +151,10 @@ mod tests {
 
     fn small() -> Vec<u8> {
         file(3, [2, 1, 3], 1, UNIT, &[0, 51, 102, 153, 204, 255])
+    }
+
+    fn read_vol(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+        read_volume("grid.vol", bytes, None, options)
     }
 
     fn message(bytes: &[u8]) -> String {
@@ -239,7 +207,9 @@ mod tests {
                     .collect();
                 let bytes = file(1, [5, 3, 2], 1, corners, &data);
                 let grid = read_vol(&bytes, &options).unwrap();
-                assert_eq!(write_vol(&grid).unwrap(), bytes);
+                let bounds = grid.lattice().bounds();
+                let corners = [bounds.min, bounds.max].map(|it| it.as_vec3().to_array());
+                assert_eq!(vol_bytes([5, 3, 2], corners, grid.values()), bytes);
             }
         }
     }
@@ -308,16 +278,5 @@ mod tests {
             message(&other),
             "this is version 2 of the format; only version 3 is supported"
         );
-    }
-
-    #[test]
-    fn boxes_that_the_format_cannot_hold() {
-        for (spacing, first) in [(1e39, 0.0), (1e-3, 1e9)] {
-            let lattice =
-                super::super::Lattice::new([2, 2, 2], DVec3::splat(spacing), DVec3::splat(first));
-            let grid = Grid::new(lattice.unwrap(), vec![0.0; 8]).unwrap();
-            let message = write_vol(&grid).unwrap_err().to_string();
-            assert!(message.contains("cannot hold a box"), "{message}");
-        }
     }
 }

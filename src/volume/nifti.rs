@@ -12,11 +12,11 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Stored, VolumeFormat, VolumeRead};
+use super::format::{VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
-use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
+use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
 use crate::files::decoder::Guarded;
 use glam::DVec3;
 use std::io::{self, BufReader, Read};
@@ -37,23 +37,13 @@ pub(super) const NIFTI: VolumeFormat = VolumeFormat {
     name: "NIfTI-1",
     extensions: &[".nii", ".nii.gz"],
     is_point_cloud: false,
-    read: |source, options| read(source, source.ends_in(".gz"), options),
+    read,
 };
 
-/// Reads a NIfTI-1 file; `compressed` tells `.nii.gz` from `.nii`.
-pub fn read_nifti(
-    bytes: &[u8],
-    compressed: bool,
-    options: &LoadOptions,
-) -> Result<Grid<f32>, VolumeFault> {
-    read(&mut VolumeSource::of(bytes), compressed, options).map(|(grid, _)| grid)
-}
-
-fn read(source: &mut VolumeSource, compressed: bool, options: &LoadOptions) -> VolumeRead {
-    if !compressed {
+fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    if !source.ends_in(".gz") {
         let layout = layout(source, Encoding::Raw, VolumeFault::from)?;
-        let grid = read_grid(source, &layout, options)?;
-        return Ok((grid, Stored::Samples(layout)));
+        return read_grid(source, &layout, options);
     }
     let trouble = |error: io::Error| {
         format!("the gzip stream is damaged ({error}): compress the file again, or copy it again")
@@ -65,8 +55,7 @@ fn read(source: &mut VolumeSource, compressed: bool, options: &LoadOptions) -> V
     let unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
     let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
     let layout = layout(&mut unpacked, Encoding::Gzip, trouble)?;
-    let grid = read_unpacked(&mut unpacked, length, &layout, options)?;
-    Ok((grid, Stored::Samples(layout)))
+    read_unpacked(&mut unpacked, length, &layout, options)
 }
 
 /// Reads the header, and on to the first sample.
@@ -406,6 +395,7 @@ fn unread_type(code: i16) -> VolumeFault {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::{Grid, read_volume};
     use std::io::Write;
 
     /// A file of 2 × 1 × 2 little-endian `int16` 1, 2, 3, 4, changed by `change`.
@@ -443,7 +433,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> Result<Grid<f32>, VolumeFault> {
-        read_nifti(bytes, false, &LoadOptions::default())
+        read_volume("grid.nii", bytes, None, &LoadOptions::default())
     }
 
     fn message(change: impl Fn(&mut Vec<u8>)) -> String {
@@ -666,7 +656,8 @@ mod tests {
             encoder.write_all(bytes).unwrap();
             encoder.finish().unwrap()
         };
-        let read = |bytes: &[u8]| read_nifti(bytes, true, &LoadOptions::default());
+        let options = LoadOptions::default();
+        let read = |bytes: &[u8]| read_volume("grid.nii.gz", bytes, None, &options);
         let whole = file(|_| {});
         assert_eq!(read(&gzip(&whole)).unwrap().values(), [1.0, 2.0, 3.0, 4.0]);
         let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();

@@ -1,11 +1,11 @@
 //! NPY: an array of NumPy of shape (z, y, x). It states no positions: spacing and origin are options.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Stored, VolumeFormat, VolumeRead};
+use super::format::{VolumeFormat, VolumeRead};
 use super::orientation::{Axes, AxisSteps, Orientation};
 use super::samples::{check_sizes, fill, read_grid};
 use super::source::VolumeSource;
-use super::{Centring, Element, Encoding, Endian, Grid, Layout, LoadOptions};
+use super::{Element, Endian, Layout, LoadOptions};
 use crate::film::{FilmError, NpyHeader};
 use glam::DVec3;
 use std::io;
@@ -17,11 +17,6 @@ pub(super) const NPY: VolumeFormat = VolumeFormat {
     is_point_cloud: false,
     read,
 };
-
-/// Reads an array of shape (z, y, x), of real numbers, in either order of memory.
-pub fn read_npy(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
-    read(&mut VolumeSource::of(bytes), options).map(|(grid, _)| grid)
-}
 
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let header = header(source)?;
@@ -44,26 +39,19 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
             AxisSteps::Directed([steps[2], steps[1], steps[0]]),
         ),
     };
-    let layout = Layout {
-        axes: Axes {
-            sizes,
-            steps,
-            first: options.origin.unwrap_or_default(),
-            centring: Centring::Nodes,
-        },
-        element,
-        endian,
-        encoding: Encoding::Raw,
-        scaling: None,
-        space: None,
+    let axes = Axes {
+        steps,
+        ..Axes::upright(sizes, spacing, options.origin.unwrap_or_default())
     };
-    // Which index runs fastest is a matter of memory, not of place.
+    let layout = Layout {
+        endian,
+        ..Layout::raw(element, axes)
+    };
     let options = LoadOptions {
         orientation: Orientation::World,
         ..*options
     };
-    let grid = read_grid(source, &layout, &options)?;
-    Ok((grid, Stored::Samples(layout)))
+    read_grid(source, &layout, &options)
 }
 
 fn header(source: &mut VolumeSource) -> Result<NpyHeader, VolumeFault> {
@@ -128,6 +116,11 @@ fn element(descr: &str) -> Result<(Element, Endian), VolumeFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::{Grid, read_volume};
+
+    fn read_npy(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+        read_volume("grid.npy", bytes, None, options)
+    }
 
     fn npy(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
         let text =

@@ -21,16 +21,16 @@ mod fields;
 mod geometry;
 
 use super::error::{VolumeFault, refused};
-use super::format::{Stored, VolumeFormat, VolumeRead};
+use super::format::{VolumeFormat, VolumeRead};
 use super::samples::read_grid;
 use super::source::VolumeSource;
-use super::{Encoding, Grid, Layout, LoadOptions};
+use super::{Encoding, Layout, LoadOptions};
 use fields::Fields;
 use std::io::{BufRead, Read};
 
 /// A header, and the position of the data.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NrrdHeader {
+pub(super) struct NrrdHeader {
     pub(super) layout: Layout,
     pub(super) data_file: Option<String>,
     line_skip: u64,
@@ -39,22 +39,8 @@ pub struct NrrdHeader {
 }
 
 impl NrrdHeader {
-    /// The file of the data, as the header names it; `None` if they follow the header.
-    pub fn data_file(&self) -> Option<&str> {
-        self.data_file.as_deref()
-    }
-
-    /// Reads the data that this header describes from `bytes`, the file that it names.
-    pub fn read_data(&self, bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
-        self.read_from(&mut VolumeSource::of(bytes), options)
-    }
-
     /// Reads the data from what is left of a source.
-    fn read_from(
-        &self,
-        source: &mut VolumeSource,
-        options: &LoadOptions,
-    ) -> Result<Grid<f32>, VolumeFault> {
+    fn read_from(&self, source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
         for _ in 0..self.line_skip {
             if source.skip_until(b'\n')? == 0 {
                 return refused("`line skip` goes beyond the end of the data");
@@ -140,35 +126,16 @@ pub(super) const NRRD: VolumeFormat = VolumeFormat {
 
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let header = NrrdHeader::read(source)?;
-    let grid = match &header.data_file {
-        None => header.read_from(source, options),
-        Some(name) => {
-            let data = source.open_data(name, options)?;
-            let grid = header.read_from(data, options);
-            grid.map_err(|fault| match fault {
-                VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
-                _ => fault,
-            })
-        }
+    let Some(name) = &header.data_file else {
+        return header.read_from(source, options);
     };
-    Ok((grid?, Stored::Samples(header.layout)))
-}
-
-/// Reads a NRRD file that holds its own data.
-pub fn read_nrrd(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
-    let mut source = VolumeSource::of(bytes);
-    let header = NrrdHeader::read(&mut source)?;
-    match &header.data_file {
-        Some(name) => refused(format!(
-            "the data are in another file, {name:?}: load the header by its path"
-        )),
-        None => header.read_from(&mut source, options),
-    }
-}
-
-/// Reads the header of a NRRD file.
-pub fn read_nrrd_header(bytes: &[u8]) -> Result<NrrdHeader, VolumeFault> {
-    NrrdHeader::read(&mut VolumeSource::of(bytes))
+    let data = source.open_data(name, options)?;
+    let read = header.read_from(data, options);
+    read.map_err(|fault| match fault {
+        // A fault with a place of its own needs the file of that place.
+        VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
+        _ => fault,
+    })
 }
 
 /// Headers of diffusion scans, the longest there are, have some hundred kilobytes.
@@ -177,7 +144,7 @@ const LONGEST_HEADER: usize = 1 << 20;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::Centring;
+    use crate::volume::{Centring, Grid, read_volume};
     use glam::DVec3;
 
     /// A header of a `2 × 2 × 1` grid of bytes with these lines more, and its data.
@@ -187,7 +154,7 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> Result<Grid<f32>, VolumeFault> {
-        read_nrrd(bytes, &LoadOptions::default())
+        read_volume("grid.nrrd", bytes, None, &LoadOptions::default())
     }
 
     fn message(bytes: &[u8]) -> String {
@@ -316,8 +283,8 @@ mod tests {
             let header = format!(
                 "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nencoding: raw\ndata file: {value}\n"
             );
-            let header = read_nrrd_header(header.as_bytes());
-            header.map(|header| header.data_file().map(str::to_owned))
+            let mut source = VolumeSource::of("grid.nhdr", header.as_bytes(), None);
+            NrrdHeader::read(&mut source).map(|header| header.data_file)
         };
         for file in [
             "100%.raw",
@@ -410,9 +377,8 @@ mod tests {
                 "NRRD0004\ntype: short\nendian: big\ndimension: 3\nsizes: 2 1 1\nencoding: raw\n\
                  data file: a.raw\n{lines}"
             );
-            let header = read_nrrd_header(header.as_bytes()).unwrap();
-            assert_eq!(header.data_file(), Some("a.raw"));
-            let grid = header.read_data(data, &LoadOptions::default());
+            let (header, options) = (header.as_bytes(), LoadOptions::default());
+            let grid = read_volume("grid.nhdr", header, Some(data), &options);
             grid.map(|grid| grid.values().to_vec())
                 .map_err(|error| error.to_string())
         };

@@ -59,6 +59,16 @@ pub(super) struct Placement {
 const OFF_AXIS: f64 = 1e-5;
 
 impl Axes {
+    /// Axes along those of the world, with the outermost samples on the faces of the box.
+    pub(super) fn upright(sizes: [usize; 3], spacing: DVec3, first: DVec3) -> Axes {
+        Axes {
+            sizes,
+            steps: AxisSteps::Upright(spacing),
+            first,
+            centring: Centring::Nodes,
+        }
+    }
+
     /// The lattice of the samples, and the order they take in it.
     ///
     /// The faces of the box lie by `centring`, if given, in place of what the file says.

@@ -7,7 +7,6 @@ use super::obj_points::read_obj_points;
 use super::source::VolumeSource;
 use super::splat::splat;
 use crate::geometry::Aabb;
-use glam::DVec3;
 use std::io::Read;
 
 /// Largest point cloud read, in bytes: 4 GiB, some hundred million points.
@@ -34,13 +33,10 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let points = read_obj_points(&bytes)?;
     drop(bytes);
     let grid = splat(&points, options.splatting)?;
-    let first = points[0].position;
-    let around = |(min, max): (DVec3, DVec3), position| (min.min(position), max.max(position));
-    let positions = points.iter().map(|point| point.position);
-    let (min, max) = positions.fold((first, first), around);
+    let extent = Aabb::around(points.iter().map(|point| point.position));
     let stored = Stored::Cloud {
         points: points.len(),
-        extent: Aabb { min, max },
+        extent: extent.expect("a point"),
     };
     Ok((grid, stored))
 }

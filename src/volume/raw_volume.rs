@@ -15,11 +15,11 @@
 //! A wrong `endian` cannot be told apart from unusual values.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Stored, VolumeFormat, VolumeRead};
-use super::orientation::{Axes, AxisSteps, Orientation};
+use super::format::{VolumeFormat, VolumeRead};
+use super::orientation::{Axes, Orientation};
 use super::samples::{check_sizes, read_grid};
 use super::source::VolumeSource;
-use super::{Centring, Element, Encoding, Endian, Grid, LatticeError, Layout, LoadOptions};
+use super::{Centring, Element, Encoding, Endian, LatticeError, Layout, LoadOptions};
 use crate::files::misspelling::nearest;
 use glam::DVec3;
 use serde::Deserialize;
@@ -51,8 +51,7 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
                     names";
     let text = String::from_utf8(bytes).map_err(|_| not_text)?;
     let volume = RawVolume::parse(&text)?;
-    let grid = volume.read_from(source.open_data(&volume.file, options)?, options)?;
-    Ok((grid, Stored::Samples(volume.layout)))
+    volume.read_from(source.open_data(&volume.file, options)?, options)
 }
 
 #[derive(Deserialize)]
@@ -109,109 +108,77 @@ fn of_parser(message: &str) -> String {
 
 /// A description of a file of raw samples.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RawVolume {
-    pub(super) layout: Layout,
-    pub(super) file: String,
+struct RawVolume {
+    layout: Layout,
+    file: String,
     header_bytes: u64,
 }
 
 impl RawVolume {
     /// Reads a description.
-    pub fn parse(text: &str) -> Result<RawVolume, VolumeFault> {
-        let at = |span: Option<Range<usize>>, message: &str| in_line(text, span, message);
-        let description: Description =
-            toml::from_str(text).map_err(|error| at(error.span(), &of_parser(error.message())))?;
-        let choices = Choices { text };
-        let values = Values { text };
-        let element = choices.value("type", &description.r#type, &Element::ALL)?;
+    fn parse(text: &str) -> Result<RawVolume, VolumeFault> {
+        let description: Description = toml::from_str(text)
+            .map_err(|error| in_line(text, error.span(), &of_parser(error.message())))?;
+        let written = Written { text };
+        let element = written.value(&description.r#type, one_of("type", &Element::ALL))?;
         let endians = [("little", Endian::Little), ("big", Endian::Big)];
-        let endian = choices.optional("endian", &description.endian, &endians)?;
+        let endian = written.optional(&description.endian, one_of("endian", &endians))?;
         let centrings = [("nodes", Centring::Nodes), ("cells", Centring::Cells)];
-        let centring = choices.optional("centring", &description.centring, &centrings)?;
+        let centring = written.optional(&description.centring, one_of("centring", &centrings))?;
         let encodings = [("raw", Encoding::Raw), ("gzip", Encoding::Gzip)];
-        let encoding = choices.optional("encoding", &description.encoding, &encodings)?;
+        let encoding = written.optional(&description.encoding, one_of("encoding", &encodings))?;
         if endian.is_none() && element.bytes() > 1 {
             let message = format!(
                 "missing `endian`: samples of {} need \"little\" or \"big\"",
                 element.name()
             );
-            return Err(at(Some(description.r#type.span()), &message));
+            return Err(written.fault(&description.r#type, message));
         }
-        let of_nodes = |error: LatticeError| at(Some(description.nodes.span()), &error.to_string());
-        let nodes = values.value(
-            "`nodes` must be three whole numbers, such as [256, 256, 113]",
-            &description.nodes,
-            |value| three(value, whole),
-        )?;
-        let sizes = check_sizes(nodes).map_err(of_nodes)?;
-        let spacing = values.optional(
-            "`spacing` must be one number or three, such as [1, 1, 2.5]",
-            &description.spacing,
-            |value| three(value, number).or_else(|| Some([number(value)?; 3])),
-        )?;
+        let sizes = written.value(&description.nodes, |value| {
+            let nodes = three(value, whole)
+                .ok_or("`nodes` must be three whole numbers, such as [256, 256, 113]")?;
+            check_sizes(nodes).map_err(|error| error.to_string())
+        })?;
+        let spacing = written.optional(&description.spacing, |value| {
+            let spacing = three(value, number).or_else(|| Some([number(value)?; 3]));
+            spacing.ok_or("`spacing` must be one number or three, such as [1, 1, 2.5]".to_owned())
+        })?;
+        let first = written.optional(&description.origin, |value| {
+            let first = three(value, number).map(DVec3::from_array);
+            let first = first.ok_or("`origin` must be three numbers, such as [0, 0, 0]")?;
+            let is_place = first.is_finite();
+            is_place
+                .then_some(first)
+                .ok_or(LatticeError::First(first).to_string())
+        })?;
+        let header_bytes = written.optional(&description.header_bytes, |value| {
+            whole(value).ok_or("`header_bytes` must be a whole number, not negative".to_owned())
+        })?;
         let spacing = DVec3::from_array(spacing.unwrap_or([1.0; 3]));
-        let origin = description.origin.as_ref();
-        let first = values.optional(
-            "`origin` must be three numbers, such as [0, 0, 0]",
-            &description.origin,
-            |value| three(value, number),
-        )?;
-        let first = DVec3::from_array(first.unwrap_or_default());
-        let header_bytes = values.optional(
-            "`header_bytes` must be a whole number, not negative",
-            &description.header_bytes,
-            whole,
-        )?;
-        if !first.is_finite() {
-            let message = LatticeError::First(first).to_string();
-            return Err(at(origin.map(Spanned::span), &message));
-        }
         let axes = Axes {
-            sizes,
-            steps: AxisSteps::Upright(spacing),
-            first,
             centring: centring.unwrap_or_default(),
+            ..Axes::upright(sizes, spacing, first.unwrap_or_default())
         };
         if let Err(error) = axes.placement(None, Orientation::World) {
             let span = description.spacing.as_ref().map(Spanned::span);
-            return Err(at(span, &error.to_string()));
+            return Err(in_line(text, span, &error.to_string()));
         }
         if description.file.get_ref().is_empty() {
-            let span = Some(description.file.span());
-            return Err(at(
-                span,
-                "`file` is empty: it names the file of the samples",
-            ));
+            let message = "`file` is empty: it names the file of the samples";
+            return Err(written.fault(&description.file, message));
         }
         Ok(RawVolume {
             layout: Layout {
-                axes,
-                element,
                 endian: endian.unwrap_or(Endian::Little),
                 encoding: encoding.unwrap_or(Encoding::Raw),
-                scaling: None,
-                space: None,
+                ..Layout::raw(element, axes)
             },
             file: description.file.into_inner(),
             header_bytes: header_bytes.unwrap_or(0),
         })
     }
 
-    /// The file of the samples, as the description names it.
-    pub fn data_file(&self) -> &str {
-        &self.file
-    }
-
-    /// Reads the samples from `bytes`, the file that the description names.
-    pub fn read_data(&self, bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
-        self.read_from(&mut VolumeSource::of(bytes), options)
-    }
-
-    fn read_from(
-        &self,
-        source: &mut VolumeSource,
-        options: &LoadOptions,
-    ) -> Result<Grid<f32>, VolumeFault> {
+    fn read_from(&self, source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
         let (header_bytes, bytes) = (self.header_bytes, source.remaining());
         if header_bytes > bytes {
             return refused(format!(
@@ -243,68 +210,47 @@ impl RawVolume {
     }
 }
 
-/// Words of a description that stand for values.
-struct Choices<'t> {
+/// What a description holds, at its places.
+struct Written<'t> {
     text: &'t str,
 }
 
-impl Choices<'_> {
-    /// The value that the word at `key` stands for.
-    fn value<T: Copy>(
+impl Written<'_> {
+    /// What `read` makes of a value, or its message.
+    fn value<T, R>(
         &self,
-        key: &str,
-        word: &Spanned<String>,
-        words: &[(&str, T)],
-    ) -> Result<T, VolumeFault> {
-        let found = words.iter().find(|(name, _)| name == word.get_ref());
-        found.map(|(_, value)| *value).ok_or_else(|| {
-            let known: Vec<_> = words.iter().map(|(name, _)| format!("{name:?}")).collect();
-            let (known, got) = (known.join(", "), word.get_ref());
-            let message = format!("`{key}` must be one of {known}, but is {got:?}");
-            in_line(self.text, Some(word.span()), &message)
-        })
-    }
-
-    /// The same of a word that may be left out.
-    fn optional<T: Copy>(
-        &self,
-        key: &str,
-        word: &Option<Spanned<String>>,
-        words: &[(&str, T)],
-    ) -> Result<Option<T>, VolumeFault> {
-        let word = word.as_ref();
-        word.map(|word| self.value(key, word, words)).transpose()
-    }
-}
-
-/// Numbers of a description.
-struct Values<'t> {
-    text: &'t str,
-}
-
-impl Values<'_> {
-    /// The value that `read` makes of what is `written`; `expected` is the message if it is none.
-    fn value<T>(
-        &self,
-        expected: &str,
-        written: &Spanned<Value>,
-        read: impl Fn(&Value) -> Option<T>,
-    ) -> Result<T, VolumeFault> {
-        let value = read(written.get_ref());
-        value.ok_or_else(|| in_line(self.text, Some(written.span()), expected))
+        value: &Spanned<T>,
+        read: impl FnOnce(&T) -> Result<R, String>,
+    ) -> Result<R, VolumeFault> {
+        read(value.get_ref()).map_err(|message| self.fault(value, message))
     }
 
     /// The same of a value that may be left out.
-    fn optional<T>(
+    fn optional<T, R>(
         &self,
-        expected: &str,
-        written: &Option<Spanned<Value>>,
-        read: impl Fn(&Value) -> Option<T>,
-    ) -> Result<Option<T>, VolumeFault> {
-        let written = written.as_ref();
-        written
-            .map(|written| self.value(expected, written, read))
-            .transpose()
+        value: &Option<Spanned<T>>,
+        read: impl FnOnce(&T) -> Result<R, String>,
+    ) -> Result<Option<R>, VolumeFault> {
+        let value = value.as_ref();
+        value.map(|value| self.value(value, read)).transpose()
+    }
+
+    fn fault<T>(&self, value: &Spanned<T>, message: impl AsRef<str>) -> VolumeFault {
+        in_line(self.text, Some(value.span()), message.as_ref())
+    }
+}
+
+/// The value that a word at `key` stands for.
+fn one_of<T: Copy>(key: &str, words: &[(&str, T)]) -> impl FnOnce(&String) -> Result<T, String> {
+    move |word| {
+        let found = words.iter().find(|(name, _)| name == word);
+        found.map(|(_, value)| *value).ok_or_else(|| {
+            let known: Vec<_> = words.iter().map(|(name, _)| format!("{name:?}")).collect();
+            format!(
+                "`{key}` must be one of {}, but is {word:?}",
+                known.join(", ")
+            )
+        })
     }
 }
 
@@ -320,6 +266,16 @@ fn in_line(text: &str, span: Option<Range<usize>>, message: &str) -> VolumeFault
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::{Grid, read_volume};
+
+    fn read(text: &str, samples: &[u8]) -> Result<Grid<f32>, VolumeFault> {
+        read_volume(
+            "grid.toml",
+            text.as_bytes(),
+            Some(samples),
+            &LoadOptions::default(),
+        )
+    }
 
     const WHOLE: &str = "file = \"a.raw\"\ntype = \"int16\"\nendian = \"big\"\nnodes = [2, 1, 1]\n";
 
@@ -329,16 +285,13 @@ mod tests {
 
     #[test]
     fn what_may_be_left_out() {
-        let volume = RawVolume::parse(WHOLE).unwrap();
-        assert_eq!(volume.data_file(), "a.raw");
-        let grid = volume.read_data(&[0, 1, 255, 254], &LoadOptions::default());
-        let grid = grid.unwrap();
+        assert_eq!(RawVolume::parse(WHOLE).unwrap().file, "a.raw");
+        let grid = read(WHOLE, &[0, 1, 255, 254]).unwrap();
         assert_eq!(grid.values(), [1.0, -2.0]);
         assert_eq!(grid.lattice().spacing(), DVec3::ONE);
         assert_eq!(grid.lattice().first(), DVec3::ZERO);
         let more = format!("{WHOLE}spacing = 2\norigin = [1, 2.5, 3]\ncentring = \"cells\"\n");
-        let volume = RawVolume::parse(&more).unwrap();
-        let grid = volume.read_data(&[0; 4], &LoadOptions::default()).unwrap();
+        let grid = read(&more, &[0; 4]).unwrap();
         assert_eq!(grid.lattice().spacing(), DVec3::splat(2.0));
         assert_eq!(grid.lattice().bounds().min, DVec3::new(0.0, 1.5, 2.0));
     }
@@ -448,11 +401,8 @@ mod tests {
 
     #[test]
     fn samples_that_are_not_as_described() {
-        let volume = RawVolume::parse(&format!("{WHOLE}header_bytes = 3\n")).unwrap();
-        let message = |bytes: &[u8]| {
-            let read = volume.read_data(bytes, &LoadOptions::default());
-            read.unwrap_err().to_string()
-        };
+        let text = format!("{WHOLE}header_bytes = 3\n");
+        let message = |bytes: &[u8]| read(&text, bytes).unwrap_err().to_string();
         assert_eq!(
             message(&[0; 2]),
             "`header_bytes` is 3, and the file of the samples has 2 bytes"

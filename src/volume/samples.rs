@@ -5,6 +5,7 @@
 //! compressed file, memory grows with the data received.
 
 use super::error::{VolumeFault, refused};
+use super::format::{Stored, VolumeRead};
 use super::orientation::Axes;
 use super::source::VolumeSource;
 use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
@@ -128,6 +129,20 @@ pub struct Layout {
     pub space: Option<&'static str>,
 }
 
+impl Layout {
+    /// Binary samples, little endian, as they stand.
+    pub(super) fn raw(element: Element, axes: Axes) -> Layout {
+        Layout {
+            axes,
+            element,
+            endian: Endian::Little,
+            encoding: Encoding::Raw,
+            scaling: None,
+            space: None,
+        }
+    }
+}
+
 /// Reads the samples that follow a header, and all that follows them: nothing may.
 ///
 /// Values are computed in `f64` and rounded to `f32` once more: whole numbers beyond 2²⁴ and
@@ -136,7 +151,7 @@ pub(super) fn read_grid(
     source: &mut VolumeSource,
     layout: &Layout,
     options: &LoadOptions,
-) -> Result<Grid<f32>, VolumeFault> {
+) -> VolumeRead {
     let remaining = source.remaining();
     match layout.encoding {
         Encoding::Raw => read_as(layout, options, &mut |samples| {
@@ -164,7 +179,7 @@ pub(super) fn read_unpacked(
     length: u64,
     layout: &Layout,
     options: &LoadOptions,
-) -> Result<Grid<f32>, VolumeFault> {
+) -> VolumeRead {
     let trouble = |error: io::Error| {
         let message = "compress the file again, or copy it again";
         format!("the gzip stream of the data is damaged ({error}): {message}").into()
@@ -180,14 +195,15 @@ fn read_as(
     layout: &Layout,
     options: &LoadOptions,
     read: &mut dyn FnMut(&mut Samples) -> Result<(), VolumeFault>,
-) -> Result<Grid<f32>, VolumeFault> {
+) -> VolumeRead {
     let placement = layout
         .axes
         .placement(options.centring, options.orientation)?;
     let mut samples = Samples::new(layout, options);
     read(&mut samples)?;
     let values = placement.put(samples.values, layout.axes.sizes);
-    Ok(Grid::new(placement.lattice, values).expect("one value per node"))
+    let grid = Grid::new(placement.lattice, values).expect("one value per node");
+    Ok((grid, Stored::Samples(*layout)))
 }
 
 /// Deflate cannot do better than 1032 to 1: 258 bytes from two bits.
@@ -540,8 +556,8 @@ mod tests {
 
     fn read(layout: &Layout, bytes: &[u8]) -> Result<Vec<f32>, VolumeFault> {
         let options = LoadOptions::default();
-        let grid = read_grid(&mut VolumeSource::of(bytes), layout, &options);
-        grid.map(|grid| grid.values().to_vec())
+        let grid = read_grid(&mut VolumeSource::of("", bytes, None), layout, &options);
+        grid.map(|(grid, _)| grid.values().to_vec())
     }
 
     fn gzip(bytes: &[u8]) -> Vec<u8> {
@@ -659,8 +675,8 @@ mod tests {
                 non_finite,
                 ..LoadOptions::default()
             };
-            let grid = read_grid(&mut VolumeSource::of(&bytes), &layout, &options);
-            grid.map(|grid| grid.values().to_vec())
+            let grid = read_grid(&mut VolumeSource::of("", &bytes, None), &layout, &options);
+            grid.map(|(grid, _)| grid.values().to_vec())
         };
         assert_eq!(
             with(NonFinite::Refused).unwrap_err().to_string(),

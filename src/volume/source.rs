@@ -26,6 +26,16 @@ pub(super) struct VolumeSource<'b> {
     reader: BufReader<Hashed<'b>>,
     /// The file of the data, if it is another.
     data: Option<Box<VolumeSource<'b>>>,
+    beside: Beside<'b>,
+}
+
+/// The place of the file of samples that a header names.
+#[derive(Clone, Copy)]
+enum Beside<'b> {
+    /// Below the folder of the header.
+    Folder,
+    /// In memory, as the header; `None` if there is none.
+    Memory(Option<&'b [u8]>),
 }
 
 struct Hashed<'b> {
@@ -54,8 +64,12 @@ impl<'b> VolumeSource<'b> {
         Ok(VolumeSource::new(path, Box::new(file), length))
     }
 
-    pub fn of(bytes: &'b [u8]) -> VolumeSource<'b> {
-        VolumeSource::new(Path::new(""), Box::new(bytes), bytes.len() as u64)
+    /// Bytes of a file of that name, and those of the file of samples that it may name.
+    pub fn of(name: &str, bytes: &'b [u8], samples: Option<&'b [u8]>) -> VolumeSource<'b> {
+        VolumeSource {
+            beside: Beside::Memory(samples),
+            ..VolumeSource::new(Path::new(name), Box::new(bytes), bytes.len() as u64)
+        }
     }
 
     fn new(path: &Path, bytes: Box<dyn Read + 'b>, length: u64) -> VolumeSource<'b> {
@@ -66,6 +80,7 @@ impl<'b> VolumeSource<'b> {
             line: 0,
             reader: BufReader::with_capacity(1 << 16, Hashed { bytes, hasher }),
             data: None,
+            beside: Beside::Folder,
         }
     }
 
@@ -85,6 +100,14 @@ impl<'b> VolumeSource<'b> {
         name: &str,
         options: &LoadOptions,
     ) -> Result<&mut VolumeSource<'b>, VolumeFault> {
+        if let Beside::Memory(samples) = self.beside {
+            let samples = samples.ok_or_else(|| {
+                format!("the data are in another file, {name:?}: load the header by its path")
+            })?;
+            return Ok(self
+                .data
+                .insert(Box::new(VolumeSource::of(name, samples, None))));
+        }
         let outside = |name: &str| {
             format!(
                 "its data are in {name:?}, outside its folder, which is not allowed: move the \

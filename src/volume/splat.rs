@@ -2,6 +2,7 @@
 
 use super::error::{VolumeFault, refused};
 use super::{CloudPoint, Grid, Lattice, LatticeError};
+use crate::geometry::Aabb;
 use glam::DVec3;
 
 /// Resolution of the grid of a point cloud.
@@ -126,10 +127,8 @@ impl SplatFrame {
             resolution,
             padding,
         } = splatting;
-        let first = points.first().ok_or("the cloud has no points")?.position;
-        let (min, max) = points.iter().fold((first, first), |(min, max), point| {
-            (min.min(point.position), max.max(point.position))
-        });
+        let bounds = Aabb::around(points.iter().map(|point| point.position));
+        let Aabb { min, max } = bounds.ok_or("the cloud has no points")?;
         let extent = (max - min).max_element();
         if extent == 0.0 {
             let count = points.len();

@@ -3,10 +3,7 @@
 use super::RawFiles;
 use super::inline_arrays::{Entries, Json};
 use super::shapes::{matrix_or_null, of_mesh, of_shape};
-use super::volume::{
-    GRADIENT, SAMPLING, grid_of, interpolation, light, or_null, radiance, ray, shading, shadow_ray,
-    transfer,
-};
+use super::volume::{SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
 use crate::geometry::Aabb;
 use crate::scene::{Classified, Clip, Kept, Modulation, OpaqueSurface};
 
@@ -45,20 +42,12 @@ pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
 }
 
 fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Option<Json>) -> Json {
-    let look = &alone.transfer_function;
-    let sampling = vec![("step", alone.step.into()), ("formula", SAMPLING.into())];
-    let shadow = alone.shadow.map(|shadow| shadow_ray(shadow, look));
     let mut entries = vec![
         ("grid", Json::Object(grid_of(alone, file))),
         ("clips", clips.into()),
-        ("interpolation", interpolation(alone.interpolation)),
-        ("sampling", Json::Object(sampling)),
-        ("transfer_function", Json::Object(transfer(look))),
-        ("gradient", alone.phong.map(|_| GRADIENT).into()),
-        ("phong", or_null(alone.phong.map(shading))),
-        ("shadow", or_null(shadow)),
-        ("radiance", radiance(alone).into()),
     ];
+    entries.extend(look(alone, SAMPLING));
+    entries.push(("radiance", radiance(alone).into()));
     entries.extend(modulation.map(|modulation| ("modulation", modulation)));
     Json::Object(entries)
 }

@@ -11,11 +11,7 @@ use glam::DVec3;
 
 /// All that is computed for a picture of `scene`, whose values stand in `file`.
 pub(super) fn described(scene: &Classified, file: String) -> Entries {
-    let transfer_function = &scene.transfer_function;
     let is_lit = scene.phong.is_some() || scene.shadow.is_some();
-    let shadow = scene
-        .shadow
-        .map(|shadow| shadow_ray(shadow, transfer_function));
     let mode = modes::described(scene);
     let formula = if mode.is_some() && scene.is_exact() {
         modes::EXACT
@@ -24,27 +20,13 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     } else {
         SAMPLING
     };
-    let sampling = vec![("step", scene.step.into()), ("formula", formula.into())];
     let mut entries = vec![
         ("shows", "volume".into()),
         ("ray", Json::Object(ray(&scene.camera))),
         ("grid", Json::Object(grid_of(scene, file))),
-        ("interpolation", interpolation(scene.interpolation)),
-        ("sampling", Json::Object(sampling)),
-        (
-            "transfer_function",
-            or_null(
-                scene
-                    .mode
-                    .uses_transfer_function()
-                    .then(|| transfer(transfer_function)),
-            ),
-        ),
-        ("gradient", scene.phong.map(|_| GRADIENT).into()),
-        ("phong", or_null(scene.phong.map(shading))),
-        ("shadow", or_null(shadow)),
-        ("light", or_null(is_lit.then(|| light(scene.light)))),
     ];
+    entries.extend(look(scene, formula));
+    entries.push(("light", or_null(is_lit.then(|| light(scene.light)))));
     match mode {
         Some(mode) => entries.push(("mode", Json::Object(mode))),
         None => entries.extend([
@@ -60,6 +42,22 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     }
     entries.push(("background", scene.background.to_array().into()));
     entries
+}
+
+/// How values of a volume are read, sampled by this formula, and seen.
+pub(super) fn look(scene: &Classified, formula: &str) -> Entries {
+    let sampling = vec![("step", scene.step.into()), ("formula", formula.into())];
+    let look = &scene.transfer_function;
+    let transfer = scene.mode.uses_transfer_function().then(|| transfer(look));
+    let shadow = scene.shadow.map(|shadow| shadow_ray(shadow, look));
+    vec![
+        ("interpolation", interpolation(scene.interpolation)),
+        ("sampling", Json::Object(sampling)),
+        ("transfer_function", or_null(transfer)),
+        ("gradient", scene.phong.map(|_| GRADIENT).into()),
+        ("phong", or_null(scene.phong.map(shading))),
+        ("shadow", or_null(shadow)),
+    ]
 }
 
 /// The object, or null.
@@ -175,7 +173,7 @@ pub(super) const SAMPLING: &str = "t0 and t1 are where the ray enters and leaves
     step is as long as what is left: h = (t1 - t0) - (n - 1)*step, its sample in its middle at \
     t = t0 + (n - 1)*step + h/2";
 
-pub(super) fn transfer(transfer_function: &TransferFunction) -> Entries {
+fn transfer(transfer_function: &TransferFunction) -> Entries {
     let mut entries = vec![(
         "reference_length",
         transfer_function.reference_length.into(),
@@ -218,7 +216,7 @@ pub(super) fn transfer(transfer_function: &TransferFunction) -> Entries {
     entries
 }
 
-pub(super) const GRADIENT: &str = "stored at the nodes, by central differences: along each axis \
+const GRADIENT: &str = "stored at the nodes, by central differences: along each axis \
     (value(i+1) - value(i-1))/(2*spacing). A border node takes the gradient of the nearest inner \
     node: on each axis the index is clamped to 1 ... nodes - 2. An axis of fewer than 3 nodes has \
     the component 0. Between the nodes the three components are interpolated like the values";
@@ -239,7 +237,7 @@ pub(super) fn shading(phong: Phong) -> Entries {
     ]
 }
 
-pub(super) fn shadow_ray(shadow: Shadow, transfer_function: &TransferFunction) -> Entries {
+fn shadow_ray(shadow: Shadow, transfer_function: &TransferFunction) -> Entries {
     let share = match transfer_function.appearance {
         Appearance::Formula { .. } => "min(1, exp(-S/100)), S = sum of density*h/reference_step",
         Appearance::Points(_) => "product of (1 - a0(d))^(h/reference_step)",

@@ -49,18 +49,15 @@ impl ShapeTransform {
         let mut scale = DVec3::ONE;
         if let Some(factors) = reader.optional_vector("scale")? {
             scale = factors;
-            transform = Transform::scale(factors)
-                .map_err(|error| reader.error("scale", error.to_string()))?;
+            transform = reader.accepted_at("scale", Transform::scale(factors))?;
         }
         if let Some(rotation) = reader.table("rotate")? {
             let (axis, angle) = (rotation.vector("axis")?, rotation.number("angle")?);
-            let turn = Transform::rotation(axis, angle)
-                .map_err(|error| rotation.error("axis", error.to_string()))?;
+            let turn = rotation.accepted_at("axis", Transform::rotation(axis, angle))?;
             transform = transform.then(&turn);
         }
         if let Some(offset) = reader.optional_vector("translate")? {
-            let shift = Transform::translation(offset)
-                .map_err(|error| reader.error("translate", error.to_string()))?;
+            let shift = reader.accepted_at("translate", Transform::translation(offset))?;
             transform = transform.then(&shift);
         }
         Ok(ShapeTransform {

@@ -2,8 +2,8 @@
 
 use super::shape_transform::{self, ShapeTransform};
 use crate::geometry::{
-    Aabb, Boundary, ClosedMesh, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape,
-    ShapeError, Sphere, Surface, Transform, length_of,
+    Aabb, Boundary, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape, ShapeError,
+    Sphere, Surface, Transform, length_of,
 };
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
@@ -112,12 +112,12 @@ impl BaseShape {
 
 fn read_sphere(reader: &Reader) -> SceneResult<Sphere> {
     let (centre, radius) = (reader.vector("centre")?, reader.number("radius")?);
-    Sphere::new(centre, radius).map_err(|error| reader.error("radius", error.to_string()))
+    reader.accepted_at("radius", Sphere::new(centre, radius))
 }
 
 pub(in crate::scene) fn read_box(reader: &Reader) -> SceneResult<Aabb> {
     let (min, max) = (reader.vector("min")?, reader.vector("max")?);
-    Aabb::new(min, max).map_err(|error| reader.error("min", error.to_string()))
+    reader.accepted_at("min", Aabb::new(min, max))
 }
 
 fn read_rectangle(reader: &Reader) -> SceneResult<Rectangle> {
@@ -159,16 +159,16 @@ pub(in crate::scene) fn shape(
         (BaseShape::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
         (BaseShape::Mesh(mesh), None) => Shape::Mesh(mesh),
         (BaseShape::Sphere(sphere), Some(to_world)) => {
-            Shape::PlacedSphere(placed(reader, key, sphere, to_world)?)
+            Shape::PlacedSphere(at(reader, key, sphere, to_world)?)
         }
         (BaseShape::Box(cuboid), Some(to_world)) => {
-            Shape::PlacedBox(placed(reader, key, cuboid, to_world)?)
+            Shape::PlacedBox(at(reader, key, cuboid, to_world)?)
         }
         (BaseShape::Rectangle(rectangle), Some(to_world)) => {
             Shape::Rectangle(moved(reader, &rectangle, &to_world)?)
         }
         (BaseShape::Mesh(mesh), Some(to_world)) => {
-            Shape::PlacedMesh(placed(reader, key, mesh, to_world)?)
+            Shape::PlacedMesh(at(reader, key, mesh, to_world)?)
         }
     };
     check_size(reader, key, &shape.bounds())?;
@@ -191,9 +191,8 @@ pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Lumino
                 ));
             };
             let centre = to_world.point(sphere.centre());
-            let sphere = Sphere::new(centre, sphere.radius() * factor)
-                .map_err(|error| reader.error("sphere", error.to_string()))?;
-            Luminous::Sphere(sphere)
+            let sphere = Sphere::new(centre, sphere.radius() * factor);
+            Luminous::Sphere(reader.accepted_at("sphere", sphere)?)
         }
         (BaseShape::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
         (BaseShape::Rectangle(rectangle), Some(to_world)) => {
@@ -241,23 +240,18 @@ pub(super) fn space(
     files: &mut Files,
     own: Option<Aabb>,
 ) -> SceneResult<Option<MediumSpace>> {
-    enum BaseSolid {
-        Sphere(Sphere),
-        Box(Aabb),
-        Mesh(Arc<ClosedMesh>),
-    }
-    let body = if let Some(sphere) = reader.table("sphere")? {
-        BaseSolid::Sphere(read_sphere(&sphere)?)
+    let own_place = if let Some(sphere) = reader.table("sphere")? {
+        Boundary::Sphere(read_sphere(&sphere)?)
     } else if let Some(table) = reader.table("box")? {
         let cuboid = read_box(&table)?;
         if cuboid.size().cmpeq(DVec3::ZERO).any() {
             return Err(flat_box(reader, "a medium"));
         }
-        BaseSolid::Box(cuboid)
+        Boundary::Box(cuboid)
     } else if let Some(mesh) = reader.table("mesh")? {
-        BaseSolid::Mesh(files.closed_mesh(&mesh)?)
+        Boundary::Mesh(files.closed_mesh(&mesh)?)
     } else if let Some(own) = own {
-        BaseSolid::Box(own)
+        Boundary::Box(own)
     } else {
         if let Some(key) = super::shape_transform::KEYS
             .into_iter()
@@ -270,35 +264,16 @@ pub(super) fn space(
         }
         return Ok(None);
     };
-    let bounds = match &body {
-        BaseSolid::Sphere(sphere) => sphere.bounds(),
-        BaseSolid::Box(cuboid) => *cuboid,
-        BaseSolid::Mesh(mesh) => mesh.bounds(),
-    };
+    let bounds = own_place.bounds();
     let to_world = ShapeTransform::read(reader)?.to_world;
-    let boundary = match (body, to_world) {
-        (BaseSolid::Sphere(sphere), None) => Boundary::Sphere(sphere),
-        (BaseSolid::Box(cuboid), None) => Boundary::Box(cuboid),
-        (BaseSolid::Mesh(mesh), None) => Boundary::Mesh(mesh),
-        (BaseSolid::Sphere(sphere), Some(to_world)) => {
-            Boundary::PlacedSphere(placed(reader, "sphere", sphere, to_world)?)
-        }
-        (BaseSolid::Box(cuboid), Some(to_world)) => {
-            let key = if reader.has("box") { "box" } else { "grid" };
-            Boundary::PlacedBox(placed(reader, key, cuboid, to_world)?)
-        }
-        (BaseSolid::Mesh(mesh), Some(to_world)) => {
-            Boundary::PlacedMesh(placed(reader, "mesh", mesh, to_world)?)
-        }
+    let keys = ["sphere", "box", "mesh", "grid"].into_iter();
+    let mut given = keys.filter(|key| reader.has(key));
+    let key = given.next().expect("its shape, or its grid");
+    let boundary = match &to_world {
+        None => own_place,
+        Some(to_world) => placed(reader, key, &bounds, own_place.moved(to_world))?,
     };
-    let key = ["sphere", "box", "mesh", "grid"]
-        .into_iter()
-        .find(|key| reader.has(key));
-    check_size(
-        reader,
-        key.expect("its shape, or its grid"),
-        &boundary.bounds(),
-    )?;
+    check_size(reader, key, &boundary.bounds())?;
     Ok(Some(MediumSpace {
         boundary,
         bounds,
@@ -332,20 +307,23 @@ fn flat_box(reader: &Reader, what: &str) -> Box<SceneError> {
     reader.mistake("box", message, help)
 }
 
-/// `shape` moved, if there is still something of it where it goes.
-fn placed<S: Surface>(
+fn at<S: Surface>(
     reader: &Reader,
     key: &str,
     shape: S,
     to_world: Transform,
 ) -> SceneResult<Placed<S>> {
+    let before = shape.bounds();
+    placed(reader, key, &before, Placed::new(shape, to_world))
+}
+
+/// `moved`, if there is still something of the shape, whose bounds were `before`, where it went.
+fn placed<S: Surface>(reader: &Reader, key: &str, before: &Aabb, moved: S) -> SceneResult<S> {
     let flat_axes = |size: DVec3| size.cmple(DVec3::ZERO).bitmask().count_ones();
-    let before = flat_axes(shape.bounds().size());
-    let placed = Placed::new(shape, to_world);
-    let bounds = placed.bounds();
+    let bounds = moved.bounds();
     let finite = bounds.min.is_finite() && bounds.max.is_finite() && bounds.size().is_finite();
-    if finite && flat_axes(bounds.size()) <= before {
-        return Ok(placed);
+    if finite && flat_axes(bounds.size()) <= flat_axes(before.size()) {
+        return Ok(moved);
     }
     let message = format!(
         "after its transform, the {key} lies where numbers are too coarse for it, or beyond \

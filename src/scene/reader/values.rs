@@ -121,8 +121,8 @@ impl<'d, 's> Reader<'d, 's> {
             let DeValue::Integer(integer) = value.get_ref() else {
                 return Err(self.wrong_type(name, value));
             };
-            whole_number(name, integer.as_str(), integer.radix(), [low, high])
-                .map_err(|message| self.error(name, message))
+            let number = whole_number(name, integer.as_str(), integer.radix(), [low, high]);
+            self.accepted_at(name, number)
         };
         self.present(name, read, u64::to_string)
     }
@@ -147,8 +147,8 @@ impl<'d, 's> Reader<'d, 's> {
                 let DeValue::Integer(integer) = item.get_ref() else {
                     return Err(wrong());
                 };
-                *count = whole_number(name, integer.as_str(), integer.radix(), [low, high])
-                    .map_err(|message| self.error(name, message))?;
+                let number = whole_number(name, integer.as_str(), integer.radix(), [low, high]);
+                *count = self.accepted_at(name, number)?;
             }
             Ok(counts)
         };
@@ -293,6 +293,24 @@ impl<'d, 's> Reader<'d, 's> {
             }
             None => Ok(None),
         }
+    }
+
+    /// What `read` makes of the table `name`, if it is there.
+    pub fn table_as<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&Reader<'d, 's>) -> SceneResult<T>,
+    ) -> SceneResult<Option<T>> {
+        self.table(name)?.as_ref().map(read).transpose()
+    }
+
+    /// What `read` makes of each of the tables `name`.
+    pub fn tables_as<T>(
+        &self,
+        name: &str,
+        read: impl FnMut(&Reader<'d, 's>) -> SceneResult<T>,
+    ) -> SceneResult<Vec<T>> {
+        self.tables(name)?.iter().map(read).collect()
     }
 
     fn table_in(

@@ -1,7 +1,7 @@
 //! Numbers of participating media.
 
 use super::{Number, Quantity, in_radiative};
-use crate::geometry::{Boundary, Placed, Surface, Transform};
+use crate::geometry::{Boundary, Surface, Transform};
 use crate::optics::{Asymmetry, Coefficients};
 use crate::scene::{Body, Radiative, Scene};
 use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
@@ -176,19 +176,7 @@ fn is_movable(body: &Body) -> bool {
 fn moved(scene: &mut Scene, at: usize, by: Transform) -> Option<()> {
     in_radiative(scene, |radiative| {
         let boundary = radiative.media.get_mut(at)?.boundary.as_mut()?;
-        *boundary = match boundary {
-            Boundary::Sphere(sphere) => Boundary::PlacedSphere(Placed::new(*sphere, by)),
-            Boundary::Box(bounds) => Boundary::PlacedBox(Placed::new(*bounds, by)),
-            Boundary::PlacedSphere(placed) => {
-                let placed = Placed::new(*placed.shape(), placed.to_world().then(&by));
-                Boundary::PlacedSphere(placed)
-            }
-            Boundary::PlacedBox(placed) => {
-                let placed = Placed::new(*placed.shape(), placed.to_world().then(&by));
-                Boundary::PlacedBox(placed)
-            }
-            Boundary::Mesh(_) | Boundary::PlacedMesh(_) => return None,
-        };
+        *boundary = boundary.clone().moved(&by);
         Some(())
     })
 }

@@ -14,33 +14,50 @@ const IGNORED: &str = "\
     sample units, sampleunits, thicknesses, labels, measurement frame";
 
 /// Fields that are read: as written, and the name they go by.
-const READ: [(&str, &str); 25] = [
-    ("dimension", "dimension"),
-    ("type", "type"),
-    ("sizes", "sizes"),
-    ("encoding", "encoding"),
-    ("endian", "endian"),
-    ("spacings", "spacings"),
-    ("axis mins", "axis mins"),
+const READ: &str = "\
+    dimension, type, sizes, encoding, endian, spacings, axis mins, axis maxs, centers, kinds, units, \
+    space, space units, space dimension, space directions, space origin, data file, line skip, byte skip";
+
+/// Other spellings of them.
+const SPELLINGS: [(&str, &str); 6] = [
     ("axismins", "axis mins"),
-    ("axis maxs", "axis maxs"),
     ("axismaxs", "axis maxs"),
-    ("centers", "centers"),
     ("centerings", "centers"),
-    ("kinds", "kinds"),
-    ("units", "units"),
-    ("space", "space"),
-    ("space units", "space units"),
-    ("space dimension", "space dimension"),
-    ("space directions", "space directions"),
-    ("space origin", "space origin"),
-    ("data file", "data file"),
     ("datafile", "data file"),
-    ("line skip", "line skip"),
     ("lineskip", "line skip"),
-    ("byte skip", "byte skip"),
     ("byteskip", "byte skip"),
 ];
+
+/// Types of samples, by their names.
+const TYPES: [(Element, &str); 10] = [
+    (Element::Int8, "signed char, int8, int8_t"),
+    (Element::Uint8, "uchar, unsigned char, uint8, uint8_t"),
+    (
+        Element::Int16,
+        "short, short int, signed short, signed short int, int16, int16_t",
+    ),
+    (
+        Element::Uint16,
+        "ushort, unsigned short, unsigned short int, uint16, uint16_t",
+    ),
+    (Element::Int32, "int, signed int, int32, int32_t"),
+    (Element::Uint32, "uint, unsigned int, uint32, uint32_t"),
+    (
+        Element::Int64,
+        "longlong, long long, long long int, signed long long, signed long long int, int64, int64_t",
+    ),
+    (
+        Element::Uint64,
+        "ulonglong, unsigned long long, unsigned long long int, uint64, uint64_t",
+    ),
+    (Element::Float32, "float"),
+    (Element::Float64, "double"),
+];
+
+/// Whether `word` is one of the words of a list with commas.
+fn is_listed(list: &str, word: &str) -> bool {
+    list.split(", ").any(|listed| listed == word)
+}
 
 /// The fields of a header as they stand there: name, value, line.
 #[derive(Default)]
@@ -62,23 +79,25 @@ impl Fields {
             return Ok(());
         }
         let name = name.trim().to_ascii_lowercase();
-        if IGNORED.split(", ").any(|ignored| ignored == name) {
+        if is_listed(IGNORED, &name) {
             return Ok(());
         }
-        let known = READ.iter().find(|(written, _)| *written == name);
-        let (_, field) = known.ok_or_else(|| {
+        let spelling = SPELLINGS.iter().find(|(spelt, _)| *spelt == name);
+        let usual = spelling.map_or(&*name, |(_, usual)| usual);
+        let known = READ.split(", ").find(|field| *field == usual);
+        let field = known.ok_or_else(|| {
             let name = shortened(&name);
             fault(format!(
                 "{name:?} is not a field of the format: correct it, or put `#` before it"
             ))
         })?;
-        if self.0.iter().any(|(other, ..)| other == field) {
+        if self.0.iter().any(|(other, ..)| *other == field) {
             return Err(fault(format!("the field `{field}` is there twice")));
         }
         let value = value.trim();
-        if *field == "data file" {
+        if field == "data file" {
             // Here, as a list of names follows the field up to the end of the header.
-            let name = *field;
+            let name = field;
             HeaderField { name, value, line }.check_one_file()?;
         }
         self.0.push((field, value.to_owned(), line));
@@ -150,37 +169,16 @@ impl Fields {
     fn element(&self) -> Result<Element, VolumeFault> {
         let field = self.required("type")?;
         let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
-        Ok(match words.join(" ").to_ascii_lowercase().as_str() {
-            "signed char" | "int8" | "int8_t" => Element::Int8,
-            "uchar" | "unsigned char" | "uint8" | "uint8_t" => Element::Uint8,
-            "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => {
-                Element::Int16
-            }
-            "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => {
-                Element::Uint16
-            }
-            "int" | "signed int" | "int32" | "int32_t" => Element::Int32,
-            "uint" | "unsigned int" | "uint32" | "uint32_t" => Element::Uint32,
-            "longlong"
-            | "long long"
-            | "long long int"
-            | "signed long long"
-            | "signed long long int"
-            | "int64"
-            | "int64_t" => Element::Int64,
-            "ulonglong"
-            | "unsigned long long"
-            | "unsigned long long int"
-            | "uint64"
-            | "uint64_t" => Element::Uint64,
-            "float" => Element::Float32,
-            "double" => Element::Float64,
-            "block" => return Err(field.fault("samples of type block are not numbers")),
-            _ => {
-                let expected = "a type of the format, such as uint8, short or float";
-                return Err(field.wrong(expected));
-            }
-        })
+        let written = words.join(" ").to_ascii_lowercase();
+        if written == "block" {
+            return Err(field.fault("samples of type block are not numbers"));
+        }
+        let mut types = TYPES.iter();
+        let found = types.find(|(_, names)| is_listed(names, &written));
+        let expected = "a type of the format, such as uint8, short or float";
+        found
+            .map(|(element, _)| *element)
+            .ok_or_else(|| field.wrong(expected))
     }
 
     fn encoding(&self) -> Result<Encoding, VolumeFault> {
