@@ -130,7 +130,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if !result.metrics.is_empty() {
         text.push('\n');
     }
-    let widest = result.metrics.keys().map(String::len).max().unwrap_or(0);
+    let widest = report::widest(result.metrics.keys());
     for (name, value) in &result.metrics {
         let value = match value.abs() {
             size if size != 0.0 && !(1e-6..1e9).contains(&size) => format!("{value:e}"),

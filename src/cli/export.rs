@@ -93,7 +93,10 @@ impl From<Refusal> for Failure {
 
 /// Command lines of the other renderer.
 fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
-    let quoted = |name: &str| quoted(&folder.join(name));
+    let quoted = |name: &str| {
+        let path = folder.join(name).display().to_string();
+        shell_words::quote(&path).into_owned()
+    };
     let named = |ending: &str| {
         let names = export.files.iter().map(|(name, _)| name.as_str());
         names
@@ -133,14 +136,4 @@ fn in_a_scene(scene: &Scene, export: &Export) -> String {
         text.push_str(&format!("  transform = {:?}\n", map.rows()));
     }
     text
-}
-
-/// A path quoted for a shell.
-fn quoted(path: &Path) -> String {
-    let path = path.display().to_string();
-    let plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-".contains(letter);
-    if path.chars().all(plain) {
-        return path;
-    }
-    format!("'{}'", path.replace('\'', r"'\''"))
 }

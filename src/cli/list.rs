@@ -4,6 +4,7 @@ use super::Outcome;
 use super::failure::Failure;
 use super::output::{self, Json};
 use super::suite::Selection;
+use crate::report::widest;
 use crate::suite::{ANALYTIC, row_name};
 use crate::variations::mistakes;
 use serde_json::json;
@@ -47,7 +48,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
     let row_names: Vec<String> = rows.iter().map(|row| row_name(row)).collect();
     let names = cases.iter().map(|case| &case.name).chain(&row_names);
-    let widest = names.map(String::len).max().unwrap_or(0);
+    let widest = widest(names);
     let mut text = String::new();
     let mut entries = Vec::new();
     for case in cases {

@@ -238,11 +238,7 @@ fn joined_results(
     } else {
         let said = PrintedVerdicts {
             speaks: !arguments.files.prints_json(),
-            widest: found
-                .iter()
-                .map(|result| result.name.len())
-                .max()
-                .unwrap_or(0),
+            widest: report::widest(found.iter().map(|result| &result.name)),
             folds_missing: !arguments.verbose,
             waits: false,
         };

@@ -4,6 +4,7 @@ use super::failure::{Exit, Failure, bad_input};
 use super::output::number_of;
 use super::progress;
 use super::suite::Selection;
+use crate::report::widest;
 use crate::runs::{AddError, Added, CaseUnits, Unit, UnitFile, UnitFolder};
 use crate::suite::Suite;
 use serde_json::{Value, json};
@@ -148,7 +149,7 @@ impl JoinedUnits {
     }
 
     pub fn text(&self) -> String {
-        let widest = self.cases.iter().map(|of| of.case.len()).max().unwrap_or(0);
+        let widest = widest(self.cases.iter().map(|of| &of.case));
         let mut text = String::new();
         for unused in &self.unused {
             text.push_str(&format!("not used: {unused}\n"));

@@ -10,6 +10,7 @@ use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason}
 use crate::render::{
     self, Amount, Bound, Counters, Effect, Footprint, Memory, Plan, PredictedWork, Sampling,
 };
+use crate::report::widest;
 use crate::scene::{Classified, Model, Origin, Panel, Scene};
 use indicatif::HumanBytes;
 use serde::Serialize;
@@ -310,8 +311,7 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
     if defaults(panel).next().is_none() {
         text.push_str("  none\n");
     }
-    let widest = defaults(panel).map(|default| default.key.len()).max();
-    let widest = widest.unwrap_or(0);
+    let widest = widest(defaults(panel).map(|default| default.key));
     for DefaultJson { key, value, rule } in defaults(panel) {
         let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
         text.push_str(&format!("  {key:<widest$}  {value}{rule}\n"));

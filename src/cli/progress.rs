@@ -1,7 +1,7 @@
 //! Progress: the current work, its share done and the time left. On a terminal a bar, from the
 //! start; in a pipe a line from time to time, so that a log shows progress. All on stderr.
 
-use super::output::printable;
+use super::output::{number_of, printable};
 use crate::naming::SearchStep;
 use crate::render::plan::Reason;
 use crate::render::{Forecast, Watch};
@@ -40,8 +40,8 @@ pub struct Bar {
 
 struct SharedBar {
     start: Instant,
-    /// The bar, on a terminal.
-    bar: Option<ProgressBar>,
+    /// The bar; hidden in a pipe.
+    bar: ProgressBar,
     said: Mutex<ProgressText>,
     changed: Condvar,
     /// The parts of the work, such as cases.
@@ -141,12 +141,11 @@ pub fn note(text: &str) {
 /// announced at once.
 pub fn mistakes(failed: usize, seconds: f64) -> Bar {
     if !std::io::stderr().is_terminal() {
-        let cases = if failed == 1 { "case" } else { "cases" };
-        let _ = writeln!(
-            std::io::stderr(),
-            "volref: looking for the mistake in {failed} failing {cases}, at most {seconds} s \
-             of work for each (change with --explain SECONDS; 0 skips the search)"
-        );
+        let cases = number_of(failed as u64, "failing case");
+        note(&format!(
+            "looking for the mistake in {cases}, at most {seconds} s of work for each (change with \
+             --explain SECONDS; 0 skips the search)"
+        ));
     }
     Bar::begin(0, ProgressText::of("looking for the mistake"))
 }
@@ -167,7 +166,10 @@ pub fn mistake(bar: &Bar, step: &SearchStep) {
 
 impl Bar {
     fn begin(parts: u64, said: ProgressText) -> Bar {
-        let bar = std::io::stderr().is_terminal().then(ProgressBar::no_length);
+        let bar = match std::io::stderr().is_terminal() {
+            true => ProgressBar::no_length(),
+            false => ProgressBar::hidden(),
+        };
         let shared = Arc::new(SharedBar {
             start: Instant::now(),
             bar,
@@ -203,10 +205,7 @@ impl Bar {
 
     /// Prints a line above the bar.
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
-        match &self.shared.bar {
-            Some(bar) => bar.suspend(write),
-            None => write(),
-        }
+        self.shared.bar.suspend(write)
     }
 
     /// Ends the display, and clears it on a terminal.
@@ -221,9 +220,7 @@ impl Bar {
         self.shared.said().ended = true;
         self.shared.changed.notify_all();
         let _ = ticker.join();
-        if let Some(bar) = &self.shared.bar {
-            bar.finish_and_clear();
-        }
+        self.shared.bar.finish_and_clear();
     }
 }
 
@@ -287,9 +284,9 @@ impl SharedBar {
     fn tick(&self) {
         let mut next = FIRST_LINE;
         loop {
-            let wait = match self.bar {
-                Some(_) => FRAME,
-                None => next.saturating_sub(self.start.elapsed()),
+            let wait = match self.bar.is_hidden() {
+                true => next.saturating_sub(self.start.elapsed()),
+                false => FRAME,
             };
             let said = self.said();
             let ended = |said: &mut ProgressText| !said.ended;
@@ -307,19 +304,16 @@ impl SharedBar {
             }
             let done = share_done(self.parts.get(), self.steps.get());
             let state = self.state(done, elapsed.as_secs_f64());
-            match &self.bar {
-                Some(bar) => {
-                    bar.set_style(style(done.is_some()));
-                    bar.set_length(BAR_LENGTH);
-                    bar.set_position((done.unwrap_or(0.0) * BAR_LENGTH as f64) as u64);
-                    bar.set_message(state);
-                    bar.tick();
-                }
-                None if elapsed < next => continue,
-                None => {
-                    self.line(&state);
-                    next = next_line(elapsed);
-                }
+            if !self.bar.is_hidden() {
+                self.bar.set_style(style(done.is_some()));
+                self.bar.set_length(BAR_LENGTH);
+                let position = done.unwrap_or(0.0) * BAR_LENGTH as f64;
+                self.bar.set_position(position as u64);
+                self.bar.set_message(state);
+                self.bar.tick();
+            } else if elapsed >= next {
+                self.line(&state);
+                next = next_line(elapsed);
             }
         }
     }
@@ -327,7 +321,7 @@ impl SharedBar {
     fn state(&self, done: Option<f64>, elapsed: f64) -> String {
         let said = self.said();
         let parts = said.parts.map(|name| (name, self.parts.get()));
-        let beside_bar = self.bar.is_some() && done.is_some();
+        let beside_bar = !self.bar.is_hidden() && done.is_some();
         state(
             &said.message,
             parts,
@@ -346,13 +340,7 @@ impl SharedBar {
     }
 
     fn line(&self, text: &str) {
-        let line = || {
-            let _ = writeln!(std::io::stderr(), "volref: {}", printable(text));
-        };
-        match &self.bar {
-            Some(bar) => bar.suspend(line),
-            None => line(),
-        }
+        self.bar.suspend(|| note(text));
     }
 }
 

@@ -8,6 +8,7 @@ use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
 use crate::math;
 use crate::render::{self, Detail, Plan};
+use crate::report::widest;
 use crate::scene::{Scene, samples};
 use crate::sensitivity::{Derivative, Differences, Number, Unit, derivative, number, numbers};
 use crate::suite::sensitivities_of;
@@ -215,11 +216,7 @@ fn per_unit(number: &Number) -> String {
 
 fn listed(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     let numbers = numbers(scene);
-    let width = numbers
-        .iter()
-        .map(|number| number.name().len())
-        .max()
-        .unwrap_or(0);
+    let width = widest(numbers.iter().map(Number::name));
     let mut text = String::new();
     for number in &numbers {
         let step = format!("{:.4}", number.step);

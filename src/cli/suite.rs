@@ -30,7 +30,7 @@ impl Selection {
 
     /// The suite, opened for changes.
     pub fn open_to_change(&self) -> Result<Suite, Failure> {
-        if self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE)) {
+        if self.is_embedded() {
             let message =
                 "there is no suite in this folder, and that within volref cannot be changed";
             let help = "write a copy of it with `volref suite --extract DIR`, then add --suite DIR";
@@ -42,9 +42,15 @@ impl Selection {
     /// Folder for units and results of this suite: in the suite, or for the embedded one in the
     /// current folder.
     pub fn kept_folder(&self, suite: &Suite) -> PathBuf {
-        let is_own = self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE));
-        let own = || Path::new(HERE).join(KEPT);
-        if is_own { own() } else { suite.cache_folder() }
+        match self.is_embedded() {
+            true => Path::new(HERE).join(KEPT),
+            false => suite.cache_folder(),
+        }
+    }
+
+    /// True if the suite is that within the program.
+    fn is_embedded(&self) -> bool {
+        self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE))
     }
 
     /// The command line that repeats `command` for one case of this suite.

@@ -5,6 +5,7 @@ use super::output::{self, Json, number_of};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress, render};
+use crate::report::widest;
 use crate::runs::{AcceptWatch, CaseUnits, StepsOfWork, Unit, UnitError, UnitFolder};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -143,8 +144,7 @@ impl From<UnitError> for Failure {
 
 /// A line for each unit, and whether it is kept, and how many are missing.
 fn listed(units: &[(&Unit, bool)], folder: &UnitFolder, computed: Option<usize>) -> String {
-    let widest = units.iter().map(|(unit, _)| unit.case.len()).max();
-    let widest = widest.unwrap_or(0);
+    let widest = widest(units.iter().map(|(unit, _)| &unit.case));
     let mut text = String::new();
     for (unit, is_kept) in units {
         text.push_str(&format!(

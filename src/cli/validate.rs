@@ -370,7 +370,7 @@ impl Judge<'_> {
         let is_finished = matches!(self.source, ImageSource::Finished(_));
         PrintedVerdicts {
             speaks: !self.arguments.files.prints_json(),
-            widest: cases.iter().map(|case| case.name.len()).max().unwrap_or(0),
+            widest: report::widest(cases.iter().map(|case| &case.name)),
             folds_missing: !self.arguments.verbose && is_finished,
             waits: self.arguments.renderer.decide,
         }

@@ -5,6 +5,7 @@ use super::classified::{Shade, ShadedVolume, has_jumps};
 use super::marching::Scheme;
 use super::norms::root_mean_square;
 use super::order::ExpectedOrder;
+use super::preintegration::Preintegrated;
 use super::results::{ErrorPicture, Parameter, RayTrace, Study};
 use super::study::{PlannedSweep, Setting, SettingOutcome, SettingRun, Truth, halved};
 use super::thumbnail;
@@ -14,7 +15,6 @@ use crate::math::rng::{Purpose, Stream};
 use crate::math::{exp, ln_1p};
 use crate::optics::collocation::{CollocatedLight, Collocation};
 use crate::render::Counters;
-use crate::render::classified::preintegration::Preintegrated;
 use crate::render::classified::steps::Steps;
 use crate::scene::Classified;
 use crate::volume::Interpolation;
@@ -205,7 +205,7 @@ impl<'s> Rays<'s> {
     }
 
     /// Pre-integrated classification, by its step.
-    fn by_preintegration<'a>(&'a self, table: &'a Preintegrated) -> PlannedSweep<'a> {
+    fn by_preintegration<'a>(&'a self, table: &'a Preintegrated<'a>) -> PlannedSweep<'a> {
         let expected = match self.scene.interpolation {
             // Steps of the table are no jumps to it.
             Interpolation::Trilinear => ExpectedOrder::of_step(2.0),
@@ -227,7 +227,7 @@ impl<'s> Rays<'s> {
 /// that, or take from it, is looked up in its middle.
 fn preintegrated(
     subject: &ShadedVolume<'_>,
-    table: &Preintegrated,
+    table: &Preintegrated<'_>,
     step: f64,
     ray: &Ray,
     work: &mut Counters,

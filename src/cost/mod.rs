@@ -2,8 +2,7 @@
 //!
 //! Each parameter of a scene's approximations is swept from coarse to fine ([`study`]), each against a reference that
 //! carries its own bound ([`collocation`](crate::optics::collocation)). [`rules`], [`marching`], [`jitter`], [`estimators`],
-//! [`unbiased_ray_marching`] and [`preintegration`](crate::render::classified::preintegration) are
-//! what is compared; the reference renderer is one of them. Orders of convergence are judged in [`order`]. What gates are counters and
+//! [`unbiased_ray_marching`] and [`preintegration`] are what is compared; the reference renderer is one of them. Orders of convergence are judged in [`order`]. What gates are counters and
 //! errors, which repeat to the last bit; wall time is reported ([`timing`]) and never judged.
 
 pub mod advice;
@@ -17,6 +16,7 @@ pub mod marching;
 pub mod norms;
 pub mod order;
 pub mod pixels;
+pub mod preintegration;
 pub mod profile;
 pub mod results;
 pub mod rules;

@@ -9,7 +9,7 @@
 //! ch. 6; Max 1995, IEEE TVCG 1(2), eq. 4.
 
 use super::bodies::Convex;
-use super::formula::{AlongRay, Formula, transmittance};
+use super::formula::{AlongRay, Formula, exact, transmittance};
 use super::requirements::{absorbing, homogeneous, without_lights, without_surfaces};
 use crate::geometry::Ray;
 use crate::math;
@@ -81,10 +81,7 @@ fn along(parts: &[Part], environment: DVec3, ray: &Ray) -> Integral {
             depth[c] += own;
         }
     }
-    Integral {
-        value: radiance + transmittance(depth) * environment,
-        error: 0.0,
-    }
+    exact(radiance + transmittance(depth) * environment)
 }
 
 /// 0 where nothing absorbs, over an infinite length too.

@@ -26,6 +26,11 @@ impl PartialEq for Formula {
     }
 }
 
+/// A radiance without an error.
+pub(super) fn exact(value: DVec3) -> Integral {
+    Integral { value, error: 0.0 }
+}
+
 /// Share of the light that passes an optical depth, by channel.
 pub(super) fn transmittance(depth: DVec3) -> DVec3 {
     DVec3::from_array(depth.to_array().map(|depth| math::exp(-depth)))

@@ -15,7 +15,7 @@
 //! Weir 1959, MNRAS 119, 512–525. Isotropic tables: van de Hulst 1980, *Multiple Light Scattering*,
 //! ch. 8.
 
-use super::formula::{AlongRay, Formula};
+use super::formula::{AlongRay, Formula, exact};
 use super::plane_layer::PlaneLayer;
 use super::requirements::require;
 use crate::math;
@@ -56,10 +56,7 @@ pub fn h_function(albedo: DVec3, mu: f64) -> Integral {
     };
     // Without a tolerance relative to 0: there is nothing to be integrated.
     if albedo == DVec3::ZERO {
-        return Integral {
-            value: DVec3::ONE,
-            error: 0.0,
-        };
+        return exact(DVec3::ONE);
     }
     let logarithm = integrate(integrand, 0.0, FRAC_PI_2, TOLERANCE);
     let scaled = logarithm.value * (mu / PI);

@@ -1,6 +1,6 @@
 //! Images of a formula.
 
-use super::formula::Formula;
+use super::formula::{Formula, exact};
 use crate::film::Film;
 use crate::geometry::{Camera, Ray};
 use crate::math::quadrature::{Integral, gauss_legendre};
@@ -92,10 +92,7 @@ impl PixelRule {
         size: [usize; 2],
         along: impl Fn(&Ray) -> Result<Integral, String>,
     ) -> Result<Integral, String> {
-        let mut mean = Integral {
-            value: DVec3::ZERO,
-            error: 0.0,
-        };
+        let mut mean = exact(DVec3::ZERO);
         for &(y, weight_y) in &self.0 {
             for &(x, weight_x) in &self.0 {
                 let at = [column as f64 + x, row as f64 + y];

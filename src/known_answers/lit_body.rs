@@ -16,7 +16,7 @@
 //! ch. 18.
 
 use super::bodies::Convex;
-use super::formula::{AlongRay, Formula, transmittance};
+use super::formula::{AlongRay, Formula, exact, transmittance};
 use super::phase_function::phase_function;
 use super::requirements::{
     dark, henyey_greenstein, only_homogeneous, require, single_scattering, without_surfaces,
@@ -82,10 +82,7 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
     let sigma_t = medium.coefficients.sigma_t();
     Ok(Box::new(move |ray| {
         let Some([near, far]) = shape.span(ray.origin, *ray.direction) else {
-            return Ok(Integral {
-                value: DVec3::ZERO,
-                error: 0.0,
-            });
+            return Ok(exact(DVec3::ZERO));
         };
         let scattered = |t: f64| {
             let point = ray.origin + *ray.direction * t;

@@ -1,7 +1,7 @@
 //! Results of many renderers as one offline page: cases down, renderers across.
 
 use super::html::{pixels::thumbnail, words};
-use super::template::{image_address, rendered};
+use super::template::{blue_to_red, image_address, rendered};
 use crate::compare::Picture;
 use crate::compare::flip::SrgbImage;
 use crate::film::{CHANNELS, Film};
@@ -125,7 +125,7 @@ pub fn gallery_html(renderers: &[GalleryRenderer], rows: &[GalleryRow]) -> Strin
         }
     };
     let colours = (0..=16).map(|step| {
-        let [red, green, blue] = colour(f64::from(step) / 8.0 - 1.0);
+        let [red, green, blue] = blue_to_red(f64::from(step) / 8.0 - 1.0);
         format!("rgb({red} {green} {blue})")
     });
     let verdicts = [
@@ -270,7 +270,10 @@ impl Differences {
                 *most = code;
             }
         }
-        let colours: Vec<_> = most.iter().map(|code| colour(root(code / scale))).collect();
+        let colours: Vec<_> = most
+            .iter()
+            .map(|code| blue_to_red(root(code / scale)))
+            .collect();
         image_address(&colours, columns, rows)
     }
 }
@@ -278,13 +281,6 @@ impl Differences {
 /// The root of the size, with the sign: so that small differences are seen beside large ones.
 fn root(share: f64) -> f64 {
     share.abs().sqrt().min(1.0).copysign(share)
-}
-
-/// The colour of -1 (blue) to 1 (red).
-fn colour(share: f64) -> [u8; 3] {
-    colorous::RED_BLUE
-        .eval_continuous(0.5 - 0.5 * share)
-        .into_array()
 }
 
 fn in_words(seconds: f64) -> String {

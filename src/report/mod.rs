@@ -19,6 +19,7 @@ pub use json::{results_json, validation_json};
 pub use junit::results_junit;
 pub use self_test::{naming_text, self_test_json, self_test_text};
 pub use terminal::{
-    families_text, likely_text, results_text, summary_text, verdict_text, without_image_text,
+    families_text, likely_text, results_text, summary_text, verdict_text, widest,
+    without_image_text,
 };
 pub use visible::{visible, visible_char, visible_json, xml_text};

@@ -1,5 +1,6 @@
 //! Results of a self-test, for people and for programs.
 
+use super::terminal::widest;
 use crate::judging::{MistakeTrials, SelfTest, Trial};
 use crate::naming::Naming;
 use crate::variations::mistakes;
@@ -11,12 +12,7 @@ pub fn self_test_text(test: &SelfTest) -> String {
     for (index, case) in test.cases.iter().enumerate() {
         text.push_str(&format!("  {:>2}  {case}\n", index + 1));
     }
-    let widest = test
-        .mistakes
-        .iter()
-        .map(|row| row.mistake.len())
-        .max()
-        .unwrap_or(0);
+    let widest = widest(test.mistakes.iter().map(|row| &row.mistake));
     text.push_str("\nmistakes: x caught, . missed, blank not applicable, ? not tried\n");
     let digits =
         |shown: fn(usize) -> String| -> String { (1..=test.cases.len()).map(shown).collect() };

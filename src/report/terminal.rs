@@ -6,6 +6,12 @@ use crate::naming::{Likenesses, SearchStep, is_number_found};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
 
+/// Length of the longest of `names`; 0 without any.
+pub fn widest(names: impl IntoIterator<Item: AsRef<str>>) -> usize {
+    let lengths = names.into_iter().map(|name| name.as_ref().len());
+    lengths.max().unwrap_or(0)
+}
+
 /// A line for each family with cases that passed, every other case with its reason, and a summary.
 pub fn families_text(results: &[CaseResult]) -> String {
     let mut families: BTreeMap<&str, (Vec<&CaseResult>, usize)> = BTreeMap::new();
@@ -20,8 +26,7 @@ pub fn families_text(results: &[CaseResult]) -> String {
     }
     families.retain(|_, (passed, _)| !passed.is_empty());
     let rows: Vec<_> = families.into_iter().map(family_row).collect();
-    let widest = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
-    let widths = [0, 1, 2].map(widest);
+    let widths = [0, 1, 2].map(|column| widest(rows.iter().map(|row| &row[column])));
     let mut text = String::new();
     for [family, passed, worst, seconds] in &rows {
         text.push_str(&format!("{family:<0$}  {passed:>1$}", widths[0], widths[1]));
@@ -58,8 +63,7 @@ pub fn results_text(results: &[CaseResult]) -> String {
 }
 
 fn verdicts_text(results: &[&CaseResult]) -> String {
-    let names = results.iter().map(|result| result.name.len());
-    let widest = names.max().unwrap_or(0);
+    let widest = widest(results.iter().map(|result| &result.name));
     let lines = results.iter().map(|result| verdict_text(result, widest));
     lines.collect()
 }

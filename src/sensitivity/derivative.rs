@@ -63,7 +63,7 @@ pub fn derivative(
     };
     let (whole, film) = difference(&sides)?;
     let half = Sides::of(scene, number, 0.5 * step);
-    let Some(half) = half.filter(|_| number.dependence != Dependence::Linear) else {
+    let Some(half) = half.filter(|_| number.quantity.dependence != Dependence::Linear) else {
         return Ok(Some(sides.without_noise(&film, &whole, &whole)));
     };
     let (half, _) = difference(&half)?;

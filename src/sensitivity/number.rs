@@ -1,6 +1,6 @@
 //! A number of a scene, and the scene with that number changed.
 
-use crate::scene::Scene;
+use crate::scene::{Classified, Model, Panel, Radiative, Scene};
 use std::fmt;
 use std::sync::Arc;
 
@@ -34,21 +34,23 @@ pub struct Quantity {
     pub of: &'static str,
     /// Unit of its changes.
     pub unit: Unit,
+    /// Dependence of an image on it.
+    pub dependence: Dependence,
 }
 
 impl Quantity {
-    /// One whose changes are shares of itself.
+    /// One whose changes are shares of itself, and on which images depend smoothly.
     pub(super) const fn share(
         name: &'static str,
         words: &'static str,
         of: &'static str,
     ) -> Quantity {
-        let unit = Unit::Share;
         Quantity {
             name,
             words,
             of,
-            unit,
+            unit: Unit::Share,
+            dependence: Dependence::Smooth,
         }
     }
 
@@ -59,31 +61,31 @@ impl Quantity {
         of: &'static str,
         unit: &'static str,
     ) -> Quantity {
-        let unit = Unit::Absolute(unit);
         Quantity {
-            name,
-            words,
-            of,
-            unit,
+            unit: Unit::Absolute(unit),
+            ..Quantity::share(name, words, of)
         }
     }
 
-    /// Coordinates x, y and z with these names and words.
-    pub(super) const fn place(
-        names: [&'static str; 3],
-        words: [&'static str; 3],
-        of: &'static str,
-        unit: &'static str,
-    ) -> [Quantity; 3] {
-        let [x, y, z] = names;
-        let [of_x, of_y, of_z] = words;
-        [
-            Quantity::absolute(x, of_x, of, unit),
-            Quantity::absolute(y, of_y, of, unit),
-            Quantity::absolute(z, of_z, of, unit),
-        ]
+    pub(super) const fn linear(self) -> Quantity {
+        Quantity {
+            dependence: Dependence::Linear,
+            ..self
+        }
     }
 }
+
+/// The quantities `NAME.x`, `NAME.y` and `NAME.z` of what is at a place, moved in `$unit`.
+macro_rules! of_axes {
+    ($name:literal, $words:literal, $of:literal, $unit:literal) => {
+        [
+            Quantity::absolute(concat!($name, ".x"), concat!("x ", $words), $of, $unit),
+            Quantity::absolute(concat!($name, ".y"), concat!("y ", $words), $of, $unit),
+            Quantity::absolute(concat!($name, ".z"), concat!("z ", $words), $of, $unit),
+        ]
+    };
+}
+pub(super) use of_axes;
 
 /// Dependence of an image on a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,7 +96,7 @@ pub enum Dependence {
     Smooth,
 }
 
-type Edit = Arc<dyn Fn(&mut Scene, f64) -> Option<()> + Send + Sync>;
+type Edit = Arc<dyn Fn(&mut Panel, f64) -> Option<()> + Send + Sync>;
 
 /// A number of a scene.
 #[derive(Clone)]
@@ -106,29 +108,54 @@ pub struct Number {
     /// Change by which derivatives are taken, in [units](Quantity::unit): small beside what changes
     /// an image altogether, large beside the noise of a few samples.
     pub step: f64,
-    /// Dependence of an image on it.
-    pub dependence: Dependence,
     /// Shows in details that are smaller than a block of 8 × 8 pixels, as what glass refracts.
     pub is_fine: bool,
     edit: Edit,
 }
 
 impl Number {
-    /// The number that `edit` changes; it returns nothing where the changed number has no meaning.
+    /// The number that `edit` changes in each panel; it returns nothing where the changed number has
+    /// no meaning.
     pub(super) fn new(
         quantity: &'static Quantity,
         step: f64,
-        dependence: Dependence,
-        edit: impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync + 'static,
+        edit: impl Fn(&mut Panel, f64) -> Option<()> + Send + Sync + 'static,
     ) -> Number {
         Number {
             quantity,
             index: None,
             step,
-            dependence,
             is_fine: false,
             edit: Arc::new(edit),
         }
+    }
+
+    /// A number of panels with surfaces, media and lights.
+    pub(super) fn radiative(
+        quantity: &'static Quantity,
+        step: f64,
+        edit: impl Fn(&mut Radiative, f64) -> Option<()> + Send + Sync + 'static,
+    ) -> Number {
+        Number::new(quantity, step, move |panel, change| {
+            match &mut panel.model {
+                Model::Radiative(scene) => edit(scene, change),
+                _ => Some(()),
+            }
+        })
+    }
+
+    /// A number of panels with a classified volume.
+    pub(super) fn volume(
+        quantity: &'static Quantity,
+        step: f64,
+        edit: impl Fn(&mut Classified, f64) + Send + Sync + 'static,
+    ) -> Number {
+        Number::new(quantity, step, move |panel, change| {
+            if let Model::Classified(volume) = &mut panel.model {
+                edit(volume, change);
+            }
+            Some(())
+        })
     }
 
     pub(super) fn fine(self) -> Number {
@@ -167,7 +194,7 @@ impl Number {
     /// changed number has no meaning, as of an index of 0.
     pub fn changed(&self, scene: &Scene, change: f64) -> Option<Scene> {
         // Nothing is left of a number that is smaller by all of itself; of light that is a scene too.
-        let is_none_left = match self.dependence {
+        let is_none_left = match self.quantity.dependence {
             Dependence::Linear => change < -1.0,
             Dependence::Smooth => change <= -1.0,
         };
@@ -175,7 +202,9 @@ impl Number {
             return None;
         }
         let mut scene = scene.clone();
-        (self.edit)(&mut scene, change)?;
+        for panel in &mut scene.panels {
+            (self.edit)(panel, change)?;
+        }
         Some(scene)
     }
 }

@@ -6,9 +6,9 @@ mod media;
 mod surfaces;
 mod view;
 
-use super::number::{Number, Quantity};
+use super::number::{Number, Quantity, of_axes};
 use crate::files::misspelling::nearest;
-use crate::scene::{Classified, Model, Panel, Radiative, Scene};
+use crate::scene::{Classified, Model, Panel, Scene};
 
 /// All numbers of `scene` that have a name: none of a plot.
 pub fn numbers(scene: &Scene) -> Vec<Number> {
@@ -72,24 +72,11 @@ pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
     })
 }
 
-/// Edits the panels with surfaces, media and lights; nothing if `edit` returns nothing for one.
-fn in_radiative(
-    scene: &mut Scene,
-    mut edit: impl FnMut(&mut Radiative) -> Option<()>,
-) -> Option<()> {
-    for panel in &mut scene.panels {
-        if let Model::Radiative(radiative) = &mut panel.model {
-            edit(radiative)?;
-        }
-    }
-    Some(())
-}
-
-/// Edits the panels with a classified volume.
-fn in_classified(scene: &mut Scene, mut edit: impl FnMut(&mut Classified)) {
-    for panel in &mut scene.panels {
-        if let Model::Classified(volume) = &mut panel.model {
-            edit(volume);
-        }
-    }
+/// The numbers of each of `count` items, with its index where there are several.
+fn of_each(count: usize, of_one: impl Fn(usize) -> Vec<Number>) -> impl Iterator<Item = Number> {
+    (0..count).flat_map(move |at| {
+        let index = (count > 1).then_some(at + 1);
+        let numbers = of_one(at).into_iter();
+        numbers.map(move |number| number.numbered(index))
+    })
 }

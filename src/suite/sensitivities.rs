@@ -147,7 +147,7 @@ pub(crate) fn decoded(bytes: &[u8], scene: &Scene) -> Result<Vec<Sensitivity>, S
             name,
             words: number.words(),
             unit: number.quantity.unit.name().map(str::to_owned),
-            step: match number.dependence {
+            step: match number.quantity.dependence {
                 Dependence::Linear => f64::INFINITY,
                 Dependence::Smooth => number.step,
             },

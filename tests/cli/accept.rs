@@ -5,13 +5,7 @@ use crate::folder::{Folder, assert_shown};
 #[test]
 fn new_goldens() {
     let suite = Folder::with_suite();
-    let run = suite.volref(&[
-        "accept",
-        "smoke/plain",
-        "plots",
-        "--reason",
-        "first goldens",
-    ]);
+    let run = suite.volref("accept smoke/plain plots --reason 'first goldens'");
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
@@ -36,14 +30,14 @@ fn new_goldens() {
             "golden/smoke/plain.toml",
         ]
     );
-    assert_eq!(suite.volref(&["verify", "smoke/plain", "plots"]).code, 0);
+    assert_eq!(suite.volref("verify smoke/plain plots").code, 0);
 }
 
 #[test]
 fn unchanged_goldens_keep_their_files_and_reasons() {
     let suite = Folder::with_goldens();
     let before = suite.files();
-    let run = suite.volref(&["accept", "smoke/plain", "--reason", "again"]);
+    let run = suite.volref("accept smoke/plain --reason again");
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
@@ -61,7 +55,7 @@ fn another_scene_with_the_same_picture_is_recorded() {
         "[curve]",
         "[curve]\ndensities = 1.20",
     );
-    assert_eq!(suite.volref(&["verify", "plots"]).code, 0);
+    assert_eq!(suite.volref("verify plots").code, 0);
     let reasons = |key: &str| -> Option<String> {
         let record: toml::Table = suite.text("golden/smoke/plain.toml").parse().unwrap();
         Some(record.get(key)?.as_str().unwrap().to_owned())
@@ -70,9 +64,9 @@ fn another_scene_with_the_same_picture_is_recorded() {
     assert_eq!(reasons("record_reason"), None);
     // Another text for the same picture: a row of voxels as a length.
     suite.edit("fixtures/scenes/smoke/plain.toml", "0.2 voxels", "0.04");
-    let run = suite.volref(&["verify", "smoke/plain"]);
+    let run = suite.volref("verify smoke/plain");
     assert_eq!(run.code, 3, "{}", run.stdout);
-    let run = suite.volref(&["accept", "plain", "--reason", "world units read better"]);
+    let run = suite.volref("accept plain --reason 'world units read better'");
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
@@ -80,7 +74,7 @@ fn another_scene_with_the_same_picture_is_recorded() {
     ");
     assert_eq!(reasons("reason").unwrap(), of_the_picture);
     assert_eq!(reasons("record_reason").unwrap(), "world units read better");
-    assert_eq!(suite.volref(&["verify"]).code, 0);
+    assert_eq!(suite.volref("verify").code, 0);
 }
 
 #[test]
@@ -92,13 +86,7 @@ fn replaced_goldens_remember_what_they_replaced() {
     };
     let before = field("pixels");
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    let run = suite.volref(&[
-        "accept",
-        "smoke",
-        "--reason",
-        "  a denser middle ",
-        "--json",
-    ]);
+    let run = suite.volref("accept smoke --reason '  a denser middle ' --json");
     assert_shown!(run.shown(), @r#"
     exit code 0
     --- stdout
@@ -126,7 +114,7 @@ fn replaced_goldens_remember_what_they_replaced() {
     assert_eq!(field("replaces"), before);
     assert_ne!(field("pixels"), before);
     assert_eq!(field("reason"), "a denser middle");
-    assert_eq!(suite.volref(&["verify"]).code, 0);
+    assert_eq!(suite.volref("verify").code, 0);
 }
 
 /// Refusals leave every file as it was.
@@ -136,7 +124,7 @@ fn refusals() {
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
     let before = suite.files();
 
-    let mut in_ci = suite.command(&["accept", "*", "--reason", "a robot says so"]);
+    let mut in_ci = suite.command("accept '*' --reason 'a robot says so'");
     let run = crate::folder::Run::of(in_ci.env("CI", "true").output().unwrap());
     run.expect(2, &["CI"]);
 
@@ -144,10 +132,8 @@ fn refusals() {
         let run = suite.volref(&["accept", "*", "--reason", blank]);
         run.expect(2, &["reason"]);
     }
-    suite
-        .volref(&["accept", "*"])
-        .expect(2, &["--reason <TEXT>"]);
-    let run = suite.volref(&["accept", "smoke", "smoke/plane", "--reason", "r"]);
+    suite.volref("accept '*'").expect(2, &["--reason <TEXT>"]);
+    let run = suite.volref("accept smoke smoke/plane --reason r");
     run.expect(5, &["no case matches \"smoke/plane\"", "smoke/plain"]);
     assert_eq!(suite.files(), before);
 }
@@ -155,7 +141,7 @@ fn refusals() {
 #[test]
 fn an_empty_ci_variable_is_no_ci() {
     let suite = Folder::with_suite();
-    let mut command = suite.command(&["accept", "curve", "--reason", "first"]);
+    let mut command = suite.command("accept curve --reason first");
     assert!(command.env("CI", "").output().unwrap().status.success());
 }
 
@@ -169,7 +155,7 @@ fn one_broken_case_spoils_them_all() {
         "width = \"12\"",
     );
     let before = suite.files();
-    let run = suite.volref(&["accept", "smoke", "--reason", "denser"]);
+    let run = suite.volref("accept smoke --reason denser");
     run.expect(
         2,
         &[
@@ -187,7 +173,7 @@ fn a_golden_that_cannot_be_read_is_made_new() {
     let suite = Folder::with_goldens();
     suite.write("golden/smoke/plain.toml", "garbage");
     suite.remove("golden/plots/curve.png");
-    let run = suite.volref(&["accept", "plain", "curve", "--reason", "mended"]);
+    let run = suite.volref("accept plain curve --reason mended");
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
@@ -196,7 +182,7 @@ fn a_golden_that_cannot_be_read_is_made_new() {
 
     Now look at the images in golden.
     ");
-    assert_eq!(suite.volref(&["verify"]).code, 0);
+    assert_eq!(suite.volref("verify").code, 0);
 }
 
 /// A path below a regular file is unwritable for everybody, root included.
@@ -205,7 +191,7 @@ fn an_unwritable_folder_of_goldens() {
     let suite = Folder::with_suite();
     suite.write("golden", "a file where the folder should be");
     let before = suite.files();
-    let run = suite.volref(&["accept", "curve", "--reason", "first"]);
+    let run = suite.volref("accept curve --reason first");
     run.expect(
         2,
         &[
@@ -258,5 +244,5 @@ fn a_full_disk_leaves_the_old_goldens() {
         "width = 48",
         "width = 12",
     );
-    assert_eq!(suite.volref(&["verify"]).code, 0);
+    assert_eq!(suite.volref("verify").code, 0);
 }

@@ -21,7 +21,7 @@ fn refused(name: &str, contents: &[u8], parts: &[&str]) {
     }
     folder.write("scene.toml", text);
     let before = folder.files();
-    let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    let run = folder.volref("render scene.toml -o image.exr");
     // The place of the key in the scene, then the file and what is wrong in it.
     run.expect(2, &["scene.toml:11:8: ", name]);
     run.expect(2, parts);
@@ -160,7 +160,7 @@ fn grids_of_one_voxel_thickness_work() {
                          volume = { file = \"grid.bin\" }\nphong = {}\n\
                          shadow = { reference_step = \"0.05 voxels\" }\n";
             folder.write("scene.toml", camera.to_owned() + scene);
-            let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+            let run = folder.volref("render scene.toml -o image.exr");
             assert_eq!(run.code, 0, "{nodes:?}: {}", run.stderr);
         }
     }
@@ -170,7 +170,7 @@ fn grids_of_one_voxel_thickness_work() {
 fn no_such_volume() {
     let folder = Folder::with_scenes();
     folder.remove("cloud.obj");
-    let run = folder.volref(&["plan", "scene.toml"]);
+    let run = folder.volref("plan scene.toml");
     run.expect(2, &["scene.toml:11:8: cloud.obj: there is no such file"]);
 }
 
@@ -179,7 +179,7 @@ fn a_folder_for_a_volume() {
     let folder = Folder::with_scenes();
     folder.edit("scene.toml", "cloud.obj", "clouds.obj");
     folder.write("clouds.obj/cloud.obj", "");
-    let run = folder.volref(&["plan", "scene.toml"]);
+    let run = folder.volref("plan scene.toml");
     run.expect(2, &["scene.toml:11:8: clouds.obj: this is a directory"]);
 }
 
@@ -188,7 +188,7 @@ fn an_unknown_kind_of_volume() {
     let folder = Folder::with_scenes();
     folder.edit("scene.toml", "cloud.obj", "cloud.vdb");
     folder.edit("scene.toml", "resolution = 8\npadding = 1\n", "");
-    let run = folder.volref(&["plan", "scene.toml"]);
+    let run = folder.volref("plan scene.toml");
     run.expect(
         2,
         &[
@@ -220,7 +220,7 @@ fn with_mesh(mesh: &[u8]) -> Folder {
 #[test]
 fn meshes() {
     let image = |mesh: &[u8]| {
-        let run = with_mesh(mesh).volref(&["render", "scene.toml", "-o", "image.exr", "--json"]);
+        let run = with_mesh(mesh).volref("render scene.toml -o image.exr --json");
         assert_eq!(run.code, 0, "{}", run.stderr);
         run.json()["hash"].as_str().unwrap().to_owned()
     };
@@ -268,7 +268,7 @@ fn meshes() {
     ] {
         let folder = with_mesh(mesh);
         let before = folder.files();
-        let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+        let run = folder.volref("render scene.toml -o image.exr");
         run.expect(2, &["scene.toml:10:17: ", words]);
         assert_eq!(folder.files(), before, "nothing is written");
     }

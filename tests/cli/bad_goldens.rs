@@ -10,11 +10,11 @@ const TOML: &str = "golden/smoke/plain.toml";
 /// Verifies `smoke/plain` after `change`; returns what is said, seconds apart.
 fn after(change: impl Fn(&Folder)) -> String {
     let suite = Folder::with_suite();
-    let run = suite.volref(&["accept", "smoke/plain", "--reason", "first"]);
+    let run = suite.volref("accept smoke/plain --reason first");
     assert_eq!(run.code, 0, "{}", run.stderr);
     change(&suite);
     let before = suite.files();
-    let run = suite.volref(&["verify", "smoke/plain"]);
+    let run = suite.volref("verify smoke/plain");
     assert_eq!(run.code, 3, "{}{}", run.stdout, run.stderr);
     assert_eq!(suite.files(), before, "verify writes nothing");
     let summary = run.stdout.rfind("\n\n").unwrap();
@@ -23,10 +23,6 @@ fn after(change: impl Fn(&Folder)) -> String {
 
 fn said(changes: &[&dyn Fn(&Folder)]) -> String {
     changes.iter().map(after).collect()
-}
-
-fn film(suite: &Folder) -> Film {
-    Film::from_exr(&suite.read(EXR)).unwrap()
 }
 
 /// A line of the provenance replaced.
@@ -98,7 +94,7 @@ fn images_that_were_changed() {
     let shown = said(&[
         // One pixel, by its last bit.
         &|suite| {
-            let film = film(suite);
+            let film = suite.film(EXR);
             let mut pixels: Vec<_> = film.radiance().to_vec();
             pixels[65][1] = pixels[65][1].next_up();
             let opacity = film.opacity().unwrap();
@@ -107,12 +103,12 @@ fn images_that_were_changed() {
                 .zip(opacity)
                 .map(|(&[r, g, b], &a)| [r, g, b, a]);
             let film = Film::with_opacity(12, 10, pixels.collect());
-            suite.write(EXR, film.to_exr().unwrap());
+            suite.write_film(EXR, &film);
         },
         // Opacity dropped.
         &|suite| {
-            let film = Film::new(12, 10, film(suite).radiance().to_vec());
-            suite.write(EXR, film.to_exr().unwrap());
+            let film = Film::new(12, 10, suite.film(EXR).radiance().to_vec());
+            suite.write_film(EXR, &film);
         },
         &|suite| {
             let mut png = suite.read(PNG);
@@ -124,7 +120,7 @@ fn images_that_were_changed() {
         // Another size, with hashes to match.
         &|suite| {
             let film = Film::new(6, 5, vec![[0.5; 3]; 30]);
-            suite.write(EXR, film.to_exr().unwrap());
+            suite.write_film(EXR, &film);
             set(suite, "pixels", &format!("{:?}", film.pixel_hash()));
             set(suite, "width", "6");
             set(suite, "height", "5");
@@ -228,13 +224,8 @@ fn a_changed_plan() {
     volume(0.6);
     suite.accept_all();
     volume(0.5);
-    let run = suite.volref(&["verify", "smoke/grid"]);
-    assert_eq!(run.code, 3, "{}", run.stdout);
-    assert!(
-        run.stdout.contains("stale: the plan has changed"),
-        "{}",
-        run.stdout
-    );
+    let run = suite.volref("verify smoke/grid");
+    run.prints(3, &["stale: the plan has changed"]);
 }
 
 #[test]
@@ -244,13 +235,8 @@ fn goldens_of_another_case() {
         let other = suite.read(&format!("golden/smoke/nearest.{extension}"));
         suite.write(&format!("golden/smoke/plain.{extension}"), other);
     }
-    let run = suite.volref(&["verify", "smoke/plain"]);
-    assert_eq!(run.code, 3);
-    assert!(
-        run.stdout.contains("of the case \"smoke/nearest\""),
-        "{}",
-        run.stdout
-    );
+    let run = suite.volref("verify smoke/plain");
+    run.prints(3, &["of the case \"smoke/nearest\""]);
 }
 
 #[test]
@@ -258,15 +244,10 @@ fn a_folder_in_the_place_of_a_golden() {
     let suite = Folder::with_goldens();
     suite.remove(EXR);
     suite.write("golden/smoke/plain.exr/kept", "");
-    let run = suite.volref(&["verify", "smoke/plain"]);
-    assert_eq!(run.code, 3);
-    assert!(
-        run.stdout.contains("cannot read golden/smoke/plain.exr"),
-        "{}",
-        run.stdout
-    );
+    let run = suite.volref("verify smoke/plain");
+    run.prints(3, &["cannot read golden/smoke/plain.exr"]);
     let before = suite.files();
-    let run = suite.volref(&["accept", "smoke/plain", "--reason", "r"]);
+    let run = suite.volref("accept smoke/plain --reason r");
     run.expect(2, &["golden/smoke/plain.exr"]);
     assert_eq!(suite.files(), before);
 }
@@ -277,14 +258,9 @@ fn a_garbled_journal() {
     let suite = Folder::with_goldens();
     suite.write("golden/accept.journal", "garbage");
     let before = suite.files();
-    let run = suite.volref(&["verify", "smoke/plain"]);
-    assert_eq!(run.code, 3);
-    assert!(
-        run.stdout.contains("accept.journal, line 1"),
-        "{}",
-        run.stdout
-    );
-    let run = suite.volref(&["accept", "smoke/plain", "--reason", "r"]);
+    let run = suite.volref("verify smoke/plain");
+    run.prints(3, &["accept.journal, line 1"]);
+    let run = suite.volref("accept smoke/plain --reason r");
     run.expect(
         3,
         &[
@@ -300,7 +276,7 @@ fn one_bad_golden_does_not_hide_the_other_cases() {
     let suite = Folder::with_goldens();
     suite.write(EXR, "");
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    let json = suite.volref(&["verify", "--json"]).json();
+    let json = suite.volref("verify --json").json();
     let summary = serde_json::json!({
         "pass": 1, "fail": 2, "convention": 0, "inconclusive": 0, "missing": 0, "error": 1
     });
@@ -311,15 +287,10 @@ fn one_bad_golden_does_not_hide_the_other_cases() {
 fn a_golden_without_a_case() {
     let suite = Folder::with_goldens();
     suite.remove("fixtures/cases/smoke/plain.toml");
-    let run = suite.volref(&["verify"]);
-    assert_eq!(run.code, 3, "{}", run.stdout);
-    assert!(
-        run.stdout.contains("this golden belongs to no case"),
-        "{}",
-        run.stdout
-    );
+    let run = suite.volref("verify");
+    run.prints(3, &["this golden belongs to no case"]);
     // Asked for by name, the other cases are nobody else's business.
-    assert_eq!(suite.volref(&["verify", "plots"]).code, 0);
+    assert_eq!(suite.volref("verify plots").code, 0);
 }
 
 #[test]
@@ -328,21 +299,16 @@ fn another_exposure_makes_the_preview_stale_and_can_be_accepted() {
     let manifest = "fixtures/cases/smoke/plain.toml";
     let text = suite.text(manifest).replace("exposure", "# exposure");
     suite.write(manifest, format!("exposure = 3.5\n{text}"));
-    let run = suite.volref(&["verify", "smoke/plain"]);
-    assert_eq!(run.code, 3, "{}", run.stdout);
-    assert!(
-        run.stdout.contains("stale: the exposure of the case"),
-        "{}",
-        run.stdout
-    );
-    let run = suite.volref(&["accept", "smoke/plain", "--reason", "brighter"]);
+    let run = suite.volref("verify smoke/plain");
+    run.prints(3, &["stale: the exposure of the case"]);
+    let run = suite.volref("accept smoke/plain --reason brighter");
     assert!(
         run.stdout.contains("recorded"),
         "{}{}",
         run.stdout,
         run.stderr
     );
-    assert_eq!(suite.volref(&["verify"]).code, 0);
+    assert_eq!(suite.volref("verify").code, 0);
 }
 
 #[test]
@@ -365,7 +331,7 @@ const SENSITIVITIES: &str = "golden/sensitivities/fog/room.exr";
 /// Exit code of `verify` and `validate`, which have to agree, and what both say of the case.
 fn checked(suite: &Folder) -> (i32, String) {
     let before = suite.files();
-    let verified = suite.volref(&["verify", "fog/room", "--json"]);
+    let verified = suite.volref("verify fog/room --json");
     let validated = ["validate", "fog/room", "--outputs", "images", "--json"];
     let validated = suite.volref(&validated);
     assert_eq!(suite.files(), before, "nothing is written");
@@ -493,9 +459,7 @@ fn sensitivities_are_part_of_the_golden() {
     // Of a scene that has changed, neither the image nor the sensitivities are left.
     suite.write(record, text);
     suite.write(scene, suite.read("other.toml"));
-    suite
-        .volref(&["accept", "fog/room", "--reason", "new"])
-        .expect(0, &[]);
-    suite.volref(&["verify", "fog/room"]).expect(0, &[]);
+    suite.volref("accept fog/room --reason new").expect(0, &[]);
+    suite.volref("verify fog/room").expect(0, &[]);
     assert!(!suite.text(record).contains("sensitivities"));
 }

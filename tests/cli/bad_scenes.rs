@@ -7,7 +7,7 @@ fn after(old: &str, new: &str) -> String {
     let folder = Folder::with_scenes();
     folder.edit("scene.toml", old, new);
     let before = folder.files();
-    let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    let run = folder.volref("render scene.toml -o image.exr");
     assert_eq!(run.code, 2, "{new:?}: {}{}", run.stdout, run.stderr);
     assert_eq!(run.stdout, "");
     assert_eq!(folder.files(), before, "{new:?}: nothing is written");
@@ -19,7 +19,7 @@ fn after(old: &str, new: &str) -> String {
 fn an_error_as_it_is_drawn() {
     let folder = Folder::with_scenes();
     folder.edit("scene.toml", "width = 12", "widht = 12");
-    assert_shown!(folder.volref(&["plan", "scene.toml"]).shown(), @r"
+    assert_shown!(folder.volref("plan scene.toml").shown(), @r"
     exit code 2
     --- stderr
       × scene.toml:2:1: unknown key `widht` in [film]
@@ -376,7 +376,7 @@ fn transfer_functions_by_points() {
         "broken.toml",
         crate::folder::CURVE.to_owned() + "densities = 2\n" + &points,
     );
-    said.push_str(&(folder.volref(&["plan", "broken.toml"]).message() + "\n"));
+    said.push_str(&(folder.volref("plan broken.toml").message() + "\n"));
     assert_shown!(said, @r#"
     scene.toml:6:9: a table of points needs at least one help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
     scene.toml:6:9: `point` must be tables in double brackets, [[…]], not a table help: `transfer_function.point`: A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself.
@@ -463,32 +463,28 @@ fn values_below_zero() {
     let points = "[transfer_function]\npoint = [{ value = -500, colour = 0.5, opacity = 0 },\n\
                   { value = 300, colour = 1, opacity = 0.9 }]\n";
     folder.write("scene.toml", scene);
-    let mut said = folder.volref(&["plan", "scene.toml"]).message() + "\n";
+    let mut said = folder.volref("plan scene.toml").message() + "\n";
     folder.write(
         "medium.toml",
         "[camera]\neye = [0, 0, -9]\ntarget = [0, 0, 0]\n[[radiative.medium]]\n\
          sigma_t = 1\nalbedo = 0\n[radiative.medium.grid]\nfile = \"scan.nrrd\"\n",
     );
-    said.push_str(&(folder.volref(&["plan", "medium.toml"]).message() + "\n"));
+    said.push_str(&(folder.volref("plan medium.toml").message() + "\n"));
     assert_shown!(said, @r#"
     scene.toml:5:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: for other values, give [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
     medium.toml:8:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: densities must not be negative: shift or scale the values
     "#);
     folder.write("scene.toml", scene.to_owned() + points);
-    let run = folder.volref(&["plan", "scene.toml"]);
-    run.expect(0, &[]);
-    assert!(
-        run.stdout.contains("values from -1000 to 1000"),
-        "{}",
-        run.stdout
-    );
-    assert!(
-        run.stdout.contains("classified.shadow.reference_step"),
-        "{}",
-        run.stdout
+    let run = folder.volref("plan scene.toml");
+    run.prints(
+        0,
+        &[
+            "values from -1000 to 1000",
+            "classified.shadow.reference_step",
+        ],
     );
     folder
-        .volref(&["render", "scene.toml", "-o", "image.exr"])
+        .volref("render scene.toml -o image.exr")
         .expect(0, &[]);
     // Of one scene, the panel with the formula is refused whatever the first made of the file.
     folder.write(
@@ -498,7 +494,7 @@ fn values_below_zero() {
          point = [{ value = 0, colour = 1, opacity = 1 }]\n[[panel]]\n",
     );
     folder
-        .volref(&["plan", "panels.toml"])
+        .volref("plan panels.toml")
         .expect(2, &["voxel (0, 0, 0) holds -1000"]);
 }
 
@@ -508,9 +504,9 @@ fn a_plot_of_the_curve_has_no_volume() {
     let mut said = String::new();
     for more in ["[camera]\n", "[transfer_function]\ncolormap = \"heat\"\n"] {
         folder.write("broken.toml", crate::folder::CURVE.to_owned() + more);
-        said.push_str(&(folder.volref(&["plan", "broken.toml"]).message() + "\n"));
+        said.push_str(&(folder.volref("plan broken.toml").message() + "\n"));
     }
-    let run = folder.volref(&["render", "curve.toml", "-o", "image.exr", "--step", "1"]);
+    let run = folder.volref("render curve.toml -o image.exr --step 1");
     said.push_str(&run.message());
     assert_shown!(said, @r"
     broken.toml:6:1: a plot of the curve has no camera help: `camera`: The eye.
@@ -544,10 +540,10 @@ fn not_toml() {
 fn not_text() {
     let folder = Folder::new();
     folder.write("scene.toml", b"title = \"caf\xe9\"\n");
-    let run = folder.volref(&["plan", "scene.toml"]);
+    let run = folder.volref("plan scene.toml");
     run.expect(2, &["scene.toml", "not UTF-8"]);
     folder.write("empty.toml", "");
-    let run = folder.volref(&["plan", "empty.toml"]);
+    let run = folder.volref("plan empty.toml");
     run.expect(
         2,
         &[
@@ -564,10 +560,10 @@ fn text_from_windows() {
     let folder = Folder::with_scenes();
     let windows = |text: String| format!("\u{feff}{}", text.replace('\n', "\r\n"));
     folder.write("windows.toml", windows(folder.text("scene.toml")));
-    assert_eq!(folder.volref(&["plan", "windows.toml"]).code, 0);
+    assert_eq!(folder.volref("plan windows.toml").code, 0);
     folder.edit("windows.toml", "width = 12", "width = 0");
     folder
-        .volref(&["plan", "windows.toml"])
+        .volref("plan windows.toml")
         .expect(2, &["windows.toml:2:9: `width` must lie"]);
 }
 
@@ -578,14 +574,14 @@ fn places_after_letters_of_several_bytes() {
     let text = "film = { \"héllo, wörld\" = 1 }\n".to_owned() + &folder.text("curve.toml")[29..];
     folder.write("scene.toml", text);
     folder
-        .volref(&["plan", "scene.toml"])
+        .volref("plan scene.toml")
         .expect(2, &["scene.toml:1:10: unknown key"]);
     folder.write(
         "scene.toml",
         "# é\n[curve]\ndensities = { \"ä\" = 1, densities = 2 }\n",
     );
     folder
-        .volref(&["plan", "scene.toml"])
+        .volref("plan scene.toml")
         .expect(2, &["scene.toml:3:13: `densities` must be"]);
 }
 
@@ -686,7 +682,7 @@ fn messages_are_short() {
         ),
     ] {
         folder.write("long.toml", scene);
-        let run = folder.volref(&["plan", "long.toml"]);
+        let run = folder.volref("plan long.toml");
         run.expect(2, &parts);
         let place = format!("long.toml:{place}");
         assert!(run.stderr.contains(&place), "{place}: {}", run.stderr);
@@ -705,7 +701,7 @@ fn a_file_of_panels() {
     let folder = Folder::new();
     let panels = "[[panel]]\n".repeat(1_600_000);
     folder.write("panels.toml", format!("[curve]\n{panels}"));
-    let run = folder.volref(&["plan", "panels.toml"]);
+    let run = folder.volref("plan panels.toml");
     run.expect(2, &["1600000 panels are too many"]);
 }
 
@@ -792,7 +788,7 @@ fn volumes_surfaces_and_clips() {
     let mut said = String::new();
     let mut broken = |text: String| {
         folder.write("broken.toml", text);
-        let run = folder.volref(&["render", "broken.toml", "-o", "image.exr"]);
+        let run = folder.volref("render broken.toml -o image.exr");
         assert_eq!(run.code, 2, "{}{}", run.stdout, run.stderr);
         said.push_str(&(run.message() + "\n"));
     };

@@ -31,7 +31,7 @@ fn images() -> Folder {
         ),
         ("small", Film::new(8, 8, vec![[0.5; 3]; 64])),
     ] {
-        folder.write(&format!("{name}.exr"), film.to_exr().unwrap());
+        folder.write_film(&format!("{name}.exr"), &film);
         folder.write(&format!("{name}.png"), film.to_png(0.0));
     }
     folder
@@ -39,7 +39,7 @@ fn images() -> Folder {
 
 #[test]
 fn a_pair_that_passes() {
-    let run = images().volref(&["compare", "right.exr", "ulp.exr"]);
+    let run = images().volref("compare right.exr ulp.exr");
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
@@ -61,7 +61,7 @@ fn a_pair_that_passes() {
 
 #[test]
 fn a_pair_that_fails() {
-    let run = images().volref(&["compare", "right.exr", "hot.exr"]);
+    let run = images().volref("compare right.exr hot.exr");
     assert_shown!(run.shown(), @r"
     exit code 1
     --- stdout
@@ -83,7 +83,7 @@ fn a_pair_that_fails() {
 
 #[test]
 fn json() {
-    let run = images().volref(&["compare", "right.exr", "hot.exr", "--json"]);
+    let run = images().volref("compare right.exr hot.exr --json");
     assert_shown!(run.shown(), @r#"
     exit code 1
     --- stdout
@@ -226,7 +226,7 @@ fn exposure_is_that_of_the_preview() {
 #[test]
 fn a_heat_map_is_bright_where_the_images_differ() {
     let folder = images();
-    let run = folder.volref(&["compare", "right.exr", "hot.exr", "--heatmap", "map.png"]);
+    let run = folder.volref("compare right.exr hot.exr --heatmap map.png");
     assert_eq!(run.code, 1);
     let (width, height, codes) = Film::codes_from_png(&folder.read("map.png")).unwrap();
     assert_eq!((width, height), (16, 8));
@@ -238,7 +238,7 @@ fn a_heat_map_is_bright_where_the_images_differ() {
     };
     let brightest = (0..codes.len()).max_by_key(|&index| light(index)).unwrap();
     assert!((brightest % 16).abs_diff(37 % 16) <= 1 && (brightest / 16).abs_diff(37 / 16) <= 1);
-    let run = folder.volref(&["compare", "right.png", "right.exr", "--heatmap", "map.png"]);
+    let run = folder.volref("compare right.png right.exr --heatmap map.png");
     assert_eq!(run.code, 0);
     let (_, _, codes) = Film::codes_from_png(&folder.read("map.png")).unwrap();
     assert!(codes.iter().all(|code| *code == codes[0]));
@@ -249,7 +249,7 @@ fn a_heat_map_is_bright_where_the_images_differ() {
 fn no_heat_map_of_two_sizes() {
     let folder = images();
     let before = folder.files();
-    let run = folder.volref(&["compare", "right.exr", "small.exr", "--heatmap", "map.png"]);
+    let run = folder.volref("compare right.exr small.exr --heatmap map.png");
     assert_shown!(run.shown(), @r"
     exit code 1
     --- stdout
@@ -294,7 +294,7 @@ fn images_that_cannot_be_read() {
     }
     // Where both are unreadable, 2 outranks 4.
     folder
-        .volref(&["compare", "cut.exr", "text.exr"])
+        .volref("compare cut.exr text.exr")
         .expect(2, &["cut.exr"]);
     // Here the words are the operating system's.
     for name in ["none.exr", "folder.exr"] {

@@ -1,6 +1,6 @@
 //! `volref cost`.
 
-use crate::folder::{Folder, MANIFEST, assert_shown};
+use crate::folder::{Folder, MANIFEST, assert_holds, assert_shown};
 use serde_json::Value;
 
 /// A cloud that is rendered in no time: a grid of nine nodes a side, unlit.
@@ -54,7 +54,7 @@ fn the_same_on_every_run() {
     let value: Value = serde_json::from_str(&first.stdout).unwrap();
     assert_eq!(value["schema"], "volref/cost/1");
     assert!(!first.stdout.contains("\"median\""));
-    let timed = folder.volref(&["cost", "cloud.scene.toml", "--runs", "2", "--json"]);
+    let timed = folder.volref("cost cloud.scene.toml --runs 2 --json");
     let mut value: Value = serde_json::from_str(&timed.stdout).unwrap();
     let mut untimed: Value = serde_json::from_str(&first.stdout).unwrap();
     for value in [&mut value, &mut untimed] {
@@ -80,20 +80,8 @@ fn forget_times(value: &mut Value) {
 #[test]
 fn tables_and_a_page() {
     let folder = folder();
-    let run = folder.volref(&[
-        "cost",
-        "cloud.scene.toml",
-        "--runs",
-        "2",
-        "--report",
-        "out/page",
-    ]);
-    assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(
-        run.stdout.contains("for an error of 0.1 %: "),
-        "{}",
-        run.stdout
-    );
+    let run = folder.volref("cost cloud.scene.toml --runs 2 --report out/page");
+    run.prints(0, &["for an error of 0.1 %: "]);
     let page = folder.text("out/page/index.html");
     assert!(page.contains("<svg"), "plots");
     let names: Vec<String> = folder.files().into_keys().collect();
@@ -110,7 +98,7 @@ fn a_scene_without_a_parameter() {
          [radiative]\nscattering = \"none\"\nenvironment = 1\n\
          [[radiative.medium]]\nsphere = { centre = [0, 0, 0], radius = 1 }\nsigma_a = 1\n",
     );
-    let run = folder.volref(&["cost", "fog.toml", "--runs", "0", "--report", "out"]);
+    let run = folder.volref("cost fog.toml --runs 0 --report out");
     assert_shown!(run.shown(), @r"
     exit code 2
     --- stderr
@@ -123,13 +111,8 @@ fn a_scene_without_a_parameter() {
 #[test]
 fn a_budget_that_is_too_small() {
     let folder = folder();
-    let run = folder.volref(&["cost", "cloud.scene.toml", "--budget", "0.000001"]);
-    assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(
-        run.stdout.contains("the budget was used up"),
-        "{}",
-        run.stdout
-    );
+    let run = folder.volref("cost cloud.scene.toml --budget 0.000001");
+    run.prints(0, &["the budget was used up"]);
 }
 
 #[test]
@@ -139,18 +122,10 @@ fn what_is_no_budget() {
         let budget = format!("--budget={budget}");
         let run = folder.volref(&["cost", "cloud.scene.toml", &budget]);
         assert_eq!(run.code, 2, "{budget}");
-        assert!(
-            run.stderr.contains("a number of seconds above 0"),
-            "{}",
-            run.stderr
-        );
+        assert_holds(&run.stderr, &["a number of seconds above 0"]);
     }
-    let run = folder.volref(&["cost", "cloud.scene.toml", "--runs", "1"]);
-    assert!(
-        run.stderr.contains("one run has no spread"),
-        "{}",
-        run.stderr
-    );
+    let run = folder.volref("cost cloud.scene.toml --runs 1");
+    assert_holds(&run.stderr, &["one run has no spread"]);
 }
 
 /// A case is called by its name, not by the place where its suite was unpacked; the point in it begins no extension.
@@ -203,10 +178,7 @@ fn a_case_has_its_name_everywhere() {
         advice.starts_with("for an error of 1 %: steps of "),
         "{advice}"
     );
-    assert!(
-        advice.contains(" the scene's own steps of 0.5 voxels"),
-        "{advice}"
-    );
+    assert_holds(advice, &[" the scene's own steps of 0.5 voxels"]);
     let headline = page.split("<p class=\"headline\">").nth(1).unwrap();
     let begins = format!("clouds/bump-1.5, {advice}</p>");
     assert!(headline.starts_with(&begins), "{headline}");

@@ -95,7 +95,7 @@ fn silent_images_are_decided_by_their_spread() {
     );
     assert!(notes(&case).contains("3 looks"), "{case}");
     // What is kept is the image that was judged.
-    let run = folder.volref(&["validate", "--outputs", "kept"]);
+    let run = folder.volref("validate --outputs kept");
     assert_eq!(run.code, 0, "{} {}", run.stdout, run.stderr);
 }
 
@@ -231,7 +231,7 @@ fn bad_images_of_later_calls_fail_like_single_ones() {
         ("size", image(8, &|_| 0.5)),
     ];
     for (name, film) in &images {
-        folder.write(&format!("{name}.exr"), film.to_exr().unwrap());
+        folder.write_film(&format!("{name}.exr"), film);
         folder.write(&format!("{name}.npy"), film.to_npy());
     }
     let kinds = images

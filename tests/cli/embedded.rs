@@ -1,6 +1,6 @@
 //! The suite within the program: in a folder without one, every command finds it.
 
-use crate::folder::{Folder, Run};
+use crate::folder::{Folder, Run, assert_holds};
 
 /// Fails unless the command succeeded and printed all the `parts`.
 fn prints(run: &Run, parts: &[&str]) {
@@ -17,47 +17,37 @@ fn prints(run: &Run, parts: &[&str]) {
 #[test]
 fn an_empty_folder_is_enough() {
     let folder = Folder::new();
-    let run = folder.volref(&["list", "figures"]);
+    let run = folder.volref("list figures");
     prints(&run, &["figures/figure-1", "figures/figure-5"]);
     // Lines of progress are left out of `Run`.
-    let said = folder
-        .command(&["list", "figures"])
-        .output()
-        .unwrap()
-        .stderr;
+    let said = folder.command("list figures").output().unwrap().stderr;
     let said = String::from_utf8(said).unwrap();
     assert!(said.contains("volref: the suite of volref "), "{said}");
-    prints(
-        &folder.volref(&["verify", "figure-2"]),
-        &["1 case: 1 passed"],
-    );
+    prints(&folder.volref("verify figure-2"), &["1 case: 1 passed"]);
     // A case stands for its scene.
     folder
-        .volref(&["render", "figure-2", "-o", "out/figures/figure-2.exr"])
+        .volref("render figure-2 -o out/figures/figure-2.exr")
         .expect(2, &["its folder does not exist"]);
     folder
-        .volref(&["render", "figures/figure-2", "-o", "figure-2.exr"])
+        .volref("render figures/figure-2 -o figure-2.exr")
         .expect(0, &[]);
-    folder.volref(&["plan", "figure-2"]).expect(0, &[]);
-    let run = folder.volref(&["validate", "figure-2", "--outputs", "."]);
+    folder.volref("plan figure-2").expect(0, &[]);
+    let run = folder.volref("validate figure-2 --outputs .");
     prints(&run, &["pass", "figures/figure-2"]);
-    let run = folder.volref(&["export", "figure-2", "--to", "bundle", "-o", "bundle"]);
+    let run = folder.volref("export figure-2 --to bundle -o bundle");
     prints(&run, &["figure-2.json"]);
     let files = folder.files();
     let unexpected = |name: &&String| *name != "figure-2.exr" && !name.starts_with("bundle/");
     assert_eq!(files.keys().find(unexpected), None);
-    let run = folder.volref(&["render", "figure-9", "-o", "x.exr"]);
+    let run = folder.volref("render figure-9 -o x.exr");
     run.expect(2, &["no case matches \"figure-9\"", "did you mean"]);
     // Another number is meant, not misspelt.
     folder.write("frames/figure-20001.exr", folder.read("figure-2.exr"));
-    let run = folder.volref(&["validate", "figures", "--outputs", "frames"]);
+    let run = folder.volref("validate figures --outputs frames");
     let said = format!("{}{}", run.stdout, run.stderr);
-    assert!(
-        said.contains("figure-20001.exr does not match any case"),
-        "{said}"
-    );
+    assert_holds(&said, &["figure-20001.exr does not match any case"]);
     assert!(!said.contains("did you mean"), "{said}");
-    let run = folder.volref(&["render", "figure-9.toml", "-o", "x.exr"]);
+    let run = folder.volref("render figure-9.toml -o x.exr");
     run.expect(2, &["figure-9.toml", "cannot read"]);
 }
 
@@ -85,15 +75,13 @@ fn it_is_kept_and_never_changed() {
     with(&folder, &cached, &arguments).expect(0, &[]);
     assert!(folder.read(&golden) == files[&golden]);
 
-    let run = folder.volref(&["accept", "figure-2", "--reason", "none"]);
+    let run = folder.volref("accept figure-2 --reason none");
     run.expect(2, &["cannot be changed", "volref suite --extract DIR"]);
-    let run = folder.volref(&["suite", "--extract", "copy"]);
+    let run = folder.volref("suite --extract copy");
     prints(&run, &["written into copy", "--suite copy"]);
+    folder.volref("verify figure-2 --suite copy").expect(0, &[]);
     folder
-        .volref(&["verify", "figure-2", "--suite", "copy"])
-        .expect(0, &[]);
-    folder
-        .volref(&["suite", "--extract", "copy"])
+        .volref("suite --extract copy")
         .expect(2, &["exists already"]);
     // The sensitivities of the suite are sealed, too.
     let file = "golden/sensitivities/fog/absorption.exr";
@@ -101,10 +89,9 @@ fn it_is_kept_and_never_changed() {
     let middle = damaged.len() / 2;
     damaged[middle] ^= 1;
     folder.write(&format!("copy/{file}"), damaged);
-    let run = folder.volref(&["verify", "fog/absorption", "--suite", "copy"]);
-    assert_eq!(run.code, 3, "{}", run.stderr);
-    assert!(run.stdout.contains(file), "{}", run.stdout);
-    let shown = folder.volref(&["suite", "--json"]).json();
+    let run = folder.volref("verify fog/absorption --suite copy");
+    run.prints(3, &[file]);
+    let shown = folder.volref("suite --json").json();
     assert!(shown["files"].as_u64().unwrap() > 1000);
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use volref::film::Film;
 
 /// Five points: a diamond with a heavy middle.
 pub const CLOUD: &str = "\
@@ -96,7 +97,7 @@ impl Folder {
 
     /// Makes goldens of all cases.
     pub fn accept_all(&self) {
-        let run = self.volref(&["accept", "*", "--reason", "first goldens"]);
+        let run = self.volref("accept '*' --reason 'first goldens'");
         assert_eq!(run.code, 0, "{}", run.stderr);
     }
 
@@ -120,6 +121,21 @@ impl Folder {
     /// The contents of a text file.
     pub fn text(&self, name: &str) -> String {
         String::from_utf8(self.read(name)).unwrap()
+    }
+
+    /// The contents of a file of JSON.
+    pub fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_slice(&self.read(name)).unwrap()
+    }
+
+    /// The image in an EXR file.
+    pub fn film(&self, name: &str) -> Film {
+        Film::from_exr(&self.read(name)).unwrap()
+    }
+
+    /// Writes an image as an EXR file.
+    pub fn write_film(&self, name: &str, film: &Film) {
+        self.write(name, film.to_exr().unwrap());
     }
 
     /// Replaces the one place where `old` stands in a text file.
@@ -148,10 +164,10 @@ impl Folder {
     }
 
     /// The command, to be run in the folder: nothing of the caller's surroundings reaches it.
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub fn command(&self, arguments: impl Arguments) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_volref"));
         command
-            .args(arguments)
+            .args(arguments.words())
             .current_dir(self.0.path())
             .stdin(Stdio::null());
         for name in [
@@ -172,8 +188,37 @@ impl Folder {
     }
 
     /// Runs the command in the folder.
-    pub fn volref(&self, arguments: &[&str]) -> Run {
+    pub fn volref(&self, arguments: impl Arguments) -> Run {
         Run::of(self.command(arguments).output().unwrap())
+    }
+}
+
+/// Arguments of the command: a line as it is typed at a shell, or word by word.
+pub trait Arguments {
+    fn words(self) -> Vec<String>;
+}
+
+impl Arguments for &str {
+    fn words(self) -> Vec<String> {
+        shell_words::split(self).expect("quotes come in pairs")
+    }
+}
+
+impl Arguments for &[&str] {
+    fn words(self) -> Vec<String> {
+        self.iter().map(ToString::to_string).collect()
+    }
+}
+
+impl Arguments for &Vec<&str> {
+    fn words(self) -> Vec<String> {
+        self[..].words()
+    }
+}
+
+impl<const N: usize> Arguments for &[&str; N] {
+    fn words(self) -> Vec<String> {
+        self[..].words()
     }
 }
 
@@ -253,15 +298,26 @@ impl Run {
     pub fn expect(&self, code: i32, parts: &[&str]) {
         let message = self.message();
         assert_eq!(self.code, code, "{message}\n{}", self.stdout);
-        for part in parts {
-            assert!(message.contains(part), "{part:?} is not in: {message}");
-        }
+        assert_holds(&message, parts);
+    }
+
+    /// Fails unless the command ended with `code` and printed all the `parts`.
+    pub fn prints(&self, code: i32, parts: &[&str]) {
+        assert_eq!(self.code, code, "{}{}", self.stdout, self.stderr);
+        assert_holds(&self.stdout, parts);
     }
 
     /// stdout as JSON.
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.stdout)
             .unwrap_or_else(|error| panic!("{error}: {}{}", self.stdout, self.stderr))
+    }
+}
+
+/// Fails unless `text` holds all the `parts`.
+pub fn assert_holds(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "{part:?} is not in: {text}");
     }
 }
 

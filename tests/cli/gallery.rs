@@ -158,8 +158,7 @@ fn biases_have_intervals() {
         "premultiplied",
     ]);
     assert_eq!(run.code, 1, "{}{}", run.stdout, run.stderr);
-    let results: serde_json::Value =
-        serde_json::from_slice(&folder.read("bright/results.json")).unwrap();
+    let results = folder.json("bright/results.json");
     assert_eq!(results["origin"]["alpha"], "premultiplied");
     assert!(results["origin"]["seconds"]["fog/room"].as_f64().unwrap() > 0.0);
     assert!(

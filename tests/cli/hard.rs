@@ -42,14 +42,11 @@ fn suite(manifest: &str) -> Folder {
 #[test]
 fn rows_go_with_the_family_and_are_chosen_like_cases() {
     // A suite without the family has none.
-    let run = Folder::with_suite().volref(&["verify", "G1"]);
+    let run = Folder::with_suite().volref("verify G1");
     assert_eq!(run.code, 5, "{}", run.stderr);
 
     let suite = suite(&manifest(&format!("{ANSWER}\nanswer_within = 1e-6")));
-    assert_eq!(
-        suite.volref(&["accept", "hard", "--reason", "first"]).code,
-        0
-    );
+    assert_eq!(suite.volref("accept hard --reason first").code, 0);
     let filters = ["g4-*", "G[13]", "hard/E8"];
     let run = suite.volref(&[&["verify"], &filters[..]].concat());
     assert_shown!(run.shown(), @r"
@@ -75,7 +72,7 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
     4 cases: 4 passed
     "#);
 
-    let json = suite.volref(&["verify", "hard", "--json"]).json();
+    let json = suite.volref("verify hard --json").json();
     let cases = json["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 53);
     for case in cases {
@@ -88,7 +85,7 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
     assert_eq!(rows.clone().count(), 52);
     assert!(rows.into_iter().all(|row| row["gate"] == "analytic"));
 
-    let listed = suite.volref(&["list", "S[78]", "--json"]).json();
+    let listed = suite.volref("list S[78] --json").json();
     assert_eq!(listed["cases"].as_array().unwrap().len(), 0);
     let rows = listed["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2);
@@ -100,20 +97,17 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
 fn a_golden_that_is_not_the_answer_is_not_accepted_and_does_not_pass() {
     let wrong = ANSWER.replace("0.1353352832366127", "0.13534");
     let suite = suite(&manifest(&format!("{wrong}\nanswer_within = 1e-6")));
-    let accepted = suite.volref(&["accept", "hard", "--reason", "first"]);
+    let accepted = suite.volref("accept hard --reason first");
     let wrong_green = "known answer: green of pixel (0, 0)";
     accepted.expect(2, &["hard/g4-inside", wrong_green, "Nothing was accepted"]);
     // Accepted while nothing was known, and known since.
     suite.write("fixtures/cases/hard/g4-inside.toml", manifest(""));
-    assert_eq!(
-        suite.volref(&["accept", "hard", "--reason", "first"]).code,
-        0
-    );
+    assert_eq!(suite.volref("accept hard --reason first").code, 0);
     suite.write(
         "fixtures/cases/hard/g4-inside.toml",
         manifest(&format!("{wrong}\nanswer_within = 1e-6")),
     );
-    let run = suite.volref(&["verify", "g4-inside"]);
+    let run = suite.volref("verify g4-inside");
     assert_eq!(run.code, 1);
     for part in [
         wrong_green,
@@ -133,13 +127,13 @@ fn answers_that_say_too_little_or_too_much() {
         "answer = -1\nanswer_within = 1e-6",
         "answer = 1\nanswer_within = 1",
     ] {
-        let run = suite(&manifest(further)).volref(&["verify", "hard"]);
+        let run = suite(&manifest(further)).volref("verify hard");
         assert_eq!(run.code, 2, "{further}");
         said.push_str(&format!("{}\n", run.message()));
     }
     let stochastic = MANIFEST.replace("deterministic", "stochastic");
     let manifest = format!("{stochastic}converged_samples = 64\n{ANSWER}\nanswer_within = 1e-6\n");
-    let run = suite(&manifest).volref(&["verify", "hard"]);
+    let run = suite(&manifest).volref("verify hard");
     assert_eq!(run.code, 2);
     said.push_str(&format!("{}\n", run.message()));
     insta::assert_snapshot!(said, @r#"
@@ -156,7 +150,7 @@ fn early_termination_is_an_approximation_with_a_bound() {
     let folder = Folder::with_scenes();
     let asked = "[classified]\nearly_termination = 0.01\n";
     folder.edit("scene.toml", "[classified]\n", asked);
-    let plan = folder.volref(&["plan", "scene.toml"]);
+    let plan = folder.volref("plan scene.toml");
     let mut lines = plan.stdout.lines();
     let kernel = lines.find(|line| line.starts_with("kernel")).unwrap();
     let said = plan
@@ -169,7 +163,7 @@ fn early_termination_is_an_approximation_with_a_bound() {
     approximations requested
       without light behind a transmittance below 0.01: pixels are off by less than 1.000e-2  (classified.early_termination, line 9)
     "#);
-    let json = folder.volref(&["plan", "scene.toml", "--json"]).json();
+    let json = folder.volref("plan scene.toml --json").json();
     let bias = json["panels"][0]["approximations"][0]["bias"]
         .as_f64()
         .unwrap();
@@ -180,7 +174,7 @@ fn early_termination_is_an_approximation_with_a_bound() {
         asked,
         &format!("{asked}compositing = \"back-to-front\"\n"),
     );
-    let run = folder.volref(&["plan", "scene.toml"]);
+    let run = folder.volref("plan scene.toml");
     run.expect(
         2,
         &["scene.toml:", "back to front, a ray cannot be ended early"],

@@ -121,7 +121,7 @@ fn no_control_character_reaches_the_terminal() {
     ];
     let mut seen = 0;
     for arguments in commands {
-        let run = Run::of(folder.command(arguments).output().unwrap());
+        let run = Run::of(folder.command(*arguments).output().unwrap());
         for said in [&run.stdout, &run.stderr] {
             assert_eq!(obeyed(said), Vec::<char>::new(), "{arguments:?}: {said:?}");
         }
@@ -174,7 +174,7 @@ fn excerpts_show_the_right_place() {
     let folder = Folder::new();
     let excerpt = |text: &str, shown: &str, place: &str| {
         folder.write("scene.toml", text);
-        let run = folder.volref(&["plan", "scene.toml"]);
+        let run = folder.volref("plan scene.toml");
         assert_eq!(run.code, 2);
         // In the message, and above the excerpt.
         assert_eq!(run.stderr.matches(place).count(), 2, "{}", run.stderr);

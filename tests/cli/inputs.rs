@@ -1,18 +1,17 @@
 //! Inputs stay what they are: no output is written over one, under whatever name, and none that is
 //! no file is waited for.
 
-use crate::folder::Folder;
+use crate::folder::{Folder, assert_holds};
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     Text, WritableImage,
 };
 use glam::{DMat3, DVec3};
-use volref::film::Film;
 
 /// A suite with goldens, and scenes, volumes and images beside it.
 fn folder() -> Folder {
     let folder = Folder::with_suite();
-    let accepted = folder.volref(&["accept", "smoke/plain", "--reason", "first"]);
+    let accepted = folder.volref("accept smoke/plain --reason first");
     assert_eq!(accepted.code, 0, "{}", accepted.stderr);
     let scenes = Folder::with_scenes();
     for name in ["cloud.obj", "scene.toml", "curve.toml"] {
@@ -127,7 +126,7 @@ fn no_output_is_written_over_an_input() {
     let folder = folder();
     let before = folder.files();
     for (command, input) in OVER_INPUTS {
-        let run = folder.volref(&command.split(' ').collect::<Vec<_>>());
+        let run = folder.volref(*command);
         let said = run.message();
         assert_eq!(run.code, 2, "{command}: {said}{}", run.stdout);
         let as_input = format!("{input}: it is an input");
@@ -154,7 +153,7 @@ fn no_export_is_written_over_an_input() {
     folder.write(&written, folder.read("gem.obj"));
     folder.edit("mesh.toml", "gem.obj", &written);
     let before = folder.files();
-    let run = folder.volref(&["export", "mesh.toml", "--to", "mitsuba", "-o", "."]);
+    let run = folder.volref("export mesh.toml --to mitsuba -o .");
     if folder.files() != before || run.code == 0 {
         panic!("{} was overwritten: {}{}", written, run.stdout, run.stderr);
     }
@@ -177,7 +176,7 @@ fn no_output_is_written_over_another() {
         "cost scene.toml --runs 0 --report out --json=out/index.html",
         "export curve.toml --to bundle -o out --json=out/curve.json",
     ] {
-        let run = folder.volref(&command.split(' ').collect::<Vec<_>>());
+        let run = folder.volref(command);
         run.expect(2, &["is the same file as another output"]);
         assert!(folder.files() == before, "{command} changed a file");
     }
@@ -210,18 +209,13 @@ fn an_input_is_known_by_every_name() {
     }
     // A link to nowhere, and the file it stands for.
     std::os::unix::fs::symlink("c.exr", folder.path("link.json")).unwrap();
-    let run = folder.volref(&["render", "curve.toml", "-o", "c.exr", "--json=link.json"]);
+    let run = folder.volref("render curve.toml -o c.exr --json=link.json");
     run.expect(
         2,
         &["link.json: it is the same file as another output, c.exr"],
     );
     // What is no file can be written twice.
-    let run = folder.volref(&[
-        "verify",
-        "smoke/plain",
-        "--json=/dev/null",
-        "--junit=/dev/null",
-    ]);
+    let run = folder.volref("verify smoke/plain --json=/dev/null --junit=/dev/null");
     assert_eq!(run.code, 0, "{}", run.stderr);
 }
 
@@ -238,7 +232,7 @@ fn outputs_may_be_written_again() {
         "plan apart.toml --json=out/p.json",
     ] {
         for _ in 0..2 {
-            let run = folder.volref(&command.split(' ').collect::<Vec<_>>());
+            let run = folder.volref(command);
             assert_eq!(run.code, 0, "{command}: {}{}", run.stdout, run.stderr);
         }
     }
@@ -293,7 +287,7 @@ fn pipes_and_devices_are_not_waited_for() {
                 }
             }
             let mut child = folder
-                .command(&command.split(' ').collect::<Vec<_>>())
+                .command(command)
                 .stdout(std::process::Stdio::piped())
                 .stderr(std::process::Stdio::piped())
                 .spawn()
@@ -360,14 +354,11 @@ fn sizes_have_limits() {
             .unwrap();
         // Holes take no room on the disk.
         file.set_len(bytes).unwrap();
-        let run = folder.volref(&command.split(' ').collect::<Vec<_>>());
+        let run = folder.volref(command);
         let said = format!("{}{}", run.stdout, run.message());
         assert!([2, 3].contains(&run.code), "{command}: {said}");
         assert!(said.contains(words), "{command}: {said}");
-        assert!(
-            said.contains(&format!("the file has {bytes} bytes")),
-            "{said}"
-        );
+        assert_holds(&said, &[&format!("the file has {bytes} bytes")]);
         folder.write(place, before);
     }
 }
@@ -392,9 +383,9 @@ fn images_that_make_a_decoder_panic_are_unreadable() {
     ] {
         folder.write(&format!("images/{name}"), bad);
     }
-    let run = folder.volref(&["validate", "--outputs", "images", "--json=r.json"]);
+    let run = folder.volref("validate --outputs images --json=r.json");
     assert_eq!(run.code, 4, "{}{}", run.stdout, run.stderr);
-    let results: serde_json::Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    let results = folder.json("r.json");
     let said: Vec<String> = (results["cases"].as_array().unwrap().iter())
         .map(|case| {
             let text = |key: &str| case[key].as_str().unwrap().to_owned();
@@ -419,7 +410,7 @@ fn images_that_make_a_decoder_panic_are_unreadable() {
 #[test]
 fn primaries_of_an_image_are_heeded() {
     let folder = Folder::with_goldens();
-    let golden = Film::from_exr(&folder.read("golden/smoke/plain.exr")).unwrap();
+    let golden = folder.film("golden/smoke/plain.exr");
     // ACEScg to Rec.709, as OpenColorIO has it.
     let from_ap1 = DMat3::from_cols_array_2d(&[
         [1.705051, -0.130256, -0.024003],

@@ -1,12 +1,12 @@
 //! `volref list`, and the command as a whole.
 
-use crate::folder::{Folder, Run, assert_shown};
+use crate::folder::{Folder, Run, assert_holds, assert_shown};
 use std::process::Stdio;
 
 #[test]
 fn text() {
     let suite = Folder::with_suite();
-    assert_shown!(suite.volref(&["list"]).shown(), @r"
+    assert_shown!(suite.volref("list").shown(), @r"
     exit code 0
     --- stdout
     plots/curve    deterministic  a test
@@ -19,7 +19,7 @@ fn text() {
 #[test]
 fn json() {
     let suite = Folder::with_suite();
-    let run = suite.volref(&["list", "plots", "--json"]);
+    let run = suite.volref("list plots --json");
     assert_shown!(run.shown(), @r#"
     exit code 0
     --- stdout
@@ -47,7 +47,7 @@ fn json() {
 #[test]
 fn json_in_a_file_beside_the_text() {
     let suite = Folder::with_suite();
-    let run = suite.volref(&["list", "plots", "--json=cases.json"]);
+    let run = suite.volref("list plots --json=cases.json");
     assert!(run.stdout.starts_with("plots/curve"), "{}", run.stdout);
     assert!(suite.text("cases.json").contains("volref/list/1"));
 }
@@ -55,13 +55,9 @@ fn json_in_a_file_beside_the_text() {
 /// Every mistake that a verdict may name, without a suite.
 #[test]
 fn mistakes() {
-    let run = Folder::new().volref(&["list", "--mistakes"]);
-    assert!(
-        run.stdout.contains("\nopacity-uncorrected\n    "),
-        "{}",
-        run.stdout
-    );
-    let run = Folder::new().volref(&["list", "--mistakes", "--json"]);
+    let run = Folder::new().volref("list --mistakes");
+    assert_holds(&run.stdout, &["\nopacity-uncorrected\n    "]);
+    let run = Folder::new().volref("list --mistakes --json");
     let listed: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     let listed = listed["mistakes"].as_array().unwrap();
     let catalogue: Vec<_> = volref::variations::mistakes::catalogue().collect();
@@ -70,7 +66,7 @@ fn mistakes() {
         assert_eq!(entry["name"], mistake.name);
         assert_eq!(entry["advice"], mistake.advice);
     }
-    let run = Folder::new().volref(&["list", "--mistakes", "figures"]);
+    let run = Folder::new().volref("list --mistakes figures");
     assert_eq!(run.code, 2, "{}", run.stderr);
 }
 
@@ -113,7 +109,7 @@ fn a_filter_that_matches_nothing_decides_nothing() {
     }
     assert_eq!(suite.files(), before);
 
-    let run = suite.volref(&["list", "nosuch"]);
+    let run = suite.volref("list nosuch");
     run.expect(
         5,
         &[
@@ -127,7 +123,7 @@ fn a_filter_that_matches_nothing_decides_nothing() {
         "fixtures/scenes/smoke/alone.toml",
         suite.text("fixtures/scenes/smoke/plain.toml"),
     );
-    let run = suite.volref(&["list", "alone"]);
+    let run = suite.volref("list alone");
     run.expect(
         5,
         &["there is a scene smoke/alone, but no manifest fixtures/cases/smoke/alone.toml"],
@@ -139,13 +135,13 @@ fn an_empty_suite_decides_nothing() {
     let suite = Folder::new();
     suite.write("fixtures/cases/smoke/notes.txt", "no manifest");
     suite
-        .volref(&["verify"])
+        .volref("verify")
         .expect(5, &["fixtures/cases", "no case"]);
 }
 
 #[test]
 fn a_filter_that_is_no_pattern() {
-    let run = Folder::with_suite().volref(&["list", "smoke/{a"]);
+    let run = Folder::with_suite().volref("list smoke/{a");
     run.expect(2, &["\"smoke/{a\" is not a pattern", "unclosed"]);
 }
 
@@ -154,9 +150,9 @@ fn a_folder_that_is_no_suite() {
     let folder = Folder::new();
     folder.write("fixtures/cases", "a file where a folder should be");
     folder
-        .volref(&["list", "--suite", "."])
+        .volref("list --suite .")
         .expect(2, &["contains no suite", "fixtures/cases", "--suite DIR"]);
-    let run = folder.volref(&["verify", "--suite", "nowhere"]);
+    let run = folder.volref("verify --suite nowhere");
     run.expect(2, &["nowhere contains no suite"]);
 }
 
@@ -165,7 +161,7 @@ fn a_manifest_with_a_mistake() {
     let suite = Folder::with_suite();
     suite.edit("fixtures/cases/smoke/plain.toml", "shows =", "show =");
     let place = "fixtures/cases/smoke/plain.toml:2:1";
-    let run = suite.volref(&["list"]);
+    let run = suite.volref("list");
     run.expect(2, &[place, "unknown key `show`", "did you mean `shows`?"]);
     // Other cases are not held up by it.
     for chosen in ["smoke", "plain", "*"] {
@@ -175,7 +171,7 @@ fn a_manifest_with_a_mistake() {
         suite.volref(&["list", other]).expect(0, &[]);
     }
     suite.write("fixtures/cases/smoke/plain.toml", [0xff, 0xfe]);
-    let run = suite.volref(&["verify"]);
+    let run = suite.volref("verify");
     run.expect(2, &["fixtures/cases/smoke/plain.toml", "UTF-8"]);
 }
 
@@ -193,7 +189,7 @@ fn a_closed_pipe_is_no_error() {
         let run = Run::of(child.spawn().unwrap().wait_with_output().unwrap());
         assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{arguments:?}");
     }
-    let mut command = suite.command(&["list", "nothing"]);
+    let mut command = suite.command("list nothing");
     let child = command
         .stderr(writer.try_clone().unwrap())
         .stdout(Stdio::piped());
@@ -203,7 +199,7 @@ fn a_closed_pipe_is_no_error() {
 
 #[test]
 fn help() {
-    assert_shown!(Folder::new().volref(&["--help"]).shown(), @r"
+    assert_shown!(Folder::new().volref("--help").shown(), @r"
     exit code 0
     --- stdout
     A reference renderer for volumes, and a golden-image harness that tests other volume renderers
@@ -247,7 +243,7 @@ fn help() {
 
 #[test]
 fn help_of_a_command() {
-    assert_shown!(Folder::new().volref(&["render", "--help"]).shown(), @r#"
+    assert_shown!(Folder::new().volref("render --help").shown(), @r#"
     exit code 0
     --- stdout
     Render a scene to an image
@@ -284,7 +280,7 @@ fn help_of_a_command() {
 
 #[test]
 fn version() {
-    let run = Folder::new().volref(&["--version"]);
+    let run = Folder::new().volref("--version");
     assert_eq!(
         run.stdout,
         concat!("volref ", env!("CARGO_PKG_VERSION"), "\n")
@@ -342,11 +338,11 @@ fn completions_and_manual_pages_know_every_command() {
             assert!(run.stdout.contains(word), "{shell}: {word}");
         }
     }
-    let page = folder.volref(&["man"]).stdout;
+    let page = folder.volref("man").stdout;
     assert!(page.contains(".TH volref 1") && page.contains("validate"));
-    let page = folder.volref(&["man", "validate"]).stdout;
+    let page = folder.volref("man validate").stdout;
     assert!(page.contains(".TH volref-validate 1") && page.contains("only\\-present"));
     folder
-        .volref(&["man", "absent"])
+        .volref("man absent")
         .expect(2, &["volref has no command \"absent\""]);
 }

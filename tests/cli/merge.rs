@@ -1,6 +1,6 @@
 //! `volref units` and `volref merge`: what several processes compute, joined.
 
-use crate::folder::{Folder, MANIFEST, Run};
+use crate::folder::{Folder, MANIFEST, Run, assert_holds};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use serde_json::Value;
@@ -122,15 +122,11 @@ fn parts_of_a_self_test_are_the_whole() {
     assert!([0, 6].contains(&run.code), "{}", run.stderr);
     assert!(run.json().get("missing").is_none());
 
-    let run = suite.volref(&["selftest", "--results", "one"]);
+    let run = suite.volref("selftest --results one");
     assert!([0, 6].contains(&run.code), "{}", run.stderr);
-    let page = suite.volref(&["merge", "one", "--report", "page"]);
+    let page = suite.volref("merge one --report page");
     assert_eq!(page.code, 5);
-    assert!(
-        page.stderr.contains("results of verify or validate"),
-        "{}",
-        page.stderr
-    );
+    assert_holds(&page.stderr, &["results of verify or validate"]);
 }
 
 #[test]
@@ -141,7 +137,7 @@ fn parts_verified_apart_are_the_whole() {
         "resolution = 8",
         "resolution = 9",
     );
-    let whole = suite.volref(&["verify", "--json", "--report", "whole"]);
+    let whole = suite.volref("verify --json --report whole");
     for parts in [1, 3] {
         let folders = in_parts(&suite, parts, &["verify"]);
         let joined = merged(&suite, &folders, &["--json", "--report", "joined"]);
@@ -202,13 +198,7 @@ fn what_is_missing_is_listed() {
     let suite = Folder::with_goldens();
     let folders = in_parts(&suite, 4, &["verify"]);
     let run = merged(&suite, &folders[1..], &[]);
-    assert_eq!(run.code, 5, "{}", run.stdout);
-    assert!(
-        run.stdout.contains("missing: 1 of 4 cases"),
-        "{}",
-        run.stdout
-    );
-    assert!(run.stdout.contains("\n  plots/curve\n"), "{}", run.stdout);
+    run.prints(5, &["missing: 1 of 4 cases", "\n  plots/curve\n"]);
 
     let results = suite.files();
     let is_result = |name: &&String| name.starts_with("part-2/") && name.ends_with(".result");
@@ -285,9 +275,9 @@ fn folders_without_anything_are_said_to_be_so() {
     merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["nowhere is not a folder"]);
     merged(&suite, &["results/nowhere".to_owned()], &[]).expect(2, &["nowhere is not a folder"]);
     suite.write("taken", "");
-    let run = suite.volref(&["verify", "--results", "taken"]);
+    let run = suite.volref("verify --results taken");
     run.expect(2, &["cannot create the folder taken"]);
-    let run = suite.volref(&["verify", "smoke", "--results", "kept"]);
+    let run = suite.volref("verify smoke --results kept");
     assert_eq!(run.code, 0);
     assert_eq!(merged(&suite, &["kept".to_owned()], &[]).code, 0);
 
@@ -306,14 +296,14 @@ fn folders_without_anything_are_said_to_be_so() {
     suite.write(&path, &bytes[..bytes.len() - 1]);
     let words = &["run: ", "remove the folder"];
     merged(&suite, &["kept".to_owned()], &[]).expect(5, words);
-    assert_eq!(suite.volref(&["verify", "--results", "kept"]).code, 0);
+    assert_eq!(suite.volref("verify --results kept").code, 0);
     merged(&suite, &["kept".to_owned()], &[]).expect(5, words);
 }
 
 const SAMPLING: &str = "converged_samples = 64\nquick_samples = 4\nresolution = 0.99\n";
 
 fn units(folder: &Folder) -> Vec<Value> {
-    let run = folder.volref(&["units", "--json"]);
+    let run = folder.volref("units --json");
     assert_eq!(run.code, 0, "{}", run.stderr);
     run.json()["units"].as_array().unwrap().clone()
 }
@@ -340,7 +330,7 @@ fn units_of_two_machines_are_the_golden_of_one_process() {
         );
     }
     let kept = two.path("").display().to_string();
-    let alone = one.volref(&["merge", ".", "--json"]);
+    let alone = one.volref("merge . --json");
     assert_eq!(alone.code, 5);
     let missing = &alone.json()["units"]["cases"][0]["missing"];
     assert_eq!(
@@ -358,12 +348,8 @@ fn units_of_two_machines_are_the_golden_of_one_process() {
         merged(&one, &[".".to_owned()], &["--json"]).json()["units"]["copied"],
         0
     );
-    let accepted = one.volref(&["accept", "*", "--reason", "first goldens"]);
-    assert!(
-        accepted.stdout.contains("rendered by an earlier run"),
-        "{}",
-        accepted.stderr
-    );
+    let accepted = one.volref("accept '*' --reason 'first goldens'");
+    assert_holds(&accepted.stdout, &["rendered by an earlier run"]);
     assert_eq!(one.files(), whole.files());
 }
 
@@ -374,7 +360,7 @@ fn units_of_something_else_are_refused() {
     let other = |from: &str, to: &str| {
         let other = Folder::with_room(SAMPLING);
         other.edit("fixtures/scenes/fog/room.toml", from, to);
-        assert_eq!(other.volref(&["units", "--compute"]).code, 0);
+        assert_eq!(other.volref("units --compute").code, 0);
         other
     };
     let scene = other("width = 16", "width = 17");
@@ -393,10 +379,10 @@ fn units_of_something_else_are_refused() {
         run.expect(2, &[what, "nothing was copied"]);
         assert!(!suite.path(".volref").exists());
     }
-    let run = suite.volref(&["units", "--unit", "nothing"]);
+    let run = suite.volref("units --unit nothing");
     run.expect(2, &["no unit \"nothing\""]);
     suite
-        .volref(&["units", "--partition", "slice:3/3"])
+        .volref("units --partition slice:3/3")
         .expect(5, &["none of the 2 units"]);
 }
 
@@ -418,7 +404,7 @@ fn sealed(head: &[u8], contents: &[u8]) -> Vec<u8> {
 #[test]
 fn units_that_are_not_what_they_say_are_computed_again() {
     let [computed, whole] = [(); 2].map(|()| Folder::with_room(SAMPLING));
-    assert_eq!(computed.volref(&["units", "--compute"]).code, 0);
+    assert_eq!(computed.volref("units --compute").code, 0);
     whole.accept_all();
     let units = computed.files().into_iter();
     let units: Vec<(String, Vec<u8>)> = units.filter(|(name, _)| name.ends_with(".unit")).collect();
@@ -517,7 +503,7 @@ fn units_that_are_not_what_they_say_are_computed_again() {
         let suite = Folder::with_room(SAMPLING);
         suite.write(&units[1].0, &units[1].1);
         suite.write(name, crafted);
-        let listed = suite.command(&["units", "--json"]).output().unwrap();
+        let listed = suite.command("units --json").output().unwrap();
         let noted = String::from_utf8_lossy(&listed.stderr).into_owned();
         assert!(noted.contains("counted as missing"), "{what}: {noted}");
         let listed = Run::of(listed).json();
@@ -564,7 +550,7 @@ fn units_that_are_not_what_they_say_are_computed_again() {
 #[test]
 fn rings_of_links_end() {
     let [suite, other] = [(); 2].map(|()| Folder::with_room(SAMPLING));
-    assert_eq!(other.volref(&["units", "--compute"]).code, 0);
+    assert_eq!(other.volref("units --compute").code, 0);
     let units = other.path(".volref/units");
     for name in ["one", "two", "three"] {
         std::os::unix::fs::symlink(&units, units.join(name)).unwrap();
@@ -579,7 +565,7 @@ fn rings_of_links_end() {
 #[test]
 fn what_unpacks_to_too_much_is_not_unpacked() {
     let suite = Folder::with_goldens();
-    assert_eq!(suite.volref(&["verify", "--results", "kept"]).code, 0);
+    assert_eq!(suite.volref("verify --results kept").code, 0);
     let files = suite.files();
     let (name, file) = files
         .iter()
@@ -604,8 +590,7 @@ fn what_unpacks_to_too_much_is_not_unpacked() {
     ] {
         suite.write(name, crafted);
         let run = merged(&suite, &["kept".to_owned()], &[]);
-        assert_eq!(run.code, 5, "{}", run.stderr);
-        assert!(run.stdout.contains(words), "{}", run.stdout);
+        run.prints(5, &[words]);
     }
 }
 
@@ -656,7 +641,7 @@ fn two_cases_of_one_name_are_refused() {
         );
     }
     suite.remove(manifest);
-    assert_eq!(suite.volref(&["verify"]).code, 0);
+    assert_eq!(suite.volref("verify").code, 0);
     #[cfg(target_os = "linux")]
     {
         use std::os::unix::ffi::OsStrExt;
@@ -665,7 +650,7 @@ fn two_cases_of_one_name_are_refused() {
             std::fs::write(suite.path("fixtures/cases/smoke").join(name), MANIFEST).unwrap();
         }
         suite
-            .volref(&["list"])
+            .volref("list")
             .expect(2, &["two cases are called smoke/?"]);
     }
 }
@@ -675,13 +660,13 @@ fn two_cases_of_one_name_are_refused() {
 #[test]
 fn damaged_units_are_not_used() {
     let [suite, other] = [(); 2].map(|()| Folder::with_room(SAMPLING));
-    assert_eq!(suite.volref(&["units", "--compute"]).code, 0);
+    assert_eq!(suite.volref("units --compute").code, 0);
     let files: BTreeMap<String, Vec<u8>> = suite.files();
     let is_unit = |name: &&String| name.ends_with(".unit");
     let names: Vec<&String> = files.keys().filter(is_unit).collect();
     let (name, bytes) = (names[0], &files[names[0]]);
     suite.write(name, &bytes[..bytes.len() - 1]);
-    let run = suite.volref(&["merge", "."]);
+    let run = suite.volref("merge .");
     assert_eq!(run.code, 5);
     assert!(
         run.stdout.contains("not used") && run.stdout.contains("cut off"),
@@ -691,11 +676,11 @@ fn damaged_units_are_not_used() {
     // Also where nothing else is known of its case; with another file of its name, nothing is missing.
     let alone = name.replacen(".volref", "alone", 1);
     suite.write(&alone, &bytes[..bytes.len() - 1]);
-    assert_eq!(suite.volref(&["merge", "alone"]).code, 5);
-    let run = suite.volref(&["units", "--compute"]);
+    assert_eq!(suite.volref("merge alone").code, 5);
+    let run = suite.volref("units --compute");
     assert!(run.stdout.contains("1 computed now"), "{}", run.stdout);
     assert_eq!(&suite.read(name), bytes);
-    let run = suite.volref(&["merge", "alone", "."]);
+    let run = suite.volref("merge alone .");
     assert_eq!(run.code, 0, "{}", run.stdout);
     suite.remove(&alone);
 

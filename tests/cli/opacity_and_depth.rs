@@ -25,7 +25,7 @@ fn asking(depth: &str) -> Folder {
 fn rendered(folder: &Folder, more: &[&str]) -> Film {
     let command = [&["render", SCENE, "-o", "right.exr"], more].concat();
     folder.volref(&command).expect(0, &[]);
-    Film::from_exr(&folder.read("right.exr")).unwrap()
+    folder.film("right.exr")
 }
 
 /// Fails unless the command ended with `code` and prints all the `parts`.
@@ -39,7 +39,7 @@ fn prints(run: &Run, code: i32, parts: &[&str]) {
 }
 
 fn validate(folder: &Folder, film: &Film, more: &[&str]) -> Run {
-    folder.write("out/smoke/plain.exr", film.to_exr().unwrap());
+    folder.write_film("out/smoke/plain.exr", film);
     folder.volref(&[&["validate", CASE, "--outputs", "out"], more].concat())
 }
 
@@ -265,15 +265,7 @@ fn depth_that_cannot_be_had_is_refused() {
     render(&["-o", "a.exr", "--depth=deep"]).expect(2, &["a depth is one of mean, half"]);
     folder.write("room.toml", ROOM.replace("= 256", "= 8"));
     folder
-        .volref(&[
-            "render",
-            "room.toml",
-            "-o",
-            "a.exr",
-            "--depth",
-            "--spp",
-            "2",
-        ])
+        .volref("render room.toml -o a.exr --depth --spp 2")
         .expect(2, &["depth is that of a classified volume"]);
     folder.edit(
         SCENE,
@@ -288,6 +280,6 @@ fn depth_that_cannot_be_had_is_refused() {
         text.replace("depth = \"mean\"", "depth = \"means\""),
     );
     folder
-        .volref(&["list"])
+        .volref("list")
         .expect(2, &["depth", "mean-along-view"]);
 }

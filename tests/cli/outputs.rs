@@ -10,12 +10,7 @@ fn every_output_is_refused_in_words_and_leaves_nothing() {
         let scenes = Folder::with_scenes();
         folder.write(name, scenes.read(name));
     }
-    assert_eq!(
-        folder
-            .volref(&["render", "scene.toml", "-o", "image.exr"])
-            .code,
-        0
-    );
+    assert_eq!(folder.volref("render scene.toml -o image.exr").code, 0);
     folder.write("plain", "a file");
     let before = folder.files();
     let commands: &[(&[&str], &str, &str)] = &[
@@ -52,9 +47,9 @@ fn a_folder_in_the_place_of_the_output() {
     let folder = Folder::with_scenes();
     folder.write("image.exr/inside", "kept");
     let before = folder.files();
-    let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    let run = folder.volref("render scene.toml -o image.exr");
     run.expect(2, &["cannot write image.exr: it is a folder"]);
-    let run = folder.volref(&["plan", "scene.toml", "--json=image.exr"]);
+    let run = folder.volref("plan scene.toml --json=image.exr");
     run.expect(2, &["cannot write image.exr"]);
     assert_eq!(folder.files(), before);
 }
@@ -67,8 +62,8 @@ fn extensions_that_stand_for_no_image() {
         run.expect(2, &[output, ".exr", ".png"]);
         assert!(!folder.path(output).exists());
     }
-    folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
-    let run = folder.volref(&["compare", "image.exr", "image.exr", "--heatmap", "map.exr"]);
+    folder.volref("render scene.toml -o image.exr");
+    let run = folder.volref("compare image.exr image.exr --heatmap map.exr");
     run.expect(2, &["--heatmap", "map.exr", ".png"]);
     assert!(!folder.path("map.exr").exists());
 }
@@ -93,7 +88,7 @@ fn json_has_one_form() {
             .expect(5, &["no case matches", "--json=results.json"]);
     }
     folder
-        .volref(&["verify", "results.xml"])
+        .volref("verify results.xml")
         .expect(5, &["no case matches", "--junit results.xml"]);
 }
 
@@ -113,7 +108,7 @@ fn failures_are_json_where_json_is_asked_for() {
         assert!(error["error"].as_str().unwrap().contains(said), "{error}");
         assert!(run.stderr.contains(said), "{}", run.stderr);
     }
-    let written = folder.volref(&["plan", "absent.toml", "--json=plan.json"]);
+    let written = folder.volref("plan absent.toml --json=plan.json");
     assert_eq!(written.stdout, "");
     assert!(!folder.path("plan.json").exists());
 }
@@ -121,7 +116,7 @@ fn failures_are_json_where_json_is_asked_for() {
 /// The names in the list of commands that clap prints.
 #[cfg(target_os = "linux")]
 fn commands(folder: &Folder) -> Vec<String> {
-    let help = folder.volref(&["--help"]).stdout;
+    let help = folder.volref("--help").stdout;
     let (_, list) = help.split_once("Commands:\n").unwrap();
     let lines = list.lines().take_while(|line| !line.is_empty());
     // Lines of a long description begin further to the right.
@@ -168,9 +163,7 @@ fn a_full_disk_behind_stdout_is_an_error_of_every_command() {
     }
     folder.write("images/curve.exr", folder.read("golden/plots/curve.exr"));
     folder.write("image.exr", folder.read("golden/plots/curve.exr"));
-    folder
-        .volref(&["verify", "curve", "--results", "kept"])
-        .expect(0, &[]);
+    folder.volref("verify curve --results kept").expect(0, &[]);
 
     let judged = ["validate", "curve", "--outputs", "images"];
     folder
@@ -229,7 +222,7 @@ fn a_full_disk_behind_stdout_is_an_error_of_every_command() {
         .write(true)
         .open("/dev/full")
         .unwrap();
-    let mut command = folder.command(&["plan", "absent.toml", "--json"]);
+    let mut command = folder.command("plan absent.toml --json");
     let run = Run::of(command.stdout(full).output().unwrap());
     run.expect(
         2,
@@ -246,6 +239,6 @@ fn a_closed_pipe_is_no_error() {
     let folder = Folder::with_goldens();
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
-    let run = Run::of(folder.command(&["list"]).stdout(writer).output().unwrap());
+    let run = Run::of(folder.command("list").stdout(writer).output().unwrap());
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }

@@ -1,6 +1,6 @@
 //! `--partition`: parts of a suite on several machines.
 
-use crate::folder::Folder;
+use crate::folder::{Folder, assert_holds};
 use std::collections::BTreeSet;
 
 /// Four parts of a suite of four cases accepted at once, by four processes in one folder, are the files
@@ -91,20 +91,18 @@ fn parts_of_what_is_validated_come_after_the_filters() {
     }
     let run = validate("slice:3/3");
     assert_eq!(run.code, 5);
-    assert!(
-        run.stderr
-            .contains("none of the 2 cases is in the part slice:3/3"),
-        "{}",
-        run.stderr
+    assert_holds(
+        &run.stderr,
+        &["none of the 2 cases is in the part slice:3/3"],
     );
 }
 
 #[test]
 fn parts_of_a_self_test_ask_only_about_their_cases() {
     let suite = Folder::with_goldens();
-    let run = suite.volref(&["selftest", "--quick", "--json", "--partition", "slice:1/4"]);
+    let run = suite.volref("selftest --quick --json --partition slice:1/4");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    let whole = suite.volref(&["selftest", "--quick", "--partition", "slice:1/1", "smoke"]);
+    let whole = suite.volref("selftest --quick --partition slice:1/1 smoke");
     assert_eq!(whole.code, 0, "{}", whole.stderr);
 }
 
@@ -112,7 +110,7 @@ fn parts_of_a_self_test_ask_only_about_their_cases() {
 fn auto_reads_the_engine_or_refuses() {
     let suite = Folder::with_goldens();
     let run = |variables: &[(&str, &str)]| {
-        let mut command = suite.command(&["verify", "--partition", "auto", "--json"]);
+        let mut command = suite.command("verify --partition auto --json");
         command.envs(variables.iter().copied());
         command.output().unwrap()
     };
@@ -122,9 +120,7 @@ fn auto_reads_the_engine_or_refuses() {
         ("SLURM_ARRAY_TASK_MAX", "4"),
         ("SLURM_ARRAY_TASK_COUNT", "4"),
     ]);
-    let by_hand = suite
-        .volref(&["verify", "--partition", "slice:3/4", "--json"])
-        .json();
+    let by_hand = suite.volref("verify --partition slice:3/4 --json").json();
     let json: serde_json::Value = serde_json::from_slice(&slurm.stdout).unwrap();
     assert_eq!(json["cases"][0]["name"], by_hand["cases"][0]["name"]);
     for (variables, said) in [

@@ -71,7 +71,7 @@ fn plans_of_the_suite() {
 #[test]
 fn json() {
     let folder = Folder::with_scenes();
-    let run = folder.volref(&["plan", "curve.toml", "--json"]);
+    let run = folder.volref("plan curve.toml --json");
     assert_eq!(run.code, 0);
     insta::assert_snapshot!(run.stdout);
 }
@@ -79,9 +79,7 @@ fn json() {
 #[test]
 fn json_of_a_volume() {
     let folder = Folder::with_scenes();
-    let json = folder
-        .volref(&["plan", "scene.toml", "--json", "--counters"])
-        .json();
+    let json = folder.volref("plan scene.toml --json --counters").json();
     assert_eq!(json["schema"], "volref/plan/1");
     let panel = &json["panels"][0];
     let effects = panel["effects"].as_array().unwrap();
@@ -120,7 +118,7 @@ fn json_of_a_volume() {
 #[test]
 fn counters() {
     let folder = Folder::with_scenes();
-    let run = folder.volref(&["plan", "scene.toml", "--counters"]);
+    let run = folder.volref("plan scene.toml --counters");
     let work = &run.stdout[run.stdout.find("\nwork per ray").unwrap()..];
     insta::assert_snapshot!(work);
 }
@@ -138,7 +136,7 @@ fn force_on_a_constant_grid() {
         "[film]\nwidth = 6\nheight = 6\n[classified]\n[classified.phong]\n\
          [classified.volume]\nfile = \"flat.bin\"\n",
     );
-    insta::assert_snapshot!(folder.volref(&["plan", "flat.toml", "--counters"]).shown());
+    insta::assert_snapshot!(folder.volref("plan flat.toml --counters").shown());
     let alone = ["--force", "heterogeneity", "--force", "gradient-shading"];
     let forced = |how: &[&str]| {
         let command = [&["plan", "flat.toml", "--counters"], how].concat();
@@ -174,19 +172,19 @@ sphere = { centre = [0, 0, 0], radius = 2 }
 point = { position = [3, 3, 3], intensity = 1 }
 ";
     folder.write("idle.toml", scene);
-    let run = folder.volref(&["plan", "idle.toml"]);
+    let run = folder.volref("plan idle.toml");
     run.expect(0, &[]);
     let section = run
         .stdout
         .split("\n\n")
         .find(|part| part.starts_with("warnings"));
     insta::assert_snapshot!(section.unwrap());
-    let json = folder.volref(&["plan", "idle.toml", "--json"]).json();
+    let json = folder.volref("plan idle.toml --json").json();
     let warnings = json["panels"][0]["warnings"].as_array().unwrap();
     assert_eq!(warnings.len(), 5);
     assert_eq!(warnings[0]["field"], "radiative.scattering");
     assert_eq!(warnings[0]["line"], 9);
-    let made = folder.volref(&["render", "idle.toml", "-o", "idle.exr"]);
+    let made = folder.volref("render idle.toml -o idle.exr");
     let notes: Vec<_> = made
         .stdout
         .lines()
@@ -198,9 +196,7 @@ point = { position = [3, 3, 3], intensity = 1 }
         "{}",
         notes[0]
     );
-    let json = folder
-        .volref(&["render", "idle.toml", "-o", "idle.exr", "--json"])
-        .json();
+    let json = folder.volref("render idle.toml -o idle.exr --json").json();
     assert_eq!(json["warnings"].as_array().unwrap(), warnings);
     // Left out, all is as before, and there is no warning.
     let quiet = scene
@@ -208,7 +204,7 @@ point = { position = [3, 3, 3], intensity = 1 }
         .replace("g = 0.5\n", "");
     let quiet = quiet.split("[[radiative.medium]]\nsphere = { centre = [0, 0, 0], radius = 2 }");
     folder.write("quiet.toml", quiet.clone().next().unwrap());
-    let run = folder.volref(&["plan", "quiet.toml"]);
+    let run = folder.volref("plan quiet.toml");
     run.expect(0, &[]);
     assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
 }
@@ -244,7 +240,7 @@ fn what_is_not_seen() {
         ("mode = \"maximum\"\nwindow = { low = 2, high = 8 }", "", ""),
     ] {
         folder.write("values.toml", grid.replace("{keys}", keys));
-        let run = folder.volref(&["plan", "values.toml"]);
+        let run = folder.volref("plan values.toml");
         run.expect(0, &[]);
         assert_eq!(
             run.stdout.contains("warnings"),
@@ -252,7 +248,7 @@ fn what_is_not_seen() {
             "{keys}"
         );
         assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
-        let run = folder.volref(&["render", "values.toml", "-o", "values.exr"]);
+        let run = folder.volref("render values.toml -o values.exr");
         run.expect(0, &[]);
         assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
         assert_eq!(run.stdout.contains("black: no"), !note.is_empty(), "{keys}");
@@ -264,7 +260,7 @@ fn what_is_not_seen() {
         "clips.toml",
         format!("{}{clips}", folder.text("scene.toml")),
     );
-    let run = folder.volref(&["plan", "clips.toml"]);
+    let run = folder.volref("plan clips.toml");
     run.expect(0, &[]);
     let idle = "this clip cuts nothing: all of its volumes is on the side that it keeps  (classified.clip[0]";
     assert_eq!(
@@ -289,7 +285,7 @@ fn shadows_of_several_volumes() {
     for (second, said) in [("0.25", "0.25  "), ("0.5", "0.25, 0.5, volume by volume  ")] {
         let volumes = volume("0.25") + &volume(second);
         folder.write("two.toml", format!("[classified.shadow]\n{volumes}"));
-        let run = folder.volref(&["plan", "two.toml"]);
+        let run = folder.volref("plan two.toml");
         run.expect(0, &[]);
         let line = format!("  classified.shadow.reference_step  {said}");
         assert!(run.stdout.contains(&line), "{}", run.stdout);
@@ -318,7 +314,7 @@ fn a_white_enclosure() {
         .replace("[0.5, 0, 0]", "[0.5, 0, -5]");
     let warned = |scene: &str| {
         folder.write("white.toml", scene);
-        let run = folder.volref(&["plan", "white.toml"]);
+        let run = folder.volref("plan white.toml");
         assert_eq!(run.code, 0, "{}", run.stderr);
         run.stdout
             .contains("reflected between surfaces without end")
@@ -337,7 +333,7 @@ fn a_white_enclosure() {
     }
     // While it is rendered: in a pipe notes come after two seconds.
     folder.write("white.toml", &white);
-    let mut command = folder.command(&["render", "white.toml", "-o", "white.exr"]);
+    let mut command = folder.command("render white.toml -o white.exr");
     let mut rendering = command.stderr(Stdio::piped()).spawn().unwrap();
     let lines = BufReader::new(rendering.stderr.take().unwrap()).lines();
     let note = "note: light is reflected between surfaces without end";
@@ -352,7 +348,7 @@ fn a_white_enclosure() {
 fn memory_of_volumes() {
     let folder = Folder::with_scenes();
     folder.edit("scene.toml", "resolution = 8", "resolution = 64");
-    let run = folder.volref(&["plan", "scene.toml", "--json"]).json();
+    let run = folder.volref("plan scene.toml --json").json();
     let nodes = run["panels"][0]["volume"]["nodes"]
         .as_array()
         .unwrap()
@@ -362,12 +358,12 @@ fn memory_of_volumes() {
     // One volume of two panels.
     let text = folder.text("scene.toml");
     folder.write("scene.toml", format!("{text}[[panel]]\n[[panel]]\n"));
-    let run = folder.volref(&["plan", "scene.toml", "--json"]).json();
+    let run = folder.volref("plan scene.toml --json").json();
     assert_eq!(run["volume_bytes"], 4 * nodes);
-    let text = folder.volref(&["plan", "scene.toml"]).stdout;
+    let text = folder.volref("plan scene.toml").stdout;
     assert!(text.contains("\nvolumes    "), "{text}");
     assert_eq!(
-        folder.volref(&["plan", "curve.toml", "--json"]).json()["volume_bytes"],
+        folder.volref("plan curve.toml --json").json()["volume_bytes"],
         0
     );
 }
@@ -411,7 +407,7 @@ fn counters_under_conventions() {
     let shading = "[classified.phong]\n[classified.conventions]\nlast_step = \"whole\"\n";
     let scene = crate::folder::scene(shading).replace("../../volumes/", "");
     folder.write("other.toml", scene);
-    let json = folder.volref(&["plan", "other.toml", "--counters", "--json"]);
+    let json = folder.volref("plan other.toml --counters --json");
     let panel = &json.json()["panels"][0];
     let kernel =
         "ray caster: trilinear, front to back, Phong, no shadow, every sample, other conventions";
@@ -429,7 +425,7 @@ fn counters_under_conventions() {
         assert!(counters[event].as_u64().unwrap() > 0, "{event}");
     }
     assert_eq!(panel["expected"]["density_lookups"]["bound"], "unknown");
-    let run = folder.volref(&["plan", "other.toml", "--counters"]);
+    let run = folder.volref("plan other.toml --counters");
     run.expect(0, &[]);
     let line = run
         .stdout

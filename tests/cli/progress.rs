@@ -95,7 +95,7 @@ fn a_render_without_an_end() {
                 scattering of higher order  (radiative.medium[0].sigma_s, line 11)";
     let render = ["render", "deep.toml", "-o", "deep.exr", "--spp", "1000000"];
     said(folder.command(&render), &[note]);
-    let run = folder.volref(&["plan", "deep.toml"]);
+    let run = folder.volref("plan deep.toml");
     run.expect(0, &[]);
     assert!(
         run.stdout.contains(note.strip_prefix("note: ").unwrap()),
@@ -108,7 +108,7 @@ fn a_render_without_an_end() {
         "sigma_s = 10000\nsigma_a = 0\ng = 0.9999\n",
     ] {
         folder.write("short.toml", format!("{FOG}{short}"));
-        let run = folder.volref(&["plan", "short.toml"]);
+        let run = folder.volref("plan short.toml");
         run.expect(0, &[]);
         assert!(!run.stdout.contains("warnings"), "{short}: {}", run.stdout);
     }
@@ -117,7 +117,7 @@ fn a_render_without_an_end() {
         "bounded.toml",
         format!("{bounded}sigma_s = 65536\nsigma_a = 0\n"),
     );
-    let run = folder.volref(&["plan", "bounded.toml"]);
+    let run = folder.volref("plan bounded.toml");
     assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
 }
 

@@ -3,20 +3,16 @@
 use crate::folder::{Folder, assert_shown};
 use volref::film::Film;
 
-fn film(folder: &Folder, name: &str) -> Film {
-    Film::from_exr(&folder.read(name)).unwrap()
-}
-
 #[test]
 fn exr() {
     let folder = Folder::with_scenes();
-    let run = folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    let run = folder.volref("render scene.toml -o image.exr");
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
     image.exr: 12 × 10 pixels in [seconds]
     ");
-    let film = film(&folder, "image.exr");
+    let film = folder.film("image.exr");
     assert_eq!((film.width(), film.height()), (12, 10));
     assert!(film.opacity().is_some());
     assert!(film.radiance().iter().flatten().any(|value| *value > 0.0));
@@ -25,7 +21,7 @@ fn exr() {
 #[test]
 fn png_at_an_exposure() {
     let folder = Folder::with_scenes();
-    folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
+    folder.volref("render scene.toml -o image.exr");
     for exposure in ["0", "1.5", "-2"] {
         let arguments = [
             "render",
@@ -36,7 +32,9 @@ fn png_at_an_exposure() {
             exposure,
         ];
         assert_eq!(folder.volref(&arguments).code, 0);
-        let expected = film(&folder, "image.exr").srgb_codes(exposure.parse().unwrap());
+        let expected = folder
+            .film("image.exr")
+            .srgb_codes(exposure.parse().unwrap());
         let (width, height, codes) = Film::codes_from_png(&folder.read("image.PNG")).unwrap();
         assert_eq!((width, height, codes), (12, 10, expected));
     }
@@ -45,7 +43,7 @@ fn png_at_an_exposure() {
 #[test]
 fn the_same_bytes_for_any_number_of_threads() {
     let folder = Folder::with_scenes();
-    folder.volref(&["render", "scene.toml", "-o", "all.exr"]);
+    folder.volref("render scene.toml -o all.exr");
     for threads in ["1", "2", "7"] {
         let run = folder.volref(&[
             "render",
@@ -70,19 +68,19 @@ fn another_step() {
     let render = |step: &str| {
         let run = folder.volref(&["render", "scene.toml", "-o", "image.exr", "--step", step]);
         assert_eq!(run.code, 0, "{}", run.stderr);
-        film(&folder, "image.exr").pixel_hash()
+        folder.film("image.exr").pixel_hash()
     };
     // The extent of the cloud, 1, is divided into 8 - 1 - 2·1 = 5 intervals of a voxel each.
     assert_eq!(render("0.5 voxels"), render("0.1"));
     assert_ne!(render("0.5 voxels"), render("0.25 voxels"));
-    folder.volref(&["render", "scene.toml", "-o", "image.exr"]);
-    assert_eq!(film(&folder, "image.exr").pixel_hash(), render("0.5voxel"));
+    folder.volref("render scene.toml -o image.exr");
+    assert_eq!(folder.film("image.exr").pixel_hash(), render("0.5voxel"));
 }
 
 #[test]
 fn samples_and_seed_change_nothing_and_say_so() {
     let folder = Folder::with_scenes();
-    folder.volref(&["render", "scene.toml", "-o", "plain.exr"]);
+    folder.volref("render scene.toml -o plain.exr");
     let arguments = [
         "render",
         "scene.toml",
@@ -105,7 +103,7 @@ fn samples_and_seed_change_nothing_and_say_so() {
 #[test]
 fn json() {
     let folder = Folder::with_scenes();
-    let run = folder.volref(&["render", "curve.toml", "-o", "curve.png", "--json"]);
+    let run = folder.volref("render curve.toml -o curve.png --json");
     assert_shown!(run.shown(), @r#"
     exit code 0
     --- stdout
@@ -150,14 +148,9 @@ fn an_existing_image_is_replaced_and_nothing_left_beside_it() {
     let folder = Folder::with_scenes();
     folder.write("image.exr", "not an image");
     let before: Vec<_> = folder.files().into_keys().collect();
-    assert_eq!(
-        folder
-            .volref(&["render", "scene.toml", "-o", "image.exr"])
-            .code,
-        0
-    );
+    assert_eq!(folder.volref("render scene.toml -o image.exr").code, 0);
     assert_eq!(folder.files().into_keys().collect::<Vec<_>>(), before);
-    assert_eq!(film(&folder, "image.exr").width(), 12);
+    assert_eq!(folder.film("image.exr").width(), 12);
 }
 
 #[test]
@@ -165,10 +158,10 @@ fn panels_side_by_side() {
     let folder = Folder::with_scenes();
     let panels = "\n[[panel]]\n[[panel]]\nfilm.width = 5\nclassified.interpolation = \"nearest\"\n";
     folder.write("panels.toml", folder.text("scene.toml") + panels);
-    folder.volref(&["render", "scene.toml", "-o", "one.exr"]);
-    let run = folder.volref(&["render", "panels.toml", "-o", "two.exr"]);
+    folder.volref("render scene.toml -o one.exr");
+    let run = folder.volref("render panels.toml -o two.exr");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    let (one, two) = (film(&folder, "one.exr"), film(&folder, "two.exr"));
+    let (one, two) = (folder.film("one.exr"), folder.film("two.exr"));
     assert_eq!((two.width(), two.height()), (12 + 5, 10));
     for row in 0..10 {
         assert_eq!(
@@ -214,12 +207,12 @@ fn an_image_that_there_is_no_memory_for() {
         "large.toml",
         "[film]\nwidth = 16384\nheight = 16384\n[curve]\n",
     );
-    let plan = folder.volref(&["plan", "large.toml", "--json"]).json();
+    let plan = folder.volref("plan large.toml --json").json();
     // Radiance and opacity.
     assert_eq!(plan["image"]["bytes"], 16_u64 << 28);
     let most = plan["image"]["most_bytes"].as_u64().unwrap();
     assert!(most > 48 << 28, "{most}");
-    let plan = folder.volref(&["plan", "large.toml"]).stdout;
+    let plan = folder.volref("plan large.toml").stdout;
     assert!(
         plan.starts_with("image      16384 × 16384 pixels, 4.00 GiB; at most "),
         "{plan}"

@@ -43,12 +43,9 @@ fn a_daemon_does_not_outlive_its_renderers_time() {
     let folder = with_renderer("daemon 'exec sleep 1000' pid; sleep 1000");
     let mut command = validate(&folder, &["smoke/plain", "--timeout", "1"]);
     let run = Run::of(command.output().unwrap());
-    assert_eq!(run.code, 4, "{}", run.stderr);
-    assert!(
-        run.stdout
-            .contains("did not end within 1 s and was ended, with all that it had started"),
-        "{}",
-        run.stdout
+    run.prints(
+        4,
+        &["did not end within 1 s and was ended, with all that it had started"],
     );
     assert!(!process(&folder, "pid").exists(), "the daemon is gone");
 }
@@ -169,8 +166,7 @@ fn with_ctest_only_measurements_are_elements() {
         Run::of(validate(&folder, &arguments).output().unwrap())
     };
     let run = of(&["smoke/plain", "smoke/nearest"]);
-    assert_eq!(run.code, 4, "{}", run.stdout);
-    assert!(run.stdout.contains("&lt;CTestMeasurementFile"));
+    run.prints(4, &["&lt;CTestMeasurementFile"]);
     let (elements, words): (Vec<&str>, Vec<&str>) = run
         .stdout
         .lines()
@@ -207,6 +203,6 @@ fn with_ctest_only_measurements_are_elements() {
 #[test]
 fn keepers_are_not_shown() {
     let folder = Folder::with_suite();
-    let help = folder.volref(&["--help"]);
+    let help = folder.volref("--help");
     assert!(!help.stdout.contains("__keep"), "{}", help.stdout);
 }

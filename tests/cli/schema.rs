@@ -36,8 +36,8 @@ fn the_resolution_of_a_case_is_that_of_compare() {
 fn the_scene_is_the_default() {
     let folder = Folder::new();
     assert_eq!(
-        folder.volref(&["schema"]).stdout,
-        folder.volref(&["schema", "scene"]).stdout
+        folder.volref("schema").stdout,
+        folder.volref("schema scene").stdout
     );
 }
 
@@ -106,7 +106,7 @@ fn what_the_reader_refuses_the_schema_refuses() {
         );
         folder.write("broken.toml", &broken);
         assert_eq!(
-            folder.volref(&["plan", "broken.toml"]).code,
+            folder.volref("plan broken.toml").code,
             2,
             "the reader accepts {new:?}"
         );
@@ -162,11 +162,11 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
     let window = volume.replace(shadow, "mode = \"maximum\"\n");
     let read_scene = |text: String| {
         folder.write("scene.toml", text);
-        folder.volref(&["plan", "scene.toml"])
+        folder.volref("plan scene.toml")
     };
     let read_case = |text: String| {
         folder.write("fixtures/cases/smoke/plain.toml", text);
-        folder.volref(&["list", "smoke/plain"])
+        folder.volref("list smoke/plain")
     };
     let mut checked = 0;
     for kind in ["scene", "case"] {

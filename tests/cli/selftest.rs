@@ -7,7 +7,7 @@ use crate::folder::Folder;
 #[test]
 fn a_small_suite_catches_what_it_can() {
     let folder = Folder::with_goldens();
-    let run = folder.volref(&["selftest", "smoke", "plots", "--json"]);
+    let run = folder.volref("selftest smoke plots --json");
     let json = run.json();
     assert_eq!(json["schema"], "volref/selftest/1");
     let rows = json["mistakes"].as_array().unwrap();
@@ -31,7 +31,7 @@ fn a_small_suite_catches_what_it_can() {
     );
     assert_eq!(row("phase-reversed")["caught_by"], serde_json::json!([]));
     assert_eq!(json["summary"]["benign_rejected"], 0);
-    let run = folder.volref(&["selftest", "plots", "smoke", "--quick"]);
+    let run = folder.volref("selftest plots smoke --quick");
     assert!(run.stdout.contains("mistakes caught"), "{}", run.stdout);
 }
 
@@ -39,13 +39,8 @@ fn a_small_suite_catches_what_it_can() {
 #[test]
 fn a_whole_suite_must_catch_all() {
     let folder = Folder::with_goldens();
-    let run = folder.volref(&["selftest", "--quick"]);
-    assert_eq!(run.code, 6);
-    assert!(
-        run.stdout.contains("phase-reversed is caught by no case"),
-        "{}",
-        run.stdout
-    );
+    let run = folder.volref("selftest --quick");
+    run.prints(6, &["phase-reversed is caught by no case"]);
 }
 
 /// A case that promises what it does not hold.
@@ -57,24 +52,15 @@ fn promises_are_kept() {
         manifest,
         folder.text(manifest) + "mistakes = [\"mirrored\", \"shadow-left-out\"]\n",
     );
-    let run = folder.volref(&["selftest", "plots"]);
-    assert_eq!(run.code, 6);
-    assert!(
-        run.stdout.contains(
-            "not caught, although its manifest requires it: plots/curve: shadow-left-out"
-        ),
-        "{}",
-        run.stdout
+    let run = folder.volref("selftest plots");
+    run.prints(
+        6,
+        &["not caught, although its manifest requires it: plots/curve: shadow-left-out"],
     );
     folder.write(
         manifest,
         folder.text(manifest).replace("mirrored", "mirorred"),
     );
-    let run = folder.volref(&["selftest", "plots"]);
-    assert_eq!(run.code, 2);
-    assert!(
-        run.message().contains("did you mean \"mirrored\"?"),
-        "{}",
-        run.stderr
-    );
+    let run = folder.volref("selftest plots");
+    run.expect(2, &["did you mean \"mirrored\"?"]);
 }

@@ -36,12 +36,7 @@ fn numbers_are_listed_and_differentiated() {
     // The grid absorbs: denser is darker.
     assert!(value["mean"].as_f64().unwrap() < 0.0);
     // A derivative is compared with itself as an image is.
-    assert_eq!(
-        folder
-            .volref(&["compare", "d.exr", "d.exr", "--gate", "exact"])
-            .code,
-        0
-    );
+    assert_eq!(folder.volref("compare d.exr d.exr --gate exact").code, 0);
     assert_eq!(
         folder
             .volref(&["sensitivity", CASE, "--of", "density", "-o", "d.png"])
@@ -102,15 +97,7 @@ fn a_wrong_density_is_named() {
                 .code,
             0
         );
-        let run = folder.volref(&[
-            "validate",
-            "smoke/cornell",
-            "--outputs",
-            "images",
-            "--explain",
-            "0",
-            "--json",
-        ]);
+        let run = folder.volref("validate smoke/cornell --outputs images --explain 0 --json");
         run.json()["cases"][0].clone()
     };
     let right = judged("density=0");

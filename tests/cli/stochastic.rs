@@ -1,6 +1,6 @@
 //! Stochastic cases, from the manifest to the verdict, with the real renderer.
 
-use crate::folder::{Folder, MANIFEST, ROOM};
+use crate::folder::{Folder, MANIFEST, ROOM, assert_holds};
 use volref::film::Film;
 
 /// A suite of one stochastic case, with a manifest that promises little.
@@ -11,14 +11,14 @@ fn room() -> Folder {
 #[test]
 fn accepted_and_verified() {
     let folder = room();
-    let run = folder.volref(&["accept", "*", "--reason", "first"]);
+    let run = folder.volref("accept '*' --reason first");
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert_eq!(
         folder.files().len(),
         5,
         "nothing is left beside the goldens"
     );
-    let run = folder.volref(&["verify", "--json"]);
+    let run = folder.volref("verify --json");
     assert_eq!(run.code, 0, "{}", run.stdout);
     let case = &run.json()["cases"][0];
     assert_eq!(case["class"], "stochastic");
@@ -30,14 +30,14 @@ fn accepted_and_verified() {
         "sigma_t = 0.01\nalbedo = 0\n",
         "sigma_t = 0.02\nalbedo = 0\n",
     );
-    assert_eq!(folder.volref(&["verify"]).code, 3);
+    assert_eq!(folder.volref("verify").code, 3);
 }
 
 /// Both renderings can be made again by hand.
 #[test]
 fn samples_and_seeds_on_the_command_line() {
     let folder = room();
-    assert_eq!(folder.volref(&["accept", "*", "--reason", "first"]).code, 0);
+    assert_eq!(folder.volref("accept '*' --reason first").code, 0);
     let golden: toml::Table = folder.text("golden/fog/room.toml").parse().unwrap();
     let hash = |spp: &str, seed: &str| {
         let scene = "fixtures/scenes/fog/room.toml";
@@ -73,12 +73,8 @@ fn samples_and_seeds_on_the_command_line() {
     // One sample says nothing of its noise; the other image's is enough.
     hash("1", "5");
     let run = compare("stochastic");
-    assert!(
-        run.stdout.contains("no difference beyond noise"),
-        "{}",
-        run.stdout
-    );
-    let run = folder.volref(&["compare", "now.exr", "now.exr", "--gate", "stochastic"]);
+    assert_holds(&run.stdout, &["no difference beyond noise"]);
+    let run = folder.volref("compare now.exr now.exr --gate stochastic");
     run.expect(2, &["needs the noise of at least one image"]);
 }
 
@@ -87,13 +83,13 @@ fn class_and_scene_must_agree() {
     let folder = room();
     folder.write("fixtures/cases/fog/room.toml", MANIFEST);
     folder
-        .volref(&["accept", "*", "--reason", "first"])
+        .volref("accept '*' --reason first")
         .expect(2, &["fog/room", "with random numbers", "stochastic"]);
     let folder = Folder::with_suite();
     let sampling = "class = \"stochastic\"\nconverged_samples = 128";
     let manifest = MANIFEST.replace("class = \"deterministic\"", sampling);
     folder.write("fixtures/cases/plots/curve.toml", manifest);
-    folder.volref(&["accept", "*", "--reason", "first"]).expect(
+    folder.volref("accept '*' --reason first").expect(
         2,
         &["plots/curve", "without random numbers", "deterministic"],
     );
@@ -121,7 +117,7 @@ fn manifests_with_mistakes() {
     ] {
         let folder = room();
         folder.edit("fixtures/cases/fog/room.toml", old, new);
-        folder.volref(&["list"]).expect(2, &parts);
+        folder.volref("list").expect(2, &parts);
     }
 }
 
@@ -148,7 +144,7 @@ fn render(folder: &Folder, samples: u64, seed: u64) -> Film {
         "render", scene, "-o", "now.exr", "--spp", &samples, "--seed", &seed,
     ]);
     assert_eq!(run.code, 0, "{}", run.stderr);
-    Film::from_exr(&folder.read("now.exr")).unwrap()
+    folder.film("now.exr")
 }
 
 /// The image `film` in `out/`, with its noise in the given form.
@@ -178,7 +174,7 @@ fn give(folder: &Folder, form: &str, samples: u64, seed: u64) {
                 variance,
                 noise.samples(),
             );
-            folder.write("out/fog/room.variance.exr", variance.to_exr().unwrap());
+            folder.write_film("out/fog/room.variance.exr", &variance);
         }
         other => panic!("{other}"),
     }
@@ -197,7 +193,7 @@ fn the_samples_advised_decide() {
     ] {
         let judged = |samples: u64, seed: u64| {
             give(&folder, form, samples, seed);
-            let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+            let run = folder.volref("validate --outputs out --json");
             let result = run.json()["cases"][0].clone();
             (run.code, result)
         };
@@ -260,15 +256,15 @@ fn samples_that_were_asked_for_are_known() {
     let path = |name: &str| folder.path(name).display().to_string();
     let made = path("made.pfm");
     let said = advice(&format!("cp '{made}' {{output}}"));
-    assert!(
-        said.contains("times as many samples per pixel as this image has"),
-        "{said}"
+    assert_holds(
+        &said,
+        &["times as many samples per pixel as this image has"],
     );
     folder.write("with_spp.sh", format!("cp '{made}' \"$2\"\n"));
     let said = advice(&format!("sh '{}' {{spp}} {{output}}", path("with_spp.sh")));
-    assert!(
-        said.contains("samples per pixel in all would decide, and this image has 8"),
-        "{said}"
+    assert_holds(
+        &said,
+        &["samples per pixel in all would decide, and this image has 8"],
     );
     for number in 0..3 {
         let film = render(&folder, 8, 4 + number);
@@ -314,11 +310,7 @@ fn compare_promises_what_the_suite_does() {
         "inconclusive"
     );
     let run = compare(&["--resolution", "99"]);
-    assert!(
-        run.stdout.contains("pass  (stochastic gate"),
-        "{}",
-        run.stdout
-    );
+    assert_holds(&run.stdout, &["pass  (stochastic gate"]);
     assert_eq!(run.code, 0);
     for wrong in ["0", "100", "-3", "nan", "much"] {
         let run = compare(&["--resolution", wrong]);
@@ -341,13 +333,9 @@ fn compare_promises_what_the_suite_does() {
         assert_eq!(run.code, 5, "{}", run.stdout);
     }
     // Codes for a display have no noise to speak of, and a gate that is named is taken.
-    let run = folder.volref(&["compare", "golden/fog/room.exr", "golden/fog/room.png"]);
+    let run = folder.volref("compare golden/fog/room.exr golden/fog/room.png");
     assert!(run.stdout.contains("(perceptual gate)"), "{}", run.stdout);
     let run = compare(&["--gate", "deterministic"]);
-    assert!(
-        run.stdout.contains("(deterministic gate)"),
-        "{}",
-        run.stdout
-    );
+    assert_holds(&run.stdout, &["(deterministic gate)"]);
     assert_eq!(run.code, 1);
 }

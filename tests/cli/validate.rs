@@ -1,6 +1,6 @@
 //! `volref validate`: finished images, and renderers that are run.
 
-use crate::folder::{Folder, MANIFEST, Run, assert_shown, scene};
+use crate::folder::{Folder, MANIFEST, Run, assert_holds, assert_shown, scene};
 use serde_json::Value;
 use volref::film::Film;
 
@@ -21,10 +21,6 @@ fn with_images() -> Folder {
     folder
 }
 
-fn film(folder: &Folder, name: &str) -> Film {
-    Film::from_exr(&folder.read(name)).unwrap()
-}
-
 /// The result of the case of that name.
 fn case(run: &Run, name: &str) -> Value {
     let json = run.json();
@@ -39,7 +35,7 @@ fn case(run: &Run, name: &str) -> Value {
 fn right_images_pass() {
     let folder = with_images();
     let before = folder.files();
-    let run = folder.volref(&["validate", "--outputs", "out"]);
+    let run = folder.volref("validate --outputs out");
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
@@ -67,14 +63,11 @@ pub fn scaled(film: &Film, factor: f32) -> Film {
 fn missing_images() {
     let folder = with_images();
     folder.remove("out/smoke/plain.exr");
-    let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+    let run = folder.volref("validate --outputs out --json");
     assert_eq!(run.code, 4);
-    let golden = film(&folder, "golden/smoke/nearest.exr");
-    folder.write(
-        "out/smoke/nearest.exr",
-        scaled(&golden, 0.5).to_exr().unwrap(),
-    );
-    let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+    let golden = folder.film("golden/smoke/nearest.exr");
+    folder.write_film("out/smoke/nearest.exr", &scaled(&golden, 0.5));
+    let run = folder.volref("validate --outputs out --json");
     assert_eq!(run.code, 1);
     assert_eq!(case(&run, "smoke/plain")["verdict"], "missing");
     assert_eq!(case(&run, "smoke/nearest")["verdict"], "fail");
@@ -82,22 +75,11 @@ fn missing_images() {
     assert_eq!(run.json()["schema"], "volref/validate/1");
     assert_eq!(run.json()["summary"]["missing"], 1);
 
-    let run = folder.volref(&["validate", "--outputs", "out", "--only-present", "--json"]);
+    let run = folder.volref("validate --outputs out --only-present --json");
     assert_eq!(run.code, 1);
     assert_eq!(run.json()["cases"].as_array().unwrap().len(), 3);
-    let run = folder.volref(&[
-        "validate",
-        "smoke/plain",
-        "--outputs",
-        "out",
-        "--only-present",
-    ]);
-    assert_eq!(run.code, 5);
-    assert!(
-        run.message().contains("nothing was compared"),
-        "{}",
-        run.stderr
-    );
+    let run = folder.volref("validate smoke/plain --outputs out --only-present");
+    run.expect(5, &["nothing was compared"]);
 }
 
 /// A line for all cases without an image, and one for each only if asked; other programs get all.
@@ -105,7 +87,7 @@ fn missing_images() {
 fn missing_images_are_counted_once() {
     let folder = with_images();
     folder.remove("out/smoke/plain.exr");
-    let run = folder.volref(&["validate", "--outputs", "out"]);
+    let run = folder.volref("validate --outputs out");
     assert_shown!(run.shown(), @r"
     exit code 4
     --- stdout
@@ -119,14 +101,7 @@ fn missing_images_are_counted_once() {
     for case in ["plots/curve", "smoke/nearest", "smoke/shadow"] {
         folder.remove(&format!("out/{case}.exr"));
     }
-    let run = folder.volref(&[
-        "validate",
-        "--outputs",
-        "out",
-        "--json=r.json",
-        "--junit",
-        "r.xml",
-    ]);
+    let run = folder.volref("validate --outputs out --json=r.json --junit r.xml");
     assert_shown!(run.shown(), @r"
     exit code 4
     --- stdout
@@ -134,10 +109,10 @@ fn missing_images_are_counted_once() {
 
     4 cases: 0 passed, 4 missing
     ");
-    let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    let json = folder.json("r.json");
     assert_eq!(json["cases"].as_array().unwrap().len(), 4);
     assert_eq!(folder.text("r.xml").matches("<testcase").count(), 4);
-    let run = folder.volref(&["validate", "--outputs", "out", "--verbose"]);
+    let run = folder.volref("validate --outputs out --verbose");
     assert_eq!(run.stdout.matches("no image of this case").count(), 4);
     assert!(!run.stdout.contains("without an image"), "{}", run.stdout);
 }
@@ -147,22 +122,19 @@ fn missing_images_are_counted_once() {
 fn causes_that_meet() {
     let folder = with_images();
     folder.remove("out/smoke/plain.exr");
-    let golden = film(&folder, "golden/smoke/nearest.exr");
-    folder.write(
-        "out/smoke/nearest.exr",
-        scaled(&golden, 0.5).to_exr().unwrap(),
-    );
-    let run = folder.volref(&["validate", "--outputs", "out", "--explain", "0"]);
+    let golden = folder.film("golden/smoke/nearest.exr");
+    folder.write_film("out/smoke/nearest.exr", &scaled(&golden, 0.5));
+    let run = folder.volref("validate --outputs out --explain 0");
     assert_eq!(run.code, 1, "a difference outranks a missing image");
     folder.edit(
         "golden/smoke/shadow.toml",
         "first goldens",
         "second thoughts",
     );
-    let run = folder.volref(&["validate", "--outputs", "out", "--explain", "0"]);
+    let run = folder.volref("validate --outputs out --explain 0");
     assert_eq!(run.code, 3, "a golden that cannot be trusted outranks both");
     folder.write("fixtures/scenes/plots/curve.toml", "[film]\n");
-    let run = folder.volref(&["validate", "--outputs", "out", "--explain", "0"]);
+    let run = folder.volref("validate --outputs out --explain 0");
     assert_eq!(run.code, 2, "bad input outranks all");
     for command in ["validate", "verify"] {
         let help = folder.volref(&[command, "--help"]).stdout;
@@ -214,7 +186,7 @@ fn verdicts_come_as_they_are_known() {
 
 /// An image that no mistake of the catalogue makes: each row is of another picture.
 fn unknown_mistake(folder: &Folder, case: &str) -> Vec<u8> {
-    let golden = film(folder, &format!("golden/{case}.exr"));
+    let golden = folder.film(&format!("golden/{case}.exr"));
     let pixels = golden.radiance().iter().enumerate().map(|(index, pixel)| {
         let row = index / golden.width();
         pixel.map(|x| x * (1.0 + (row % 5) as f32) + (row % 3) as f32)
@@ -253,19 +225,12 @@ fn the_search_for_a_mistake_has_a_budget() {
         "{words}"
     );
     // A sign of life, which other tests do not see.
-    let mut command = folder.command(&[
-        "validate",
-        "shadow",
-        "--outputs",
-        "out",
-        "--explain",
-        "1e-6",
-    ]);
+    let mut command = folder.command("validate shadow --outputs out --explain 1e-6");
     let stderr = String::from_utf8(command.output().unwrap().stderr).unwrap();
     let said =
         "volref: looking for the mistake in 1 failing case, at most 0.000001 s of work for each";
     assert!(stderr.starts_with(said), "{stderr}");
-    let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    let json = folder.json("r.json");
     assert_eq!(json["looks_like"], serde_json::json!([]));
     assert_eq!(json["cases"][0]["looks_like"], serde_json::json!([]));
 
@@ -357,19 +322,7 @@ fn the_search_can_be_interrupted() {
         unknown_mistake(&folder, "smoke/shadow"),
     );
     let mut child = folder
-        .command(&[
-            "validate",
-            "shadow",
-            "--outputs",
-            "out",
-            "--explain",
-            "600",
-            "--json=r.json",
-            "--junit",
-            "r.xml",
-            "--report",
-            "report",
-        ])
+        .command("validate shadow --outputs out --explain 600 --json=r.json --junit r.xml --report report")
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -391,11 +344,8 @@ fn the_search_can_be_interrupted() {
         .unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{stdout}");
     assert!(stdout.contains("1 case: 0 passed, 1 failed"), "{stdout}");
-    assert!(
-        stdout.contains("the search was interrupted in smoke/shadow ("),
-        "{stdout}"
-    );
-    let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    assert_holds(&stdout, &["the search was interrupted in smoke/shadow ("]);
+    let json = folder.json("r.json");
     assert_eq!(json["cases"][0]["verdict"], "fail");
     assert_eq!(json["looks_like"], serde_json::json!([]));
     assert!(folder.text("r.xml").contains("smoke/shadow"));
@@ -406,18 +356,10 @@ fn the_search_can_be_interrupted() {
 #[test]
 fn factors_and_levels_are_said() {
     let folder = with_images();
-    let golden = film(&folder, "golden/smoke/shadow.exr");
-    folder.write(
-        "out/smoke/shadow.exr",
-        scaled(&golden, 1.3).to_exr().unwrap(),
-    );
-    let run = folder.volref(&["validate", "shadow", "--outputs", "out"]);
-    assert_eq!(run.code, 1);
-    assert!(
-        run.stdout.contains("  the image is the golden × 1.300; "),
-        "{}",
-        run.stdout
-    );
+    let golden = folder.film("golden/smoke/shadow.exr");
+    folder.write_film("out/smoke/shadow.exr", &scaled(&golden, 1.3));
+    let run = folder.volref("validate shadow --outputs out");
+    run.prints(1, &["  the image is the golden × 1.300; "]);
     // The factor explains it, though it is no mistake of the catalogue.
     assert!(!run.stdout.contains("explains it"), "{}", run.stdout);
 }
@@ -426,10 +368,10 @@ fn factors_and_levels_are_said() {
 #[test]
 fn another_exposure_is_said() {
     let folder = with_images();
-    let golden = film(&folder, "golden/smoke/shadow.exr");
+    let golden = folder.film("golden/smoke/shadow.exr");
     folder.remove("out/smoke/shadow.exr");
     folder.write("out/smoke/shadow.png", scaled(&golden, 0.5).to_png(0.0));
-    let run = folder.volref(&["validate", "shadow", "--outputs", "out"]);
+    let run = folder.volref("validate shadow --outputs out");
     assert_eq!(run.code, 1);
     let said = ", another exposure (−1.0";
     assert!(run.stdout.contains(said), "{}", run.stdout);
@@ -440,18 +382,13 @@ fn another_exposure_is_said() {
 #[test]
 fn mistakes_are_named() {
     let folder = with_images();
-    let run = folder.volref(&[
-        "render",
-        "fixtures/scenes/smoke/plain.toml",
-        "-o",
-        "right.exr",
-    ]);
+    let run = folder.volref("render fixtures/scenes/smoke/plain.toml -o right.exr");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    let right = film(&folder, "right.exr");
+    let right = folder.film("right.exr");
     let bright = right.radiance().iter().map(|p| p.map(|x| 2.0 * x));
     let wrong = Film::new(right.width(), right.height(), bright.collect());
-    folder.write("out/smoke/plain.exr", wrong.to_exr().unwrap());
-    let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+    folder.write_film("out/smoke/plain.exr", &wrong);
+    let run = folder.volref("validate --outputs out --json");
     assert_eq!(run.code, 1);
     assert_eq!(case(&run, "smoke/plain")["looks_like"][0], "bright-doubled");
     assert_eq!(
@@ -476,23 +413,17 @@ fn mistakes_are_named() {
             )
             .replace("../../", "fixtures/"),
     );
-    let run = folder.volref(&["render", "wrong.toml", "-o", "out/smoke/shadow.exr"]);
+    let run = folder.volref("render wrong.toml -o out/smoke/shadow.exr");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    let run = folder.volref(&["validate", "shadow", "--outputs", "out"]);
-    assert_eq!(run.code, 1);
-    assert!(
-        run.stdout
-            .contains("looks like  opacity-uncorrected (1 of 1 case)"),
-        "{}",
-        run.stdout
-    );
+    let run = folder.volref("validate shadow --outputs out");
+    run.prints(1, &["looks like  opacity-uncorrected (1 of 1 case)"]);
 }
 
 /// No convention and no mistake is looked for in an image of another size, narrower ones included.
 #[test]
 fn images_of_another_size() {
     let folder = with_images();
-    let golden = film(&folder, "golden/smoke/plain.exr");
+    let golden = folder.film("golden/smoke/plain.exr");
     let (width, height) = (golden.width(), golden.height());
     for [width, height] in [
         [width / 2, height],
@@ -504,8 +435,8 @@ fn images_of_another_size() {
     ] {
         let pixels = vec![[0.25; 3]; width * height];
         let other = Film::new(width, height, pixels);
-        folder.write("out/smoke/plain.exr", other.to_exr().unwrap());
-        let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+        folder.write_film("out/smoke/plain.exr", &other);
+        let run = folder.volref("validate --outputs out --json");
         assert_eq!(run.code, 1, "{width} × {height}: {}", run.stderr);
         let reason = case(&run, "smoke/plain")["reason"].clone();
         assert!(
@@ -514,7 +445,7 @@ fn images_of_another_size() {
         );
     }
     // There is nothing to look for, and nothing is said to have been looked for.
-    let run = folder.volref(&["validate", "--outputs", "out", "--report", "report"]);
+    let run = folder.volref("validate --outputs out --report report");
     let advice = format!("render it at {width} × {height}");
     assert!(run.stdout.contains(&advice), "{}", run.stdout);
     assert!(!run.stdout.contains("no known mistake"), "{}", run.stdout);
@@ -526,12 +457,12 @@ fn images_of_another_size() {
 fn images_that_are_none() {
     let folder = with_images();
     folder.write("out/smoke/plain.exr", "no image");
-    let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+    let run = folder.volref("validate --outputs out --json");
     assert_eq!(run.code, 4);
     assert_eq!(case(&run, "smoke/plain")["verdict"], "error");
 
     folder.write("out/smoke/plain.exr", folder.read("golden/plots/curve.exr"));
-    let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+    let run = folder.volref("validate --outputs out --json");
     assert_eq!(run.code, 1);
     let reason = case(&run, "smoke/plain")["reason"].clone();
     assert!(
@@ -539,12 +470,12 @@ fn images_that_are_none() {
         "{reason}"
     );
 
-    let golden = film(&folder, "golden/smoke/plain.exr");
+    let golden = folder.film("golden/smoke/plain.exr");
     let mut pixels = golden.radiance().to_vec();
     pixels[14][1] = f32::NAN;
     let broken = Film::new(golden.width(), golden.height(), pixels);
-    folder.write("out/smoke/plain.exr", broken.to_exr().unwrap());
-    let run = folder.volref(&["validate", "--outputs", "out", "--json"]);
+    folder.write_film("out/smoke/plain.exr", &broken);
+    let run = folder.volref("validate --outputs out --json");
     assert_eq!(run.code, 1);
     let found = case(&run, "smoke/plain");
     assert_eq!(found["metrics"]["non_finite_pixels"], 1.0);
@@ -563,17 +494,12 @@ fn goldens_are_not_trusted_blindly() {
         "first goldens",
         "second thoughts",
     );
-    let run = folder.volref(&["validate", "--outputs", "out"]);
+    let run = folder.volref("validate --outputs out");
     assert_eq!(run.code, 3);
     folder.remove("out/smoke/plain.exr");
-    let run = folder.volref(&["validate", "--outputs", "out"]);
-    assert_eq!(run.code, 3);
-    assert!(
-        run.stdout.contains("no image of this case"),
-        "{}",
-        run.stdout
-    );
-    let run = folder.volref(&["validate", "--outputs", "out", "--only-present"]);
+    let run = folder.volref("validate --outputs out");
+    run.prints(3, &["no image of this case"]);
+    let run = folder.volref("validate --outputs out --only-present");
     assert_eq!(run.code, 0, "{}", run.stdout);
 }
 
@@ -583,13 +509,8 @@ fn names_that_belong_to_no_case() {
     let golden = folder.read("golden/smoke/plain.exr");
     folder.write("out/smoke/plian.exr", &golden);
     folder.write("out/<script>'\"..exr", &golden);
-    let run = folder.volref(&["validate", "--outputs", "out"]);
-    assert_eq!(run.code, 0);
-    assert!(
-        run.stdout.contains("did you mean smoke/plain?"),
-        "{}",
-        run.stdout
-    );
+    let run = folder.volref("validate --outputs out");
+    run.prints(0, &["did you mean smoke/plain?"]);
 }
 
 #[test]
@@ -621,10 +542,7 @@ fn usage() {
         let message = run.stderr.replace('\n', " ");
         assert!(message.contains(said), "{arguments:?}: {message}");
     }
-    assert_eq!(
-        folder.volref(&["validate", "fog", "--outputs", "out"]).code,
-        5
-    );
+    assert_eq!(folder.volref("validate fog --outputs out").code, 5);
 }
 
 /// volref itself is a renderer that can be run.
@@ -638,8 +556,8 @@ fn a_renderer_is_run() {
     ]);
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
     assert_eq!(
-        film(&folder, "kept/smoke/plain.exr").pixel_hash(),
-        film(&folder, "golden/smoke/plain.exr").pixel_hash()
+        folder.film("kept/smoke/plain.exr").pixel_hash(),
+        folder.film("golden/smoke/plain.exr").pixel_hash()
     );
     let run = folder.volref(&["validate", "curve", "--run", &command, "--format", "png"]);
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
@@ -684,13 +602,7 @@ fn renderers_that_fail() {
 #[test]
 fn scenes_that_cannot_be_exported() {
     let folder = Folder::with_goldens();
-    let run = folder.volref(&[
-        "validate",
-        "smoke/plain",
-        "--run",
-        "false {export:mitsuba} {output}",
-        "--json",
-    ]);
+    let run = folder.volref("validate smoke/plain --run 'false {export:mitsuba} {output}' --json");
     assert_eq!(run.code, 4);
     let found = case(&run, "smoke/plain");
     assert_eq!(found["verdict"], "missing");
@@ -745,16 +657,7 @@ fn a_report_says_how_it_is_reproduced() {
 #[test]
 fn reports_for_people_and_build_servers() {
     let folder = with_images();
-    let run = folder.volref(&[
-        "validate",
-        "--outputs",
-        "out",
-        "--report",
-        "report",
-        "--junit",
-        "r.xml",
-        "--json=r.json",
-    ]);
+    let run = folder.volref("validate --outputs out --report report --junit r.xml --json=r.json");
     assert_eq!(run.code, 0, "{}", run.stderr);
     let page = folder.text("report/index.html");
     assert!(page.contains("smoke&#x2f;plain"), "names are escaped");
@@ -763,7 +666,7 @@ fn reports_for_people_and_build_servers() {
         "it needs no network"
     );
     assert!(folder.text("r.xml").contains("volref/smoke"));
-    let json: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    let json = folder.json("r.json");
     assert_eq!(json["summary"]["pass"], 4);
 }
 
@@ -778,9 +681,9 @@ fn conventions_are_told_apart_and_accepted() {
         scene.replace("../../", "fixtures/") + conventions,
     );
     folder
-        .volref(&["render", "linear.toml", "-o", "out/smoke/plain.exr"])
+        .volref("render linear.toml -o out/smoke/plain.exr")
         .expect(0, &[]);
-    let run = folder.volref(&["validate", "--outputs", "out", "smoke/plain"]);
+    let run = folder.volref("validate --outputs out smoke/plain");
     assert_shown!(run.shown(), @r#"
     exit code 1
     --- stdout
@@ -865,15 +768,7 @@ fn sequences_of_steps_are_judged_by_their_limit() {
         for (name, bytes) in files {
             folder.write(&format!("out/limit/{name}"), bytes);
         }
-        let run = folder.volref(&[
-            "validate",
-            "limit",
-            "--explain",
-            "0",
-            "--outputs",
-            "out",
-            "--json",
-        ]);
+        let run = folder.volref("validate limit --explain 0 --outputs out --json");
         (case(&run, "limit/cloud"), run.code)
     };
     let sequence = [0, 1, 2].map(|n| (names[n], &images[n][..]));
@@ -935,7 +830,7 @@ fn sequences_of_steps_are_judged_by_their_limit() {
         ("limit/cloud@0.3.exr", "none of the factors"),
     ] {
         folder.write(&format!("out/{name}"), &images[0]);
-        let run = folder.volref(&["validate", "limit", "--explain", "0", "--outputs", "out"]);
+        let run = folder.volref("validate limit --explain 0 --outputs out");
         assert!(run.stdout.contains(said), "{}", run.stdout);
     }
     let _ = std::fs::remove_dir_all(folder.path("out"));

@@ -7,7 +7,7 @@ use serde_json::Value;
 fn a_suite_that_passes() {
     let suite = Folder::with_goldens();
     let before = suite.files();
-    assert_shown!(suite.volref(&["verify"]).shown(), @r"
+    assert_shown!(suite.volref("verify").shown(), @r"
     exit code 0
     --- stdout
     plots  1 of 1 pass [seconds]
@@ -15,7 +15,7 @@ fn a_suite_that_passes() {
 
     4 cases: 4 passed
     ");
-    assert_shown!(suite.volref(&["verify", "--verbose"]).shown(), @r"
+    assert_shown!(suite.volref("verify --verbose").shown(), @r"
     exit code 0
     --- stdout
     pass          plots/curve [seconds]
@@ -54,7 +54,7 @@ fn filters_choose_and_the_suite_may_be_elsewhere() {
 fn json_in_place_of_the_text() {
     let suite = Folder::with_goldens();
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 2.5");
-    let run = suite.volref(&["verify", "plots", "smoke/plain", "--json"]);
+    let run = suite.volref("verify plots smoke/plain --json");
     assert_eq!(run.code, 1);
     assert_shown!(run.stdout, @r#"
     {
@@ -117,7 +117,7 @@ fn json_in_place_of_the_text() {
 fn json_has_the_promised_keys() {
     let suite = Folder::with_goldens();
     suite.remove("golden/smoke/plain.exr");
-    let json = suite.volref(&["verify", "--json"]).json();
+    let json = suite.volref("verify --json").json();
     let keys = |value: &Value| -> Vec<String> {
         let mut keys: Vec<_> = value.as_object().unwrap().keys().cloned().collect();
         keys.sort();
@@ -183,14 +183,8 @@ fn json_and_junit_in_files() {
         "out.xml",
     ];
     let run = suite.volref(&arguments);
-    assert_eq!(run.code, 3, "{}", run.stdout);
-    assert!(
-        run.stdout
-            .contains("2 cases: 0 passed, 1 failed, 1 missing"),
-        "{}",
-        run.stdout
-    );
-    let json: Value = serde_json::from_slice(&suite.read("out.json")).unwrap();
+    run.prints(3, &["2 cases: 0 passed, 1 failed, 1 missing"]);
+    let json = suite.json("out.json");
     assert_eq!(json["summary"]["missing"], 1);
     assert_shown!(suite.text("out.xml"), @r#"
     <?xml version="1.0" encoding="UTF-8"?>
@@ -227,7 +221,7 @@ fn a_changed_voxel_names_the_figures_it_moved() {
         "v 0 0.5 0.5\n",
         "v 0 0.5 0.5 1.01\n",
     );
-    assert_shown!(suite.volref(&["verify"]).shown(), @"
+    assert_shown!(suite.volref("verify").shown(), @"
     exit code 1
     --- stdout
     plots  1 of 1 pass [seconds]
@@ -251,15 +245,12 @@ fn a_changed_voxel_names_the_figures_it_moved() {
 fn the_hint_of_a_failure_can_be_followed() {
     let suite = Folder::with_goldens();
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    let run = suite.volref(&["verify", "smoke/plain"]);
+    let run = suite.volref("verify smoke/plain");
     let mut commands = run
         .stdout
         .lines()
         .filter_map(|line| line.strip_prefix("  volref "));
-    let mut follow = || {
-        let command: Vec<_> = commands.next().unwrap().split(' ').collect();
-        suite.volref(&command)
-    };
+    let mut follow = || suite.volref(commands.next().unwrap());
     assert_eq!(follow().code, 0);
     assert_eq!(follow().code, 1);
     assert!(suite.path("difference.png").is_file());
@@ -273,7 +264,7 @@ fn a_scene_that_no_longer_loads_is_bad_input() {
         "width = 12",
         "width = 0",
     );
-    let run = suite.volref(&["verify"]);
+    let run = suite.volref("verify");
     assert_eq!(run.code, 2, "{}", run.stdout);
     assert_shown!(run.shown(), @r"
     exit code 2
@@ -293,13 +284,13 @@ fn causes_that_meet() {
     let suite = Folder::with_goldens();
     // A mismatch in three cases, then a golden that is damaged, then bad input.
     suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    assert_eq!(suite.volref(&["verify"]).code, 1);
+    assert_eq!(suite.volref("verify").code, 1);
     suite.remove("golden/plots/curve.png");
-    assert_eq!(suite.volref(&["verify"]).code, 3);
+    assert_eq!(suite.volref("verify").code, 3);
     suite.edit(
         "fixtures/scenes/smoke/plain.toml",
         "width = 12",
         "width = 0",
     );
-    assert_eq!(suite.volref(&["verify"]).code, 2);
+    assert_eq!(suite.volref("verify").code, 2);
 }

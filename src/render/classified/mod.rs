@@ -13,7 +13,6 @@ pub mod field;
 pub mod integral;
 pub(super) mod kernels;
 pub mod modes;
-pub mod preintegration;
 pub mod ray_caster;
 pub(super) mod several;
 pub mod shading;

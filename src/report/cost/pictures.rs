@@ -6,7 +6,7 @@
 use super::words;
 use crate::cost::results::ErrorPicture;
 use crate::math::log10;
-use crate::report::template::image_address;
+use crate::report::template::{blue_to_red, image_address};
 use minijinja::{Value, context};
 
 /// Errors that are smaller than the largest by more have the colour of none.
@@ -65,7 +65,7 @@ pub(super) fn pictures(pictures: &[ErrorPicture]) -> Option<Value> {
     });
     let pictures: Vec<Value> = pictures.collect();
     let scale: Vec<_> = (0..SCALE)
-        .map(|at| code(2.0 * at as f64 / (SCALE - 1) as f64 - 1.0))
+        .map(|at| blue_to_red(2.0 * at as f64 / (SCALE - 1) as f64 - 1.0))
         .collect();
     let tick = |share: f64| words::error(largest * share);
     Some(context! {
@@ -95,7 +95,7 @@ fn colour(error: f64, largest: f64) -> [u8; 3] {
     if !error.is_finite() {
         return [0; 3];
     }
-    code(shade(error, largest))
+    blue_to_red(shade(error, largest))
 }
 
 /// Position of an error on the scale from −1 to 1.
@@ -105,13 +105,6 @@ fn shade(error: f64, largest: f64) -> f64 {
     }
     let decades = log10(error.abs() / largest);
     (1.0 + decades / DECADES).clamp(0.0, 1.0) * error.signum()
-}
-
-/// The colour at a place on the scale: blue is too dark, red too bright.
-fn code(shade: f64) -> [u8; 3] {
-    colorous::RED_BLUE
-        .eval_continuous(0.5 - 0.5 * shade)
-        .into_array()
 }
 
 #[cfg(test)]

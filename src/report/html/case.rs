@@ -38,21 +38,11 @@ pub(super) fn view(
         DifferenceScale::StandardErrors(map) => noise::p_values(map),
         _ => None,
     };
-    let small_golden = views.golden.map(|film| {
-        pixels::thumbnail(
-            &film.srgb_codes(views.exposure),
-            film.width(),
-            pixels::THUMBNAIL,
-        )
-    });
-    let small_test = views.test.and_then(|picture| {
-        let srgb = picture.srgb(views.exposure).ok()?;
-        Some(pixels::thumbnail(
-            srgb.pixels(),
-            srgb.width(),
-            pixels::THUMBNAIL,
-        ))
-    });
+    let small = |codes: &[[u8; 3]], width| pixels::thumbnail(codes, width, pixels::THUMBNAIL);
+    let golden = views.golden;
+    let small_golden = golden.map(|film| small(&film.srgb_codes(views.exposure), film.width()));
+    let srgb = views.test.and_then(|it| it.srgb(views.exposure).ok());
+    let small_test = srgb.map(|image| small(image.pixels(), image.width()));
     context! {
         index,
         result,

@@ -2,7 +2,7 @@
 //! difference that they make as pictures.
 
 use crate::compare::{FitMap, NumberChange};
-use crate::report::template::image_address;
+use crate::report::template::{blue_to_red, image_address};
 use minijinja::{Value, context};
 
 /// Rows, at most: the others have smaller scores.
@@ -65,10 +65,7 @@ pub(super) fn pictures(fit: &FitMap) -> Value {
     let picture = |errors: &[f64], words: &str| {
         let codes: Vec<[u8; 3]> = errors
             .iter()
-            .map(|errors| {
-                let red = 0.5 + 0.5 * (errors / full).clamp(-1.0, 1.0);
-                colorous::RED_BLUE.eval_continuous(1.0 - red).into_array()
-            })
+            .map(|errors| blue_to_red((errors / full).clamp(-1.0, 1.0)))
             .collect();
         context! { address => image_address(&codes, fit.columns, rows), words }
     };

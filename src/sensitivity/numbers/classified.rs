@@ -1,44 +1,30 @@
 //! Numbers of classified volumes.
 
-use super::{Number, Quantity, in_classified};
+use super::{Number, Quantity, of_axes};
 use crate::geometry::{Transform, TransformError};
 use crate::optics::Phong;
-use crate::scene::{Classified, Mode, Projected, Scene};
-use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
+use crate::scene::{Classified, Mode, Model, Panel, Projected};
 use glam::DVec3;
 
 static OPACITY: Quantity = Quantity::share("density", "extinction of the volume", "volume");
 static ATTENUATION: Quantity =
     Quantity::share("attenuation", "attenuation by the values before", "volume");
 static STEP: Quantity = Quantity::share("step", "distance between samples", "volume");
-static GRID: [Quantity; 3] = Quantity::place(
-    ["grid.x", "grid.y", "grid.z"],
-    ["x of the grid", "y of the grid", "z of the grid"],
-    "volume",
-    "voxels",
-);
-static AMBIENT: Quantity = Quantity::share("ambient", "ambient reflection", "volume");
-static DIFFUSE: Quantity = Quantity::share("diffuse", "diffuse reflection", "volume");
-static SPECULAR: Quantity = Quantity::share("specular", "strength of highlights", "volume");
+static GRID: [Quantity; 3] = of_axes!("grid", "of the grid", "volume", "voxels");
+static AMBIENT: Quantity = Quantity::share("ambient", "ambient reflection", "volume").linear();
+static DIFFUSE: Quantity = Quantity::share("diffuse", "diffuse reflection", "volume").linear();
+static SPECULAR: Quantity =
+    Quantity::share("specular", "strength of highlights", "volume").linear();
 static SHADOW: Quantity = Quantity::share("shadow", "extinction towards the light", "volume");
-static BACKGROUND: Quantity = Quantity::share("background", "radiance of the background", "volume");
-static LIGHT: [Quantity; 3] = Quantity::place(
-    ["light.x", "light.y", "light.z"],
-    ["x of the light", "y of the light", "z of the light"],
-    "volume",
-    "world units",
-);
+static BACKGROUND: Quantity =
+    Quantity::share("background", "radiance of the background", "volume").linear();
+static LIGHT: [Quantity; 3] = of_axes!("light", "of the light", "volume", "world units");
 
-static TURN: [Quantity; 3] = Quantity::place(
-    ["turn.x", "turn.y", "turn.z"],
-    [
-        "turn of the volume about x",
-        "turn of the volume about y",
-        "turn of the volume about z",
-    ],
-    "volume",
-    "degrees",
-);
+static TURN: [Quantity; 3] = [
+    Quantity::absolute("turn.x", "turn of the volume about x", "volume", "degrees"),
+    Quantity::absolute("turn.y", "turn of the volume about y", "volume", "degrees"),
+    Quantity::absolute("turn.z", "turn of the volume about z", "volume", "degrees"),
+];
 static SIZE: [Quantity; 3] = [
     Quantity::share("size.x", "size of the volume along its own x", "volume"),
     Quantity::share("size.y", "size of the volume along its own y", "volume"),
@@ -60,51 +46,43 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     let mut numbers = Vec::new();
     // Only composited samples have an opacity over a length.
     if scene.mode == Mode::Composited {
-        numbers.push(Number::new(
-            &OPACITY,
-            0.02,
-            Smooth,
-            volumes(|scene, change| scene.transfer_function.reference_length /= 1.0 + change),
-        ));
+        numbers.push(Number::volume(&OPACITY, 0.02, |scene, change| {
+            scene.transfer_function.reference_length /= 1.0 + change;
+        }));
     }
     for (quantity, strength) in REFLECTIONS {
         // Nothing is larger or smaller by a share of 0.
         let mut phong = scene.phong;
         if phong.as_mut().is_some_and(|phong| *strength(phong) != 0.0) {
-            let edit = volumes(move |scene, change| {
+            numbers.push(Number::volume(quantity, 0.5, move |scene, change| {
                 let phong = scene.phong.iter_mut();
                 phong.for_each(|phong| *strength(phong) *= 1.0 + change);
-            });
-            numbers.push(Number::new(quantity, 0.5, Linear, edit));
+            }));
         }
     }
-    let mut add = |quantity, step, dependence: Dependence, edit: fn(&mut Classified, f64)| {
-        numbers.push(Number::new(quantity, step, dependence, volumes(edit)));
+    let mut add = |quantity, step, edit: fn(&mut Classified, f64)| {
+        numbers.push(Number::volume(quantity, step, edit));
     };
     if scene.shadow.is_some() {
-        add(&SHADOW, 0.02, Smooth, |scene, change| {
-            scene
-                .shadow
-                .iter_mut()
-                .for_each(|it| it.reference_step /= 1.0 + change);
+        add(&SHADOW, 0.02, |scene, change| {
+            let shadow = scene.shadow.iter_mut();
+            shadow.for_each(|it| it.reference_step /= 1.0 + change);
         });
     }
     if scene.background != DVec3::ZERO {
-        add(&BACKGROUND, 0.5, Linear, |scene, change| {
+        add(&BACKGROUND, 0.5, |scene, change| {
             scene.background *= 1.0 + change;
         });
     }
     if attenuation(&mut scene.mode.clone()).is_some_and(|it| *it != 0.0) {
-        add(&ATTENUATION, 0.02, Smooth, |scene, change| {
+        add(&ATTENUATION, 0.02, |scene, change| {
             let of = attenuation(&mut scene.mode).into_iter();
             of.for_each(|attenuation| *attenuation *= 1.0 + change);
         });
     }
     // Samples of another step lie elsewhere: only what is an integral has no step.
     if !scene.is_continuous() {
-        add(&STEP, 0.01, Smooth, |scene, change| {
-            scene.step *= 1.0 + change
-        });
+        add(&STEP, 0.01, |scene, change| scene.step *= 1.0 + change);
     }
     numbers.extend(place(scene));
     if scene.to_world.is_some() {
@@ -112,13 +90,11 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     }
     if scene.phong.is_some() || scene.shadow.is_some() {
         let step = 0.01 * (scene.light - scene.extent().world_bounds().centre()).length();
-        for (axis, quantity) in LIGHT.iter().enumerate() {
-            let edit = move |scene: &mut Scene, change: f64| {
-                in_classified(scene, |volume| volume.light += DVec3::AXES[axis] * change);
-                Some(())
-            };
-            numbers.push(Number::new(quantity, step, Smooth, edit));
-        }
+        numbers.extend(LIGHT.iter().enumerate().map(|(axis, quantity)| {
+            Number::volume(quantity, step, move |volume, change| {
+                volume.light += DVec3::AXES[axis] * change;
+            })
+        }));
     }
     numbers
 }
@@ -128,15 +104,11 @@ pub(super) fn place(scene: &Classified) -> impl Iterator<Item = Number> {
     let edges = scene.cell_edges();
     GRID.iter().enumerate().map(move |(axis, quantity)| {
         // The grid moves one way where eye and light move the other.
-        let edit = move |scene: &mut Scene, change: f64| {
+        Number::volume(quantity, 0.05, move |volume, change| {
             let offset = edges[axis] * -change;
-            in_classified(scene, |volume| {
-                volume.light += offset;
-                volume.camera = volume.camera.with_eye_moved(offset);
-            });
-            Some(())
-        };
-        Number::new(quantity, 0.05, Smooth, edit)
+            volume.light += offset;
+            volume.camera = volume.camera.with_eye_moved(offset);
+        })
     })
 }
 
@@ -147,8 +119,8 @@ pub(super) fn turn_and_size() -> impl Iterator<Item = Number> {
         let turned = move |change| Transform::rotation(DVec3::AXES[axis], change);
         let scaled = move |change| Transform::scale(DVec3::ONE + DVec3::AXES[axis] * change);
         [
-            Number::new(turn, 0.2, Smooth, placed(turned, false)),
-            Number::new(size, 0.01, Smooth, placed(scaled, true)),
+            Number::new(turn, 0.2, placed(turned, false)),
+            Number::new(size, 0.01, placed(scaled, true)),
         ]
     })
 }
@@ -157,10 +129,10 @@ pub(super) fn turn_and_size() -> impl Iterator<Item = Number> {
 fn placed(
     map: impl Fn(f64) -> Result<Transform, TransformError> + Send + Sync,
     before: bool,
-) -> impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync {
-    move |scene, change| {
+) -> impl Fn(&mut Panel, f64) -> Option<()> + Send + Sync {
+    move |panel, change| {
         let map = map(change).ok()?;
-        in_classified(scene, |volume| {
+        if let Model::Classified(volume) = &mut panel.model {
             let extent = volume.extent();
             let to_world = volume.to_world.unwrap_or(Transform::IDENTITY);
             let centre = extent.bounds.centre();
@@ -170,7 +142,7 @@ fn placed(
             } else {
                 about(extent.in_world(centre)).map(|map| to_world.then(&map))
             };
-        });
+        }
         Some(())
     }
 }
@@ -183,14 +155,5 @@ fn attenuation(mode: &mut Mode) -> Option<&mut f64> {
             _ => None,
         },
         _ => None,
-    }
-}
-
-fn volumes(
-    edit: impl Fn(&mut Classified, f64) + Send + Sync,
-) -> impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync {
-    move |scene, change| {
-        in_classified(scene, |volume| edit(volume, change));
-        Some(())
     }
 }

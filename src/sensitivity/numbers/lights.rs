@@ -1,34 +1,21 @@
 //! Numbers of lights: area lights (`lamp`), point, spot and directional lights (`light`), and the
 //! environment.
 
-use super::{Number, Quantity, in_radiative};
+use super::{Number, Quantity, of_axes, of_each};
 use crate::geometry::{Luminous, Sphere, Surface, Transform};
 use crate::math::{Direction, Frame};
 use crate::optics::{Light, Spot};
-use crate::scene::{AreaLight, Radiative, Scene};
-use crate::sensitivity::number::Dependence::{Linear, Smooth};
+use crate::scene::Radiative;
 use glam::DVec3;
 use std::sync::Arc;
 
-static LAMP: Quantity = Quantity::share("lamp", "radiance of the area light", "area light");
+static LAMP: Quantity =
+    Quantity::share("lamp", "radiance of the area light", "area light").linear();
 static LAMP_SIZE: Quantity = Quantity::share("lamp.size", "edge of the area light", "area light");
-static LAMP_PLACES: [Quantity; 3] = Quantity::place(
-    ["lamp.x", "lamp.y", "lamp.z"],
-    [
-        "x of the area light",
-        "y of the area light",
-        "z of the area light",
-    ],
-    "area light",
-    "world units",
-);
-static LIGHT: Quantity = Quantity::share("light", "strength of the light", "light");
-static LIGHT_PLACES: [Quantity; 3] = Quantity::place(
-    ["light.x", "light.y", "light.z"],
-    ["x of the light", "y of the light", "z of the light"],
-    "light",
-    "world units",
-);
+static LAMP_PLACES: [Quantity; 3] =
+    of_axes!("lamp", "of the area light", "area light", "world units");
+static LIGHT: Quantity = Quantity::share("light", "strength of the light", "light").linear();
+static LIGHT_PLACES: [Quantity; 3] = of_axes!("light", "of the light", "light", "world units");
 static TILTS: [Quantity; 2] = [
     Quantity::absolute("light.tilt", "tilt of the light", "light", "degrees"),
     Quantity::absolute(
@@ -45,33 +32,22 @@ static CONE: Quantity = Quantity::absolute(
     "degrees",
 );
 static ENVIRONMENT: Quantity =
-    Quantity::share("environment", "radiance of the environment", "light");
+    Quantity::share("environment", "radiance of the environment", "light").linear();
 
 /// A place moves by this part of its distance from the eye.
 const PART_OF_DISTANCE: f64 = 0.01;
 
 /// Numbers of every light.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
-    let mut numbers = Vec::new();
-    let count = scene.area_lights.len();
-    for at in 0..count {
-        let index = (count > 1).then_some(at + 1);
-        let of_one = of_area_light(scene, at).into_iter();
-        numbers.extend(of_one.map(|number| number.numbered(index)));
-    }
-    let count = scene.lights.len();
-    for at in 0..count {
-        let index = (count > 1).then_some(at + 1);
-        let of_one = of_light(scene, at).into_iter();
-        numbers.extend(of_one.map(|number| number.numbered(index)));
-    }
+    let lamps = of_each(scene.area_lights.len(), |at| of_area_light(scene, at));
+    let lights = of_each(scene.lights.len(), |at| of_light(scene, at));
+    let mut numbers: Vec<Number> = lamps.chain(lights).collect();
     if scene.environment != DVec3::ZERO {
-        numbers.push(Number::new(&ENVIRONMENT, 0.5, Linear, |scene, change| {
-            in_radiative(scene, |radiative| {
-                radiative.environment *= 1.0 + change;
-                Some(())
-            })
-        }));
+        let edit = |scene: &mut Radiative, change: f64| {
+            scene.environment *= 1.0 + change;
+            Some(())
+        };
+        numbers.push(Number::radiative(&ENVIRONMENT, 0.5, edit));
     }
     numbers
 }
@@ -81,31 +57,26 @@ fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
     let bounds = scene.area_lights[at].shape.bounds();
     let step = PART_OF_DISTANCE * (bounds.centre() - scene.camera.eye()).length();
     let mut numbers = vec![
-        Number::new(&LAMP, 0.5, Linear, move |scene, change| {
-            lamps(scene, at, |lamp| {
-                lamp.radiance *= 1.0 + change;
-                Some(())
-            })
+        Number::radiative(&LAMP, 0.5, move |scene, change| {
+            scene.area_lights.get_mut(at)?.radiance *= 1.0 + change;
+            Some(())
         }),
-        Number::new(&LAMP_SIZE, 0.05, Smooth, move |scene, change| {
-            lamps(scene, at, |lamp| {
-                lamp.shape = scaled(&lamp.shape, 1.0 + change)?;
-                Some(())
-            })
+        Number::radiative(&LAMP_SIZE, 0.05, move |scene, change| {
+            let shape = &mut scene.area_lights.get_mut(at)?.shape;
+            *shape = scaled(shape, 1.0 + change)?;
+            Some(())
         }),
     ];
     // Along its normal a flat lamp soon passes through the ceiling that it hangs from, and no
     // step is short enough for that and long enough for the noise.
     let extended = (0..3).filter(|&axis| bounds.size()[axis] != 0.0);
     numbers.extend(extended.map(|axis| {
-        let edit = move |scene: &mut Scene, change: f64| {
+        Number::radiative(&LAMP_PLACES[axis], step, move |scene, change| {
             let by = Transform::translation(DVec3::AXES[axis] * change).ok()?;
-            lamps(scene, at, |lamp| {
-                lamp.shape = moved(&lamp.shape, &by)?;
-                Some(())
-            })
-        };
-        Number::new(&LAMP_PLACES[axis], step, Smooth, edit)
+            let shape = &mut scene.area_lights.get_mut(at)?.shape;
+            *shape = moved(shape, &by)?;
+            Some(())
+        })
     }));
     numbers
 }
@@ -113,40 +84,30 @@ fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
 /// Numbers of the light `at`, which has no extent.
 fn of_light(scene: &Radiative, at: usize) -> Vec<Number> {
     let light = &scene.lights[at];
-    let mut numbers = vec![Number::new(&LIGHT, 0.5, Linear, move |scene, change| {
-        lights(scene, at, |light| stronger(light, 1.0 + change))
+    let mut numbers = vec![Number::radiative(&LIGHT, 0.5, move |scene, change| {
+        stronger(scene.lights.get_mut(at)?, 1.0 + change)
     })];
     if let Some(position) = light.position() {
         let step = PART_OF_DISTANCE * (position - scene.camera.eye()).length();
         numbers.extend((0..3).map(|axis| {
-            Number::new(&LIGHT_PLACES[axis], step, Smooth, move |scene, change| {
-                lights(scene, at, |light| {
-                    shifted(light, DVec3::AXES[axis] * change)
-                })
+            Number::radiative(&LIGHT_PLACES[axis], step, move |scene, change| {
+                shifted(scene.lights.get_mut(at)?, DVec3::AXES[axis] * change)
             })
         }));
     }
     if !matches!(light, Light::Point(_)) {
         numbers.extend((0..2).map(|about| {
-            Number::new(&TILTS[about], 1.0, Smooth, move |scene, change| {
-                lights(scene, at, |light| turned(light, about, change))
+            Number::radiative(&TILTS[about], 1.0, move |scene, change| {
+                turned(scene.lights.get_mut(at)?, about, change)
             })
         }));
     }
     if matches!(light, Light::Spot(_)) {
-        numbers.push(Number::new(&CONE, 1.0, Smooth, move |scene, change| {
-            lights(scene, at, |light| widened(light, change))
+        numbers.push(Number::radiative(&CONE, 1.0, move |scene, change| {
+            widened(scene.lights.get_mut(at)?, change)
         }));
     }
     numbers
-}
-
-fn lamps(scene: &mut Scene, at: usize, edit: impl Fn(&mut AreaLight) -> Option<()>) -> Option<()> {
-    in_radiative(scene, |radiative| edit(radiative.area_lights.get_mut(at)?))
-}
-
-fn lights(scene: &mut Scene, at: usize, edit: impl Fn(&mut Light) -> Option<()>) -> Option<()> {
-    in_radiative(scene, |radiative| edit(radiative.lights.get_mut(at)?))
 }
 
 fn stronger(light: &mut Light, factor: f64) -> Option<()> {
@@ -204,10 +165,8 @@ fn scaled(shape: &Luminous, factor: f64) -> Option<Luminous> {
         let sphere = Sphere::new(sphere.centre(), sphere.radius() * factor).ok()?;
         return Some(Luminous::Sphere(sphere));
     }
-    let centre = shape.bounds().centre();
-    let by = Transform::translation(-centre).ok()?;
-    let by = by.then(&Transform::scale(DVec3::splat(factor)).ok()?);
-    moved(shape, &by.then(&Transform::translation(centre).ok()?))
+    let by = Transform::scale(DVec3::splat(factor)).ok()?;
+    moved(shape, &by.about(shape.bounds().centre()).ok()?)
 }
 
 fn tilted(direction: Direction, about: usize, degrees: f64) -> Option<Direction> {

@@ -1,10 +1,9 @@
 //! Numbers of participating media.
 
-use super::{Number, Quantity, in_radiative};
+use super::{Number, Quantity, of_axes, of_each};
 use crate::geometry::{Boundary, Surface, Transform};
 use crate::optics::{Asymmetry, Coefficients};
-use crate::scene::{Body, Radiative, Scene};
-use crate::sensitivity::number::Dependence::{self, Linear, Smooth};
+use crate::scene::{Body, Radiative};
 use glam::DVec3;
 
 static DENSITY: Quantity = Quantity::share("density", "density", "medium");
@@ -12,13 +11,8 @@ static SIGMA_A: Quantity = Quantity::share("sigma_a", "sigma_a", "medium");
 static SIGMA_S: Quantity = Quantity::share("sigma_s", "sigma_s", "medium");
 static ALBEDO: Quantity = Quantity::absolute("albedo", "albedo", "medium", "");
 static G: Quantity = Quantity::absolute("g", "g of the phase function", "medium", "");
-static EMISSION: Quantity = Quantity::share("emission", "emission", "medium");
-static PLACES: [Quantity; 3] = Quantity::place(
-    ["medium.x", "medium.y", "medium.z"],
-    ["x of the medium", "y of the medium", "z of the medium"],
-    "medium",
-    "world units",
-);
+static EMISSION: Quantity = Quantity::share("emission", "emission", "medium").linear();
+static PLACES: [Quantity; 3] = of_axes!("medium", "of the medium", "medium", "world units");
 static TURN: Quantity = Quantity::absolute(
     "medium.turn",
     "angle about the vertical axis of the medium",
@@ -26,24 +20,18 @@ static TURN: Quantity = Quantity::absolute(
     "degrees",
 );
 
-/// Selections of several items: all together, then each alone; of one item, itself.
-fn each(count: usize) -> impl Iterator<Item = Option<usize>> {
-    let all = (count > 1).then_some(None);
-    all.into_iter().chain((0..count).map(Some))
-}
-
-/// Numbers of every medium alone, and of all media together where there are several.
+/// Numbers of every medium alone, and before them those of all media together where there are several.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
-    let mut numbers = Vec::new();
     let count = scene.media.len();
-    for at in each(count) {
-        let index = at.map(|at| at + 1).filter(|_| count > 1);
-        let mut of_one = of_matter(scene, at);
-        if let Some(at) = at {
-            of_one.extend(of_boundary(&scene.media[at], at));
-        }
-        numbers.extend(of_one.into_iter().map(|number| number.numbered(index)));
+    let mut numbers = Vec::new();
+    if count > 1 {
+        numbers = of_matter(scene, None);
     }
+    numbers.extend(of_each(count, |at| {
+        let mut numbers = of_matter(scene, Some(at));
+        numbers.extend(of_boundary(&scene.media[at], at));
+        numbers
+    }));
     numbers
 }
 
@@ -53,29 +41,34 @@ fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
         Some(at) => vec![&scene.media[at]],
         None => scene.media.iter().collect(),
     };
-    let number =
-        |quantity, step, dependence: Dependence, edit: fn(&mut Body, f64) -> Option<()>| {
-            let edit = move |scene: &mut Scene, change: f64| edited(scene, at, edit, change);
-            Number::new(quantity, step, dependence, edit)
-        };
+    let number = |quantity, step, edit: fn(&mut Body, f64) -> Option<()>| {
+        Number::radiative(quantity, step, move |scene, change| match at {
+            Some(at) => edit(scene.media.get_mut(at)?, change),
+            None => scene
+                .media
+                .iter_mut()
+                .map(|body| edit(body, change))
+                .collect(),
+        })
+    };
     let any = |has: fn(&Body) -> bool| bodies.iter().any(|body| has(body));
     let mut numbers = Vec::new();
     let absorbs = any(|body| sigma_a(body) != DVec3::ZERO);
     let scatters = any(|body| sigma_s(body) != DVec3::ZERO);
     if absorbs || scatters {
-        numbers.push(number(&DENSITY, 0.1, Smooth, |body, change| {
+        numbers.push(number(&DENSITY, 0.1, |body, change| {
             body.make_denser(1.0 + change)
         }));
     }
     if absorbs && scatters {
-        numbers.push(number(&SIGMA_A, 0.1, Smooth, |body, change| {
+        numbers.push(number(&SIGMA_A, 0.1, |body, change| {
             coefficients(body, sigma_a(body) * (1.0 + change), sigma_s(body))
         }));
-        numbers.push(number(&SIGMA_S, 0.1, Smooth, |body, change| {
+        numbers.push(number(&SIGMA_S, 0.1, |body, change| {
             coefficients(body, sigma_a(body), sigma_s(body) * (1.0 + change))
         }));
     } else if scatters {
-        numbers.push(number(&ALBEDO, 0.05, Smooth, |body, change| {
+        numbers.push(number(&ALBEDO, 0.05, |body, change| {
             let (sigma_a, sigma_s) = (sigma_a(body), sigma_s(body));
             coefficients(
                 body,
@@ -87,7 +80,7 @@ fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
     if scatters
         && any(|body| body.medium.phase.is_isotropic() || body.medium.phase.mean_cosine() != 0.0)
     {
-        numbers.push(number(&G, 0.1, Smooth, |body, change| {
+        numbers.push(number(&G, 0.1, |body, change| {
             let edit = |g: Asymmetry| Asymmetry::new(g.g() + change).unwrap_or(g);
             let phase = body.medium.phase.with_asymmetry(edit);
             let differs = phase != body.medium.phase || change == 0.0;
@@ -96,7 +89,7 @@ fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
         }));
     }
     if any(|body| body.medium.emission != DVec3::ZERO) {
-        numbers.push(number(&EMISSION, 0.5, Linear, |body, change| {
+        numbers.push(number(&EMISSION, 0.5, |body, change| {
             body.medium.emission *= 1.0 + change;
             Some(())
         }));
@@ -113,17 +106,16 @@ fn of_boundary(body: &Body, at: usize) -> Vec<Number> {
     let (size, centre) = (boundary.bounds().size(), boundary.bounds().centre());
     let step = 0.02 * size.max_element();
     let places = (0..3).map(|axis| {
-        Number::new(&PLACES[axis], step, Smooth, move |scene, change| {
+        Number::radiative(&PLACES[axis], step, move |scene, change| {
             let offset = DVec3::AXES[axis] * change;
             moved(scene, at, Transform::translation(offset).ok()?)
         })
     });
     let mut numbers: Vec<Number> = places.collect();
     if !matches!(boundary, Boundary::Sphere(_)) {
-        numbers.push(Number::new(&TURN, 2.0, Smooth, move |scene, change| {
-            let turn = Transform::translation(-centre).ok()?;
-            let turn = turn.then(&Transform::rotation(DVec3::Y, change).ok()?);
-            moved(scene, at, turn.then(&Transform::translation(centre).ok()?))
+        numbers.push(Number::radiative(&TURN, 2.0, move |scene, change| {
+            let turn = Transform::rotation(DVec3::Y, change).ok()?;
+            moved(scene, at, turn.about(centre).ok()?)
         }));
     }
     numbers
@@ -142,23 +134,6 @@ fn coefficients(body: &mut Body, sigma_a: DVec3, sigma_s: DVec3) -> Option<()> {
     Some(())
 }
 
-/// Edits the medium at an index of each panel, or all.
-fn edited(
-    scene: &mut Scene,
-    at: Option<usize>,
-    edit: fn(&mut Body, f64) -> Option<()>,
-    change: f64,
-) -> Option<()> {
-    in_radiative(scene, |radiative| match at {
-        Some(at) => edit(radiative.media.get_mut(at)?, change),
-        None => radiative
-            .media
-            .iter_mut()
-            .map(|body| edit(body, change))
-            .collect(),
-    })
-}
-
 /// A sphere or a box without a density of its own.
 fn is_movable(body: &Body) -> bool {
     body.density.is_none()
@@ -173,10 +148,8 @@ fn is_movable(body: &Body) -> bool {
         )
 }
 
-fn moved(scene: &mut Scene, at: usize, by: Transform) -> Option<()> {
-    in_radiative(scene, |radiative| {
-        let boundary = radiative.media.get_mut(at)?.boundary.as_mut()?;
-        *boundary = boundary.clone().moved(&by);
-        Some(())
-    })
+fn moved(scene: &mut Radiative, at: usize, by: Transform) -> Option<()> {
+    let boundary = scene.media.get_mut(at)?.boundary.as_mut()?;
+    *boundary = boundary.clone().moved(&by);
+    Some(())
 }

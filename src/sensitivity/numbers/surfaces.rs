@@ -1,9 +1,8 @@
 //! Numbers of surfaces that reflect or refract.
 
-use super::{Number, Quantity, in_radiative};
+use super::{Number, Quantity};
 use crate::optics::Material;
-use crate::scene::{Object, Radiative, Scene};
-use crate::sensitivity::number::Dependence::Smooth;
+use crate::scene::Radiative;
 use glam::DVec3;
 
 static REFLECTANCE: Quantity = Quantity::share("reflectance", "reflectance", "diffuse surface");
@@ -11,81 +10,66 @@ static MIRROR: Quantity = Quantity::share("mirror", "reflectance of mirrors", "d
 static INDEX: Quantity =
     Quantity::absolute("index", "refractive index of glass", "diffuse surface", "");
 
+/// Changes a material, where that has the number; nothing where the changed number has no meaning.
+type Edit = fn(&mut Material, f64) -> Option<()>;
+
 /// Reflectance of all diffuse surfaces, and of each by itself; of mirrors; the index of glass.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
-    let mut numbers = Vec::new();
     let materials = || scene.objects.iter().map(|object| object.material);
-    let is_lit = |colour: DVec3| colour != DVec3::ZERO;
-    let diffuse: Vec<usize> = (0..scene.objects.len())
-        .filter(
-            |&at| matches!(scene.objects[at].material, Material::Diffuse(colour) if is_lit(colour)),
-        )
-        .collect();
-    let brighter = |object: &mut Object, change: f64| {
-        if let Material::Diffuse(reflectance) = &mut object.material {
-            *reflectance = reflectance_of(*reflectance, change)?;
-        }
-        Some(())
+    let of_all = |quantity, step, edit: Edit| {
+        Number::radiative(quantity, step, move |scene, change| {
+            let materials = scene.objects.iter_mut().map(|object| &mut object.material);
+            materials.map(|material| edit(material, change)).collect()
+        })
     };
-    if !diffuse.is_empty() {
-        numbers.push(Number::new(&REFLECTANCE, 0.05, Smooth, all(brighter)));
+    let mut numbers = Vec::new();
+    let is_diffuse =
+        |it: &Material| matches!(it, Material::Diffuse(colour) if *colour != DVec3::ZERO);
+    let diffuse = || materials().enumerate().filter(|(_, it)| is_diffuse(it));
+    let count = diffuse().count();
+    if count > 0 {
+        numbers.push(of_all(&REFLECTANCE, 0.05, brighter));
     }
-    if diffuse.len() > 1 {
-        for (number, at) in diffuse.into_iter().enumerate() {
-            let edit = move |scene: &mut Scene, change: f64| {
-                objects(scene, |index, object| {
-                    if index == at {
-                        brighter(object, change)
-                    } else {
-                        Some(())
-                    }
-                })
-            };
-            let number = Number::new(&REFLECTANCE, 0.1, Smooth, edit).numbered(Some(number + 1));
-            numbers.push(number);
-        }
+    for ((at, _), index) in diffuse().zip(1..).filter(|_| count > 1) {
+        let number = Number::radiative(&REFLECTANCE, 0.1, move |scene, change| {
+            match scene.objects.get_mut(at) {
+                Some(object) => brighter(&mut object.material, change),
+                None => Some(()),
+            }
+        });
+        numbers.push(number.numbered(Some(index)));
     }
-    if materials().any(|material| matches!(material, Material::Mirror(colour) if is_lit(colour))) {
-        let edit = |object: &mut Object, change: f64| {
-            if let Material::Mirror(reflectance) = &mut object.material {
+    if materials().any(|it| matches!(it, Material::Mirror(colour) if colour != DVec3::ZERO)) {
+        numbers.push(of_all(&MIRROR, 0.05, |material, change| {
+            if let Material::Mirror(reflectance) = material {
                 *reflectance = reflectance_of(*reflectance, change)?;
             }
             Some(())
-        };
-        numbers.push(Number::new(&MIRROR, 0.05, Smooth, all(edit)));
+        }));
     }
-    if materials().any(|material| matches!(material, Material::Glass(_))) {
-        let edit = |object: &mut Object, change: f64| {
-            if let Material::Glass(index) = &mut object.material {
+    if materials().any(|it| matches!(it, Material::Glass(_))) {
+        let index = of_all(&INDEX, 0.1, |material, change| {
+            if let Material::Glass(index) = material {
                 *index += change;
                 // One and below is no glass in air; its rays are not continued smoothly.
                 return (*index > 1.0).then_some(());
             }
             Some(())
-        };
-        numbers.push(Number::new(&INDEX, 0.1, Smooth, all(edit)).fine());
+        });
+        numbers.push(index.fine());
     }
     numbers
+}
+
+fn brighter(material: &mut Material, change: f64) -> Option<()> {
+    if let Material::Diffuse(reflectance) = material {
+        *reflectance = reflectance_of(*reflectance, change)?;
+    }
+    Some(())
 }
 
 /// A share larger, where no surface then reflects more than it receives.
 fn reflectance_of(reflectance: DVec3, change: f64) -> Option<DVec3> {
     let changed = reflectance * (1.0 + change);
     (changed.min_element() >= 0.0 && changed.max_element() <= 1.0).then_some(changed)
-}
-
-fn objects(
-    scene: &mut Scene,
-    mut edit: impl FnMut(usize, &mut Object) -> Option<()>,
-) -> Option<()> {
-    in_radiative(scene, |radiative| {
-        let objects = radiative.objects.iter_mut().enumerate();
-        objects.map(|(at, object)| edit(at, object)).collect()
-    })
-}
-
-fn all(
-    edit: fn(&mut Object, f64) -> Option<()>,
-) -> impl Fn(&mut Scene, f64) -> Option<()> + Send + Sync {
-    move |scene, change| objects(scene, |_, object| edit(object, change))
 }

@@ -1,20 +1,14 @@
 //! Numbers of the camera.
 
-use super::{Number, Quantity};
+use super::{Number, Quantity, of_axes};
 use crate::geometry::Camera;
 use crate::math;
 use crate::scene::Scene;
-use crate::sensitivity::number::Dependence::Smooth;
 use glam::DVec3;
 
 static FIELD_OF_VIEW: Quantity =
     Quantity::share("camera.view", "height of the image plane", "camera");
-static EYE: [Quantity; 3] = Quantity::place(
-    ["camera.x", "camera.y", "camera.z"],
-    ["x of the eye", "y of the eye", "z of the eye"],
-    "camera",
-    "world units",
-);
+static EYE: [Quantity; 3] = of_axes!("camera", "of the eye", "camera", "world units");
 static SHIFTS: [Quantity; 2] = [
     Quantity::absolute(
         "camera.right",
@@ -41,46 +35,31 @@ pub(super) fn numbers(scene: &Scene) -> Vec<Number> {
     };
     let height = scene.panels.iter().map(|panel| panel.height).max();
     let pixel = 1.0 / height.unwrap_or(1) as f64;
-    let view = |edit: fn(&Camera, f64, f64) -> Camera| {
-        move |scene: &mut Scene, change: f64| {
-            for panel in &mut scene.panels {
-                panel.edit_view(|camera, pixel| edit(camera, pixel, change));
-            }
+    let view = |quantity, step, edit: fn(&Camera, f64, f64) -> Camera| {
+        Number::new(quantity, step, move |panel, change| {
+            panel.edit_view(|camera, pixel| edit(camera, pixel, change));
             Some(())
-        }
+        })
     };
     let mut numbers = vec![
         // The edge of the image moves by a pixel.
-        Number::new(
-            &FIELD_OF_VIEW,
-            2.0 * pixel,
-            Smooth,
-            view(|camera, _, change| camera.with_image_scaled(math::exp(math::ln_1p(change)))),
-        ),
-        Number::new(
-            &SHIFTS[0],
-            PIXELS,
-            Smooth,
-            view(|camera, pixel, change| camera.with_image_moved([change * pixel, 0.0])),
-        ),
-        Number::new(
-            &SHIFTS[1],
-            PIXELS,
-            Smooth,
-            view(|camera, pixel, change| camera.with_image_moved([0.0, change * pixel])),
-        ),
+        view(&FIELD_OF_VIEW, 2.0 * pixel, |camera, _, change| {
+            camera.with_image_scaled(math::exp(math::ln_1p(change)))
+        }),
+        view(&SHIFTS[0], PIXELS, |camera, pixel, change| {
+            camera.with_image_moved([change * pixel, 0.0])
+        }),
+        view(&SHIFTS[1], PIXELS, |camera, pixel, change| {
+            camera.with_image_moved([0.0, change * pixel])
+        }),
     ];
     // What is as far away as the image is from the eye moves by a pixel.
     let distance = camera.eye().length().max(camera.half_up().length());
-    let step = pixel * distance;
-    for (axis, quantity) in EYE.iter().enumerate() {
-        let edit = move |scene: &mut Scene, change: f64| {
-            for panel in &mut scene.panels {
-                panel.edit_view(|camera, _| camera.with_eye_moved(DVec3::AXES[axis] * change));
-            }
+    numbers.extend(EYE.iter().enumerate().map(|(axis, quantity)| {
+        Number::new(quantity, pixel * distance, move |panel, change| {
+            panel.edit_view(|camera, _| camera.with_eye_moved(DVec3::AXES[axis] * change));
             Some(())
-        };
-        numbers.push(Number::new(quantity, step, Smooth, edit));
-    }
+        })
+    }));
     numbers
 }

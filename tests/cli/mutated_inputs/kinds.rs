@@ -91,7 +91,7 @@ fn scenes() -> Vec<Vec<u8>> {
 /// The golden of `smoke/plain`, by its ending.
 fn golden(ending: &str) -> Vec<Vec<u8>> {
     let suite = Folder::with_suite();
-    let run = suite.volref(&["accept", "smoke/plain", "--reason", "first"]);
+    let run = suite.volref("accept smoke/plain --reason first");
     assert_eq!(run.code, 0, "{}", run.stderr);
     vec![suite.read(&format!("golden/smoke/plain{ending}"))]
 }
@@ -531,7 +531,7 @@ impl Workshop {
             ),
         );
         let grey = Film::new(16, 16, vec![[0.5; 3]; 256]);
-        folder.write("images/fog/room.exr", grey.to_exr().unwrap());
+        folder.write_film("images/fog/room.exr", &grey);
         let mut workshop = Workshop {
             folder,
             whole: BTreeMap::new(),
