@@ -23,23 +23,14 @@ use std::time::{Duration, Instant};
 /// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
 const MOST_TOGETHER: usize = 9;
 
-/// Agreement of an image with the right one under other conventions.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Agreement of an image with the right one under other conventions, the better the less.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub enum Agreement {
     /// It passes the gate.
     Full,
-    /// All but this share of the pixels are within the tolerance, and none is far off.
+    /// All but this share of the pixels are within the tolerance, and none is far off; with a share of 0,
+    /// the mean of the image is off.
     ButFor(f64),
-}
-
-impl Agreement {
-    /// Share of the pixels that disagree.
-    fn rest(self) -> f64 {
-        match self {
-            Agreement::Full => 0.0,
-            Agreement::ButFor(share) => share,
-        }
-    }
 }
 
 /// The conventions behind an image.
@@ -74,6 +65,7 @@ impl Explained {
         result.conventions = self.in_words();
         let rest = match self.agreement {
             Agreement::Full => String::new(),
+            Agreement::ButFor(share) if share == 0.0 => " but for its mean".to_owned(),
             Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
         let under = match result.conventions.len() {

@@ -25,8 +25,7 @@ use std::time::Instant;
 /// renderer that removes less leaves an image that passes without it, or another one comes first.
 const LEAST_GAIN: f64 = 0.1;
 
-/// Largest number of sets that are expanded. Of a hundred images under one to six conventions, none took more
-/// than five.
+/// Largest number of sets that are expanded: some ten seconds of two cores.
 const MOST_EXPANDED: usize = 7;
 
 /// Expansions after a set under which the image agrees but for rounding: a further convention may leave nothing.
@@ -57,18 +56,21 @@ const LEFT_BY_ROUNDING: f64 = 0.1;
 /// Approximate number of pixels of the lattice on which sets are compared.
 const LATTICE: usize = 576;
 
-/// Expansions after which pairs of choices about the places of samples are tried.
-const EXPANDED_BEFORE_PAIRS: usize = 3;
+/// Expansions after which pairs of choices [`OF_STEPS`] are tried.
+const EXPANDED_BEFORE_PAIRS: usize = 2;
 
-/// Choices about the places of samples. Samples that are at the right places by one convention of two
-/// are at no right place: neither may leave less alone.
-const PLACES: [&str; 9] = [
+/// Choices about the places of samples and about the opacity of a step. Samples that are at the right places by one
+/// convention of two are at no right place, and which opacities are dropped depends on the step: neither may
+/// leave less alone.
+const OF_STEPS: [&str; 11] = [
     FIRST_SAMPLE,
     STEP,
     "step_length",
+    "step_opacity",
     "fitted_steps",
     "last_step",
     "last_sample",
+    "least_opacity",
     "box",
     "centring",
     "pixel",
@@ -163,7 +165,7 @@ impl<'a> Attempt<'a> {
         let mut least = Agreement::Full;
         for (halvings, test) in self.tests.iter().enumerate() {
             let agreement = self.agreement_at(set, halvings, test)?;
-            if agreement.rest() > least.rest() {
+            if agreement > least {
                 least = agreement;
             }
         }
@@ -223,7 +225,7 @@ impl<'a> Attempt<'a> {
         let mut after_rounding = 0;
         for expanded in 1..=MOST_EXPANDED {
             if expanded == EXPANDED_BEFORE_PAIRS {
-                let pairs = self.with_pairs_of_places(&candidates);
+                let pairs = self.with_pairs_of_steps(&candidates);
                 self.render(pairs, &mut candidates)?;
             }
             match self.agreeing(&mut candidates) {
@@ -251,23 +253,17 @@ impl<'a> Attempt<'a> {
             .collect()
     }
 
-    /// The best set with each pair of conventions about the [`PLACES`] of samples in place of its own.
-    fn with_pairs_of_places(&self, candidates: &Candidates) -> Vec<ConventionSet> {
-        let best = candidates
-            .iter()
-            .min_by(|a, b| a.1.misfit.mean_square.total_cmp(&b.1.misfit.mean_square));
-        let is_of_places = |&index: &usize| PLACES.contains(&CATALOGUE[index].choice);
-        let others: ConventionSet = best.map_or(Vec::new(), |(set, _)| {
-            set.iter()
-                .copied()
-                .filter(|index| !is_of_places(index))
-                .collect()
-        });
-        let places: Vec<usize> = (0..CATALOGUE.len()).filter(is_of_places).collect();
+    /// Of the expanded sets the one that [leads](lead), with each pair of conventions [`OF_STEPS`].
+    fn with_pairs_of_steps(&self, candidates: &Candidates) -> Vec<ConventionSet> {
+        let expanded = candidates.iter().filter(|(_, it)| it.is_expanded);
+        let best = expanded.min_by(|a, b| lead(a).total_cmp(&lead(b)));
+        let best = best.map_or(&[][..], |(set, _)| set);
+        let is_of_steps = |&index: &usize| OF_STEPS.contains(&CATALOGUE[index].choice);
+        let of_steps: Vec<usize> = (0..CATALOGUE.len()).filter(is_of_steps).collect();
         let mut sets = Vec::new();
-        for (at, &first) in places.iter().enumerate() {
-            let with_first = Change::to(first).of(&others);
-            for &second in &places[at + 1..] {
+        for (at, &first) in of_steps.iter().enumerate() {
+            let with_first = Change::to(first).of(best);
+            for &second in &of_steps[at + 1..] {
                 if CATALOGUE[first].choice != CATALOGUE[second].choice {
                     sets.push(Change::to(second).of(&with_first));
                 }
@@ -344,11 +340,7 @@ impl<'a> Attempt<'a> {
             candidate.is_compared = true;
             match self.agreement(set) {
                 Some(Agreement::Full) => return Some((set.clone(), Agreement::Full)),
-                Some(agreement)
-                    if best
-                        .as_ref()
-                        .is_none_or(|it| agreement.rest() < it.1.rest()) =>
-                {
+                Some(agreement) if best.as_ref().is_none_or(|it| agreement < it.1) => {
                     best = Some((set.clone(), agreement));
                 }
                 _ => {}
@@ -375,7 +367,7 @@ impl<'a> Attempt<'a> {
             let mut shorter = set.clone();
             shorter.remove(index);
             match self.agreement_if_near(&shorter) {
-                Some(other) if other.rest() <= agreement.rest() => {
+                Some(other) if other <= agreement => {
                     (set, agreement) = (shorter, other);
                 }
                 _ => index += 1,
@@ -401,7 +393,7 @@ impl<'a> Attempt<'a> {
                     && convention.stands_alone
                     && self
                         .agreement_if_near(&changed)
-                        .is_some_and(|found| found.rest() <= agreement.rest());
+                        .is_some_and(|found| found <= agreement);
                 agrees.then_some(other)
             });
         others.collect()
@@ -419,22 +411,42 @@ fn stated_by(volume: &Classified) -> (Conventions, Compositing, f64) {
 }
 
 /// The set to expand next: the best of those in which every convention counts, as far as is known. Sets that
-/// differ by one that does not would be as good, one after the other.
+/// differ by one that does not would be as good, one after the other; so would those that give other answers to
+/// the same choices as one that was expanded, each of which counts half.
 fn next(candidates: &Candidates) -> Option<ConventionSet> {
     let counts = |set: &ConventionSet, misfit: &Misfit| {
-        (0..set.len()).all(|index| {
+        let shorter = (0..set.len()).map(|index| {
             let mut shorter = set.clone();
             shorter.remove(index);
+            shorter
+        });
+        let limit = |it: &Candidate| (1.0 - LEAST_GAIN) * it.misfit.mean_square;
+        shorter.chain([ConventionSet::new()]).all(|shorter| {
             let known = candidates.get(&shorter);
-            let limit = |it: &Candidate| (1.0 - LEAST_GAIN) * it.misfit.mean_square;
             known.is_none_or(|it| misfit.mean_square < limit(it))
         })
+    };
+    let choices = |set: &[usize]| -> BTreeSet<&str> {
+        set.iter().map(|&index| CATALOGUE[index].choice).collect()
+    };
+    let expanded = candidates.iter().filter(|(_, it)| it.is_expanded);
+    let expanded: Vec<_> = expanded.map(|(set, _)| choices(set)).collect();
+    let rank = |it: &(&ConventionSet, &Candidate)| {
+        let choices = choices(it.0);
+        let before = expanded.iter().filter(|other| **other == choices).count();
+        lead(it) * powu(2.0, before as u32)
     };
     let open = candidates
         .iter()
         .filter(|(set, it)| !it.is_expanded && counts(set, &it.misfit));
-    let best = open.min_by(|a, b| a.1.misfit.mean_square.total_cmp(&b.1.misfit.mean_square));
+    let best = open.min_by(|a, b| rank(a).total_cmp(&rank(b)));
     best.map(|(set, _)| set.clone())
+}
+
+/// What a set leaves, doubled for each of its conventions: many that leave a little less than few may be none of
+/// them right, and from few that are right the others are found one by one.
+fn lead((set, candidate): &(&ConventionSet, &Candidate)) -> f64 {
+    candidate.misfit.mean_square * powu(2.0, set.len() as u32)
 }
 
 /// The order in which candidates are tried: by what they leave, a convention more for a share of
