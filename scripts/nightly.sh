@@ -54,6 +54,8 @@ campaign "conventions: how often they are named, and mistakes taken for them" ca
     how_often_conventions -- --ignored --nocapture
 campaign "names of faults outside the catalogue" cargo test --release --test library outside_faults:: -- \
     --include-ignored --nocapture
+campaign "names of the mistakes of the catalogue, in noise" cargo test --release --test library \
+    mistakes_of_the_catalogue_are_named_first -- --ignored --nocapture
 campaign "every mistake of the catalogue in every case" cargo run --release --quiet -- selftest
 
 if [ ${#summary[@]} = 0 ]; then

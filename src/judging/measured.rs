@@ -9,8 +9,12 @@ use crate::compare::unexplained::UNEXPLAINED_IN_NOISE;
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
 use crate::film::{Bits, Film, Origin};
 use crate::math;
+use crate::scene::{Model, Scene};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
+
+/// Largest relative rounding of a value that is written: half of that of half precision is its own.
+const ROUNDING: f64 = 1.0 / 1024.0;
 
 /// The largest code of 8 bits.
 const LARGEST_CODE: f64 = 255.0;
@@ -24,6 +28,12 @@ pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<Str
     let Some(test) = comparable(golden, picture) else {
         return Vec::new();
     };
+    if is_black(golden) {
+        let mean = number(test.mean_magnitude().unwrap_or_default());
+        return vec![format!(
+            "the golden is black, and the mean of the image is {mean}"
+        )];
+    }
     let words = |map: Map| match map {
         Map::Scaled(factor) if is_of_png(test) => another_exposure(factor),
         map => map.in_words(),
@@ -39,12 +49,55 @@ pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<Str
 pub(crate) enum SimpleMap {
     /// A factor, or one for each channel.
     Gain,
-    /// An offset or a power besides.
+    /// An offset or a power besides, or of a black golden.
     Other,
+}
+
+/// Statement that `picture` shows nothing of `scene` but its background.
+pub(crate) fn nothing_drawn(case: &Case, scene: &Scene, picture: &Picture) -> Option<String> {
+    let film = match picture {
+        Picture::Radiance(film) => film.clone(),
+        Picture::Codes(codes) => decoded(codes, case.exposure),
+    };
+    let mut row = Vec::new();
+    for panel in &scene.panels {
+        let background = match &panel.model {
+            Model::Classified(volume) => volume.background,
+            Model::Radiative(scene) => scene.environment,
+            Model::Curve(_) => return None,
+        };
+        row.extend(std::iter::repeat_n(
+            background.as_vec3().to_array(),
+            panel.width,
+        ));
+    }
+    let (width, height) = (film.width(), film.height());
+    if row.len() != width {
+        return None;
+    }
+    let background = Film::new(width, height, row.repeat(height));
+    let kept = film.quantisation();
+    let background = kept.map_or(background.clone(), |it| it.rounded(&background));
+    let values = film.radiance().as_flattened().iter();
+    let is_near = |(a, b): (&f32, &f32)| f64::from((a - b).abs()) <= ROUNDING * f64::from(*b);
+    let mut values = values.zip(background.radiance().as_flattened());
+    let of = match row.iter().all(|pixel| *pixel == row[0]) {
+        true => format!("the scene, ({})", row[0].map(|x| x.to_string()).join(", ")),
+        false => "its panel".to_owned(),
+    };
+    let said = || format!("nothing was drawn: every pixel is the background of {of}");
+    values.all(is_near).then(said)
+}
+
+fn is_black(film: &Film) -> bool {
+    film.mean_magnitude() == Some(0.0)
 }
 
 /// The simple map from the golden to `picture`, if there is one.
 pub(crate) fn simple(case: &Case, golden: &Film, picture: &Picture) -> Option<SimpleMap> {
+    if is_black(golden) {
+        return Some(SimpleMap::Other);
+    }
     let map = simple_map(case, golden, comparable(golden, picture)?)?;
     Some(match map {
         Map::Scaled(_) | Map::Tinted(_) => SimpleMap::Gain,
@@ -371,6 +424,18 @@ mod tests {
         );
         assert_eq!(said(|x, _| 0.0 * x), "");
         assert_eq!(said(|x, _| if x > 0.4 { 1.3 * x } else { x }), "");
+    }
+
+    /// Beside black nothing is a factor, and one number says all.
+    #[test]
+    fn of_a_black_golden_the_mean_is_said() {
+        let black = Film::new(32, 24, vec![[0.0; 3]; 32 * 24]);
+        let test = Picture::Radiance(golden());
+        // Means over the columns, twice that, and the rows: (31 + 11.5 + 0.3) / 132.
+        assert_eq!(
+            measured(&case("figures/figure-1"), &black, &test),
+            ["the golden is black, and the mean of the image is 0.324"]
+        );
     }
 
     /// A PNG of another exposure, saturated or not; shadows of another depth are none.

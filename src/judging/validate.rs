@@ -3,7 +3,7 @@
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
-use super::measured::measured;
+use super::measured::{measured, nothing_drawn};
 use super::precision::{known, known_radiance, read_otherwise, with_background};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
@@ -333,12 +333,19 @@ fn with_words(
         said.extend(other_encoding(case, checked, picture));
         let declaration = without_background(case, checked, picture);
         finding.is_right_if_declared = declaration.is_some();
-        said.extend(declaration);
-        if !said.is_empty() {
-            drop_as_if(&mut finding.reason, &mut finding.as_if);
+        let nothing = nothing_drawn(case, &checked.scene, picture);
+        if let Some(nothing) = nothing.filter(|_| declaration.is_none()) {
+            // No number of the scene is measured by what is not there.
+            finding.reason = nothing;
+            (finding.changes, finding.as_if) = (Vec::new(), None);
+        } else {
+            said.extend(declaration);
+            if !said.is_empty() {
+                drop_as_if(&mut finding.reason, &mut finding.as_if);
+            }
+            said.push(finding.reason);
+            finding.reason = said.join("; ");
         }
-        said.push(finding.reason);
-        finding.reason = said.join("; ");
     }
     finding.reason.push_str(&checked.omissions());
     finding

@@ -2,7 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Summary, Verdict};
-use crate::naming::{Likenesses, SearchStep, is_number_found};
+use crate::naming::{Likenesses, SearchStep, Stage, is_number_found};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
 
@@ -57,6 +57,10 @@ fn family_row((family, (passed, all)): (&str, (Vec<&CaseResult>, usize))) -> [St
     ]
 }
 
+/// Share of the first number of a scene from which on a pass says that less would not be seen: what the suite
+/// promises of the mean of an image.
+const UNSEEN: f64 = 0.02;
+
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub fn results_text(results: &[CaseResult]) -> String {
     verdicts_text(&results.iter().collect::<Vec<_>>()) + &summary_text(results)
@@ -88,6 +92,17 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
         for line in result.reason.lines() {
             text.push_str(&format!("              {line}\n"));
         }
+    }
+    // The first number is the one that matters most.
+    if result.verdict == Verdict::Pass
+        && let Some(first) = result.detectable.first()
+        && first.words.ends_with('%')
+        && first.change > UNSEEN
+    {
+        text.push_str(&format!(
+            "              an error below {} would not be seen: --decide beside --run takes more samples\n",
+            first.words
+        ));
     }
     if result.verdict == Verdict::Convention && result.profile.is_none() {
         text.push_str("              --accept-conventions accepts it\n");
@@ -224,14 +239,23 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         } else {
             ""
         };
+        // After the pairs come closer looks at the nearest, and fits.
+        let has_tried_all = |of: &SearchStep| of.stage == Stage::Pairs && of.done == of.of;
         let why = if was_cut_short {
             "was interrupted".to_owned()
+        } else if unfinished.iter().all(has_tried_all) {
+            format!("left out closer looks after {seconds} s of work")
         } else {
             format!("reached its limit of {seconds} s of work")
         };
         let name = |of: &SearchStep| {
             let (case, stage) = (&of.case, of.stage.name());
-            format!("{case} ({} of {} {stage} tried)", of.done, of.of)
+            let done = match (of.done == of.of, of.stage) {
+                (false, _) => format!("{} of {} {stage} tried", of.done, of.of),
+                (true, Stage::Singles) => format!("all {} {stage} tried, no pairs", of.of),
+                (true, Stage::Pairs) => format!("all {} {stage} tried", of.of),
+            };
+            format!("{case} ({done})")
         };
         let mut names: Vec<String> = unfinished.iter().take(MOST_UNFINISHED).map(name).collect();
         if unfinished.len() > MOST_UNFINISHED {

@@ -5,15 +5,17 @@ use crate::common::simulated::{Sampling, Shape, edited, replicates, sampled, sce
 use std::path::Path;
 use volref::compare::stochastic::{judge_at, judge_scores};
 use volref::compare::{
-    Conditions, Deterministic, Picture, Seen, Sensitivity, change_with_step, judge,
+    Conditions, Detectable, Deterministic, Picture, Seen, Sensitivity, change_with_step, judge,
     measured_difference,
 };
 use volref::film::Film;
-use volref::judging::validate;
+use volref::judging::{CaseResult, Verdict, validate};
 use volref::math;
-use volref::naming::{Predictions, Search, Stage, likeness};
+use volref::naming::{Likenesses, Predictions, Search, SearchStep, Stage, likeness};
 use volref::render::{Sampling as Rendering, Seed, plans, render};
+use volref::report::{likely_text, verdict_text};
 use volref::scene::{Model, Scene};
+use volref::sensitivity::numbers_of_place;
 use volref::suite::{Output, Suite};
 
 /// A sentence, and what is said of two images.
@@ -581,6 +583,12 @@ fn no_as_if_beside_a_finding() {
 /// What is said of the numbers of a scene, of an image of `case` with an edit of its scene and one of
 /// its pixels by column and row.
 fn of_scene(case: &str, edit: impl Fn(&mut Scene), map: impl Fn(usize, usize) -> f32) -> String {
+    let film = rendered(case, edit);
+    judged(case, scaled(&film, map)).difference.join("; ")
+}
+
+/// An image of `case` with an edit of its scene.
+fn rendered(case: &str, edit: impl Fn(&mut Scene)) -> Film {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let case = suite.select(&[case.to_owned()]).unwrap()[0];
     let mut scene = case.load_scene().unwrap();
@@ -589,8 +597,13 @@ fn of_scene(case: &str, edit: impl Fn(&mut Scene), map: impl Fn(usize, usize) ->
         samples: Some(64),
         seed: Seed::Given(0x7365_6e74),
     };
-    let film = render(&plans(&scene), sampling, &|| ()).unwrap().film;
-    let film = scaled(&film, map);
+    render(&plans(&scene), sampling, &|| ()).unwrap().film
+}
+
+/// The verdict on an image of `case`, with all but pairs of mistakes looked for.
+fn judged(case: &str, film: Film) -> CaseResult {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let case = suite.select(&[case.to_owned()]).unwrap()[0];
     let output = Output::Picture(Box::new(Picture::Radiance(film)));
     let mut judged = vec![validate(case, &suite.store(), output, None)];
     let is_at_pairs = std::sync::atomic::AtomicBool::new(false);
@@ -604,7 +617,111 @@ fn of_scene(case: &str, edit: impl Fn(&mut Scene), map: impl Fn(usize, usize) ->
         },
     };
     likeness(&[case], &[], None, &mut judged, &search);
-    judged[0].result.difference.join("; ")
+    judged.remove(0).result
+}
+
+/// An image that shows the background alone is told so, and nothing is measured of it.
+#[test]
+fn nothing_is_measured_of_what_is_not_drawn() {
+    for (case, of_background) in [
+        ("scenes/opacity-over-grey", "(0.1, 0.1, 0.1)"),
+        ("smoke/cornell", "(0, 0, 0)"),
+    ] {
+        let right = rendered(case, |_| ());
+        let said = |film: Film| {
+            let result = judged(case, film);
+            assert!(result.changes.iter().all(|change| !change.fits_best));
+            [vec![result.reason], result.difference].concat().join("; ")
+        };
+        let all = |value: f32| edited(&right, |_, _, _| [value; 3]);
+        let grey = of_background[1..4].parse().unwrap_or(0.0);
+        let sentence = format!(
+            "nothing was drawn: every pixel is the background of the scene, {of_background}"
+        );
+        let nothing = said(silent(&all(grey)));
+        assert!(nothing.starts_with(&sentence), "{nothing}");
+        assert!(!nothing.contains(" % "), "{nothing}");
+        let one_pixel = edited(&all(grey), |x, y, pixel| {
+            pixel.map(|value| if [x, y] == [9, 9] { 2.0 } else { value })
+        });
+        let said = said(silent(&one_pixel));
+        assert!(!said.contains("nothing was drawn"), "{said}");
+    }
+}
+
+/// A search that has tried all pairs says what it left out after them, and not that it did not try them.
+#[test]
+fn what_a_search_left_out() {
+    let said = |stage, done| {
+        let unfinished = vec![SearchStep {
+            case: "a/b".to_owned(),
+            stage,
+            done,
+            of: 2138,
+            left: None,
+        }];
+        let found = Likenesses {
+            unfinished,
+            ..Likenesses::default()
+        };
+        likely_text(&found, false, 10.0)
+    };
+    let limit = "reached its limit of 10 s of work";
+    check(vec![
+        row(limit, said(Stage::Pairs, 2137), said(Stage::Pairs, 2138)),
+        row(
+            "left out closer looks after 10 s of work in a/b (all 2138 pairs of mistakes tried)",
+            said(Stage::Pairs, 2138),
+            said(Stage::Singles, 2138),
+        ),
+        row(
+            "(all 2138 single mistakes tried, no pairs)",
+            said(Stage::Singles, 2138),
+            said(Stage::Singles, 2137),
+        ),
+        row(limit, said(Stage::Singles, 2138), said(Stage::Pairs, 2138)),
+    ]);
+}
+
+/// A pass that could not have seen an error of 2 % in the first number of the scene says so.
+#[test]
+fn what_a_pass_would_not_have_seen() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let case = suite.select(&["sampled/thin".to_owned()]).unwrap()[0];
+    let right = rendered("sampled/thin", |_| ());
+    let output = Output::Picture(Box::new(Picture::Radiance(right)));
+    let passed = validate(case, &suite.store(), output, None).result;
+    assert_eq!(passed.verdict, Verdict::Pass);
+    let said = |percent: f64| {
+        let mut result = passed.clone();
+        result.detectable = vec![Detectable {
+            name: "density".to_owned(),
+            words: format!("density {percent} %"),
+            change: 0.01 * percent,
+            without_score: None,
+        }];
+        verdict_text(&result, 20)
+    };
+    check(vec![row(
+        "an error below density 4.75 % would not be seen",
+        said(4.75),
+        said(1.5),
+    )]);
+}
+
+/// A turn about an axis of the scene, with no minus before a zero.
+#[test]
+fn axes_of_turns() {
+    let turned = rendered("reported/head", |scene| {
+        let turn = numbers_of_place(scene).into_iter();
+        let mut turn = turn.filter(|number| number.name() == "turn.z");
+        *scene = turn.next().unwrap().changed(scene, 7.0).unwrap();
+    });
+    let said = judged("reported/head", turned).difference.join("; ");
+    assert!(
+        said.contains("degrees about (0.000, 0.000, 1.000)"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -605,11 +605,13 @@ impl<'s> Scores<'s> {
         if !self.can_all_be(best) || !(is_found || may_be_as_if) {
             let text = if is_far {
                 format!(
-                    "the difference ({deviation}) is too large for derivatives to tell if a number is off, and which"
+                    "the difference is too large for derivatives to tell if a number is off, and which (score of the \
+                     likeliest: {deviation})"
                 )
             } else {
                 format!(
-                    "no small change of a number of the scene explains the difference ({deviation})"
+                    "no small change of a number of the scene explains the difference (score of the likeliest: \
+                     {deviation})"
                 )
             };
             return (text, false);

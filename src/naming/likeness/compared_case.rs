@@ -17,7 +17,7 @@ use crate::compare::{
 };
 use crate::film::{Film, Noise, Quantisation};
 use crate::judging::Judged;
-use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
+use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, nothing_drawn, simple};
 use crate::math;
 use crate::render::Detail;
 use crate::scene::{Mode, Panel, Scene};
@@ -161,7 +161,8 @@ impl ComparedCase {
         Some(ComparedCase {
             index,
             name: case.name.clone(),
-            simple: simple(case, &golden, &picture),
+            simple: simple(case, &golden, &picture)
+                .or(nothing_drawn(case, &scene, &picture).map(|_| SimpleMap::Other)),
             effective_cells: golden_cells.effective_cells(&test_cells),
             is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,

@@ -175,10 +175,9 @@ impl<'r> Registration<'r> {
                 errors.fold(0.0, f64::max)
             });
             let by = change_in_words("turn of the volume", Some("degrees"), angle, error);
-            words.push(format!(
-                "{by} about ({:.3}, {:.3}, {:.3})",
-                axis.x, axis.y, axis.z
-            ));
+            // No minus before what is rounded to 0.
+            let [x, y, z] = axis.to_array().map(|x| (1e3 * x).round() / 1e3 + 0.0);
+            words.push(format!("{by} about ({x:.3}, {y:.3}, {z:.3})"));
         }
         words.join(" and ")
     }
