@@ -224,10 +224,8 @@ impl Classified {
         let shadows = shadow.map(|reader| read_shadows(&reader, &lengths, &looks));
         let shadows = shadows.transpose()?;
         let conventions = reader.table("conventions")?;
-        let conventions = conventions
-            .map(|reader| Conventions::read(&reader))
-            .transpose()?;
-        let conventions = conventions.unwrap_or_default();
+        let conventions = conventions.map(|reader| read_conventions(&reader, &mode));
+        let conventions = conventions.transpose()?.unwrap_or_default();
         let parts = volumes.into_iter().zip(steps).zip(phongs).enumerate();
         let mut parts = parts.map(|(index, ((volume, step), own))| Volume {
             grid: volume.placed.grid,
@@ -450,6 +448,19 @@ fn brightest_shaded(colour: f64, phong: Option<Phong>) -> f64 {
     })
 }
 
+/// The conventions of a table, all of which `mode` follows.
+fn read_conventions(reader: &Reader, mode: &Mode) -> SceneResult<Conventions> {
+    let read = Conventions::read(reader)?;
+    let Some(key) = read.first_beside(&read.of_mode(mode)) else {
+        return Ok(read);
+    };
+    let message = match mode.name() {
+        Some(name) => format!("`mode = {name:?}` does not follow this convention"),
+        None => "composited samples do not follow this convention".to_owned(),
+    };
+    Err(reader.mistake(&key, message, "leave the key out"))
+}
+
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
 fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -> SceneResult<()> {
     let refused = |key: &str, message: &str, help: &str| {
@@ -481,7 +492,7 @@ fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -
         ),
     ] {
         // Of what a mode has, it has refused the rest.
-        if reader.has(key) && *mode == Mode::Composited {
+        if reader.has(key) && (*mode == Mode::Composited || key == "conventions") {
             return refused(key, message, help);
         }
     }

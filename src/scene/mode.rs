@@ -193,12 +193,6 @@ impl Mode {
         )?;
         without(
             reader,
-            ["conventions"],
-            &format!("conventions are about composited samples, and `mode = {name:?}` has none"),
-            "leave the table out",
-        )?;
-        without(
-            reader,
             ["shadow"],
             &format!("nothing casts a shadow with `mode = {name:?}`"),
             "leave the table out, or `mode`",

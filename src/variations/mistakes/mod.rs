@@ -19,9 +19,7 @@ mod transport;
 use crate::film::Film;
 use crate::geometry::{Camera, Surface, length_of};
 use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
-use crate::scene::{
-    Body, Classified, Conventions, Curve, Mode, Model, Radiative, Scene, TransportFault,
-};
+use crate::scene::{Body, Classified, Curve, Mode, Model, Radiative, Scene, TransportFault};
 use glam::DVec3;
 
 /// A mistake.
@@ -96,12 +94,13 @@ impl Mistake {
         for panel in &mut scene.panels {
             occurs |= match (&self.edit, &mut panel.model) {
                 (Edit::Classified(edit), Model::Classified(classified)) => {
-                    // Conventions are about composited samples, and of several volumes no renderer has others than
-                    // those about them.
+                    // Mistakes in conventions are about composited samples, and of several volumes no renderer has others
+                    // than those about them.
+                    let conventions = classified.conventions;
                     let occurs = classified.edit_volumes(edit);
                     let is_rendered = match classified.mode {
                         Mode::Composited => classified.has_conventions_that_are_rendered(),
-                        _ => classified.conventions == Conventions::default(),
+                        _ => classified.conventions == conventions,
                     };
                     occurs && is_rendered
                 }
