@@ -1,27 +1,41 @@
-//! Projections and isosurfaces of a field that is sampled along each ray, and the mistakes in them.
+//! Projections and isosurfaces of a field that is sampled along each ray, under conventions of other renderers, and the
+//! mistakes in them.
 //!
 //! The loops of [`reference::projection`](crate::reference::projection) and
 //! [`reference::isosurface`](crate::reference::isosurface), to be read first, with a question at each place where a
-//! mistake of the scene is made. Without one both give the same bits.
+//! mistake of the scene is made or a convention is asked. Places of samples, values and normals are those of the
+//! [`RayCaster`]. With default conventions and without mistakes both give the same bits.
 
-use super::ray_caster::Layer;
-use super::steps::{StepRule, Steps};
+use super::ray_caster::{Layer, RayCaster, Way};
+use super::shading::ShadedSample;
+use super::steps::StepRule;
 use super::work::RayWork;
-use crate::geometry::{Direction, Ray};
+use crate::film::Film;
+use crate::geometry::Ray;
 use crate::math::exp;
-use crate::optics::Phong;
 use crate::scene::{
-    Classified, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
-    ProjectionFault,
+    Classified, Compositing, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
+    ProjectionFault, Window,
 };
-use crate::volume::{Cell, Grid, NodeLine, PlacedBox, Reconstruction as _};
+use crate::volume::{Cell, NodeLine};
 use glam::DVec3;
+use rayon::prelude::*;
+
+/// The image of `scene`, whose mode is a projection or isosurfaces; one ray through the centre of each pixel.
+pub(super) fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
+    let caster = FieldCaster::new(scene);
+    let pixels = (0..width * height).into_par_iter();
+    let pixels = pixels.map(|index| {
+        let pixel = [index % width, index / width];
+        caster.pixel(&scene.camera.ray(pixel, [width, height])).0
+    });
+    Film::with_opacity(width, height, pixels.collect())
+}
 
 /// Renders the rays of a scene whose mode is a projection or isosurfaces.
 pub struct FieldCaster<'s> {
     scene: &'s Classified,
-    extent: PlacedBox,
-    shading: Option<(Phong, Grid<[f32; 3]>)>,
+    caster: RayCaster<'s>,
 }
 
 /// A sample of the field.
@@ -38,22 +52,19 @@ impl<'s> FieldCaster<'s> {
     pub fn new(scene: &'s Classified) -> FieldCaster<'s> {
         FieldCaster {
             scene,
-            extent: scene.extent(),
-            shading: scene.phong.map(|phong| (phong, scene.gradients())),
+            caster: RayCaster::new(scene),
         }
     }
 
     /// Number of gradients computed for the nodes.
     pub fn gradients_computed(&self) -> u64 {
-        let nodes = |(_, gradients): &(Phong, Grid<[f32; 3]>)| gradients.lattice().node_count();
-        self.shading.as_ref().map_or(0, nodes) as u64
+        self.caster.gradients_computed()
     }
 
     /// The pixel that `ray` is seen in, radiance and opacity, by samples, and its work.
     pub fn pixel(&self, ray: &Ray) -> ([f32; 4], RayWork) {
         let mut work = RayWork::default();
-        let samples = samples(self.scene, ray);
-        work.density_lookups = samples.len() as u64;
+        let samples = self.samples(ray, &mut work);
         let pixel = match &self.scene.mode {
             Mode::Composited => unreachable!("composited samples have kernels of their own"),
             Mode::Projection(projection) => {
@@ -63,7 +74,7 @@ impl<'s> FieldCaster<'s> {
                 self.of_number(projection, number(projection, &samples), &mut work)
             }
             Mode::Isosurfaces(surfaces) => {
-                let mut passed = passed(surfaces, &samples);
+                let mut passed = self.passed(surfaces, &samples);
                 if surfaces.faults.contains(&IsosurfaceFault::FirstAlone) {
                     passed.truncate(1);
                 }
@@ -81,14 +92,24 @@ impl<'s> FieldCaster<'s> {
         work: &mut RayWork,
     ) -> [f32; 4] {
         work.emission_terms += u64::from(number.is_some());
-        let (colour, opacity) = match number {
-            Some(number) => (
-                projection.colour(number, &self.scene.transfer_function),
-                1.0,
-            ),
-            None => (self.scene.background, 0.0),
+        let Some(number) = number else {
+            let DVec3 { x, y, z } = self.scene.background;
+            return [x, y, z, 0.0].map(|value| value as f32);
         };
-        [colour.x, colour.y, colour.z, opacity].map(|value| value as f32)
+        let (low, high) = self.scene.grid.range();
+        let of_range = self.scene.conventions.mean_of_range && projection.of == Projected::Mean;
+        let colour = if of_range && low < high {
+            DVec3::splat(Window { low, high }.position(number))
+        } else {
+            projection.colour(number, &self.scene.transfer_function)
+        };
+        let seen = Layer {
+            colour,
+            opacity: 1.0,
+            transparency: 0.0,
+        };
+        let DVec3 { x, y, z } = seen.rounded(self.scene.conventions.precision).colour;
+        [x, y, z, 1.0].map(|value| value as f32)
     }
 
     /// The pixel of a ray that passes these surfaces, in the order of their distances.
@@ -108,6 +129,12 @@ impl<'s> FieldCaster<'s> {
                 opacity: surface.opacity,
                 transparency: 1.0 - surface.opacity,
             });
+            seen = seen.rounded(self.scene.conventions.precision);
+            if let Compositing::EarlyTermination(threshold) = self.scene.compositing
+                && seen.transparency < threshold
+            {
+                break;
+            }
         }
         let DVec3 { x, y, z } = seen.colour + self.scene.background * seen.transparency;
         [x, y, z, seen.opacity].map(|value| value as f32)
@@ -122,50 +149,70 @@ impl<'s> FieldCaster<'s> {
         faults: &[IsosurfaceFault],
         work: &mut RayWork,
     ) -> DVec3 {
-        let Some((phong, gradients)) = &self.shading else {
+        let (caster, conventions) = (&self.caster, &self.scene.conventions);
+        let Some((phong, gradients)) = &caster.shading else {
             return colour;
         };
-        work.gradient_lookups += 1;
-        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
-        let line = NodeLine::new(self.extent.line(ray), lattice);
-        let cell = Cell::around(lattice, line.at(t));
-        let gradient = scene.interpolation.read(gradients, &cell);
+        let lattice = self.scene.grid.lattice();
+        let inside = caster.line(ray);
+        let node_point = NodeLine::new(inside, lattice).at(t);
+        let looked_up = caster.looked_up(node_point);
+        let cell = Cell::around(lattice, looked_up);
+        let gradient = caster.gradient(gradients, inside, looked_up, &cell, work);
         let leaves_the_eye = gradient.dot(*ray.direction) < 0.0;
-        let is_turned = if faults.contains(&IsosurfaceFault::NotTurned) {
-            false
-        } else {
-            leaves_the_eye != faults.contains(&IsosurfaceFault::TurnedAway)
+        let is_turned =
+            if conventions.one_sided_surfaces || faults.contains(&IsosurfaceFault::NotTurned) {
+                false
+            } else {
+                leaves_the_eye != faults.contains(&IsosurfaceFault::TurnedAway)
+            };
+        let (to_light, to_eye) = caster.directions(ray.at(t), node_point, ray);
+        let sample = ShadedSample {
+            colour,
+            gradient: if is_turned { -gradient } else { gradient },
+            to_light,
+            to_eye,
         };
-        let gradient = if is_turned { -gradient } else { gradient };
-        let to_light = Direction::of(scene.light - ray.at(t));
-        phong.shade(colour, gradient, to_light, -ray.direction)
+        let shaded = sample.lit_by(phong, conventions);
+        let lit = shaded.base + shaded.highlight;
+        if conventions.clamped_samples {
+            lit.min(DVec3::ONE)
+        } else {
+            lit
+        }
     }
-}
 
-/// The surfaces that `ray` passes in `scene`, by samples, with their distances, in order.
-pub fn sampled_surfaces(
-    scene: &Classified,
-    surfaces: &Isosurfaces,
-    ray: &Ray,
-) -> Vec<(f64, Isosurface)> {
-    passed(surfaces, &samples(scene, ray))
-}
+    /// The surfaces that `ray` passes, by samples, with their distances, in order.
+    pub fn passed_along(&self, surfaces: &Isosurfaces, ray: &Ray) -> Vec<(f64, Isosurface)> {
+        self.passed(surfaces, &self.samples(ray, &mut RayWork::default()))
+    }
 
-/// The samples of `ray`, from the eye on; none where it misses the volume.
-fn samples(scene: &Classified, ray: &Ray) -> Vec<Sample> {
-    let (extent, lattice) = (scene.extent(), scene.grid.lattice());
-    let Some(span) = extent.span(ray) else {
-        return vec![];
-    };
-    let line = NodeLine::new(extent.line(ray), lattice);
-    let steps = Steps::new(span, scene.step, StepRule::at(0.5));
-    let sample = |index: usize| {
-        let (t, length) = steps.sample(index);
-        let cell = Cell::around(lattice, line.at(t));
-        let value = scene.interpolation.read(&*scene.grid, &cell);
-        Sample { t, length, value }
-    };
-    (0..steps.count).map(sample).collect()
+    fn passed(&self, surfaces: &Isosurfaces, samples: &[Sample]) -> Vec<(f64, Isosurface)> {
+        if self.scene.conventions.surfaces_at_samples {
+            found_at(samples, surfaces)
+        } else {
+            passed(surfaces, samples)
+        }
+    }
+
+    /// The samples of `ray`, from the eye on; none where it misses the volume.
+    fn samples(&self, ray: &Ray, work: &mut RayWork) -> Vec<Sample> {
+        let rule = StepRule::of(&self.scene.conventions);
+        let Some(way) = self.caster.way(ray, f64::INFINITY, rule) else {
+            return vec![];
+        };
+        let Way {
+            line, steps, count, ..
+        } = way;
+        let sample = |index: usize| {
+            let (t, length) = steps.sample(index);
+            let point = self.caster.looked_up(line.at(t));
+            let cell = Cell::around(self.scene.grid.lattice(), point);
+            let value = self.caster.density(&cell, work);
+            Sample { t, length, value }
+        };
+        (0..count).map(sample).collect()
+    }
 }
 
 /// The number of a ray with these samples.
@@ -235,4 +282,26 @@ fn passed(isosurfaces: &Isosurfaces, samples: &[Sample]) -> Vec<(f64, Isosurface
         passed[before..].sort_by(|(a, _), (b, _)| a.total_cmp(b));
     }
     passed
+}
+
+/// The surfaces that `samples` find, one at most at each, with their distances.
+fn found_at(samples: &[Sample], isosurfaces: &Isosurfaces) -> Vec<(f64, Isosurface)> {
+    let mut surfaces = isosurfaces.surfaces.clone();
+    surfaces.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let mut found = Vec::new();
+    let Some((first, rest)) = samples.split_first() else {
+        return found;
+    };
+    // Surfaces whose value is not above that of the ray so far, but for those that wait for a sample.
+    let mut below = surfaces.partition_point(|surface| surface.value <= first.value);
+    for Sample { t, value, .. } in rest {
+        if below > 0 && *value < surfaces[below - 1].value {
+            below -= 1;
+            found.push((*t, surfaces[below]));
+        } else if below < surfaces.len() && *value > surfaces[below].value {
+            found.push((*t, surfaces[below]));
+            below += 1;
+        }
+    }
+    found
 }

@@ -4,8 +4,8 @@
 //! ([`Conventions`](crate::scene::Conventions)). The [`ray_caster`] renders under any of them; under
 //! those of volref it gives the image of [`reference::ray_caster`](crate::reference::ray_caster), to
 //! the bit. A [`Profile`] is a file with the conventions of a renderer, the [`CATALOGUE`] what a search
-//! for the conventions behind an image tries. Projections and isosurfaces have no conventions, but mistakes: the
-//! [`FieldCaster`] samples them.
+//! for the conventions behind an image tries. Projections and isosurfaces are sampled by the [`FieldCaster`], under
+//! those that they follow.
 
 mod catalogue;
 mod classifier;
@@ -22,7 +22,7 @@ mod stored_values;
 mod work;
 
 pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
-pub use field_caster::{FieldCaster, sampled_surfaces};
+pub use field_caster::FieldCaster;
 pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;

@@ -142,14 +142,15 @@ impl Profile {
         })
     }
 
-    /// `scene` under the conventions of the profile; `None` if it composites no classified volume. Fails if
-    /// the scene states conventions of its own.
+    /// `scene` under the conventions of the profile; `None` if it has no classified volume that the profile says
+    /// anything of. Fails if the scene states conventions of its own.
     pub fn applied_to(&self, scene: &Scene) -> Result<Option<Scene>, String> {
         let mut scene = scene.clone();
         let mut is_classified = false;
         for panel in &mut scene.panels {
             if let Model::Classified(classified) = &mut panel.model
-                && classified.mode == Mode::Composited
+                // Of projections and isosurfaces by random samples there is no image of all places.
+                && (classified.mode == Mode::Composited || !self.conventions.is_random())
             {
                 self.apply(classified)?;
                 is_classified = true;
@@ -159,15 +160,15 @@ impl Profile {
     }
 
     fn apply(&self, scene: &mut Classified) -> Result<(), String> {
-        if scene.has_objects() {
+        if scene.has_objects() && !scene.is_one_volume_without_shadow() {
             return Err(format!(
-                "the profile {:?} says nothing of several volumes, surfaces or clips; judge this case \
-                 without --as",
+                "the profile {:?} says nothing of several volumes, modulated opacities, or shadows among surfaces \
+                 and clips; judge this case without --as",
                 self.name
             ));
         }
-        let own = scene.conventions;
-        if own != Conventions::default() && own != self.conventions {
+        let (own, conventions) = (scene.conventions, self.conventions.of_mode(&scene.mode));
+        if own != Conventions::default() && own != conventions {
             return Err(format!(
                 "the profile {:?} contradicts the scene, which states its own \
                  [classified.conventions]; judge this case without --as",
@@ -176,8 +177,10 @@ impl Profile {
         }
         // Conventions are about samples.
         scene.sample();
-        scene.conventions = self.conventions;
-        if let Some(threshold) = self.early_termination {
+        scene.conventions = conventions;
+        if let Some(threshold) = self.early_termination
+            && !matches!(scene.mode, Mode::Projection(_))
+        {
             scene.end_rays_at(threshold);
         }
         Ok(())

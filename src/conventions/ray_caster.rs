@@ -10,6 +10,7 @@
 //! what a scene does not ask for.
 
 use super::classifier::Classifier;
+use super::field_caster;
 use super::normals::Gradients;
 use super::opacity::Correction;
 use super::shading::ShadedSample;
@@ -22,7 +23,7 @@ use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
 use crate::scene::{
-    Classified, Compositing, Lookup, NormalSpace, NormalTransform, Precision, Scene,
+    Classified, Compositing, Lookup, Mode, NormalSpace, NormalTransform, Precision, Scene,
 };
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
 use glam::DVec3;
@@ -30,9 +31,13 @@ use half::f16;
 use rayon::prelude::*;
 
 /// The image of `scene`: radiance, background included, and the opacity of the volume in front of
-/// it; one ray through the centre of each pixel.
+/// it; one ray through the centre of each pixel. Projections and isosurfaces are those of
+/// [`FieldCaster`](super::FieldCaster).
 pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
     let [width, height] = size;
+    if scene.mode != Mode::Composited {
+        return field_caster::render(scene, size);
+    }
     let scene = as_stored(scene);
     let caster = RayCaster::new(&scene);
     let pixels = (0..width * height).into_par_iter();
@@ -58,7 +63,18 @@ pub struct RayCaster<'s> {
     correction: Correction,
     /// The box that the volume fills.
     extent: PlacedBox,
-    shading: Option<(Phong, Gradients)>,
+    pub(super) shading: Option<(Phong, Gradients)>,
+}
+
+/// The way of a ray through the volume.
+pub(super) struct Way {
+    /// In the coordinates of the volume.
+    pub inside: Line,
+    /// In nodes.
+    pub line: NodeLine,
+    pub steps: StepsInParts,
+    /// Number of steps that are taken.
+    pub count: usize,
 }
 
 /// Samples of a ray, composited.
@@ -91,7 +107,7 @@ impl Layer {
     }
 
     /// This layer in numbers of `precision`.
-    fn rounded(self, precision: Precision) -> Layer {
+    pub fn rounded(self, precision: Precision) -> Layer {
         let round = |value: f64| match precision {
             Precision::F64 => value,
             Precision::F32 => f64::from(value as f32),
@@ -159,18 +175,28 @@ impl<'s> RayCaster<'s> {
                 rule.first = random;
             }
         }
-        let volume = self.cast(&ray, rule, &mut work);
-        let DVec3 { x, y, z } = volume.colour + scene.background * volume.transparency;
-        ([x, y, z, volume.opacity].map(|value| value as f32), work)
+        let hit = scene.objects.nearest_surface(&ray);
+        let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
+        let volume = self.cast(&ray, end, rule, &mut work);
+        let (behind, opacity) = match hit {
+            None => (scene.background, volume.opacity),
+            Some((hit, surface)) => (surface.shaded(&ray, &hit, scene.light), 1.0),
+        };
+        let DVec3 { x, y, z } = volume.colour + behind * volume.transparency;
+        ([x, y, z, opacity].map(|value| value as f32), work)
     }
 
-    /// The samples along `ray`, composited.
-    fn cast(&self, ray: &Ray, rule: StepRule, work: &mut RayWork) -> Layer {
+    /// The way of `ray` through what clips keep of the volume, as far as `end`.
+    pub(super) fn way(&self, ray: &Ray, end: f64, rule: StepRule) -> Option<Way> {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
-        let mut seen = Layer::EMPTY;
-        let Some(span) = self.span(ray) else {
-            return seen;
-        };
+        let whole = self.span(ray)?;
+        let mut span = Span::new(whole.near, whole.far.min(end));
+        for clip in scene.clips_of(0) {
+            span = span.within(clip.kept.span(ray)?);
+        }
+        if span.near > span.far {
+            return None;
+        }
         let inside = self.extent.line(ray);
         let line = NodeLine::new(inside, lattice);
         let measure = scene.conventions.step_length;
@@ -179,13 +205,42 @@ impl<'s> RayCaster<'s> {
         let longest = longest.into_iter().fold(0.0, f64::max);
         let lengths = [scene.voxel(), longest];
         let step = step_in_world(scene.step, measure, inside.direction, sizes, lengths);
-        let ends = [span.near, span.far].map(|t| line.at(t).0);
-        let cuts = scene.conventions.brick_steps;
-        let cuts = cuts.map_or(Vec::new(), |edge| brick_faces(span, ends, edge));
-        let steps = StepsInParts::new(span, step, rule, &cuts);
-        let reversed = scene.compositing == Compositing::BackToFront;
+        let steps_over = |span: Span| {
+            let ends = [span.near, span.far].map(|t| line.at(t).0);
+            let cuts = scene.conventions.brick_steps;
+            let cuts = cuts.map_or(Vec::new(), |edge| brick_faces(span, ends, edge));
+            StepsInParts::new(span, step, rule, &cuts)
+        };
+        let mut steps = steps_over(span);
+        let mut count = steps.count;
+        if scene.conventions.sample_behind_ends && span.far < whole.far {
+            steps = steps_over(Span::new(span.near, whole.far));
+            count = steps.count.min(count + 1);
+        }
         let most = scene.conventions.most_steps;
-        let count = most.map_or(steps.count, |most| steps.count.min(most as usize));
+        let count = most.map_or(count, |most| count.min(most as usize));
+        Some(Way {
+            inside,
+            line,
+            steps,
+            count,
+        })
+    }
+
+    /// The samples along `ray` as far as `end`, composited.
+    fn cast(&self, ray: &Ray, end: f64, rule: StepRule, work: &mut RayWork) -> Layer {
+        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
+        let mut seen = Layer::EMPTY;
+        let Some(way) = self.way(ray, end, rule) else {
+            return seen;
+        };
+        let Way {
+            inside,
+            line,
+            steps,
+            count,
+        } = way;
+        let reversed = scene.compositing == Compositing::BackToFront;
         for done in 0..count {
             let index = if reversed { count - 1 - done } else { done };
             let (t, length) = steps.sample(index);
@@ -267,6 +322,11 @@ impl<'s> RayCaster<'s> {
         seen
     }
 
+    /// `ray` in the coordinates of the volume.
+    pub(super) fn line(&self, ray: &Ray) -> Line {
+        self.extent.line(ray)
+    }
+
     /// The part of `ray` within the volume.
     fn span(&self, ray: &Ray) -> Option<Span> {
         let ahead = self.extent.span(ray)?;
@@ -281,7 +341,7 @@ impl<'s> RayCaster<'s> {
     }
 
     /// The density in `cell`.
-    fn density(&self, cell: &Cell, work: &mut RayWork) -> f64 {
+    pub(super) fn density(&self, cell: &Cell, work: &mut RayWork) -> f64 {
         work.density_lookups += 1;
         self.scene.interpolation.read(&*self.scene.grid, cell)
     }
@@ -298,7 +358,7 @@ impl<'s> RayCaster<'s> {
     }
 
     /// The point of the grid, in nodes, that is read at `point`.
-    fn looked_up(&self, point: NodePoint) -> NodePoint {
+    pub(super) fn looked_up(&self, point: NodePoint) -> NodePoint {
         let NodePoint(at) = self.as_cells(point);
         let at = match self.scene.conventions.lookup {
             Lookup::Exact => at,
@@ -336,7 +396,7 @@ impl<'s> RayCaster<'s> {
     }
 
     /// Density gradient for shading, in any unit.
-    fn gradient(
+    pub(super) fn gradient(
         &self,
         gradients: &Gradients,
         line: Line,
@@ -385,7 +445,7 @@ impl<'s> RayCaster<'s> {
     }
 
     /// Directions to the light, `None` at the light itself, and to the eye.
-    fn directions(
+    pub(super) fn directions(
         &self,
         point: DVec3,
         node_point: NodePoint,

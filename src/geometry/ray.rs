@@ -63,6 +63,14 @@ impl Span {
     pub fn length(&self) -> f64 {
         self.far - self.near
     }
+
+    /// The part of it in `other`; where they have none in common, it ends before it begins.
+    pub fn within(self, other: Span) -> Span {
+        Span {
+            near: self.near.max(other.near),
+            far: self.far.min(other.far),
+        }
+    }
 }
 
 /// `|v|` of a finite vector, over the whole range: where `|v|²` would leave the range of normal

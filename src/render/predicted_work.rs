@@ -13,7 +13,7 @@ use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::optics::{Density, Field};
 use crate::scene::{
-    Classified, Compositing, Mode, Panel, Projected, Projection, Radiative, Sampling,
+    Classified, Compositing, Conventions, Mode, Panel, Projected, Projection, Radiative, Sampling,
 };
 use crate::volume::{GridDensity, Interpolation};
 use rayon::prelude::*;
@@ -103,8 +103,11 @@ impl Plan<'_> {
         let mut work: Vec<_> = nothing.map(|event| (event, exactly(0))).collect();
         let known = match self.kernel {
             Kernel::Curve(_) | Kernel::Background(_) => vec![],
+            Kernel::Field(scene) if scene.conventions == Conventions::default() => {
+                of_field(self.panel, scene)
+            }
             // Each convention has samples of its own.
-            Kernel::Conventional(scene) => vec![
+            Kernel::Conventional(scene) | Kernel::Field(scene) => vec![
                 (Event::NullCollision, exactly(0)),
                 (Event::CellWalked, exactly(0)),
                 (
@@ -124,7 +127,6 @@ impl Plan<'_> {
                 (Event::GradientComputed, exactly(gradients_computed(scene))),
             ],
             Kernel::Integral(scene) => of_integrals(self.panel, scene),
-            Kernel::Field(scene) => of_field(self.panel, scene),
             Kernel::RayCaster { scene, features } => of_casting(self.panel, scene, features),
             Kernel::LineOfSight {
                 scene,

@@ -218,7 +218,8 @@ impl Classified {
         let looks: Vec<_> = volumes.iter().map(|it| &it.transfer_function).collect();
         let shadows = |reader: &Reader| read_shadows(reader, &lengths, &looks);
         let shadows = reader.table_as("shadow", shadows)?;
-        let conventions = reader.table_as("conventions", Conventions::read)?;
+        let conventions = |reader: &Reader| read_conventions(reader, &mode);
+        let conventions = reader.table_as("conventions", conventions)?;
         let conventions = conventions.unwrap_or_default();
         let parts = volumes.into_iter().zip(steps).zip(phongs).enumerate();
         let mut parts = parts.map(|(index, ((volume, step), own))| Volume {
@@ -440,6 +441,19 @@ fn brightest_shaded(colour: f64, phong: Option<Phong>) -> f64 {
     })
 }
 
+/// The conventions of a table, all of which `mode` follows.
+fn read_conventions(reader: &Reader, mode: &Mode) -> SceneResult<Conventions> {
+    let read = Conventions::read(reader)?;
+    let Some(key) = read.first_beside(&read.of_mode(mode)) else {
+        return Ok(read);
+    };
+    let message = match mode.name() {
+        Some(name) => format!("`mode = {name:?}` does not follow this convention"),
+        None => "composited samples do not follow this convention".to_owned(),
+    };
+    Err(reader.mistake(&key, message, "leave the key out"))
+}
+
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
 fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -> SceneResult<()> {
     let refused = |key: &str, message: &str, help: &str| {
@@ -471,7 +485,7 @@ fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -
         ),
     ] {
         // Of what a mode has, it has refused the rest.
-        if reader.has(key) && *mode == Mode::Composited {
+        if reader.has(key) && (*mode == Mode::Composited || key == "conventions") {
             return refused(key, message, help);
         }
     }

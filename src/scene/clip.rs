@@ -5,7 +5,7 @@ use super::format::{Key, Kind, Rule, Table};
 use super::radiative::shapes::{BOX, read_box};
 use super::reader::Reader;
 use crate::files::misspelling::nearest;
-use crate::geometry::{Aabb, Direction};
+use crate::geometry::{Aabb, Direction, Ray, Span};
 use crate::volume::PlacedBox;
 use glam::DVec3;
 
@@ -46,6 +46,30 @@ pub enum Kept {
     },
     /// The inside of a box.
     Inside(Aabb),
+}
+
+impl Kept {
+    /// The part of `ray` in it, behind the eye, too, if it has one.
+    pub fn span(&self, ray: &Ray) -> Option<Span> {
+        let (point, normal) = match self {
+            Kept::Inside(bounds) => return bounds.span(ray),
+            Kept::Side { point, normal } => (*point, normal),
+        };
+        let (height, slope) = (normal.dot(ray.origin - point), normal.dot(*ray.direction));
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        if slope > 0.0 {
+            near = -height / slope;
+        } else if slope < 0.0 {
+            far = -height / slope;
+        } else {
+            // In the plane itself a ray belongs to the side of larger coordinates.
+            let first = normal.to_array().into_iter().find(|&n| n != 0.0);
+            if height < 0.0 || height == 0.0 && first < Some(0.0) {
+                return None;
+            }
+        }
+        Some(Span { near, far })
+    }
 }
 
 impl Clip {

@@ -9,6 +9,7 @@
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Table};
+use super::mode::{Mode, Projected};
 use super::reader::Reader;
 
 /// Declares [`Conventions`], [`CONVENTIONS`] and [`ALTERNATIVES`]. A row has the key in files, the
@@ -675,6 +676,22 @@ conventions! {
     "Shadows among several volumes and surfaces: of all on all (all); of volumes as if they were not clipped (unclipped); none of surfaces (none-of-surfaces); or none of volumes on surfaces (none-on-surfaces).",
     [];
 
+    "sample_behind_ends" = sample_behind_ends: bool = flag(false),
+    "Takes one sample more of a ray that a surface or a clip ends within the volume: the steps go on behind that end.",
+    [];
+
+    "isosurface_place" = surfaces_at_samples: bool = words("root" of "root" = false, "sample" = true),
+    "Place of an isosurface: where the field has its value between two samples (root); or the sample behind, each of which finds one surface at most, and a further one that was passed is left to the next sample (sample).",
+    [];
+
+    "isosurface_sides" = one_sided_surfaces: bool = words("both" of "both" = false, "one" = true),
+    "Sides on which isosurfaces are lit: both, the normal turned to the eye; or the one of smaller values alone (one).",
+    [];
+
+    "mean_colours" = mean_of_range: bool = words("stated" of "stated" = false, "range" = true),
+    "Colours of a projection of the mean: those of the scene; or greys, from black at the smallest value of the volume to white at the largest (range).",
+    [];
+
     "own_transmittance" = own_transmittance: bool = flag(false),
     "Dims the colour of each sample by its own transmittance, too, as where the transmittance is updated before the colour is added.",
     [
@@ -946,6 +963,66 @@ pub enum Precision {
 }
 
 impl Conventions {
+    /// Those that a mode follows, the others as volref has them.
+    pub fn of_mode(&self, mode: &Mode) -> Conventions {
+        let own = Conventions::default();
+        let places = Conventions {
+            first_sample: self.first_sample,
+            first_step: self.first_step,
+            step_length: self.step_length,
+            fitted_steps: self.fitted_steps,
+            last_step: self.last_step,
+            last_sample_on_face: self.last_sample_on_face,
+            one_sample: self.one_sample,
+            voxel_box: self.voxel_box,
+            cell_centred: self.cell_centred,
+            fraction_bits: self.fraction_bits,
+            lookup: self.lookup,
+            brick_values: self.brick_values,
+            precision: self.precision,
+            ..own
+        };
+        match mode {
+            Mode::Composited => Conventions {
+                surfaces_at_samples: own.surfaces_at_samples,
+                one_sided_surfaces: own.one_sided_surfaces,
+                mean_of_range: own.mean_of_range,
+                ..*self
+            },
+            Mode::Projection(projection) => Conventions {
+                mean_of_range: self.mean_of_range && projection.of == Projected::Mean,
+                ..places
+            },
+            Mode::Isosurfaces(_) => Conventions {
+                gradient: self.gradient,
+                normalised_at_nodes: self.normalised_at_nodes,
+                normal_bits: self.normal_bits,
+                normal_space: self.normal_space,
+                normal_transform: self.normal_transform,
+                texture_shading_point: self.texture_shading_point,
+                flat_samples_ambient: self.flat_samples_ambient,
+                ambient_colour: self.ambient_colour,
+                highlight_colour: self.highlight_colour,
+                half_vector: self.half_vector,
+                head_light: self.head_light,
+                parallel_light: self.parallel_light,
+                two_sided: self.two_sided,
+                clamped_samples: self.clamped_samples,
+                surfaces_at_samples: self.surfaces_at_samples,
+                one_sided_surfaces: self.one_sided_surfaces,
+                ..places
+            },
+        }
+    }
+
+    /// The first key that differs from those of `followed`.
+    pub(super) fn first_beside(&self, followed: &Conventions) -> Option<String> {
+        let followed = followed.lines();
+        let mut lines = self.lines().into_iter();
+        let line = lines.find(|line| !followed.contains(line))?;
+        Some(line.split(' ').next().unwrap_or_default().to_owned())
+    }
+
     /// Each ray has a random number.
     pub fn is_random(&self) -> bool {
         self.has_random_place() || self.first_step_jitter

@@ -191,8 +191,6 @@ impl Mode {
         let mode = format!("`mode = {name:?}`");
         let message = format!("{mode} ends no ray early");
         without("early_termination", message, key)?;
-        let message = format!("conventions are about composited samples, and {mode} has none");
-        without("conventions", message, table)?;
         let message = format!("nothing casts a shadow with {mode}");
         without("shadow", message, "leave the table out, or `mode`")?;
         if order == "back-to-front" {

@@ -8,7 +8,7 @@ use super::modulation::Modulation;
 use super::radiative::shapes;
 use super::reader::Reader;
 use super::shadow::Shadow;
-use crate::geometry::{Shape, Transform};
+use crate::geometry::{Direction, Hit, Ray, Shape, Side, Surface as _, Transform};
 use crate::optics::{Phong, TransferFunction};
 use crate::volume::Grid;
 use glam::DVec3;
@@ -79,7 +79,33 @@ pub struct OpaqueSurface {
     pub phong: Option<Phong>,
 }
 
+impl OpaqueSurface {
+    /// Its colour where `ray` hits it, on the side that is seen, lit from the point `light`.
+    pub fn shaded(&self, ray: &Ray, hit: &Hit, light: DVec3) -> DVec3 {
+        let Some(phong) = &self.phong else {
+            return self.colour;
+        };
+        let inwards = *hit.point.normal * if hit.side == Side::Front { -1.0 } else { 1.0 };
+        let to_light = Direction::of(light - hit.point.position);
+        phong.shade(self.colour, inwards, to_light, -ray.direction)
+    }
+}
+
 impl Objects {
+    /// The nearest surface that `ray` hits, and where.
+    pub fn nearest_surface(&self, ray: &Ray) -> Option<(Hit, &OpaqueSurface)> {
+        let mut nearest = None;
+        let mut limit = f64::INFINITY;
+        for surface in &self.surfaces {
+            if let Some(crossing) = surface.shape.crossing(ray, limit) {
+                limit = crossing.t;
+                nearest = Some((crossing, surface));
+            }
+        }
+        let (crossing, surface) = nearest?;
+        Some((surface.shape.hit_at(ray, &crossing), surface))
+    }
+
     /// True if there is nothing but the first volume, and no modulation of its opacity.
     pub fn is_empty(&self) -> bool {
         self.is_one_volume() && self.modulation.is_none()

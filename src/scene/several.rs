@@ -14,9 +14,18 @@ impl Classified {
         !self.objects.is_empty()
     }
 
-    /// True if a renderer has its conventions: of several objects, only those about them.
+    /// True if a renderer has its conventions: of several objects, only those about them; of one volume among
+    /// surfaces and clips, without shadow, all others.
     pub fn has_conventions_that_are_rendered(&self) -> bool {
-        !self.has_objects() || self.conventions.is_of_objects_alone()
+        !self.has_objects()
+            || self.conventions.is_of_objects_alone()
+            || self.is_one_volume_without_shadow() && !self.conventions.is_of_merged_objects()
+    }
+
+    /// True of a volume alone or among surfaces and clips, its opacity as it is, and nothing in shadow.
+    pub fn is_one_volume_without_shadow(&self) -> bool {
+        let objects = &self.objects;
+        objects.volumes.is_empty() && objects.modulation.is_none() && self.shadow.is_none()
     }
 
     /// Number of volumes.
@@ -124,11 +133,11 @@ impl Classified {
         names: &[Option<String>],
     ) -> SceneResult<()> {
         if !self.has_objects() {
-            if !self.conventions.concern_objects() {
+            if !self.conventions.is_of_merged_objects() && !self.conventions.sample_behind_ends {
                 return Ok(());
             }
-            let message = "`composition`, `surface_depth` and `object_shadows` are about several volumes, \
-                           surfaces or clips: the scene has none";
+            let message = "`composition`, `surface_depth`, `object_shadows` and `sample_behind_ends` are about \
+                           several volumes, surfaces or clips: the scene has none";
             return Err(reader.mistake("conventions", message, "leave these keys out"));
         }
         for (key, is_refused, what, help) in [
@@ -159,7 +168,8 @@ impl Classified {
             (
                 "conventions",
                 !self.has_conventions_that_are_rendered(),
-                "only `composition`, `surface_depth` and `object_shadows` are known",
+                "only `composition`, `surface_depth` and `object_shadows` are known, or without them those of one \
+                 volume without shadow",
                 "leave the other keys out",
             ),
         ] {
@@ -215,7 +225,7 @@ impl Classified {
 
 impl Conventions {
     /// True if a convention about several objects is not volref's own.
-    fn concern_objects(&self) -> bool {
+    fn is_of_merged_objects(&self) -> bool {
         let own = Conventions::default();
         self.composition != own.composition
             || self.surface_depth != own.surface_depth
@@ -223,7 +233,7 @@ impl Conventions {
     }
 
     /// True if all conventions but those about several objects are volref's own.
-    fn is_of_objects_alone(&self) -> bool {
+    pub fn is_of_objects_alone(&self) -> bool {
         let own = Conventions::default();
         let others = Conventions {
             composition: own.composition,

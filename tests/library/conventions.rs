@@ -588,11 +588,20 @@ fn read(conventions: &str) -> Result<Conventions, String> {
     Ok(scene.panels[0].classified().unwrap().conventions)
 }
 
-/// Keys that concern a single volume; those of several objects are looked at in `several_volumes.rs`.
+/// Keys that concern a single volume, composited; those of several objects are looked at in `several_volumes.rs`, those
+/// of modes in `modes.rs`.
 fn keys_of_one_volume() -> impl Iterator<Item = &'static Key> {
-    const OF_SEVERAL: [&str; 3] = ["composition", "surface_depth", "object_shadows"];
+    const OTHERS: [&str; 7] = [
+        "composition",
+        "surface_depth",
+        "object_shadows",
+        "sample_behind_ends",
+        "isosurface_place",
+        "isosurface_sides",
+        "mean_colours",
+    ];
     let keys = CONVENTIONS.keys.iter();
-    keys.filter(|key| !OF_SEVERAL.contains(&key.name))
+    keys.filter(|key| !OTHERS.contains(&key.name))
 }
 
 /// Each key with another value than volref's, and what that is to be told from: volref's own, or a table

@@ -12,14 +12,15 @@ use volref::compare::Picture;
 use volref::film::Film;
 use volref::geometry::{Camera, Ray, Span, Transform};
 use volref::judging::{Verdict, validate};
-use volref::math::{exp, ln};
+use volref::math::{exp, ln, pow};
 use volref::naming::{Predictions, Search, likeness};
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::reference;
 use volref::render::classified::modes::ExactField;
 use volref::render::{Event, Sampling, plans, render, render_counted};
 use volref::scene::{
-    Classified, Isosurface, Isosurfaces, Mode, Panel, Projected, Projection, Scene, Window,
+    Classified, Conventions, Isosurface, Isosurfaces, LastStep, Mode, Panel, Projected, Projection,
+    Scene, Window,
 };
 use volref::sensitivity::number;
 use volref::suite::{Output, Suite};
@@ -622,6 +623,191 @@ fn samples_are_those_of_the_plain_renderers() {
             }
         }
     }
+}
+
+/// A linear field and its slope: central differences are the slope wherever both neighbours exist.
+fn ramp() -> (Arc<Grid<f32>>, DVec3) {
+    let lattice = Lattice::new([9; 3], DVec3::splat(0.25), DVec3::splat(-1.0)).unwrap();
+    let slope = DVec3::new(0.5, 0.25, -0.375);
+    let grid = sampled(lattice, |node| {
+        let index = DVec3::from_array(node.map(|i| i as f64));
+        slope.dot(lattice.first() + lattice.spacing() * index) as f32
+    });
+    (grid, slope)
+}
+
+/// Distances of samples at the ends of whole steps along `ray`, as many as lie within the volume.
+fn at_ends(scene: &Classified, ray: &Ray) -> Vec<f64> {
+    let Some(span) = scene.extent().span(ray) else {
+        return vec![];
+    };
+    let count = (span.length() / scene.step).floor() as usize;
+    (1..=count)
+        .map(|step| span.near + step as f64 * scene.step)
+        .collect()
+}
+
+/// Samples of a mode where a convention has them: extrema and means of a linear field, by hand.
+#[test]
+fn modes_follow_places_of_samples() {
+    let (grid, slope) = ramp();
+    let (low, high) = grid.range();
+    for (of, mean_of_range) in [
+        (Projected::Maximum, false),
+        (Projected::Minimum, false),
+        (Projected::Mean, false),
+        (Projected::Mean, true),
+    ] {
+        let mut scene = plain(grid.clone());
+        scene.mode = Mode::Projection(projection(of));
+        scene.step = 0.3;
+        scene.conventions = Conventions {
+            first_sample: 1.0,
+            last_step: LastStep::Whole,
+            mean_of_range,
+            ..Conventions::default()
+        };
+        let own = Classified {
+            conventions: Conventions::default(),
+            ..scene.clone()
+        };
+        let film = image(&scene, 8);
+        let mut moved = 0;
+        for (index, pixel) in film.radiance().iter().enumerate() {
+            let ray = scene.camera.ray([index % 8, index / 8], [8, 8]);
+            let values = at_ends(&scene, &ray)
+                .into_iter()
+                .map(|t| slope.dot(ray.at(t)));
+            let values: Vec<f64> = values.collect();
+            if values.is_empty() {
+                continue;
+            }
+            let number = match of {
+                Projected::Maximum => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                Projected::Minimum => values.iter().copied().fold(f64::INFINITY, f64::min),
+                _ => values.iter().sum::<f64>() / values.len() as f64,
+            };
+            let [low, high] = match mean_of_range {
+                true => [low, high],
+                false => [WINDOW.low, WINDOW.high],
+            };
+            let right = ((number - low) / (high - low)).clamp(0.0, 1.0);
+            // A value of 32 bits, and a pixel.
+            assert!((f64::from(pixel[0]) - right).abs() < 1e-6, "{of:?}");
+            moved += u32::from(*pixel != image(&own, 8).radiance()[index]);
+        }
+        assert!(moved > 0, "{of:?} moves no pixel");
+    }
+}
+
+/// Isosurfaces of a linear field, found at samples, one at each, and lit on one side: by Phong's model, by hand. The eye on
+/// the one side and on the other.
+#[test]
+fn isosurfaces_are_found_at_samples_and_lit_on_one_side() {
+    let (grid, slope) = ramp();
+    let normal = -slope.normalize();
+    // Between two samples there may be two values, of which the second waits for the next sample.
+    let wanted = surfaces(&[0.05, 0.0, 0.4], 0.5);
+    let sorted = [1, 0, 2].map(|index| wanted.surfaces[index]);
+    for eye in [DVec3::new(-3.0, -1.0, 2.0), DVec3::new(3.0, 1.5, -2.0)] {
+        let mut scene = plain(grid.clone());
+        scene.mode = Mode::Isosurfaces(wanted.clone());
+        scene.step = 0.3;
+        scene.phong = Some(PHONG);
+        scene.light = DVec3::new(-2.0, 2.0, 3.0);
+        scene.camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.3).unwrap();
+        let of = |surfaces_at_samples, one_sided_surfaces| {
+            let mut scene = scene.clone();
+            scene.conventions = Conventions {
+                first_sample: 1.0,
+                last_step: LastStep::Whole,
+                surfaces_at_samples,
+                one_sided_surfaces,
+                ..Conventions::default()
+            };
+            image(&scene, 8)
+        };
+        let film = of(true, true);
+        for other in [of(false, true), of(false, false)] {
+            let pairs = film.radiance().iter().zip(other.radiance());
+            assert!(pairs.filter(|(a, b)| a != b).count() > 48);
+        }
+        for (index, pixel) in film.radiance().iter().enumerate() {
+            let ray = scene.camera.ray([index % 8, index / 8], [8, 8]);
+            let ascends = slope.dot(*ray.direction) > 0.0;
+            // The next one last.
+            let mut waiting: Vec<&Isosurface> = sorted.iter().collect();
+            if ascends {
+                waiting.reverse();
+            }
+            let mut right = scene.background;
+            let mut seen = Vec::new();
+            for (place, t) in at_ends(&scene, &ray).into_iter().enumerate() {
+                let value = slope.dot(ray.at(t));
+                let is_behind = |next: &&Isosurface| (value > next.value) == ascends;
+                if place == 0 {
+                    // What lies before the first sample no sample finds.
+                    while waiting.pop_if(|next| is_behind(next)).is_some() {}
+                } else if let Some(found) = waiting.pop_if(|next| is_behind(next)) {
+                    seen.push((t, found));
+                }
+            }
+            for (t, surface) in seen.into_iter().rev() {
+                let point = ray.at(t);
+                let to_light = (scene.light - point).normalize();
+                let cosine = normal.dot(to_light).max(0.0);
+                let mut lit = surface.colour * (PHONG.ambient + PHONG.diffuse * cosine);
+                if cosine > 0.0 {
+                    let mirrored = 2.0 * cosine * normal - to_light;
+                    let highlight = mirrored.dot(-*ray.direction).max(0.0);
+                    lit += PHONG.specular * pow(highlight, f64::from(PHONG.shininess));
+                }
+                right = 0.5 * lit + 0.5 * right;
+            }
+            let off = (0..3).map(|c| (f64::from(pixel[c]) - right[c]).abs());
+            // Gradients of 32 bits: a normal is off by some 2⁻²³, its highlight by the exponent times that.
+            assert!(off.fold(0.0, f64::max) < 2e-5, "{pixel:?} {right}");
+        }
+    }
+}
+
+/// Conventions that a mode does not follow are refused where they stand.
+#[test]
+fn modes_refuse_other_conventions() {
+    let read = |mode: &str, convention: &str| {
+        let text = format!(
+            "[classified]\n{mode}\nvolume.file = 'fixtures/volumes/hard/hill.nrrd'\n\
+             [classified.conventions]\n{convention}\n"
+        );
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        Scene::parse(&text, &root.join("scene.toml")).map(|_| ())
+    };
+    let isosurface = "mode = 'isosurface'\nisosurface = [{ value = 0.5, colour = 1 }]";
+    let mean = "mode = 'mean'\nwindow = { low = 0, high = 1 }";
+    let maximum = "mode = 'maximum'\nwindow = { low = 0, high = 1 }";
+    for (mode, convention) in [
+        (isosurface, "isosurface_place = 'sample'"),
+        (isosurface, "gradient = 'texture'"),
+        (mean, "mean_colours = 'range'"),
+        (maximum, "last_step = 'whole'"),
+    ] {
+        read(mode, convention).unwrap();
+    }
+    for (mode, convention) in [
+        (isosurface, "mean_colours = 'range'"),
+        (isosurface, "opacity = 'linear'"),
+        (maximum, "mean_colours = 'range'"),
+        (maximum, "gradient = 'texture'"),
+        (mean, "table_size = 256"),
+        ("", "isosurface_sides = 'one'"),
+        ("", "mean_colours = 'range'"),
+    ] {
+        let error = read(mode, convention).unwrap_err().to_string();
+        assert!(error.contains("follow this convention"), "{error}");
+    }
+    let exact = format!("{maximum}\ncompositing = 'continuous'");
+    let error = read(&exact, "last_step = 'whole'").unwrap_err().to_string();
+    assert!(error.contains("no samples"), "{error}");
 }
 
 /// Numbers that can be off: an attenuation, and no opacity over a length.

@@ -637,6 +637,93 @@ fn conventions_of_others_are_heard() {
     }
 }
 
+/// Fog of one density before a wall, or before its own cut: samples at the ends of steps of 0.3, each for a whole one. As
+/// many as lie within, and one more behind the end, as long as the fog goes on there.
+#[test]
+fn a_sample_more_is_taken_behind_an_end() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 2.0);
+    let (red, thin) = look(RED, 0.3);
+    let wall = |z: f64| {
+        format!(
+            "[[classified.surface]]\ncolour = [0.5, 1, 0.25]\n\
+             rectangle = {{ corner = [-3, -3, {z}], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }}"
+        )
+    };
+    let cut = |z: f64| format!("[[classified.clip]]\npoint = [0, 0, {z}]\nnormal = [0, 0, -1]");
+    let image = |end: &str, more: &str| {
+        let text = format!(
+            "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n{end}\n[classified.conventions]\n\
+             first_sample = 1.0\nlast_step = 'whole'\none_sample = true\n{more}\n"
+        );
+        fast(&scene_of(folder.path(), &text))
+    };
+    let wall_colour = DVec3::new(0.5, 1.0, 0.25);
+    for (z, within, all) in [
+        (-0.25, 5, 6),
+        // The first sample lies behind the end, and counts.
+        (-1.9, 1, 2),
+        // The next sample would be behind the fog.
+        (1.95, 13, 13),
+        (2.5, 13, 13),
+        (-2.5, 0, 0),
+    ] {
+        for (more, samples) in [("", within), ("sample_behind_ends = true", all)] {
+            let passed = exp(-0.3 * f64::from(samples) * thin);
+            let fog = DVec3::from(RED) * (1.0 - passed);
+            for pixel in pixels(&image(&wall(z), more)) {
+                assert_near(pixel.0, fog + wall_colour * passed);
+                assert_eq!(pixel.1, 1.0);
+            }
+            // Planes outside of the fog cut nothing, or all, which is refused.
+            if z.abs() < 2.0 {
+                for pixel in pixels(&image(&cut(z), more)) {
+                    assert_near(pixel.0, fog + BACKGROUND * passed);
+                    assert!((pixel.1 - (1.0 - passed)).abs() <= ULP);
+                }
+            }
+        }
+    }
+}
+
+/// With other conventions there is one volume, and no shadow; by volref's own the conventional caster is none.
+#[test]
+fn conventions_of_one_volume_among_surfaces() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 2.0);
+    let (red, _) = look(RED, 0.3);
+    let ball =
+        "[[classified.surface]]\ncolour = 1\nsphere = { centre = [0.2, 0, -0.4], radius = 0.7 }";
+    let volume = format!("[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n");
+    let text = |conventions: &str, more: &str| {
+        format!("{volume}{ball}\n[classified.conventions]\n{conventions}\n{more}")
+    };
+    // Fog of one density looks the same by the nearest node, and wherever it is sampled.
+    let own = fast(&scene_of(folder.path(), &text("", "")));
+    let other = fast(&scene_of(folder.path(), &text("first_sample = 0.2", "")));
+    assert!(difference(&own, &other) <= ULP);
+    for (wrong, message) in [
+        (
+            text("first_sample = 1.0", "[classified.shadow]"),
+            "are known",
+        ),
+        (text("first_sample = 1.0", &volume), "are known"),
+        (
+            text("first_sample = 1.0\nsurface_depth = 'box'", ""),
+            "are known",
+        ),
+        (
+            format!("{volume}[classified.conventions]\nsample_behind_ends = true"),
+            "the scene has none",
+        ),
+    ] {
+        let text =
+            format!("film = {{ width = 8, height = 8 }}\n{VIEW}[classified]\nstep = 0.3\n{wrong}");
+        let error = Scene::parse(&text, &folder.path().join("scene.toml")).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+    }
+}
+
 #[test]
 fn plans_say_what_is_merged_and_count_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -19,6 +19,7 @@ pub(in crate::render) fn cast<W: Work>(
         |position, _, (), work: &mut W| {
             let (pixel, of_ray) = caster.pixel(position, size);
             count(of_ray, work);
+            work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
             pixel
         },
     );

@@ -6,7 +6,7 @@
 
 use super::modes::ExactField;
 use super::steps::Steps;
-use crate::conventions::sampled_surfaces;
+use crate::conventions::FieldCaster;
 use crate::film::Depth;
 use crate::geometry::Ray;
 use crate::math::{exp, exp_m1, ln, ln_1p};
@@ -87,6 +87,8 @@ struct LayersOfPanel<'s> {
     size: [usize; 2],
     /// The field without samples.
     exact: Option<ExactField<'s>>,
+    /// The field by samples, of isosurfaces.
+    sampled: Option<FieldCaster<'s>>,
 }
 
 impl<'s> LayersOfPanel<'s> {
@@ -118,6 +120,8 @@ impl<'s> LayersOfPanel<'s> {
                 volume,
                 size: [panel.width, panel.height],
                 exact: volume.is_exact().then(|| ExactField::new(volume)),
+                sampled: matches!(volume.mode, Mode::Isosurfaces(_))
+                    .then(|| FieldCaster::new(volume)),
             }),
         }
     }
@@ -126,9 +130,10 @@ impl<'s> LayersOfPanel<'s> {
         let Mode::Isosurfaces(surfaces) = &self.volume.mode else {
             return self.steps(ray);
         };
-        let passed = match &self.exact {
-            Some(field) => field.passed_along(surfaces, ray),
-            None => sampled_surfaces(self.volume, surfaces, ray),
+        let passed = match (&self.exact, &self.sampled) {
+            (Some(field), _) => field.passed_along(surfaces, ray),
+            (None, Some(caster)) => caster.passed_along(surfaces, ray),
+            (None, None) => vec![],
         };
         let layer = |(t, surface): (f64, Isosurface)| Layer::of((t, 0.0), surface.opacity);
         passed.into_iter().map(layer).collect()

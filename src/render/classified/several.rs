@@ -16,7 +16,7 @@
 
 use super::compositing::{CompositingOrder as _, FrontToBack, Layers};
 use super::steps::Steps;
-use crate::geometry::{Aabb, Direction, Hit, Ray, Side, Span, Surface as _, length_of};
+use crate::geometry::{Direction, Hit, Ray, Span, Surface as _, length_of};
 use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::Appearance;
 use crate::render::counters::{Event, Work};
@@ -61,8 +61,7 @@ struct Part {
     extent: PlacedBox,
     gradients: Option<Grid<[f32; 3]>>,
     modulation: Option<Modulation>,
-    planes: Vec<(DVec3, Direction)>,
-    boxes: Vec<Aabb>,
+    kept: Vec<Kept>,
 }
 
 struct Caster<'s> {
@@ -89,49 +88,23 @@ struct Cursor<'c> {
 impl Part {
     fn new(scene: &Classified, index: usize) -> Part {
         let alone = scene.alone(index);
-        let (mut planes, mut boxes) = (vec![], vec![]);
-        for clip in scene.clips_of(index) {
-            match clip.kept {
-                Kept::Side { point, normal } => planes.push((point, normal)),
-                Kept::Inside(bounds) => boxes.push(bounds),
-            }
-        }
         Part {
             extent: alone.extent(),
             gradients: alone.phong.map(|_| alone.gradients()),
             scene: alone,
             modulation: scene.modulation_of(index).cloned(),
-            planes,
-            boxes,
+            kept: scene.clips_of(index).map(|clip| clip.kept).collect(),
         }
     }
 
     /// The span of `ray` in what the clips keep, up to `end`.
     fn span(&self, ray: &Ray, end: f64, is_clipped: bool) -> Option<Span> {
-        let Span { mut near, mut far } = self.extent.span(ray)?;
-        far = far.min(end);
-        if is_clipped {
-            for bounds in &self.boxes {
-                let inside = bounds.span(ray)?;
-                near = near.max(inside.near);
-                far = far.min(inside.far);
-            }
-            for (point, normal) in &self.planes {
-                let (height, slope) = (normal.dot(ray.origin - *point), normal.dot(*ray.direction));
-                if slope == 0.0 {
-                    // In the plane itself a ray belongs to the side of larger coordinates.
-                    let first = normal.to_array().into_iter().find(|&n| n != 0.0);
-                    if height < 0.0 || height == 0.0 && first < Some(0.0) {
-                        return None;
-                    }
-                } else if slope > 0.0 {
-                    near = near.max(-height / slope);
-                } else {
-                    far = far.min(-height / slope);
-                }
-            }
+        let mut span = self.extent.span(ray)?;
+        span.far = span.far.min(end);
+        for kept in self.kept.iter().filter(|_| is_clipped) {
+            span = span.within(kept.span(ray)?);
         }
-        (near < far).then_some(Span { near, far })
+        (span.near < span.far).then_some(span)
     }
 
     fn density<W: Work>(&self, cell: &Cell, work: &mut W) -> f64 {
@@ -183,7 +156,9 @@ impl<'s> Caster<'s> {
     /// Everything along `ray`, composited.
     fn layers<W: Work>(&self, ray: &Ray, work: &mut W) -> Layers {
         let conventions = &self.scene.conventions;
-        let mut hit = self.nearest(ray, work);
+        let objects = &self.scene.objects;
+        work.count_times(Event::SurfaceTest, objects.surfaces.len() as u64);
+        let mut hit = objects.nearest_surface(ray);
         if conventions.surface_depth == SurfaceDepth::Box {
             let boxes = self.parts.iter().filter_map(|part| part.extent.span(ray));
             let entered = boxes.map(|span| span.near).fold(f64::INFINITY, f64::min);
@@ -282,21 +257,6 @@ impl<'s> Caster<'s> {
         Some((colour, opacity))
     }
 
-    /// The nearest surface that `ray` hits.
-    fn nearest<W: Work>(&self, ray: &Ray, work: &mut W) -> Option<(Hit, &'s OpaqueSurface)> {
-        let mut nearest = None;
-        let mut limit = f64::INFINITY;
-        for surface in &self.scene.objects.surfaces {
-            work.count(Event::SurfaceTest);
-            if let Some(crossing) = surface.shape.crossing(ray, limit) {
-                limit = crossing.t;
-                nearest = Some((crossing, surface));
-            }
-        }
-        let (crossing, surface) = nearest?;
-        Some((surface.shape.hit_at(ray, &crossing), surface))
-    }
-
     /// Radiance of a surface at a hit.
     fn surface<W: Work>(
         &self,
@@ -305,14 +265,8 @@ impl<'s> Caster<'s> {
         surface: &OpaqueSurface,
         work: &mut W,
     ) -> DVec3 {
-        let point = &hit.point;
-        let mut colour = surface.colour;
-        if let Some(phong) = &surface.phong {
-            let inwards = *point.normal * if hit.side == Side::Front { -1.0 } else { 1.0 };
-            let to_light = Direction::of(self.scene.light - point.position);
-            colour = phong.shade(colour, inwards, to_light, -ray.direction);
-        }
-        match point.towards_point(self.scene.light) {
+        let colour = surface.shaded(ray, hit, self.scene.light);
+        match hit.point.towards_point(self.scene.light) {
             Some((ray, distance)) => colour * self.visibility(&ray, distance, true, work),
             None => colour,
         }

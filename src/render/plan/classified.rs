@@ -265,7 +265,7 @@ pub(super) fn without_effect(scene: &Classified, key_lines: &KeyLines) -> Option
 
 /// Bias of early ray termination: at most the transmittance at which a ray ends, times the
 /// brightest radiance of the scene.
-fn early_termination(scene: &Classified, key_lines: &KeyLines) -> Option<Approximation> {
+pub(super) fn early_termination(scene: &Classified, key_lines: &KeyLines) -> Option<Approximation> {
     match scene.compositing {
         Compositing::EarlyTermination(below) => Some(Approximation {
             without: format!("light behind a transmittance below {below}"),

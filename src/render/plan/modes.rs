@@ -1,6 +1,7 @@
 //! The plan for projections and isosurfaces of a classified volume.
 
 use super::EffectFinding::{self, Absent, Matters, NotAsked, Null};
+use super::classified::early_termination;
 use super::{Decisions, Effect, Estimator, Kernel, Method, Plan, Reason};
 use crate::scene::{
     Classified, Isosurface, Isosurfaces, KeyLines, Mode, Panel, Projected, Projection, Window,
@@ -43,7 +44,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     };
     Plan {
         panel,
-        approximations: vec![],
+        approximations: early_termination(scene, key_lines).into_iter().collect(),
         warnings: warnings(scene, &decisions, key_lines),
         estimator: Estimator { method, why },
         decisions: decisions.0,

@@ -3,7 +3,7 @@
 //! One kernel, compiled for all of it: only what a scene does not have or ask for is left out.
 
 use super::EffectFinding::{Absent, NotAsked};
-use super::classified::{PHONG, SHADOW, VOLUME, matters, without_effect};
+use super::classified::{PHONG, SHADOW, VOLUME, early_termination, matters, without_effect};
 use super::{Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, Reason};
 use crate::scene::{Classified, KeyLines, Panel};
 
@@ -14,23 +14,27 @@ const CLIP: &str = "classified.clip";
 pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
     let key_lines = &panel.key_lines;
     let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
-    let reason = format!(
-        "{} are merged along each ray, their samples each one step apart",
-        scene.counted_objects()
-    );
+    let objects = scene.counted_objects();
+    let (kernel, reason) = if scene.conventions.is_of_objects_alone() {
+        let reason = "are merged along each ray, their samples each one step apart";
+        (Kernel::Several(scene), reason)
+    } else {
+        let reason = "are composited along each ray by other conventions";
+        (Kernel::Conventional(scene), reason)
+    };
     Plan {
         panel,
         decisions: decisions.0,
-        approximations: vec![],
+        approximations: early_termination(scene, key_lines).into_iter().collect(),
         warnings: without_effect(scene, key_lines)
             .into_iter()
             .chain(idle_clips(scene, key_lines))
             .collect(),
         estimator: Estimator {
             method: Method::RayCasting,
-            why: Reason::of(VOLUME, reason, key_lines),
+            why: Reason::of(VOLUME, format!("{objects} {reason}"), key_lines),
         },
-        kernel: Kernel::Several(scene),
+        kernel,
     }
 }
 

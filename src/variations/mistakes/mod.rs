@@ -21,9 +21,7 @@ use self::grids::GridValues;
 use crate::film::Film;
 use crate::geometry::{Camera, Surface, length_of};
 use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
-use crate::scene::{
-    Body, Classified, Conventions, Curve, Mode, Model, Radiative, Scene, TransportFault,
-};
+use crate::scene::{Body, Classified, Curve, Mode, Model, Radiative, Scene, TransportFault};
 use glam::DVec3;
 
 /// A mistake.
@@ -144,12 +142,13 @@ impl Mistake {
 
 /// Edits the volumes of `scene`; whether that applies, and can be rendered.
 fn in_classified(scene: &mut Classified, edit: impl Fn(&mut Classified) -> bool) -> bool {
-    // Conventions are about composited samples, and of several volumes no renderer has others than
-    // those about them.
+    // Mistakes in conventions are about composited samples, and of several volumes no renderer has others
+    // than those about them.
+    let conventions = scene.conventions;
     let occurs = scene.edit_volumes(edit);
     let is_rendered = match scene.mode {
         Mode::Composited => scene.has_conventions_that_are_rendered(),
-        _ => scene.conventions == Conventions::default(),
+        _ => scene.conventions == conventions,
     };
     occurs && is_rendered
 }
