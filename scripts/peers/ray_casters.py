@@ -158,7 +158,7 @@ def keep_image(source, case, folder, exposure):
 def radiance(file):
     if file.suffix == ".npy":
         return np.load(file)[..., :3]
-    from run_mitsuba import read_exr
+    from image_file import read_exr
 
     return read_exr(file)[0]
 
