@@ -6,7 +6,7 @@
     ray_casters.py --table                     # the table of src/guide/peers.md, of the results there are
     volref gallery scripts/peers/results/* -o gallery.html
 
-Needs what README.md says for each, of path tracers mitsuba, which reads their images, pillow, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON;
+Needs what README.md says for each, mitsuba for the images of path tracers, pillow, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON;
 the package volref is that of this checkout.
 Each renderer stays, and is asked for every case that it may have words for. Results are kept as DIR/NAME: results.json,
 renderer.toml, and the images as they are displayed, of several steps that with the shortest.
@@ -118,7 +118,8 @@ def judge(name, results, explain):
             keep_image(kept / ("rest" if case in rest else "first"), case, results / name, stops[case])
     seconds = {case: time for values in found for case, time in values["origin"]["seconds"].items()}
     seconds = {case: time for case, time in seconds.items() if cases[case]["verdict"] not in ("missing", "error")}
-    values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": {"profile": first["origin"]["profile"], "seconds": seconds}}
+    origin = {"profile": first["origin"].get("profile"), "seconds": seconds}
+    values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": origin}
     (results / name / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
     about = {
         "name": name,
@@ -198,7 +199,8 @@ def main():
     if not options.table:
         for name in names:
             judge(name, options.results, options.explain)
-    print_table([name for name in names if (options.results / name / "results.json").is_file()], options.results)
+    there = [name for name in names if (options.results / name / "results.json").is_file()]
+    print_table(there, options.results)
 
 
 if __name__ == "__main__":
