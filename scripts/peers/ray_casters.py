@@ -6,8 +6,8 @@
     ray_casters.py --table                     # the table of src/guide/peers.md, of the results there are
     volref gallery scripts/peers/results/* -o gallery.html
 
-Needs what README.md says for each, mitsuba for the images of path tracers, pillow, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON;
-the package volref is that of this checkout.
+Needs what README.md says for each, mitsuba for the images of path tracers, pillow, volref on the path or as $VOLREF, and
+python3 with the packages as $PYTHON; the package volref is that of this checkout.
 Each renderer stays, and is asked for every case that it may have words for. Results are kept as DIR/NAME: results.json,
 renderer.toml, and the images as they are displayed, of several steps that with the shortest.
 """
