@@ -352,6 +352,47 @@ def lux_weights():
     print(f"weights add up to {sums.mean():.3f}, radiance {1 / 0.27 + (sums.mean() - 1) * 0.73**3 / 0.27:.3f}")
 
 
+def lux_frame(z):
+    """Vectors beside z, of the length of z and of 1, as LuxCore has them."""
+    along = np.hypot(z[0], z[1])
+    beside = np.where(along < 1e-5, [[1], [0], [0]], [-z[1], z[0], 0 * along] / np.where(along < 1e-5, 1, along))
+    beside = beside.astype(np.float32)
+    return np.cross(z, beside, axis=0), beside
+
+
+def lux_turns():
+    """A white box in a white sky has the radiance 1. Light that a medium turns, by frames of directions as LuxCore builds
+    them, in 32 bits: with directions of length 1, and as they come out."""
+
+    def faces(place, direction):
+        with np.errstate(divide="ignore", over="ignore"):
+            return np.where(direction == 0, np.inf, (np.sign(direction) - place) / direction).min(0)
+
+    for label, normalise in (("of length 1", True), ("as they come out", False)):
+        random, light, extinction = np.random.default_rng(1), np.zeros(100_000), 4
+        alive = np.arange(light.size)
+        place = random.uniform(-1, 1, (3, light.size)).astype(np.float32)
+        place[2], direction = -1, np.zeros_like(place)
+        direction[2] = 1
+        for turn in range(1000):
+            step = random.exponential(1 / extinction, alive.size).astype(np.float32)
+            stays = step < faces(place, direction)
+            # Half by light that is sampled, half by light that is hit, but for what is seen directly.
+            light[alive[~stays]] += 0.5 if turn else 1
+            alive, place, direction = alive[stays], (place + step * direction)[:, stays], direction[:, stays]
+            ray = random.normal(size=place.shape)
+            light[alive] += 0.5 * np.exp(-extinction * faces(place, ray / np.linalg.norm(ray, axis=0)))
+            z = -direction / (np.linalg.norm(direction, axis=0) if normalise else 1)
+            x, y = lux_frame(z)
+            back = np.array([(z * axis).sum(0) for axis in (x, y, z)])
+            cosine, around = random.uniform(-1, 1, alive.size), random.uniform(0, 2 * np.pi, alive.size)
+            sine = np.sqrt(1 - cosine**2)
+            a, b = lux_frame(back)
+            a, b, c = (sine * np.cos(around) * a + sine * np.sin(around) * b + cosine * back).astype(np.float32)
+            direction = x * a + y * b + z * c
+        print(f"directions {label}: {light.mean():.3f} ± {light.std() / light.size**0.5:.3f}, median {np.median(light):.2f}")
+
+
 def mitsuba_floor():
     """A white floor below a white sky has the radiance 1, and so has a box of a medium of albedo 1 on it."""
     import mitsuba as mi
@@ -377,7 +418,7 @@ def mitsuba_floor():
 
 
 CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, vtk_normals, pyvista_cells]
-CHECKS += [cycles_first, lux_low, lux_roulette, lux_weights, mitsuba_floor]
+CHECKS += [cycles_first, lux_low, lux_roulette, lux_weights, lux_turns, mitsuba_floor]
 
 if __name__ == "__main__":
     for check in CHECKS:
