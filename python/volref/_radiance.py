@@ -62,9 +62,9 @@ class Part:
         """Those of a medium. Raises Refusal for a density that varies and for other phase functions."""
         density, phase = self.json["density"] or {"kind": "constant", "value": 1.0}, self.json["phase"]
         if density["kind"] != "constant":
-            self.refuse(f"density: {density['kind']}")
+            refuse(f"{self.key}.density: {density['kind']}")
         if phase["kind"] != "henyey-greenstein":
-            self.refuse(f"phase: {phase['kind']}")
+            refuse(f"{self.key}.phase: {phase['kind']}")
         scaled = (density["value"] * np.array(self.json[name]) for name in ("sigma_a", "sigma_s", "emission"))
         return Coefficients(*scaled, phase["g"])
 
