@@ -5,7 +5,9 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 
-const NAMES = ['chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable', 'chrome', 'microsoft-edge'];
+const CHROMIUM = ['chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable', 'chrome'];
+const NAMES = [...CHROMIUM, 'microsoft-edge', 'msedge'];
+const ENDING = process.platform === 'win32' ? '.exe' : '';
 const PLACES = {
   darwin: [
     '/Applications/Google Chrome.app/Contents/MacOS/Google Chrome',
@@ -47,7 +49,7 @@ const LONGEST_START = 600_000;
 export function findChromium() {
   if (process.env.CHROMIUM) return process.env.CHROMIUM;
   const folders = (process.env.PATH ?? '').split(path.delimiter).filter(Boolean);
-  const named = NAMES.flatMap((name) => folders.map((folder) => path.join(folder, name)));
+  const named = NAMES.flatMap((name) => folders.map((folder) => path.join(folder, name + ENDING)));
   return [...named, ...(PLACES[process.platform] ?? [])].find((file) => fs.existsSync(file));
 }
 
@@ -179,6 +181,8 @@ function removeLeftProfiles() {
 
 /** The browser whose profile that is has ended: its lock is gone, or names a process of this machine that is. */
 function isLeft(folder) {
+  // On Windows the lock is another file, which is there while the browser runs.
+  if (fs.existsSync(path.join(folder, 'lockfile'))) return false;
   const lock = path.join(folder, 'SingletonLock');
   if (!fs.lstatSync(lock, { throwIfNoEntry: false })) return fs.lstatSync(folder).mtimeMs < Date.now() - LONGEST_START;
   const [, host, pid] = /^(.*)-(\d+)$/.exec(fs.readlinkSync(lock)) ?? [];

@@ -40,7 +40,8 @@ function packed(folder, into) {
   for (const license of ['LICENSE-APACHE', 'LICENSE-MIT'])
     fs.copyFileSync(path.join(ROOT, license), path.join(folder, license));
   const windows = process.platform === 'win32';
-  const words = ['pack', '--silent', `--pack-destination=${into}`];
+  // Through the shell, which would split it.
+  const words = ['pack', '--silent', `--pack-destination=${windows ? `"${into}"` : into}`];
   console.log(
     execFileSync(windows ? 'npm.cmd' : 'npm', words, { cwd: folder, encoding: 'utf8', shell: windows }).trim(),
   );

@@ -144,7 +144,7 @@ def test_what_a_renderer_cannot_say_is_refused_by_name(read, tmp_path):
     radiative.write_text('{"schema": "volref/bundle/1", "panels": [{"shows": "radiance", "media": [1]}]}')
     bundle = volref.bundle(radiative)
     assert bundle.panels[0]["media"] == [1] and bundle.json["schema"] == "volref/bundle/1"
-    for refused in [lambda: bundle.volumes, lambda: bundle.size, bundle.allow]:
+    for refused in [lambda: bundle.volumes, lambda: bundle.near_and_far, bundle.allow]:
         with pytest.raises(volref.Refusal, match="no classified volume"):
             refused()
 
@@ -167,6 +167,77 @@ def test_files_that_are_no_bundle(read, tmp_path):
     np.save(tmp_path / "values.npy", np.zeros(volume.grid["nodes"][::-1]))
     volume.grid["file"] = "values.npy"
     assert volume.values.dtype == np.float32
+
+
+UNIT = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]
+MIRRORED = [[-2, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]]
+
+
+@pytest.mark.parametrize(
+    "shape, volume",
+    [
+        ({"kind": "box", "min": [1, 2, 3], "max": [2, 4, 6]}, 6),
+        # A polyhedron within a sphere, whose faces lie up to 1.51e-4 of the radius below it: at most three times that less.
+        ({"kind": "sphere", "centre": [1, 2, 3], "radius": 2}, 32 * np.pi / 3),
+    ],
+)
+def test_triangles_look_outwards_and_enclose_the_volume(shape, volume, tmp_path):
+    for matrix, factor in [(None, 1), (UNIT, 1), (MIRRORED, 2)]:
+        part = volref.Part("media[0]", {"shape": shape, "matrix": matrix}, tmp_path)
+        for smaller in [0, 0.1]:
+            vertices, triangles = part.triangles(smaller)
+            # The divergence theorem: a sixth of the determinants, positive where triangles look outwards.
+            enclosed = np.linalg.det(vertices[triangles]).sum() / 6
+            expected = volume * factor * (1 - smaller) ** 3
+            assert (1 - 4.6e-4) * expected <= enclosed <= (1 + 1e-12) * expected
+
+
+def test_parts_of_a_radiative_scene(read):
+    bundle = read("smoke/cornell")
+    assert (len(bundle.surfaces), len(bundle.area_lights), len(bundle.media), bundle.lights) == (5, 1, 2, [])
+    assert bundle.size == (256, 256) and bundle.field_of_view == pytest.approx(40)
+    np.testing.assert_allclose(bundle.camera_to_world[:3, 3], bundle.radiance["ray"]["eye"])
+    medium = bundle.media[0]
+    assert medium.key == "media[0]" and medium.coefficients().absorption.tolist() == medium.json["sigma_a"]
+    vertices, triangles = bundle.surfaces[0].triangles()
+    assert vertices.shape == (4, 3) and triangles.shape == (2, 3)
+    mesh = read("known-answers/furnace-mesh").media[0]
+    vertices, triangles = mesh.triangles()
+    assert triangles.max() == len(vertices) - 1 and np.linalg.det(vertices[triangles]).sum() > 0
+    with pytest.raises(volref.Refusal, match=r"media\[0\]\.density: "):
+        read("known-answers/absorbing-grid").media[0].coefficients()
+    for refused in [lambda: bundle.volumes, lambda: read("figures/figure-3").radiance]:
+        with pytest.raises(volref.Refusal, match="no "):
+            refused()
+
+
+def test_samples_are_divided_among_seeds(read):
+    each, seeds = volref.divided(64, 3, 16)
+    assert each == 4 and len(set(seeds)) == 16 and all(0 <= seed < 2**31 for seed in seeds)
+    assert seeds == volref.divided(64, 3, 16)[1] != volref.divided(64, 4, 16)[1]
+    assert [len(volref.divided(samples, 0, 16)[1]) for samples in (1, 2, 17)] == [2, 2, 9]
+    bundle = read("smoke/cornell")
+    assert bundle.renderings(16) == volref.divided(64, 0, 16)
+    asked = volref.bundle(bundle.path, request={"spp": 8, "seed": 5})
+    assert asked.renderings(16) == volref.divided(8, 5, 16)
+    with pytest.raises(ValueError, match="seed"):
+        volref.divided(64, -1, 16)
+
+
+def test_a_program_of_another_export(tmp_path):
+    program = tmp_path / "renderer.py"
+    program.write_text(
+        "import numpy as np, volref\n"
+        "def render(request):\n"
+        "    assert request['export:mitsuba'].endswith('scene.xml')\n"
+        "    return np.full((2, 3, 3), request['spp'] / (1 + request['seed']), np.float32)\n"
+        "volref.main(render, export='mitsuba')\n"
+    )
+    command = [sys.executable, program, "scene.xml", tmp_path / "image.npy"]
+    subprocess.run([*command, "--spp", "6", "--seed", "2"], check=True)
+    assert (np.load(tmp_path / "image.npy") == 2).all()
+    for wrong in (["--spp", "1"], ["--seed", "-1"]):
+        assert subprocess.run([*command, *wrong], capture_output=True).returncode == 2
 
 
 @pytest.mark.parametrize("extension", [".exr", ".npy", ".pfm"])

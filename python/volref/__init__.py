@@ -27,8 +27,9 @@ from ._api import (
     render,
     scene,
 )
-from ._bundle import Bundle, Refusal, Table, Volume, bundle, refuse, save
-from ._program import UnknownCase, VolrefError, program, version
+from ._bundle import Bundle, Table, Volume, bundle, save
+from ._program import Refusal, UnknownCase, VolrefError, program, refuse, version
+from ._radiance import Coefficients, Part, divided
 from ._serve import main, serve
 
 __version__ = version()
@@ -36,9 +37,11 @@ __version__ = version()
 __all__ = [
     "Bundle",
     "Case",
+    "Coefficients",
     "Comparison",
     "Flip",
     "Mistake",
+    "Part",
     "Refusal",
     "Result",
     "Table",
@@ -49,6 +52,7 @@ __all__ = [
     "cases",
     "check",
     "compare",
+    "divided",
     "export",
     "flip",
     "main",

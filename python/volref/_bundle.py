@@ -8,14 +8,15 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arguments import number, one_of, whole
 from ._files import as_image, as_variance, exr, png
-from ._program import VolrefError
+from ._program import VolrefError, refuse
+from ._radiance import Part, divided
 
 # pytest shows the line that called volref, not the lines of volref.
 __tracebackhide__ = True
@@ -28,17 +29,6 @@ MODES = ("maximum", "minimum", "mean", "sum", "attenuated-maximum", "isosurface"
 FORMATS = (".exr", ".npy", ".pfm", ".png")
 #: Rounding of 32-bit renderers, of the mean: a smaller spread is no noise.
 ROUNDING = 1e-5
-
-
-class Refusal(VolrefError):
-    """A renderer has no words for something in a scene; says for what."""
-
-    __module__ = "volref"
-
-
-def refuse(reason: str) -> NoReturn:
-    """Raises Refusal: the renderer has no words for what ``reason`` names."""
-    raise Refusal(reason)
 
 
 class Table(NamedTuple):
@@ -181,7 +171,8 @@ def _by_points(points: list[dict[str, Any]], values: NDArray[np.float64]) -> tup
 class Bundle:
     """A scene as numbers. ``json`` is the bundle as it was read, ``request`` what was asked for beside it.
 
-    What follows holds for bundles of one panel with classified volumes; others are refused, see :meth:`alone`.
+    What follows holds for bundles of one panel, see :meth:`alone`: cameras of each, :attr:`volumes` of classified ones,
+    :attr:`surfaces`, :attr:`media` and lamps of radiance.
     """
 
     path: Path
@@ -201,12 +192,57 @@ class Bundle:
     @property
     def panel(self) -> dict[str, Any]:
         """The panel of classified volumes as it was read. Raises Refusal if there is another, or none."""
-        if len(self.panels) != 1:
-            refuse(f"{len(self.panels)} panels" if self.panels else "no panel of a classified volume")
-        shows = self.panels[0].get("shows")
+        shows = self._only["shows"]
         if shows not in ("volume", "volumes"):
             refuse("a plot, which is no volume" if shows == "plot" else f"{shows}: no classified volume")
+        return self._only
+
+    @property
+    def radiance(self) -> dict[str, Any]:
+        """The panel of surfaces, lamps and media as it was read. Raises Refusal if there is another, or none."""
+        if self._only["shows"] != "radiance":
+            refuse(f"{self._only['shows']}: no radiance of surfaces and media")
+        return self._only
+
+    @property
+    def _only(self) -> dict[str, Any]:
+        if len(self.panels) != 1:
+            refuse(f"{len(self.panels)} panels" if self.panels else "no panel of a classified volume")
         return self.panels[0]
+
+    @property
+    def _seen(self) -> dict[str, Any]:
+        """The panel, which has a camera."""
+        return self.radiance if self._only["shows"] == "radiance" else self.panel
+
+    @property
+    def surfaces(self) -> list[Part]:
+        """The surfaces of :attr:`radiance` that do not shine."""
+        return self._parts("surfaces")
+
+    @property
+    def area_lights(self) -> list[Part]:
+        """The surfaces of :attr:`radiance` that shine."""
+        return self._parts("area_lights")
+
+    @property
+    def lights(self) -> list[Part]:
+        """The lamps of :attr:`radiance` that have no surface."""
+        return self._parts("lights")
+
+    @property
+    def media(self) -> list[Part]:
+        """The media of :attr:`radiance`."""
+        return self._parts("media")
+
+    def _parts(self, name: str) -> list[Part]:
+        return [Part(f"{name}[{i}]", part, self.path.parent) for i, part in enumerate(self.radiance[name])]
+
+    def renderings(self, most: int) -> tuple[int, list[int]]:
+        """The samples per pixel that are asked for, or else the scene's, as :func:`divided` divides them."""
+        own = self.radiance["samples"] or {"per_pixel": 64, "seed": 0}
+        seed = self.request.get("seed")
+        return divided(self.request.get("spp") or own["per_pixel"], own["seed"] if seed is None else seed, most)
 
     @property
     def asks(self) -> dict[str, str]:
@@ -259,7 +295,7 @@ class Bundle:
     @property
     def size(self) -> tuple[int, int]:
         """Width and height, pixels."""
-        return self.panel["width"], self.panel["height"]
+        return self._seen["width"], self._seen["height"]
 
     @property
     def background(self) -> tuple[float, float, float]:
@@ -269,27 +305,27 @@ class Bundle:
     @property
     def eye(self) -> NDArray[np.float64]:
         """The place of the eye."""
-        return np.array(self.panel["ray"]["eye"])
+        return np.array(self._seen["ray"]["eye"])
 
     @property
     def forward(self) -> NDArray[np.float64]:
         """The unit vector along the middle of the view."""
-        return np.array(self.panel["ray"]["forward"])
+        return np.array(self._seen["ray"]["forward"])
 
     @property
     def up(self) -> NDArray[np.float64]:
         """The unit vector up in the image."""
-        return np.array(self.panel["ray"]["half_up"]) / self._half_height
+        return np.array(self._seen["ray"]["half_up"]) / self._half_height
 
     @property
     def _half_height(self) -> float:
         """Half the height of parallel rays, or the tangent of half the field of view."""
-        return float(np.linalg.norm(self.panel["ray"]["half_up"]))
+        return float(np.linalg.norm(self._seen["ray"]["half_up"]))
 
     @property
     def parallel_height(self) -> float | None:
         """The height of the image in the world, if rays are parallel."""
-        return self.panel["ray"].get("orthographic_height")
+        return self._seen["ray"].get("orthographic_height")
 
     @property
     def field_of_view(self) -> float | None:

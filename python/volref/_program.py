@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 # pytest shows the line that called volref, not the lines of volref.
 __tracebackhide__ = True
@@ -40,6 +40,17 @@ class UnknownCase(VolrefError, KeyError):
 
     def __str__(self) -> str:
         return Exception.__str__(self)
+
+
+class Refusal(VolrefError):
+    """A renderer has no words for something in a scene; says for what."""
+
+    __module__ = "volref"
+
+
+def refuse(reason: str) -> NoReturn:
+    """Raises Refusal: the renderer has no words for what ``reason`` names."""
+    raise Refusal(reason)
 
 
 def version() -> str:

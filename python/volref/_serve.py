@@ -14,7 +14,8 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bundle import Bundle, Refusal, bundle, save
+from ._bundle import bundle, save
+from ._program import Refusal
 
 #: Version of the protocol, see src/guide/staying.md.
 PROTOCOL = 1
@@ -76,24 +77,34 @@ def _request(line: bytes, rest: BinaryIO) -> dict[str, Any]:
     return request
 
 
-def main(render: Callable[..., ArrayLike | None], parser: argparse.ArgumentParser | None = None) -> None:
-    """The program of a renderer of bundles: ``BUNDLE OUTPUT [--step H]`` for one picture, ``--serve`` to stay.
+def main(
+    render: Callable[..., ArrayLike | None], parser: argparse.ArgumentParser | None = None, *, export: str = "bundle"
+) -> None:
+    """The program of a renderer: ``SCENE OUTPUT`` for one picture, with ``--step H``, ``--spp N`` and ``--seed S``;
+    ``--serve`` to stay.
 
-    ``render`` takes a bundle of one panel, and returns its image; several panels are put side by side. ``parser`` may
+    ``render`` takes a bundle of one panel, and returns its image; several panels are put side by side. Of another
+    ``export``, such as ``"mitsuba"``, it takes the request, whose ``export:mitsuba`` is the scene's file. ``parser`` may
     hold further options: ``render`` takes them by their names.
     """
     parser = parser or argparse.ArgumentParser()
-    parser.add_argument("bundle", type=Path, nargs="?", help="what `volref export --to bundle` wrote")
+    parser.add_argument("scene", type=Path, nargs="?", help=f"what `volref export --to {export}` wrote")
     parser.add_argument("output", type=Path, nargs="?", help="image: .exr, .npy or .pfm")
     parser.add_argument("--step", type=float, help="distance between samples, world units [the scene's]")
+    parser.add_argument("--spp", type=int, help="samples per pixel, 2 or more [the scene's]")
+    parser.add_argument("--seed", type=int, help="of random numbers, 0 or more [the scene's]")
     parser.add_argument("--serve", action="store_true", help="stay, and read requests from standard input")
     options = vars(parser.parse_args())
-    file, output, step, stay = (options.pop(name) for name in ("bundle", "output", "step", "serve"))
+    file, output, stay = (options.pop(name) for name in ("scene", "output", "serve"))
+    asked = {name: options.pop(name) for name in ("step", "spp", "seed")}
+    name = f"export:{export}"
 
     def picture(request: Mapping[str, Any]) -> ArrayLike | None:
-        if "export:bundle" not in request:
-            raise ValueError("the request has no bundle: name {export:bundle} in the command")
-        whole = bundle(request["export:bundle"], request.get("step"), dict(request))
+        if name not in request:
+            raise ValueError(f"the request has no {export}: name {{{name}}} in the command")
+        if export != "bundle":
+            return render(request, **options)
+        whole = bundle(request[name], request.get("step"), dict(request))
         if len(whole.panels) < 2:
             return render(whole, **options)
         return _side_by_side([render(whole.alone(index), **options) for index in range(len(whole.panels))])
@@ -101,10 +112,12 @@ def main(render: Callable[..., ArrayLike | None], parser: argparse.ArgumentParse
     if stay:
         serve(picture)
     elif output is None:
-        parser.error("give a bundle and an output, or --serve")
+        parser.error("give a scene and an output, or --serve")
+    elif (asked["spp"] or 2) < 2 or (asked["seed"] or 0) < 0:
+        parser.error("--spp is 2 or more, and --seed is not negative")
     else:
         try:
-            image = picture({"export:bundle": file, "output": str(output), "step": step})
+            image = picture({name: str(file), "output": str(output), **asked})
         except Refusal as refusal:
             sys.exit(f"refused: {refusal}")
         if image is not None:

@@ -335,8 +335,90 @@ def lux_roulette():
         print(f"{label}: {image.mean():.3f} ± {image.std() / 16:.3f}")
 
 
+def lux_weights():
+    """Weights of light that is sampled and light that is hit should add up to 1. With the probability of roulette, 0.5, in
+    the one alone, the same box should have the radiance that is printed; places on its walls are taken to be even."""
+    random = np.random.default_rng(1)
+    place, (share, angle) = np.append(random.uniform(-1, 1, (2, 10**6)), [[-1.0] * 10**6], axis=0), random.random((2, 10**6))
+    around = 2 * np.pi * angle
+    direction = np.array([np.sqrt(share) * np.cos(around), np.sqrt(share) * np.sin(around), np.sqrt(1 - share)])
+    distances = (np.where(direction > 0, 1, -1) - place) / direction
+    wall, distance = distances.argmin(0), distances.min(0)
+    # Per solid angle: one of twelve triangles of area 2, and the cosine over pi.
+    by_light = distance**2 / np.take_along_axis(np.abs(direction), wall[None], 0)[0] / 2 / 12
+    by_surface = direction[2] / np.pi
+    sums = by_light**2 / (by_light**2 + (0.5 * by_surface) ** 2) + by_surface**2 / (by_light**2 + by_surface**2)
+    # Roulette begins at the third turn.
+    print(f"weights add up to {sums.mean():.3f}, radiance {1 / 0.27 + (sums.mean() - 1) * 0.73**3 / 0.27:.3f}")
+
+
+def lux_frame(z):
+    """Vectors beside z, of the length of z and of 1, as LuxCore has them."""
+    along = np.hypot(z[0], z[1])
+    beside = np.where(along < 1e-5, [[1], [0], [0]], [-z[1], z[0], 0 * along] / np.where(along < 1e-5, 1, along))
+    beside = beside.astype(np.float32)
+    return np.cross(z, beside, axis=0), beside
+
+
+def lux_turns():
+    """A white box in a white sky has the radiance 1. Light that a medium turns, by frames of directions as LuxCore builds
+    them, in 32 bits: with directions of length 1, and as they come out."""
+
+    def faces(place, direction):
+        with np.errstate(divide="ignore", over="ignore"):
+            return np.where(direction == 0, np.inf, (np.sign(direction) - place) / direction).min(0)
+
+    for label, normalise in (("of length 1", True), ("as they come out", False)):
+        random, light, extinction = np.random.default_rng(1), np.zeros(100_000), 4
+        alive = np.arange(light.size)
+        place = random.uniform(-1, 1, (3, light.size)).astype(np.float32)
+        place[2], direction = -1, np.zeros_like(place)
+        direction[2] = 1
+        for turn in range(1000):
+            step = random.exponential(1 / extinction, alive.size).astype(np.float32)
+            stays = step < faces(place, direction)
+            # Half by light that is sampled, half by light that is hit, but for what is seen directly.
+            light[alive[~stays]] += 0.5 if turn else 1
+            alive, place, direction = alive[stays], (place + step * direction)[:, stays], direction[:, stays]
+            ray = random.normal(size=place.shape)
+            light[alive] += 0.5 * np.exp(-extinction * faces(place, ray / np.linalg.norm(ray, axis=0)))
+            z = -direction / (np.linalg.norm(direction, axis=0) if normalise else 1)
+            x, y = lux_frame(z)
+            back = np.array([(z * axis).sum(0) for axis in (x, y, z)])
+            cosine, around = random.uniform(-1, 1, alive.size), random.uniform(0, 2 * np.pi, alive.size)
+            sine = np.sqrt(1 - cosine**2)
+            a, b = lux_frame(back)
+            a, b, c = (sine * np.cos(around) * a + sine * np.sin(around) * b + cosine * back).astype(np.float32)
+            direction = x * a + y * b + z * c
+        print(f"directions {label}: {light.mean():.3f} ± {light.std() / light.size**0.5:.3f}, median {np.median(light):.2f}")
+
+
+def mitsuba_floor():
+    """A white floor below a white sky has the radiance 1, and so has a box of a medium of albedo 1 on it."""
+    import mitsuba as mi
+
+    mi.set_variant("scalar_rgb")
+    place, black = mi.ScalarTransform4f, {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}}
+    white = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 1.0}}
+    film = {"type": "hdrfilm", "width": 24, "height": 24, "rfilter": {"type": "box"}}
+    for gap in (0, 1e-3):
+        parts = {
+            "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": 100000},
+            "sky": {"type": "constant", "radiance": 1.0},
+            "floor": {"type": "rectangle", "to_world": place().scale(20), "bsdf": {"type": "twosided", "of": white}},
+            "below": {"type": "rectangle", "to_world": place().translate([0, 0, -0.5]).scale(19.5), "bsdf": {"type": "twosided", "of": black}},
+            "box": {"type": "cube", "to_world": place().translate([0, 0, 1 + gap]), "bsdf": {"type": "null"},
+                    "interior": {"type": "homogeneous", "albedo": 1.0, "sigma_t": 2.0}},
+            "sensor": {"type": "perspective", "fov": 35, "film": film, "sampler": {"type": "independent"},
+                       "to_world": place().look_at([4, 1, 3], [0, 0, 0.4], [0, 0, 1])},
+        }  # fmt: skip
+        scene = mi.load_dict({"type": "scene", **parts})
+        means = [np.array(mi.render(scene, spp=32, seed=seed)).mean() for seed in range(8)]
+        print(f"box {gap} above the floor: {np.mean(means):.4f} ± {np.std(means, ddof=1) / 8**0.5:.4f}")
+
+
 CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, vtk_normals, pyvista_cells]
-CHECKS += [cycles_first, lux_low, lux_roulette]
+CHECKS += [cycles_first, lux_low, lux_roulette, lux_weights, lux_turns, mitsuba_floor]
 
 if __name__ == "__main__":
     for check in CHECKS:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes scenes of grid media into a folder, for `mitsuba.py`: nothing of it is kept here.
+"""Writes scenes of grid media into a folder, for comparisons with Mitsuba: nothing of it is kept here.
 
     cloud_scenes.py FOLDER
 

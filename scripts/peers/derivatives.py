@@ -22,13 +22,11 @@ import sys
 import tempfile
 from pathlib import Path
 
+import drjit as dr
+import mitsuba as mi
 import numpy as np
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-sys.path[:] = [path for path in sys.path if Path(path or ".").resolve() != HERE]
-import drjit as dr  # noqa: E402
-import mitsuba as mi  # noqa: E402
+ROOT = Path(__file__).resolve().parents[2]
 
 mi.set_variant("llvm_ad_rgb")
 

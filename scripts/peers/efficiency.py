@@ -130,7 +130,7 @@ class Volref:
 
     def render(self, spp, seed):
         """The image, and CPU seconds of its samples."""
-        from run_mitsuba import read_exr
+        from image_file import read_exr
 
         start = self.run("--spp", 2, "--seed", seed)[0]
         seconds, _, output = self.run("--spp", spp, "--seed", seed)
@@ -139,7 +139,7 @@ class Volref:
 
 
 def efficiency(name, options):
-    from run_mitsuba import read_exr
+    from image_file import read_exr
 
     scene = ROOT / "fixtures/scenes" / f"{name}.toml"
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""Writes linear RGB images, with opacity or without, 32-bit floats, with nothing but NumPy."""
+"""Writes linear RGB images, with opacity or without, 32-bit floats, with nothing but NumPy; reads EXR by Mitsuba."""
 
 import argparse
 import struct
@@ -64,3 +64,17 @@ def write_channels(path, planes):
 
 
 WRITERS = {".npy": write_npy, ".pfm": write_pfm, ".exr": write_exr}
+
+
+def read_exr(file):
+    """Radiance, and the variance of its noise: 0 where none is stated."""
+    import mitsuba
+
+    mitsuba.set_variant(mitsuba.variant() or "scalar_rgb")
+    bitmap = mitsuba.Bitmap(str(file))
+    channels = {field.name: i for i, field in enumerate(bitmap.struct_())}
+    values = np.array(bitmap, float)
+    image = values[:, :, [channels[c] for c in "RGB"]]
+    if "variance.R" not in channels:
+        return image, np.zeros_like(image)
+    return image, values[:, :, [channels[f"variance.{c}"] for c in "RGB"]]

@@ -6,8 +6,8 @@
     ray_casters.py --table                     # the table of src/guide/peers.md, of the results there are
     volref gallery scripts/peers/results/* -o gallery.html
 
-Needs what README.md says for each, pillow, volref on the path or as $VOLREF, and python3 with the packages as $PYTHON;
-the package volref is that of this checkout.
+Needs what README.md says for each, mitsuba for the images of path tracers, pillow, volref on the path or as $VOLREF, and
+python3 with the packages as $PYTHON; the package volref is that of this checkout.
 Each renderer stays, and is asked for every case that it may have words for. Results are kept as DIR/NAME: results.json,
 renderer.toml, and the images as they are displayed, of several steps that with the shortest.
 """
@@ -65,10 +65,10 @@ class Renderer(NamedTuple):
     cases: list[str] = CASES
 
 
-def path_tracer(script, export, of):
+def path_tracer(script, export, version):
     """A renderer that tells its noise, at 64 samples per pixel."""
     command = f"{PYTHON} {HERE}/{script} --serve {{export:{export}}} {{spp}} {{seed}}"
-    return Renderer("--spp 64", command, package(of), ["known-answers", "smoke"])
+    return Renderer("--spp 64", command, version, ["known-answers", "smoke"])
 
 
 RENDERERS = {
@@ -83,9 +83,10 @@ RENDERERS = {
     "niivue": Renderer("--as niivue", page("niivue"), node_package("@niivue/niivue")),
     "three.js": Renderer("", page("three"), node_package("three")),
     "tutorial": Renderer("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
-    "mitsuba": path_tracer("run_mitsuba.py", "mitsuba", "mitsuba"),
-    "cycles": path_tracer("cycles_render.py", "bundle", "bpy"),
-    "luxcore": path_tracer("lux_render.py", "bundle", "pyluxcore"),
+    "mitsuba": path_tracer("run_mitsuba.py", "mitsuba", package("mitsuba")),
+    "cycles": path_tracer("cycles_render.py", "bundle", package("bpy")),
+    "luxcore": path_tracer("lux_render.py", "bundle", package("pyluxcore")),
+    "pbrt": path_tracer("run_pbrt.py", "pbrt", lambda: "4"),
 }
 
 
@@ -117,7 +118,8 @@ def judge(name, results, explain):
             keep_image(kept / ("rest" if case in rest else "first"), case, results / name, stops[case])
     seconds = {case: time for values in found for case, time in values["origin"]["seconds"].items()}
     seconds = {case: time for case, time in seconds.items() if cases[case]["verdict"] not in ("missing", "error")}
-    values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": {"seconds": seconds}}
+    origin = {"profile": first["origin"].get("profile"), "seconds": seconds}
+    values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": origin}
     (results / name / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
     about = {
         "name": name,
@@ -158,7 +160,7 @@ def keep_image(source, case, folder, exposure):
 def radiance(file):
     if file.suffix == ".npy":
         return np.load(file)[..., :3]
-    from run_mitsuba import read_exr
+    from image_file import read_exr
 
     return read_exr(file)[0]
 
@@ -197,7 +199,8 @@ def main():
     if not options.table:
         for name in names:
             judge(name, options.results, options.explain)
-    print_table(names, options.results)
+    there = [name for name in names if (options.results / name / "results.json").is_file()]
+    print_table(there, options.results)
 
 
 if __name__ == "__main__":

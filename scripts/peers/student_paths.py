@@ -15,8 +15,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from image_file import write_image
-from replicates import write
+from image_file import write_channels, write_image
 from student import Field, box_span, column, command, dot, into, length, rays_of, read_floats
 
 MISTAKES = {
@@ -356,8 +355,9 @@ def render(path, output, options):
         mean = mean + off / taken
         squares = squares + off * (sample - mean)
     image, noise = (it.T.reshape(panel["height"], panel["width"], 3) for it in (mean, squares / (count - 1) / count))
-    if output.suffix == ".exr":
-        write(output, image, noise if noise.any() else None, count)
+    if output.suffix == ".exr" and noise.any():
+        planes = np.concatenate([image, noise, np.full_like(image[..., :1], count)], axis=2).transpose(2, 0, 1)
+        write_channels(output, dict(zip([*"RGB", "variance.R", "variance.G", "variance.B", "samples.Y"], planes)))
     else:
         write_image(output, image)
 

@@ -52,6 +52,7 @@ struct Results {
 #[serde(default)]
 struct Origin {
     command: Option<String>,
+    profile: Option<String>,
     bits: Option<String>,
     alpha: Option<String>,
     seconds: BTreeMap<String, f64>,
@@ -172,6 +173,7 @@ impl RendererRun {
                 version: about.version,
                 date: about.date,
                 command: about.command.or(results.origin.command),
+                profile: results.origin.profile,
                 results: results.cases,
                 seconds: results.origin.seconds,
             },

@@ -494,6 +494,7 @@ impl Judge<'_> {
         let seconds = |of: &Judged| Some((of.result.name.clone(), of.evidence.rendering_seconds?));
         json!({
             "command": command_line(),
+            "profile": self.arguments.profile,
             "bits": self.bits().map(|bits| bits.to_string()),
             "alpha": self.alpha().map(|alpha| alpha.to_string()),
             "seconds": judged.iter().filter_map(seconds).collect::<BTreeMap<_, _>>(),

@@ -31,6 +31,8 @@ pub struct GalleryRenderer {
     pub date: Option<String>,
     /// Command that repeats the run.
     pub command: Option<String>,
+    /// Profile under whose conventions its images were judged.
+    pub profile: Option<String>,
     /// Results of its cases.
     pub results: Vec<CaseResult>,
     /// Wall time of its images, by case, where it was measured.
@@ -120,6 +122,7 @@ pub fn gallery_html(renderers: &[GalleryRenderer], rows: &[GalleryRow]) -> Strin
             version => of.version,
             date => of.date,
             command => of.command,
+            profile => of.profile,
             counts => counts.collect::<Vec<_>>().join(", "),
             seconds => median(of.seconds.values().copied()).map(in_words),
         }

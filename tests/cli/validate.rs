@@ -709,6 +709,20 @@ fn conventions_are_told_apart_and_accepted() {
         "name = 'mine'\n[conventions]\nopacity = 'linear'\n",
     );
     with(&["--as", "mine.toml"]).expect(0, &[]);
+    let under = with(&["--as", "mine.toml", "--json=out/results.json"]);
+    under.expect(0, &[]);
+    // The page of renderers states it.
+    folder
+        .volref(&["gallery", "out", "-o", "page.html"])
+        .expect(0, &[]);
+    let page = folder.text("page.html");
+    let (_, head) = page.split_once("judged under the profile").unwrap();
+    assert!(
+        head.split_once("</span>")
+            .unwrap()
+            .0
+            .ends_with(">mine.toml")
+    );
     with(&["--as", "vtk"]).expect(1, &[]);
     with(&["--as", "anari"]).expect(1, &[]);
 
