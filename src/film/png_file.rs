@@ -9,11 +9,13 @@ use super::primaries::{Primaries, REC709};
 use super::{Film, FilmError};
 use crate::files::decoder;
 use crate::math;
+use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 use moxcms::ColorProfile;
 use std::io::Cursor;
 
 /// Memory for a row, a chunk and a profile, in bytes: a profile can be a decompression bomb, too.
-const MOST_MEMORY: usize = 1 << 28;
+const MOST_MEMORY: u64 = 1 << 28;
 
 /// Gamma of a file that does not state it: 1/2.2, which stands for sRGB if stated.
 const SRGB_GAMMA: f64 = 0.45455;
@@ -46,14 +48,14 @@ impl Film {
     /// If there is not one code triple per pixel.
     pub fn codes_to_png(codes: &[[u8; 3]], width: usize, height: usize) -> Vec<u8> {
         let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_compression(png::Compression::High);
-        encoder.set_filter(png::Filter::Adaptive);
-        let written = encoder
-            .write_header()
-            .and_then(|mut writer| writer.write_image_data(codes.as_flattened()));
-        written.expect("the codes fill the image, and a vector takes every byte");
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
+            .write_image(
+                codes.as_flattened(),
+                width as u32,
+                height as u32,
+                ExtendedColorType::Rgb8,
+            )
+            .expect("the codes fill the image, and a vector takes every byte");
         bytes
     }
 
@@ -68,26 +70,27 @@ impl Film {
 }
 
 fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
-    let mut stored = reader(bytes, png::Transformations::IDENTITY)?;
-    check_meaning(stored.info())?;
-    check_palette(&mut stored)?;
-
-    let mut expanded = reader(bytes, png::Transformations::EXPAND)?;
-    let size = expanded.output_buffer_size();
-    let mut samples = vec![0; size.ok_or_else(|| broken("it is too large"))?];
-    let frame = expanded.next_frame(&mut samples).map_err(damaged)?;
-    let (width, height) = (frame.width as usize, frame.height as usize);
-    let channels = frame.color_type.samples();
-    let is_wide = frame.bit_depth == png::BitDepth::Sixteen;
-    // In 16 bits: there one of 8 is 257 times itself, to which it is the nearest code.
-    let sample = |pixel: &[u8], c: usize| match is_wide {
-        true => u16::from_be_bytes([pixel[2 * c], pixel[2 * c + 1]]),
-        false => u16::from(pixel[c]) * 257,
+    let limits = png::Limits {
+        bytes: MOST_MEMORY as usize,
     };
-    let pixels = samples.chunks_exact(if is_wide { 2 * channels } else { channels });
-    let has_opacity = channels % 2 == 0;
-    let is_transparent = |pixel: &[u8]| has_opacity && sample(pixel, channels - 1) < u16::MAX;
-    if let Some(index) = pixels.clone().position(is_transparent) {
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    let header = decoder.read_header_info().map_err(damaged)?;
+    check_size(header.width as usize, header.height as usize)?;
+    // In 64 bits: `raw_bytes` overflows words of 32.
+    let claimed = u64::from(header.height) * header.raw_row_length() as u64;
+    check_claim(claimed, bytes.len())?;
+    let mut reader = decoder.read_info().map_err(damaged)?;
+    check_meaning(reader.info())?;
+    check_palette(&mut reader)?;
+
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MOST_MEMORY);
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    let (width, height) = (width as usize, height as usize);
+    check_claim(decoder.total_bytes(), bytes.len())?;
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    if let Some(index) = first_transparent(&image) {
         return Err(FilmError::unsuited(
             format!(
                 "the pixel ({}, {}) is transparent",
@@ -99,43 +102,22 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
              linear, premultiplied radiance as .exr",
         ));
     }
-    let code = |sample: u16| ((u32::from(sample) + 128) / 257) as u8;
-    let colour = |pixel: &[u8]| {
-        let channel = |c| if channels < 3 { 0 } else { c };
-        [0, 1, 2].map(|c| code(sample(pixel, channel(c))))
-    };
-    Ok((width, height, pixels.map(colour).collect()))
-}
-
-/// A reader of the one image, whose size was checked, and whose samples are transformed.
-fn reader(
-    bytes: &[u8],
-    transformations: png::Transformations,
-) -> Result<png::Reader<Cursor<&[u8]>>, FilmError> {
-    let limits = png::Limits { bytes: MOST_MEMORY };
-    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
-    decoder.set_transformations(transformations);
-    let header = decoder.read_header_info().map_err(damaged)?;
-    check_size(header.width as usize, header.height as usize)?;
-    // In 64 bits: `raw_bytes` overflows words of 32.
-    let claimed = u64::from(header.height) * header.raw_row_length() as u64;
-    check_claim(claimed, bytes.len())?;
-    let reader = decoder.read_info().map_err(damaged)?;
-    let size = reader.output_buffer_size().unwrap_or(usize::MAX);
-    check_claim(size as u64, bytes.len())?;
-    Ok(reader)
+    Ok((width, height, eight_bits(&image)))
 }
 
 fn broken(reason: impl ToString) -> FilmError {
     FilmError::unreadable("PNG", reason.to_string())
 }
 
-/// The error for a file that the crate refuses.
-fn damaged(error: png::DecodingError) -> FilmError {
-    match &*error.to_string() {
+/// The error for a file that a crate refuses.
+fn damaged(error: impl ToString) -> FilmError {
+    let words = error.to_string();
+    let words = words.strip_prefix("Format error decoding Png: ");
+    let words = words.map_or_else(|| error.to_string(), str::to_owned);
+    match &*words {
         "unexpected end of file" => broken("the file ends too early"),
         "Invalid PNG signature." => broken("it does not begin with the signature of the format"),
-        "limits are exceeded" => FilmError::unsuited(
+        "limits are exceeded" | "Memory limit exceeded" => FilmError::unsuited(
             format!(
                 "a row, chunk or profile of this PNG takes more than {} MB",
                 MOST_MEMORY >> 20
@@ -303,4 +285,32 @@ fn description(profile: &[u8]) -> Option<String> {
         }
     }
     None
+}
+
+/// The first pixel, row by row, that is not opaque.
+fn first_transparent(image: &DynamicImage) -> Option<usize> {
+    match image {
+        DynamicImage::ImageLumaA8(image) => image.pixels().position(|p| p.0[1] < u8::MAX),
+        DynamicImage::ImageRgba8(image) => image.pixels().position(|p| p.0[3] < u8::MAX),
+        DynamicImage::ImageLumaA16(image) => image.pixels().position(|p| p.0[1] < u16::MAX),
+        DynamicImage::ImageRgba16(image) => image.pixels().position(|p| p.0[3] < u16::MAX),
+        _ => None,
+    }
+}
+
+/// 8-bit codes; for 16-bit values the nearest, v/257.
+fn eight_bits(image: &DynamicImage) -> Vec<[u8; 3]> {
+    use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
+    if matches!(
+        image,
+        ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_)
+    ) {
+        let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
+        return image
+            .to_rgb16()
+            .pixels()
+            .map(|pixel| pixel.0.map(code))
+            .collect();
+    }
+    image.to_rgb8().pixels().map(|pixel| pixel.0).collect()
 }
