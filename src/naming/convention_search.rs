@@ -65,7 +65,7 @@ impl Explained {
         result.conventions = self.in_words();
         let rest = match self.agreement {
             Agreement::Full => String::new(),
-            Agreement::ButFor(share) if share == 0.0 => " but for its mean".to_owned(),
+            Agreement::ButFor(0.0) => " but for its mean".to_owned(),
             Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
         let under = match result.conventions.len() {
