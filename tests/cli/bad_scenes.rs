@@ -137,7 +137,7 @@ fn modes_and_what_contradicts_them() {
     scene.toml:10:10: nothing casts a shadow with `mode = "maximum"` help: leave the table out, or `mode`
     scene.toml:10:9: `mode = "maximum"` shows a value, which has no normal help: leave the table out
     scene.toml:10:21: `mode = "maximum"` ends no ray early help: leave the key out
-    scene.toml:10:15: conventions are about composited samples, and `mode = "maximum"` has none help: leave the table out
+    scene.toml:10:26: `mode = "maximum"` does not follow this convention help: leave the key out
     scene.toml:10:15: `mode = "maximum"` knows one order: from the eye on help: leave the key out, or say "continuous" for exact values
     scene.toml:11:17: with `compositing = "continuous"` the field is trilinear: between nearest nodes it jumps help: leave the key out
     scene.toml:10:15: `mode = "maximum"` attenuates nothing help: leave the key out, or say `mode = "attenuated-maximum"`
@@ -873,7 +873,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:13:10: `colour` must not be negative, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:6:1: volumes and surfaces make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
-    broken.toml:12:1: with several volumes, surfaces or clips only `composition`, `surface_depth` and `object_shadows` are known help: leave the other keys out
+    broken.toml:12:1: with several volumes, surfaces or clips only `composition`, `surface_depth` and `object_shadows` are known, or without them those of one volume without shadow help: leave the other keys out
     broken.toml:6:15: with several volumes, surfaces or clips the integral without samples is stated for one volume help: leave `compositing` out and give a `step`
     broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
@@ -881,7 +881,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:6:1: this volume has no transfer function, and others have one of their own help: give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes without one: an empty table is the formula with its defaults
-    broken.toml:4:1: `composition`, `surface_depth` and `object_shadows` are about several volumes, surfaces or clips: the scene has none help: leave these keys out
+    broken.toml:4:1: `composition`, `surface_depth`, `object_shadows` and `sample_behind_ends` are about several volumes, surfaces or clips: the scene has none help: leave these keys out
     broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` is empty help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` must be a table, or tables in double brackets, [[…]], not an integer help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.

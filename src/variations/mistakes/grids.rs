@@ -63,7 +63,7 @@ macro_rules! mistakes {
         },
         Mistake {
             name: concat!($grid, "-upside-down"),
-            advice: concat!("the ", $grid, " is upside down: y grows upwards"),
+            advice: concat!("the ", $grid, " is upside down: y must grow upwards"),
             edit: $edit(|grid| reversed_along(grid, 1)),
         },
         Mistake {

@@ -139,18 +139,19 @@ impl Files {
             .iter()
             .filter(|import| import.is_public && import.name == "*");
         match source.uses.iter().find(public) {
-            Some(import) => {
+            // A macro of this file is handed on by its own name.
+            Some(import) if import.path != path[..=end] => {
                 let rest = path[end + 1..].iter().cloned();
                 let target: Module = import.path.iter().cloned().chain(rest).collect();
                 self.resolve(&target, found);
             }
             // A glob hands on what this file does not define itself.
-            None if !defines(&source.code, name) && globs.clone().next().is_some() => {
+            _ if !defines(&source.code, name) && globs.clone().next().is_some() => {
                 if let Some(import) = globs.find(|import| self.has(&import.path, name)) {
                     self.resolve(&import.path, found);
                 }
             }
-            None => {
+            _ => {
                 found.insert(&source.file);
             }
         }
