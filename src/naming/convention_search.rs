@@ -101,10 +101,11 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
     } else {
         Cause::Convention
     };
-    let outside = result.metrics.get("outlier_share");
-    let size = outside.map_or(String::new(), |share| {
-        format!(" in {:.3} % of the pixels", 100.0 * share)
-    });
+    let size = match result.metrics.get("outlier_share").copied() {
+        None => String::new(),
+        Some(0.0) => " on the whole, in no pixel by more than its tolerance".to_owned(),
+        Some(share) => format!(" in {:.3} % of the pixels", 100.0 * share),
+    };
     let conventions = result.conventions.join("; ");
     result.reason = format!("differs by convention{size}: it {conventions}. {agreement}");
 }
