@@ -10,7 +10,6 @@ use super::ray_caster::{Layer, RayCaster, Way};
 use super::shading::ShadedSample;
 use super::steps::StepRule;
 use super::work::RayWork;
-use crate::film::Film;
 use crate::geometry::Ray;
 use crate::math::exp;
 use crate::scene::{
@@ -19,18 +18,6 @@ use crate::scene::{
 };
 use crate::volume::{Cell, NodeLine};
 use glam::DVec3;
-use rayon::prelude::*;
-
-/// The image of `scene`, whose mode is a projection or isosurfaces; one ray through the centre of each pixel.
-pub(super) fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
-    let caster = FieldCaster::new(scene);
-    let pixels = (0..width * height).into_par_iter();
-    let pixels = pixels.map(|index| {
-        let pixel = [index % width, index / width];
-        caster.pixel(&scene.camera.ray(pixel, [width, height])).0
-    });
-    Film::with_opacity(width, height, pixels.collect())
-}
 
 /// Renders the rays of a scene whose mode is a projection or isosurfaces.
 pub struct FieldCaster<'s> {

@@ -1,6 +1,6 @@
 //! Images of all places of the first sample of a ray, for renderers that choose it at random.
 
-use super::ray_caster::render_with;
+use super::image::render_with;
 use crate::film::Film;
 use crate::scene::{Panel, Scene};
 

@@ -10,51 +10,19 @@
 //! what a scene does not ask for.
 
 use super::classifier::Classifier;
-use super::field_caster;
 use super::normals::Gradients;
 use super::opacity::Correction;
 use super::shading::ShadedSample;
 use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world};
-use super::stored_values::as_stored;
 use super::work::RayWork;
-use crate::film::Film;
 use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
-use crate::scene::{
-    Classified, Compositing, Lookup, Mode, NormalSpace, NormalTransform, Precision, Scene,
-};
+use crate::scene::{Classified, Compositing, Lookup, NormalSpace, NormalTransform, Precision};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
 use glam::DVec3;
 use half::f16;
-use rayon::prelude::*;
-
-/// The image of `scene`: radiance, background included, and the opacity of the volume in front of
-/// it; one ray through the centre of each pixel. Projections and isosurfaces are those of
-/// [`FieldCaster`](super::FieldCaster).
-pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
-    let [width, height] = size;
-    if scene.mode != Mode::Composited {
-        return field_caster::render(scene, size);
-    }
-    let scene = as_stored(scene);
-    let caster = RayCaster::new(&scene);
-    let pixels = (0..width * height).into_par_iter();
-    let pixels = pixels.map(|index| caster.pixel([index % width, index / width], size).0);
-    Film::with_opacity(width, height, pixels.collect())
-}
-
-/// The image of `scene` with its volumes changed by `edit`; `None` if a panel is no classified volume.
-pub(super) fn render_with(scene: &Scene, edit: impl Fn(&mut Classified)) -> Option<Film> {
-    let panels = scene.panels.iter().map(|panel| {
-        let mut volume = panel.classified()?.clone();
-        edit(&mut volume);
-        Some(render(&volume, [panel.width, panel.height]))
-    });
-    let panels: Option<Vec<Film>> = panels.collect();
-    Some(Film::side_by_side(&panels?))
-}
 
 /// A ray caster for a scene.
 pub struct RayCaster<'s> {

@@ -5,7 +5,7 @@
 //! so in every pixel.
 
 use super::first_samples::bounds;
-use super::ray_caster::render_with;
+use super::image::render_with;
 use crate::film::Film;
 use crate::math;
 use crate::scene::{Compositing, Panel, Precision, Scene};

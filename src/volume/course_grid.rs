@@ -5,9 +5,9 @@
 //! node lies at the world origin.
 
 use super::error::{VolumeFault, refused};
-use super::format::{VolumeFormat, VolumeRead};
+use super::format::VolumeFormat;
 use super::orientation::Axes;
-use super::samples::{fill, read_grid};
+use super::samples::{VolumeRead, fill, read_grid};
 use super::source::VolumeSource;
 use super::{Element, Lattice, Layout, LoadOptions};
 use glam::DVec3;

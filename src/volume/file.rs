@@ -2,7 +2,7 @@
 
 use super::course_grid::COURSE_GRID;
 use super::error::{VolumeError, VolumeFault};
-use super::format::{Stored, VolumeFormat};
+use super::format::VolumeFormat;
 use super::grid::Grid;
 use super::load_options::LoadOptions;
 use super::mitsuba_vol::MITSUBA_VOL;
@@ -12,6 +12,7 @@ use super::nrrd::NRRD;
 use super::other_formats::{misnamed, remedy};
 use super::point_cloud::POINT_CLOUD;
 use super::raw_volume::BARE_SAMPLES;
+use super::samples::Stored;
 use super::source::{FileRead, VolumeSource, ends_in};
 use crate::geometry::Transform;
 use std::io::BufRead;

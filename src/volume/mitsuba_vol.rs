@@ -10,9 +10,9 @@
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
 use super::error::{VolumeFault, refused};
-use super::format::{VolumeFormat, VolumeRead};
+use super::format::VolumeFormat;
 use super::orientation::Axes;
-use super::samples::{check_sizes, fill, read_grid};
+use super::samples::{VolumeRead, check_sizes, fill, read_grid};
 use super::source::VolumeSource;
 use super::{Centring, Element, Layout, LoadOptions};
 use glam::DVec3;

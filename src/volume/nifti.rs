@@ -12,9 +12,9 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::format::{VolumeFormat, VolumeRead};
+use super::format::VolumeFormat;
 use super::orientation::{Axes, AxisSteps};
-use super::samples::{check_sizes, fill, read_grid, read_unpacked};
+use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
 use crate::files::decoder::Guarded;

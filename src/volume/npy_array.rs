@@ -1,9 +1,9 @@
 //! NPY: an array of NumPy of shape (z, y, x). It states no positions: spacing and origin are options.
 
 use super::error::{VolumeFault, refused};
-use super::format::{VolumeFormat, VolumeRead};
+use super::format::VolumeFormat;
 use super::orientation::{Axes, AxisSteps, Orientation};
-use super::samples::{check_sizes, fill, read_grid};
+use super::samples::{VolumeRead, check_sizes, fill, read_grid};
 use super::source::VolumeSource;
 use super::{Element, Endian, Layout, LoadOptions};
 use crate::film::{FilmError, NpyHeader};

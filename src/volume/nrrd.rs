@@ -21,8 +21,8 @@ mod fields;
 mod geometry;
 
 use super::error::{VolumeFault, refused};
-use super::format::{VolumeFormat, VolumeRead};
-use super::samples::read_grid;
+use super::format::VolumeFormat;
+use super::samples::{VolumeRead, read_grid};
 use super::source::VolumeSource;
 use super::{Encoding, Layout, LoadOptions};
 use fields::Fields;

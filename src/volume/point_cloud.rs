@@ -1,9 +1,10 @@
 //! Point clouds as volumes: read from Wavefront OBJ, splatted to a grid.
 
 use super::error::VolumeFault;
-use super::format::{Stored, VolumeFormat, VolumeRead};
+use super::format::VolumeFormat;
 use super::load_options::LoadOptions;
 use super::obj_points::read_obj_points;
+use super::samples::{Stored, VolumeRead};
 use super::source::VolumeSource;
 use super::splat::splat;
 use crate::geometry::Aabb;

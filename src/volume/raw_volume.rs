@@ -15,9 +15,9 @@
 //! A wrong `endian` cannot be told apart from unusual values.
 
 use super::error::{VolumeFault, refused};
-use super::format::{VolumeFormat, VolumeRead};
+use super::format::VolumeFormat;
 use super::orientation::{Axes, Orientation};
-use super::samples::{check_sizes, read_grid};
+use super::samples::{VolumeRead, check_sizes, read_grid};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, LatticeError, Layout, LoadOptions};
 use crate::files::misspelling::nearest;

@@ -5,11 +5,11 @@
 //! compressed file, memory grows with the data received.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Stored, VolumeRead};
 use super::orientation::Axes;
 use super::source::VolumeSource;
 use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
 use crate::files::decoder::Guarded;
+use crate::geometry::Aabb;
 use std::io::{self, BufRead, Read};
 
 /// The type of a stored sample.
@@ -141,6 +141,23 @@ impl Layout {
             space: None,
         }
     }
+}
+
+/// Grid of a file, and its storage.
+pub(super) type VolumeRead = Result<(Grid<f32>, Stored), VolumeFault>;
+
+/// The storage of a volume in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stored {
+    /// As points.
+    Cloud {
+        /// Number of points.
+        points: usize,
+        /// The box around them.
+        extent: Aabb,
+    },
+    /// As samples of a grid.
+    Samples(Layout),
 }
 
 /// Reads the samples that follow a header, and all that follows them: nothing may.

@@ -7,7 +7,7 @@
 use glam::{DMat3, DVec3};
 use std::fmt::Write as _;
 use std::path::Path;
-use volref::conventions::ray_caster as conventional;
+use volref::conventions as conventional;
 use volref::film::Film;
 use volref::geometry::{Direction, Ray, Transform};
 use volref::math::{exp_m1, ln_1p, powu};

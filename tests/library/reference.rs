@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use volref::compare::stochastic;
-use volref::conventions::ray_caster as conventional;
+use volref::conventions as conventional;
 use volref::faulty_tracer::FaultyTracer;
 use volref::film::Film;
 use volref::geometry::length_of;

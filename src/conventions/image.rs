@@ -1,0 +1,37 @@
+//! Images under conventions of other renderers.
+
+use super::field_caster::FieldCaster;
+use super::ray_caster::RayCaster;
+use super::stored_values::as_stored;
+use crate::film::Film;
+use crate::scene::{Classified, Mode, Scene};
+use rayon::prelude::*;
+
+/// The image of `scene`: radiance, background included, and the opacity of the volume in front of
+/// it; one ray through the centre of each pixel.
+pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
+    let [width, height] = size;
+    let pixels = (0..width * height).into_par_iter();
+    let pixels = pixels.map(|index| [index % width, index / width]);
+    let pixels = if scene.mode == Mode::Composited {
+        let scene = as_stored(scene);
+        let caster = RayCaster::new(&scene);
+        pixels.map(|pixel| caster.pixel(pixel, size).0).collect()
+    } else {
+        let caster = FieldCaster::new(scene);
+        let ray = |pixel| scene.camera.ray(pixel, size);
+        pixels.map(|pixel| caster.pixel(&ray(pixel)).0).collect()
+    };
+    Film::with_opacity(width, height, pixels)
+}
+
+/// The image of `scene` with its volumes changed by `edit`; `None` if a panel is no classified volume.
+pub(super) fn render_with(scene: &Scene, edit: impl Fn(&mut Classified)) -> Option<Film> {
+    let panels = scene.panels.iter().map(|panel| {
+        let mut volume = panel.classified()?.clone();
+        edit(&mut volume);
+        Some(render(&volume, [panel.width, panel.height]))
+    });
+    let panels: Option<Vec<Film>> = panels.collect();
+    Some(Film::side_by_side(&panels?))
+}
