@@ -6,7 +6,7 @@
 //! mistake of the scene is made or a convention is asked. Places of samples, values and normals are those of the
 //! [`RayCaster`]. With default conventions and without mistakes both give the same bits.
 
-use super::ray_caster::{Layer, RayCaster, Way};
+use super::ray_caster::{Layer, RayCaster, Way, rounded};
 use super::shading::ShadedSample;
 use super::steps::StepRule;
 use super::work::RayWork;
@@ -23,6 +23,8 @@ use glam::DVec3;
 pub struct FieldCaster<'s> {
     scene: &'s Classified,
     caster: RayCaster<'s>,
+    /// Greys of a mean, where they are those of the range of the grid.
+    greys: Option<Window>,
 }
 
 /// A sample of the field.
@@ -37,9 +39,24 @@ struct Sample {
 impl<'s> FieldCaster<'s> {
     /// That of `scene`.
     pub fn new(scene: &'s Classified) -> FieldCaster<'s> {
+        FieldCaster::by(scene, RayCaster::new(scene))
+    }
+
+    /// The same without shading: for places of surfaces.
+    pub fn unshaded(scene: &'s Classified) -> FieldCaster<'s> {
+        FieldCaster::by(scene, RayCaster::unshaded(scene))
+    }
+
+    fn by(scene: &'s Classified, caster: RayCaster<'s>) -> FieldCaster<'s> {
+        let is_mean = matches!(&scene.mode, Mode::Projection(it) if it.of == Projected::Mean);
+        let greys = (is_mean && scene.conventions.mean_of_range).then(|| {
+            let (low, high) = scene.grid.range();
+            Window { low, high }
+        });
         FieldCaster {
             scene,
-            caster: RayCaster::new(scene),
+            caster,
+            greys: greys.filter(|greys| greys.low < greys.high),
         }
     }
 
@@ -83,19 +100,12 @@ impl<'s> FieldCaster<'s> {
             let DVec3 { x, y, z } = self.scene.background;
             return [x, y, z, 0.0].map(|value| value as f32);
         };
-        let (low, high) = self.scene.grid.range();
-        let of_range = self.scene.conventions.mean_of_range && projection.of == Projected::Mean;
-        let colour = if of_range && low < high {
-            DVec3::splat(Window { low, high }.position(number))
-        } else {
-            projection.colour(number, &self.scene.transfer_function)
+        let colour = match self.greys {
+            Some(greys) => DVec3::splat(greys.position(number)),
+            None => projection.colour(number, &self.scene.transfer_function),
         };
-        let seen = Layer {
-            colour,
-            opacity: 1.0,
-            transparency: 0.0,
-        };
-        let DVec3 { x, y, z } = seen.rounded(self.scene.conventions.precision).colour;
+        let precision = self.scene.conventions.precision;
+        let DVec3 { x, y, z } = colour.map(|value| rounded(value, precision));
         [x, y, z, 1.0].map(|value| value as f32)
     }
 

@@ -76,25 +76,38 @@ impl Layer {
 
     /// This layer in numbers of `precision`.
     pub fn rounded(self, precision: Precision) -> Layer {
-        let round = |value: f64| match precision {
-            Precision::F64 => value,
-            Precision::F32 => f64::from(value as f32),
-            Precision::F16 => f64::from(f16::from_f64(value)),
-            // Not above what a product of whole numbers of units is but for the rounding of `f64`.
-            Precision::U15 => ((value.clamp(0.0, 1.0) * 32767.0 - 1e-6).ceil()) / 32767.0,
-            Precision::U8 => (value.clamp(0.0, 1.0) * 255.0).round() / 255.0,
-        };
+        let round = |value| rounded(value, precision);
         Layer {
-            colour: DVec3::from_array(self.colour.to_array().map(round)),
+            colour: self.colour.map(round),
             opacity: round(self.opacity),
             transparency: round(self.transparency),
         }
     }
 }
 
+/// `value` as a number of `precision`.
+pub(super) fn rounded(value: f64, precision: Precision) -> f64 {
+    match precision {
+        Precision::F64 => value,
+        Precision::F32 => f64::from(value as f32),
+        Precision::F16 => f64::from(f16::from_f64(value)),
+        // Not above what a product of whole numbers of units is but for the rounding of `f64`.
+        Precision::U15 => ((value.clamp(0.0, 1.0) * 32767.0 - 1e-6).ceil()) / 32767.0,
+        Precision::U8 => (value.clamp(0.0, 1.0) * 255.0).round() / 255.0,
+    }
+}
+
 impl<'s> RayCaster<'s> {
     /// The ray caster of `scene`.
     pub fn new(scene: &'s Classified) -> RayCaster<'s> {
+        RayCaster {
+            shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
+            ..RayCaster::unshaded(scene)
+        }
+    }
+
+    /// The same without shading, whose gradients at all nodes take time.
+    pub(super) fn unshaded(scene: &'s Classified) -> RayCaster<'s> {
         RayCaster {
             scene,
             classifier: Classifier::of(scene),
@@ -103,7 +116,7 @@ impl<'s> RayCaster<'s> {
                 bounds: bounds(scene),
                 to_world: scene.to_world,
             },
-            shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
+            shading: None,
         }
     }
 

@@ -39,8 +39,8 @@ impl Preintegrated<'_> {
         }
     }
 
-    /// What a segment of `length` world units looks like along which the value runs straight from
-    /// `front`, nearer to the eye, to `back`: its opacity, and its associated radiance.
+    /// Opacity and associated radiance of a segment of `length` world units along which the value runs straight
+    /// from `front`, nearer to the eye, to `back`.
     ///
     /// Domain: finite values, for the formula not negative; `length ≥ 0`, finite also in units of
     /// the reference length. Equal values make a homogeneous segment, with the opacity of

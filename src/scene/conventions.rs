@@ -963,7 +963,7 @@ pub enum Precision {
 }
 
 impl Conventions {
-    /// Those that a mode follows, the others as volref has them.
+    /// Conventions that a mode follows; the others as volref has them.
     pub fn of_mode(&self, mode: &Mode) -> Conventions {
         let own = Conventions::default();
         let places = Conventions {

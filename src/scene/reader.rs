@@ -209,7 +209,7 @@ impl<'d, 's> Reader<'d, 's> {
         self.mistake(name, message, help)
     }
 
-    /// What was made of the value of `name`, or the mistake in it.
+    /// The value made of `name`, or the mistake in it.
     pub fn accepted_at<T>(&self, name: &str, made: Result<T, impl Display>) -> SceneResult<T> {
         made.map_err(|error| self.error(name, error.to_string()))
     }

@@ -47,6 +47,7 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
         endian,
         ..Layout::raw(element, axes)
     };
+    // Which index runs fastest is a matter of memory, not of place.
     let options = LoadOptions {
         orientation: Orientation::World,
         ..*options

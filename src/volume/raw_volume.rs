@@ -210,13 +210,13 @@ impl RawVolume {
     }
 }
 
-/// What a description holds, at its places.
+/// Values of a description, with their places in its text.
 struct Written<'t> {
     text: &'t str,
 }
 
 impl Written<'_> {
-    /// What `read` makes of a value, or its message.
+    /// A value, by `read`, or its message at its place.
     fn value<T, R>(
         &self,
         value: &Spanned<T>,

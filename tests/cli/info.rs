@@ -57,10 +57,11 @@ fn a_grid() {
 
 #[test]
 fn a_header_and_its_data() {
-    let folder = with(&["detached.nhdr", "detached.raw"]);
-    let shown = folder.volref("info detached.nhdr").shown();
+    let folder = with(&["grid.nii", "detached.nhdr", "detached.raw"]);
+    let [grid, shown] = ["info grid.nii", "info detached.nhdr"].map(|it| folder.volref(it).shown());
+    let (facts, histogram) = shown.split_once("\nhistogram").unwrap();
     // The values are those of `a_grid`.
-    let (facts, _) = shown.split_once("\nhistogram").unwrap();
+    assert_eq!(histogram, grid.split_once("\nhistogram").unwrap().1);
     assert_shown!(facts, @r"
     exit code 0
     --- stdout

@@ -44,7 +44,7 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     entries
 }
 
-/// How values of a volume are read, sampled by this formula, and seen.
+/// Reading, sampling (by this formula) and look of the values of a volume.
 pub(super) fn look(scene: &Classified, formula: &str) -> Entries {
     let sampling = vec![("step", scene.step.into()), ("formula", formula.into())];
     let look = &scene.transfer_function;

@@ -443,7 +443,7 @@ fn next(candidates: &Candidates) -> Option<ConventionSet> {
     best.map(|(set, _)| set.clone())
 }
 
-/// What a set leaves, doubled for each of its conventions: many that leave a little less than few may be none of
+/// Misfit of a set, doubled for each of its conventions: many that leave a little less than few may be none of
 /// them right, and from few that are right the others are found one by one.
 fn lead((set, candidate): &(&ConventionSet, &Candidate)) -> f64 {
     candidate.misfit.mean_square * powu(2.0, set.len() as u32)

@@ -85,10 +85,16 @@ impl Layer {
 struct LayersOfPanel<'s> {
     volume: &'s Classified,
     size: [usize; 2],
-    /// The field without samples.
-    exact: Option<ExactField<'s>>,
-    /// The field by samples, of isosurfaces.
-    sampled: Option<FieldCaster<'s>>,
+    /// The field, of isosurfaces.
+    field: Option<SurfaceField<'s>>,
+}
+
+/// A field in which isosurfaces are found.
+enum SurfaceField<'s> {
+    /// Without samples.
+    Exact(Box<ExactField<'s>>),
+    /// By samples.
+    Sampled(Box<FieldCaster<'s>>),
 }
 
 impl<'s> LayersOfPanel<'s> {
@@ -119,21 +125,24 @@ impl<'s> LayersOfPanel<'s> {
             None => Ok(LayersOfPanel {
                 volume,
                 size: [panel.width, panel.height],
-                exact: volume.is_exact().then(|| ExactField::new(volume)),
-                sampled: matches!(volume.mode, Mode::Isosurfaces(_))
-                    .then(|| FieldCaster::new(volume)),
+                field: matches!(volume.mode, Mode::Isosurfaces(_)).then(|| {
+                    if volume.is_exact() {
+                        SurfaceField::Exact(Box::new(ExactField::new(volume)))
+                    } else {
+                        SurfaceField::Sampled(Box::new(FieldCaster::unshaded(volume)))
+                    }
+                }),
             }),
         }
     }
 
     fn layers(&self, ray: &Ray) -> Vec<Layer> {
-        let Mode::Isosurfaces(surfaces) = &self.volume.mode else {
+        let (Mode::Isosurfaces(surfaces), Some(field)) = (&self.volume.mode, &self.field) else {
             return self.steps(ray);
         };
-        let passed = match (&self.exact, &self.sampled) {
-            (Some(field), _) => field.passed_along(surfaces, ray),
-            (None, Some(caster)) => caster.passed_along(surfaces, ray),
-            (None, None) => vec![],
+        let passed = match field {
+            SurfaceField::Exact(field) => field.passed_along(surfaces, ray),
+            SurfaceField::Sampled(caster) => caster.passed_along(surfaces, ray),
         };
         let layer = |(t, surface): (f64, Isosurface)| Layer::of((t, 0.0), surface.opacity);
         passed.into_iter().map(layer).collect()

@@ -307,6 +307,7 @@ fn flat_box(reader: &Reader, what: &str) -> Box<SceneError> {
     reader.mistake("box", message, help)
 }
 
+/// `shape` where `to_world` takes it, if there is still something of it.
 fn at<S: Surface>(
     reader: &Reader,
     key: &str,

@@ -295,7 +295,7 @@ impl<'d, 's> Reader<'d, 's> {
         }
     }
 
-    /// What `read` makes of the table `name`, if it is there.
+    /// The table `name`, by `read`, if it is there.
     pub fn table_as<T>(
         &self,
         name: &str,
@@ -304,7 +304,7 @@ impl<'d, 's> Reader<'d, 's> {
         self.table(name)?.as_ref().map(read).transpose()
     }
 
-    /// What `read` makes of each of the tables `name`.
+    /// The tables `name`, each by `read`.
     pub fn tables_as<T>(
         &self,
         name: &str,

@@ -1,6 +1,6 @@
 //! Mistakes about the grid: where its values lie, and in which order they are stored.
 //!
-//! Those that media can have, too, are there twice: "volume-…" and "grid-…".
+//! Mistakes that media can have, too, are there twice: "volume-…" and "grid-…".
 
 use super::{Edit, Mistake};
 use crate::volume::{Centring, Grid, Lattice};

@@ -54,7 +54,7 @@ const TYPES: [(Element, &str); 10] = [
     (Element::Float64, "double"),
 ];
 
-/// Whether `word` is one of the words of a list with commas.
+/// True if a list with commas has `word`.
 fn is_listed(list: &str, word: &str) -> bool {
     list.split(", ").any(|listed| listed == word)
 }
