@@ -154,7 +154,7 @@ class Result:
             lines.append(f"looks like {mistake.name}: {mistake.advice}")
         if self.difference:
             is_found = any("the scene agrees with the image" in it for it in self.difference)
-            nothing = "no known mistake or convention explains it; measured:"
+            nothing = "nothing that was tried explains it; measured:"
             lines.append("a change of a number explains it:" if is_found else nothing)
             lines.extend(f"  {sentence}" for sentence in self.difference)
         if self.report:

@@ -26,6 +26,7 @@ pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, un
 pub use field_caster::FieldCaster;
 pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use image::render;
+pub use normals::NodeGradients;
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;
 pub use stored_values::as_stored;

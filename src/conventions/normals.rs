@@ -2,17 +2,18 @@
 
 use super::work::RayWork;
 use crate::geometry::Direction;
-use crate::scene::{Classified, Conventions, Gradient};
+use crate::scene::{Classified, Conventions, Gradient, StoredValues};
 use crate::volume::{Cell, Grid, Lattice, NodePoint, Reconstruction as _, relative_gradients};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::{Arc, Mutex};
 
 /// Gradients of a scene's field, all scaled by one factor: shading uses their directions alone.
 pub enum Gradients {
     /// Stored at the nodes.
-    Stored(Grid<[f32; 3]>),
+    Stored(Arc<Grid<[f32; 3]>>),
     /// Stored at the nodes, of the world, in which a map places the volume.
-    World(Grid<[f32; 3]>),
+    World(Arc<Grid<[f32; 3]>>),
     /// Differences of the interpolant at the sample, over `2 · reach` in node coordinates, divided by
     /// as many spacings along each axis.
     Differences {
@@ -26,27 +27,26 @@ pub enum Gradients {
 }
 
 impl Gradients {
-    /// The gradients of `scene`, by its conventions.
-    pub fn of(scene: &Classified) -> Gradients {
+    /// The gradients of `scene`, by its conventions; those at nodes are taken from `known`, or added to it.
+    pub fn of(scene: &Classified, known: &NodeGradients) -> Gradients {
         let grid = &*scene.grid;
         if scene.to_world.is_some() && takes_volrefs(&scene.conventions) {
-            return Gradients::World(scene.gradients());
+            return Gradients::World(Arc::new(scene.gradients()));
         }
-        let stored = match scene.conventions.gradient {
-            Gradient::Central => relative_gradients(grid),
-            Gradient::Forward => at_nodes(grid, FORWARD, None),
-            Gradient::Sobel => at_nodes(grid, CENTRAL, Some(SMOOTH)),
-            Gradient::Backward => at_nodes(grid, BACKWARD, None),
-            Gradient::Interpolant => return Gradients::Derivative,
-            Gradient::RayStep => return Gradients::RayStep,
+        match scene.conventions.gradient {
+            Gradient::Interpolant => Gradients::Derivative,
+            Gradient::RayStep => Gradients::RayStep,
             Gradient::Texture => {
                 let nodes = DVec3::from_array(grid.lattice().nodes().map(|nodes| nodes as f64));
                 // An axis with one node has no differences, whatever the reach.
                 let reach = nodes / (nodes - 1.0).max(DVec3::ONE);
-                return Gradients::Differences { reach };
+                Gradients::Differences { reach }
             }
-        };
-        Gradients::Stored(rounded(scene, stored))
+            Gradient::Central => known.stored(scene, relative_gradients),
+            Gradient::Forward => known.stored(scene, |grid| at_nodes(grid, FORWARD, None)),
+            Gradient::Sobel => known.stored(scene, |grid| at_nodes(grid, CENTRAL, Some(SMOOTH))),
+            Gradient::Backward => known.stored(scene, |grid| at_nodes(grid, BACKWARD, None)),
+        }
     }
 
     /// True if they are of the world, not of the coordinates of the volume.
@@ -81,7 +81,7 @@ impl Gradients {
         match self {
             Gradients::Stored(grid) | Gradients::World(grid) => {
                 work.gradient_lookups += 1;
-                scene.interpolation.read(grid, cell)
+                scene.interpolation.read(&**grid, cell)
             }
             Gradients::Differences { reach } => differences([point.0 - *reach, point.0 + *reach]),
             Gradients::RayStep => {
@@ -96,6 +96,45 @@ impl Gradients {
                 differences([low, low + 1.0])
             }
         }
+    }
+}
+
+/// Gradients at the nodes of one volume under several sets of conventions, each kind computed once.
+#[derive(Debug, Default)]
+pub struct NodeGradients(Mutex<Vec<(Kind, Arc<Grid<[f32; 3]>>)>>);
+
+/// What gradients at nodes depend on: the values, the differences, and whether and in how many bits they are
+/// normalised.
+type Kind = (StoredValues, Gradient, bool, Option<u32>);
+
+/// Largest number of nodes with gradients that are kept, of all kinds together: 0.8 GB.
+const MOST_KEPT: usize = 1 << 26;
+
+impl NodeGradients {
+    fn stored(
+        &self,
+        scene: &Classified,
+        compute: impl Fn(&Grid<f32>) -> Grid<[f32; 3]>,
+    ) -> Gradients {
+        let conventions = &scene.conventions;
+        let kind = (
+            conventions.stored_values,
+            conventions.gradient,
+            conventions.normalised_at_nodes,
+            conventions.normal_bits,
+        );
+        let lock = || self.0.lock().expect("no panic holds it");
+        let known = lock().iter().find(|it| it.0 == kind).map(|it| it.1.clone());
+        let gradients = known.unwrap_or_else(|| {
+            // Without the lock: threads that compute take up other work, which may come here.
+            let new = Arc::new(rounded(scene, compute(&scene.grid)));
+            let mut kept = lock();
+            if (kept.len() + 1) * scene.grid.values().len() <= MOST_KEPT {
+                kept.push((kind, new.clone()));
+            }
+            new
+        });
+        Gradients::Stored(gradients)
     }
 }
 

@@ -10,7 +10,7 @@
 //! what a scene does not ask for.
 
 use super::classifier::Classifier;
-use super::normals::Gradients;
+use super::normals::{Gradients, NodeGradients};
 use super::opacity::Correction;
 use super::shading::ShadedSample;
 use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world};
@@ -100,8 +100,13 @@ pub(super) fn rounded(value: f64, precision: Precision) -> f64 {
 impl<'s> RayCaster<'s> {
     /// The ray caster of `scene`.
     pub fn new(scene: &'s Classified) -> RayCaster<'s> {
+        RayCaster::with_gradients(scene, &NodeGradients::default())
+    }
+
+    /// The same, with gradients at nodes that are `known` from other sets of conventions for the volume.
+    pub fn with_gradients(scene: &'s Classified, known: &NodeGradients) -> RayCaster<'s> {
         RayCaster {
-            shading: scene.phong.map(|phong| (phong, Gradients::of(scene))),
+            shading: scene.phong.map(|phong| (phong, Gradients::of(scene, known))),
             ..RayCaster::unshaded(scene)
         }
     }
@@ -123,8 +128,8 @@ impl<'s> RayCaster<'s> {
     /// Number of gradients computed for the nodes.
     pub fn gradients_computed(&self) -> u64 {
         match &self.shading {
-            Some((_, Gradients::Stored(grid) | Gradients::World(grid))) => {
-                grid.lattice().node_count() as u64
+            Some((_, Gradients::Stored(_) | Gradients::World(_))) => {
+                self.scene.grid.lattice().node_count() as u64
             }
             _ => 0,
         }

@@ -16,3 +16,23 @@ pub struct RayWork {
     /// Random numbers.
     pub random_draws: u64,
 }
+
+impl RayWork {
+    /// Number of all of these.
+    pub fn total(self) -> u64 {
+        let RayWork {
+            density_lookups,
+            gradient_lookups,
+            attenuations,
+            emission_terms,
+            shadow_rays,
+            random_draws,
+        } = self;
+        density_lookups
+            + gradient_lookups
+            + attenuations
+            + emission_terms
+            + shadow_rays
+            + random_draws
+    }
+}

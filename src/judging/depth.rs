@@ -97,6 +97,9 @@ fn entries(scene: &Scene, along_view: bool) -> Option<Vec<f32>> {
         return None;
     };
     let volume = scene.panels[0].classified()?;
+    if volume.volume_count() > 1 {
+        return None;
+    }
     let (extent, camera) = (volume.extent(), &volume.camera);
     let entry = |index: usize| {
         let ray = camera.ray([index % width, index / width], [width, height]);

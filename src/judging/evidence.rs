@@ -43,6 +43,9 @@ pub struct Evidence {
     /// Wall time of the other renderer, if it was run.
     #[serde(default)]
     pub rendering_seconds: Option<f64>,
+    /// True if the search for conventions ended at the limit of its work.
+    #[serde(default)]
+    pub conventions_are_open: bool,
 }
 
 impl Evidence {

@@ -7,6 +7,7 @@
 
 mod attempt;
 mod effects;
+mod images;
 mod profile_text;
 
 use super::shipped_profile::{self, NamedProfile};
@@ -18,7 +19,6 @@ use crate::suite::{Case, Store};
 use attempt::Attempt;
 use profile_text::profile_text;
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
 
 /// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
 const MOST_TOGETHER: usize = 9;
@@ -110,6 +110,11 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
     result.reason = format!("differs by convention{size}: it {conventions}. {agreement}");
 }
 
+/// A search that reached the limit of its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the search for conventions reached the limit of its work")]
+pub struct Unfinished;
+
 /// The search for the conventions behind images, with the sets that were found so far: what
 /// explains one image is tried first in the next.
 #[derive(Debug, Default)]
@@ -121,10 +126,11 @@ pub struct ConventionSearch {
 
 impl ConventionSearch {
     /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
-    /// `accepted`. The search takes at most `seconds`; one that takes longer is cut off, and a note says so.
+    /// `accepted`. The search takes as much work as two cores do in `seconds`, and a note says so of one that needs
+    /// more: on any machine the same.
     ///
     /// Of an image of 8 bits, the [profiles](Profile::shipped) that volref brings are tried as they are first:
-    /// the roundings that they state are no choices of a search. They come on top of its time.
+    /// the roundings that they state are no choices of a search. They come on top of it.
     pub fn explain_mismatch(
         &self,
         case: &Case,
@@ -147,16 +153,17 @@ impl ConventionSearch {
         if searches && let Some(found) = self.profile(case, store, &scene, judged) {
             return explain_by_profile(&found, &mut judged.result, accepted);
         }
-        let end = Instant::now().checked_add(Duration::from_secs_f64(seconds));
-        let explained = self.explain(case, &scene, &images, end);
-        if let Some(explained) = explained {
-            explained.explain(&mut judged.result, accepted);
-        } else if searches && end.is_some_and(|end| Instant::now() >= end) {
-            let note = format!(
-                "the search for conventions was cut off after {seconds} s: give it more time with \
-                 --explain"
-            );
-            judged.result.notes.push(note);
+        match self.explain(case, &scene, &images, Some(seconds)) {
+            Ok(Some(explained)) => explained.explain(&mut judged.result, accepted),
+            Err(Unfinished) if searches => {
+                let note = format!(
+                    "the search for conventions reached its limit of {seconds} s of work: give it more with \
+                     --explain"
+                );
+                judged.result.notes.push(note);
+                judged.evidence.conventions_are_open = true;
+            }
+            _ => {}
         }
     }
 
@@ -178,21 +185,24 @@ impl ConventionSearch {
     }
 
     /// The fewest conventions, of those tried, under which `images` pass as images of `case`: one with the
-    /// step of the scene, and any with half of it, a quarter and so on. `None` if there are none, or if
-    /// the time is over.
+    /// step of the scene, and any with half of it, a quarter and so on. `None` if there are none.
+    ///
+    /// # Errors
+    ///
+    /// If none were found with as much work as two cores do in these `seconds`.
     pub fn explain(
         &self,
         case: &Case,
         scene: &Scene,
         images: &[Film],
-        end: Option<Instant>,
-    ) -> Option<Explained> {
+        seconds: Option<f64>,
+    ) -> Result<Option<Explained>, Unfinished> {
         if !may_be_by_convention(scene, images) {
-            return None;
+            return Ok(None);
         }
         // Conventions are about samples.
         let scene = scene.with_volumes(|volume| volume.sample());
-        let attempt = Attempt::new(&scene, case.exposure, images, end);
+        let attempt = Attempt::new(&scene, case.exposure, images, seconds);
         let known = self.known.lock().expect("no panic holds it").clone();
         let from_before = known.into_iter().find_map(|set| {
             let agreement = attempt.agreement_if_near(&set)?;
@@ -202,18 +212,20 @@ impl ConventionSearch {
             Some((set, agreement))
         });
         let is_new = from_before.is_none();
-        let (set, agreement) = from_before.or_else(|| attempt.search())?;
+        let Some((set, agreement)) = from_before.or_else(|| attempt.search()) else {
+            return if attempt.is_work_done() { Err(Unfinished) } else { Ok(None) };
+        };
         if is_new {
             let mut known = self.known.lock().expect("no panic holds it");
             known.push(set.clone());
         }
         let alternatives = attempt.alternatives(&set, agreement);
-        Some(Explained {
+        Ok(Some(Explained {
             profile: profile_text(&scene, &set, &alternatives),
             alternatives,
             set,
             agreement,
-        })
+        }))
     }
 }
 

@@ -28,6 +28,7 @@ mod volume_in_view;
 
 use crate::compare::SHARED_POSITIONS;
 use crate::compare::cells::Misfit;
+pub(super) use clock::{SLOWEST, WORK_PER_SECOND};
 pub use clock::{Search, SearchStep, Stage};
 pub use fit::is_number_found;
 pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
@@ -86,15 +87,20 @@ pub struct Likenesses {
     pub unfinished: Vec<SearchStep>,
     /// Cases that no mistake explains, with what was measured of their difference: sentences.
     pub unexplained: Vec<(String, Vec<String>)>,
+    /// Names of cases whose search for conventions ended at the limit of its work.
+    pub with_open_conventions: Vec<String>,
     /// True if the images were judged by a profile, so that no other conventions were looked for.
     pub under_a_profile: bool,
 }
 
 impl Likenesses {
-    /// Words on cases that nothing known explains.
-    pub fn nothing_known(&self) -> &'static str {
+    /// Words on `case`, or on all, that nothing known explains.
+    pub fn nothing_known(&self, case: Option<&str>) -> &'static str {
+        let mut open = self.with_open_conventions.iter();
         if self.under_a_profile {
             "no known mistake explains it under this profile"
+        } else if open.any(|open| case.is_none_or(|case| case == open)) {
+            "no known mistake explains it, and not all conventions were tried"
         } else {
             "no known mistake or convention explains it"
         }
@@ -160,7 +166,12 @@ pub(crate) fn likeness_with(
         if found.is_empty() {
             let (singles, looks) = failed.search(&clock);
             found = singles;
-            let is_beyond_doubt = found.iter().any(|(_, misfit)| failed.explained_by(misfit));
+            let mut is_beyond_doubt =
+                found.iter().any(|(_, misfit)| failed.explained_by(misfit));
+            if found.is_empty() {
+                found = failed.search_in_pixels(&clock);
+                is_beyond_doubt = !found.is_empty();
+            }
             if !is_beyond_doubt && !failed.suspects.is_empty() {
                 let fit = failed.fitted_numbers(&clock);
                 // A number that agrees as well is as likely as a mistake that noise leaves possible.
@@ -304,6 +315,8 @@ pub(crate) fn likeness_with(
     for (likely, pair) in likely.iter_mut().zip(ranked.windows(2)) {
         likely.beside_the_next = distinguished::in_words(&pair[0], &pair[1], &unjudged);
     }
+    let open = judged.iter().filter(|it| it.evidence.conventions_are_open);
+    let with_open_conventions = open.map(|it| it.result.name.clone()).collect();
     let searched = failing.len() + of_opacity.count();
     let (of_opacity, without_name) = of_opacity.name(judged);
     likely.extend(of_opacity);
@@ -314,6 +327,7 @@ pub(crate) fn likeness_with(
         searched,
         unfinished,
         unexplained,
+        with_open_conventions,
         under_a_profile: false,
     }
 }

@@ -35,7 +35,7 @@ use super::clips::{SeveralVolumes, nearest_hit, span, surface_radiance, visibili
 use super::placement::{gradients, in_volume};
 use super::ray_caster::{Layer, RayCaster, midpoint, step_count};
 use crate::film::Film;
-use crate::geometry::Ray;
+use crate::geometry::{Ray, Span};
 use crate::math::ln_1p;
 use crate::optics::over_length;
 use crate::scene::{Classified, Modulation};
@@ -46,12 +46,7 @@ use rayon::prelude::*;
 /// The image of `scene`: radiance, background included, and opacity.
 pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
     let alone: Vec<Classified> = scene.each_alone().collect();
-    let caster = |scene| RayCaster {
-        scene,
-        gradients: gradients(scene),
-    };
-    let volumes = alone.iter().map(caster).collect();
-    let caster = SeveralVolumes { scene, volumes };
+    let caster = SeveralVolumes::of(scene, &alone);
     let pixels: Vec<[f32; 4]> = (0..width * height)
         .into_par_iter()
         .map(|index| {
@@ -78,21 +73,24 @@ struct Step {
     colour: DVec3,
 }
 
-impl SeveralVolumes<'_> {
+impl<'s> SeveralVolumes<'s> {
+    /// The volumes of `scene`, the scenes of each alone being these.
+    pub fn of(scene: &'s Classified, alone: &'s [Classified]) -> SeveralVolumes<'s> {
+        let caster = |scene| RayCaster {
+            scene,
+            gradients: gradients(scene),
+        };
+        let volumes = alone.iter().map(caster).collect();
+        SeveralVolumes { scene, volumes }
+    }
+
     /// Everything along `ray`, composited.
     fn cast(&self, ray: &Ray) -> Layer {
         let hit = nearest_hit(self.scene, ray);
         let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
-        let volumes = 0..self.volumes.len();
-        let steps = volumes.flat_map(|volume| self.steps(volume, ray, end));
-        let steps: Vec<Step> = steps.collect();
-        let mut ends: Vec<f64> = steps.iter().flat_map(|it| [it.near, it.far]).collect();
-        ends.sort_by(f64::total_cmp);
         let mut seen = Layer::EMPTY;
-        for piece in ends.windows(2).filter(|piece| piece[0] < piece[1]) {
-            let covers = |step: &&Step| step.near <= piece[0] && piece[1] <= step.far;
-            let steps: Vec<&Step> = steps.iter().filter(covers).collect();
-            seen = seen.over(self.piece(&steps, piece[1] - piece[0]));
+        for (_, piece) in self.pieces(ray, end) {
+            seen = seen.over(piece);
         }
         let Some((hit, surface)) = hit else {
             return seen;
@@ -102,6 +100,23 @@ impl SeveralVolumes<'_> {
             opacity: 1.0,
             transparency: 0.0,
         })
+    }
+
+    /// The pieces of `ray` up to `end`, each with its span.
+    pub fn pieces(&self, ray: &Ray, end: f64) -> Vec<(Span, Layer)> {
+        let volumes = 0..self.volumes.len();
+        let steps = volumes.flat_map(|volume| self.steps(volume, ray, end));
+        let steps: Vec<Step> = steps.collect();
+        let mut ends: Vec<f64> = steps.iter().flat_map(|it| [it.near, it.far]).collect();
+        ends.sort_by(f64::total_cmp);
+        let pieces = ends.windows(2).filter(|piece| piece[0] < piece[1]);
+        let pieces = pieces.map(|piece| {
+            let covers = |step: &&Step| step.near <= piece[0] && piece[1] <= step.far;
+            let steps: Vec<&Step> = steps.iter().filter(covers).collect();
+            let span = Span::new(piece[0], piece[1]);
+            (span, self.piece(&steps, span.length()))
+        });
+        pieces.collect()
     }
 
     /// The steps of a volume along `ray`, up to `end`.

@@ -172,8 +172,10 @@ impl Plan<'_> {
             }
             (Event::Attenuation | Event::EmissionTerm, Kernel::RayCaster { .. }) => true,
             (Event::DensityLookup | Event::CellWalked, Kernel::Integral(scene)) => {
-                let (least, most) = scene.grid.range();
-                least != most
+                scene.each_alone().any(|alone| {
+                    let (least, most) = alone.grid.range();
+                    least != most
+                })
             }
             (Event::Attenuation | Event::EmissionTerm, Kernel::Integral(_)) => true,
             _ => false,
@@ -307,13 +309,17 @@ fn of_casting(
 }
 
 fn of_integrals(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
-    let field = GridDensity::new(scene.grid.clone(), scene.interpolation);
-    let extent = scene.extent();
+    let field = |alone: Classified| {
+        let field = GridDensity::new(alone.grid.clone(), alone.interpolation);
+        (alone.extent(), field)
+    };
+    let fields: Vec<_> = scene.each_alone().map(field).collect();
     let cells = |ray: &Ray| {
-        let line = extent.line(ray);
-        let span = extent.span(ray);
-        let cells = span.map_or(0, |span| field.cubic_segments(line, span).count());
-        [cells as u64, 0]
+        let cells = fields.iter().map(|(extent, field)| {
+            let span = extent.span(ray);
+            span.map_or(0, |span| field.cubic_segments(extent.line(ray), span).count())
+        });
+        [cells.sum::<usize>() as u64, 0]
     };
     let (part, [cells, _]) = over_rays(panel, scene.camera, cells);
     // Behind what is opaque no cell is looked at.

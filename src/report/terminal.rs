@@ -203,11 +203,10 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         }
     }
     let unfinished = &found.unfinished;
-    let nothing_known = found.nothing_known();
     let is_said = found.unexplained.iter().any(|(_, said)| !said.is_empty());
     if found.likely.is_empty() && !found.unexplained.is_empty() && unfinished.is_empty() && !is_said
     {
-        text.push_str(&format!("\n{nothing_known}\n"));
+        text.push_str(&format!("\n{}\n", found.nothing_known(None)));
     }
     let measured = found
         .unexplained
@@ -220,7 +219,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         } else if is_open {
             "not explained yet; measured"
         } else {
-            &format!("{nothing_known}; measured")
+            &format!("{}; measured", found.nothing_known(Some(case)))
         };
         text.push_str(&format!("\n{case}: {head}:\n"));
         for sentence in said {

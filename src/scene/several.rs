@@ -67,6 +67,19 @@ impl Classified {
         (0..self.volume_count()).map(|index| self.alone(index))
     }
 
+    /// Puts a volume, [`alone`](Self::alone) in its scene, in the place of the one of this index.
+    pub fn put(&mut self, index: usize, mut alone: Classified) {
+        match index.checked_sub(1) {
+            None => {
+                *self = Classified {
+                    objects: std::mem::take(&mut self.objects),
+                    ..alone
+                };
+            }
+            Some(index) => alone.swap(&mut self.objects.volumes[index]),
+        }
+    }
+
     /// Edits the scene, then each volume after the first as though it were the only one, and the shading
     /// of surfaces; true if any edit was.
     pub fn edit_volumes(&mut self, edit: impl Fn(&mut Classified) -> bool) -> bool {
@@ -149,13 +162,7 @@ impl Classified {
             ),
             (
                 "compositing",
-                self.continuous,
-                "the integral without samples is stated for one volume",
-                "leave `compositing` out and give a `step`",
-            ),
-            (
-                "compositing",
-                reader.has("compositing"),
+                reader.has("compositing") && !self.continuous,
                 "samples are composited front to back",
                 "leave `compositing` out: the order changes no more than rounding",
             ),
@@ -183,8 +190,13 @@ impl Classified {
                 return Err(reader.mistake(key, message, help));
             }
         }
-        let is_modulated = |index| self.modulation_of(index).is_some();
-        if self.shadow.is_some() && (0..self.volume_count()).any(is_modulated) {
+        let is_modulated = (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
+        if self.continuous && is_modulated {
+            let message = "modulated opacities are sampled: their integral is not known";
+            let help = "leave `compositing` out, and give a `step`";
+            return Err(reader.mistake("compositing", message, help));
+        }
+        if self.shadow.is_some() && is_modulated {
             let message = "shadows of modulated opacities are not rendered";
             return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
         }

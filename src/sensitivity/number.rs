@@ -158,6 +158,30 @@ impl Number {
         })
     }
 
+    /// This number of a volume alone as that of the volume of this index, from 0, among others.
+    pub(super) fn of_volume(self, index: usize) -> Number {
+        let edit = self.edit;
+        Number {
+            edit: Arc::new(move |panel, change| {
+                let Model::Classified(scene) = &panel.model else {
+                    return Some(());
+                };
+                let mut alone = Panel {
+                    model: scene.alone(index).into(),
+                    ..panel.clone()
+                };
+                edit(&mut alone, change)?;
+                if let (Model::Classified(scene), Model::Classified(alone)) =
+                    (&mut panel.model, alone.model)
+                {
+                    scene.put(index, *alone);
+                }
+                Some(())
+            }),
+            ..self
+        }
+    }
+
     pub(super) fn fine(self) -> Number {
         Number {
             is_fine: true,

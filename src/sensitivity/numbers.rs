@@ -3,12 +3,13 @@
 mod classified;
 mod lights;
 mod media;
+mod objects;
 mod surfaces;
 mod view;
 
 use super::number::{Number, Quantity, of_axes};
 use crate::files::misspelling::nearest;
-use crate::scene::{Classified, Model, Panel, Scene};
+use crate::scene::{Model, Scene};
 
 /// All numbers of `scene` that have a name: none of a plot.
 pub fn numbers(scene: &Scene) -> Vec<Number> {
@@ -16,8 +17,7 @@ pub fn numbers(scene: &Scene) -> Vec<Number> {
         return Vec::new();
     };
     let mut numbers = match &panel.model {
-        // Of several volumes, each number would need the name of its own.
-        Model::Classified(volume) if volume.has_objects() => Vec::new(),
+        Model::Classified(volume) if volume.has_objects() => objects::numbers(volume),
         Model::Classified(volume) => classified::numbers(volume),
         Model::Radiative(radiative) => {
             let mut numbers = media::numbers(radiative);
@@ -58,15 +58,10 @@ pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
             "this scene has no number {name:?}: a plot has none"
         ));
     }
-    let mut panels = scene.panels.iter().filter_map(Panel::classified);
-    let why = match panels.any(Classified::has_objects) {
-        true => ": several volumes, surfaces and clips have none of their own",
-        false => "",
-    };
     Err(match nearest(name, names.iter().map(String::as_str)) {
         Some(near) => format!("this scene has no number {name:?}; did you mean {near:?}?"),
         None => format!(
-            "this scene has no number {name:?}; it has {}{why}",
+            "this scene has no number {name:?}; it has {}",
             names.join(", ")
         ),
     })

@@ -967,14 +967,14 @@ fn conventions_are_told_from_mistakes() {
     ] {
         let set = words.map(index).to_vec();
         let test = film(&under(&scene, &set));
-        let found = search.explain(&case, &scene, &[test], None).unwrap();
+        let found = search.explain(&case, &scene, &[test], None).unwrap().unwrap();
         assert_eq!(found.set, set);
         assert_eq!(found.agreement, Agreement::Full);
     }
     // Of all others, `how_often_conventions_are_named`.
     let mistake = mistakes::named("opacity-halved").unwrap();
     let wrong = mistake.in_scene(&scene).unwrap();
-    let found = search.explain(&case, &scene, &[film(&wrong)], None);
+    let found = search.explain(&case, &scene, &[film(&wrong)], None).unwrap();
     assert_eq!(found, None);
 }
 
@@ -1017,7 +1017,6 @@ fn a_check_explains_by_conventions() {
         Sampling::default(),
         &|| (),
     );
-    // On a busy machine the search takes its time.
     let result = check_within("figures/figure-1", &film.unwrap().film, 1e4).unwrap();
     assert_eq!(result.verdict, Verdict::Convention, "{}", result.reason);
     assert_eq!(result.conventions, ["takes gradients by Sobel's filter"]);
@@ -1094,7 +1093,7 @@ fn how_often_conventions_are_named() {
             }
             seen += 1;
             let start = Instant::now();
-            let found = ConventionSearch::default().explain(&case, &scene, &[film], None);
+            let found = ConventionSearch::default().explain(&case, &scene, &[film], None).unwrap();
             let taken = start.elapsed();
             longest = longest.max(taken);
             match found {

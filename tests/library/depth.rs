@@ -70,6 +70,86 @@ fn a_constant_volume_has_the_depth_of_its_closed_form() {
     }
 }
 
+/// The same without steps: to the rounding of 32 bits, and of the difference of two millions.
+#[test]
+fn the_integral_has_the_depth_of_its_closed_form() {
+    let folder = tempfile::tempdir().unwrap();
+    for opacity in [1e-6, 0.1, 0.5, 0.9, 0.999] {
+        let extinction = -ln_1p(-opacity);
+        let scene = constant(folder.path(), opacity, 0.5, "compositing = \"continuous\"");
+        let mean = 3.0 + 1.0 / extinction - 2.0 / exp_m1(2.0 * extinction);
+        let found = middle(&scene, MEAN);
+        assert!((found - mean).abs() <= 3e-7 * mean + 1e-9, "{opacity}: {found} {mean}");
+        let half = Some(3.0 + ln(2.0) / extinction).filter(|half| *half < 5.0);
+        let half = half.unwrap_or(f64::INFINITY);
+        let found = middle(&scene, HALF);
+        assert!(found == half || (found - half).abs() <= 3e-7 * half, "{opacity}: {found} {half}");
+    }
+    let opaque = constant(folder.path(), 1.0, 0.5, "compositing = \"continuous\"");
+    assert_eq!([MEAN, HALF].map(|name| middle(&opaque, name)), [3.0; 2]);
+}
+
+/// Two constant volumes, from 3 to 4 and from 3.5 to 5, and a surface at 4.5: opacity, and its moment, in closed form
+/// over each piece; sampled and without samples.
+#[test]
+fn several_volumes_and_a_surface_have_a_depth() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, second) = (0.8, 0.5);
+    let text = |how: &str, surface: &str| {
+        let look = |opacity: f64| {
+            format!(
+                "transfer_function = {{ reference_length = 1, point = [{{ value = 1, colour = 1, opacity = {} }}] }}",
+                -exp_m1(-opacity)
+            )
+        };
+        let (a, b) = (look(first), look(second));
+        format!(
+            "film = {{ width = 5, height = 5 }}\n\
+             [camera]\neye = [0, 0, -4]\ntarget = [0, 0, 0]\nvertical_fov = 20\n[classified]\n{how}\n\
+             [[classified.volume]]\nfile = 'one.nrrd'\nscale = [1, 1, 0.5]\ntranslate = [0, 0, -0.5]\n{a}\n\
+             [[classified.volume]]\nfile = 'one.nrrd'\nscale = [1, 1, 0.75]\ntranslate = [0, 0, 0.25]\n{b}\n{surface}"
+        )
+    };
+    let surface = "[[classified.surface]]\ncolour = 1\n\
+                   rectangle = { corner = [-3, -3, 0.5], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }\n";
+    constant(folder.path(), 1.0, 0.3, "");
+    for (is_cut, surface) in [(false, ""), (true, surface)] {
+        let (mut moment, mut passed, mut half) = (0.0, 1.0, None);
+        let end = if is_cut { 4.5 } else { 5.0 };
+        for (near, far, extinction) in [
+            (3.0, 3.5, first),
+            (3.5, 4.0, first + second),
+            (4.0, end, second),
+        ] {
+            let length: f64 = far - near;
+            let left = passed * volref::math::exp(-extinction * length);
+            // ∫ t σ e^(−σ (t − near)) dt over the piece.
+            moment += passed * (near + 1.0 / extinction) - left * (far + 1.0 / extinction);
+            if left <= 0.5 && half.is_none() {
+                half = Some(near + ln(passed / 0.5) / extinction);
+            }
+            passed = left;
+        }
+        let mean = if is_cut { moment + passed * end } else { moment / (1.0 - passed) };
+        let half = half.expect("more than half of the light is lost");
+        for step in [0.0, 0.1, 0.01] {
+            let how = if step > 0.0 {
+                format!("step = {step}")
+            } else {
+                "compositing = 'continuous'".to_owned()
+            };
+            let scene = Scene::parse(&text(&how, surface), &folder.path().join("scene.toml"));
+            let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+            // Of constant steps by their middles: σ h²/12, as of one volume.
+            let bound = (first + second) * step * step / 12.0 + 3e-7 * mean;
+            let found = middle(&scene, MEAN);
+            assert!((found - mean).abs() <= bound, "{is_cut} {step}: {found} {mean}");
+            let found = middle(&scene, HALF);
+            assert!((found - half).abs() <= 3e-7 * half, "{is_cut} {step}: {found} {half}");
+        }
+    }
+}
+
 /// A distance along the view is that along the ray times the cosine of their angle.
 #[test]
 fn along_the_view_the_face_of_a_box_is_a_plane() {
@@ -161,6 +241,9 @@ fn the_plain_definition_agrees() {
         "scenes/mirrored",
         "scenes/mean-depth",
         "scenes/isosurfaces",
+        "scenes/two-fogs",
+        "scenes/clipped-head",
+        "scenes/three-in-shadow",
     ] {
         let scene = Scene::load(&root.join(format!("{name}.toml"))).unwrap();
         for (kind, wanted) in Depth::ALL {

@@ -235,6 +235,9 @@ fn a_second_number_modulates_opacity() {
         let said = refused(&scene("a", &modulation));
         assert!(said.contains(words), "{modulation}: {said}");
     }
+    let modulated = scene("a", &format!("of = 'gradient'\n{half}"));
+    let said = refused(&format!("compositing = 'continuous'\n{modulated}"));
+    assert!(said.contains("modulated opacities are sampled"), "{said}");
 }
 
 #[test]
@@ -774,4 +777,90 @@ fn plans_say_what_is_merged_and_count_it() {
             assert_eq!(amount.count, work[event], "{event:?}");
         }
     }
+}
+
+/// Without samples the image of constant volumes, clips and a surface is the closed form, in any order; the opaque hide
+/// what is behind, and share equally.
+#[test]
+fn the_integral_of_constant_volumes() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -2.0, 0.5);
+    slab(folder.path(), "b.nrrd", -0.75, 1.5);
+    let ((red, thin), (blue, dense)) = (look(RED, 0.3), look(BLUE, 0.6));
+    let volume = |file: &str, look: &str| {
+        format!("[[classified.volume]]\nfile = '{file}.nrrd'\nname = '{file}'\n{look}\n")
+    };
+    let image = |parts: &str| {
+        let scene = scene_of(folder.path(), &format!("compositing = 'continuous'\n{parts}"));
+        let rendered = render(&plans(&scene), Sampling::default(), &|| {}).unwrap();
+        assert!(rendered.error_bound.unwrap() <= 1e-6);
+        rendered.film
+    };
+    let (a, b) = (volume("a", &red), volume("b", &blue));
+    let clip = "[[classified.clip]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nvolumes = ['a']\n";
+    let surface = "[[classified.surface]]\ncolour = [0.5, 1, 0.25]\n\
+                   rectangle = { corner = [-3, -3, 1], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }\n";
+    let both = (DVec3::from(RED) * thin + DVec3::from(BLUE) * dense) / (thin + dense);
+    let pieces = |first: f64, last: f64, behind: DVec3| {
+        let (mut light, mut passed) = (DVec3::ZERO, 1.0);
+        for (colour, extinction, length) in [
+            (RED.into(), thin, first),
+            (both, thin + dense, 1.25),
+            (BLUE.into(), dense, last),
+        ] {
+            light += colour * passed * -exp_m1(-extinction * length);
+            passed *= exp(-extinction * length);
+        }
+        (light + behind * passed, passed)
+    };
+    let (expected, passed) = pieces(1.25, 1.0, BACKGROUND);
+    for parts in [format!("{a}{b}"), format!("{b}{a}")] {
+        for (radiance, opacity) in pixels(&image(&parts)) {
+            assert_near(radiance, expected);
+            assert!((opacity - (1.0 - passed)).abs() <= ULP);
+        }
+    }
+    let (expected, _) = pieces(0.25, 0.5, DVec3::new(0.5, 1.0, 0.25));
+    for (radiance, opacity) in pixels(&image(&format!("{a}{b}{clip}{surface}"))) {
+        assert_near(radiance, expected);
+        assert_eq!(opacity, 1.0);
+    }
+    let (black, white) = (look([0.0; 3], 1.0).0, look([1.0; 3], 1.0).0);
+    let opaque = [volume("b", &black), volume("b", &white).replace("'b'", "'c'"), a];
+    let hidden = image(&opaque.concat());
+    let (passed, red) = (exp(-1.25 * thin), DVec3::from(RED));
+    for (radiance, opacity) in pixels(&hidden) {
+        assert_near(radiance, red * (1.0 - passed) + DVec3::splat(0.5) * passed);
+        assert_eq!(opacity, 1.0);
+    }
+}
+
+/// Samples converge to the integral: of steps of first order, what is left is at most the last change, twice that at
+/// most where terms of higher order count; both images are in 32 bits.
+#[test]
+fn samples_of_generated_scenes_converge_to_their_integral() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut compared, mut nearest) = (0, f64::INFINITY);
+    for number in 0..60 {
+        let text = generated(folder.path(), number, 0.0);
+        let is_shaded = |line: &&str| line.starts_with("phong") || line.starts_with("shadow");
+        let lines = text.lines().filter(|line| !is_shaded(line));
+        // Where a value is opaque the extinction has no bound, and no order is known.
+        let text = lines.collect::<Vec<_>>().join("\n").replace("opacity = 1 ", "opacity = 0.8 ");
+        let Ok(sampled) = Scene::parse(&text, &folder.path().join("scene.toml")) else {
+            continue; // clips that leave nothing
+        };
+        if !sampled.panels[0].classified().unwrap().has_objects() {
+            continue;
+        }
+        compared += 1;
+        let whole = text.replace("[classified]\n", "[classified]\ncompositing = 'continuous'\n");
+        let integral = fast(&parsed(folder.path(), &whole));
+        let [coarse, fine] = [5, 6].map(|halvings| fast(&sampled.with_halved_steps(halvings)));
+        let (change, left) = (difference(&coarse, &fine), difference(&fine, &integral));
+        assert!(left <= 2.0 * change + 4.0 * ULP, "{left:e} {change:e}\n{text}");
+        nearest = nearest.min(left);
+    }
+    assert!(compared > 30, "{compared}");
+    println!("{compared} scenes, nearest {nearest:e}");
 }

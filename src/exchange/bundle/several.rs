@@ -3,7 +3,7 @@
 use super::RawFiles;
 use super::inline_arrays::{Entries, Json};
 use super::shapes::{matrix_or_null, of_mesh, of_shape};
-use super::volume::{SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
+use super::volume::{CONTINUOUS, SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
 use crate::geometry::Aabb;
 use crate::scene::{Classified, Clip, Kept, Modulation, OpaqueSurface};
 
@@ -26,6 +26,7 @@ pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
     let surfaces = scene.objects.surfaces.iter().map(surface).collect();
     let clips = scene.objects.clips.iter().map(clip).collect();
     let shadow = scene.shadow.map(|_| SHADOW);
+    let merging = if scene.is_continuous() { MERGING_WITHOUT_SAMPLES } else { MERGING };
     vec![
         ("shows", "volumes".into()),
         ("ray", Json::Object(ray(&scene.camera))),
@@ -36,7 +37,7 @@ pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
         ("clip", CLIP.into()),
         ("light", Json::Object(light(scene.light))),
         ("shadow", shadow.into()),
-        ("merging", MERGING.into()),
+        ("merging", merging.into()),
         ("background", scene.background.to_array().into()),
     ]
 }
@@ -46,7 +47,8 @@ fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Optio
         ("grid", Json::Object(grid_of(alone, file))),
         ("clips", clips.into()),
     ];
-    entries.extend(look(alone, SAMPLING));
+    let sampling = if alone.is_continuous() { CONTINUOUS } else { SAMPLING };
+    entries.extend(look(alone, sampling));
     entries.push(("radiance", radiance(alone).into()));
     entries.extend(modulation.map(|modulation| ("modulation", modulation)));
     Json::Object(entries)
@@ -110,3 +112,9 @@ const MERGING: &str = "each volume is constant over each of its steps, which lie
     piece of length l, with sums over the volumes whose steps cover it: a = 1 - exp(-l*sum(s)), \
     L = sum(s*L)/sum(s); if some a0 are 1, a = 1, and L is the mean of theirs. C = 0, A = 0; for each piece from \
     the eye on, C = C + (1 - A)*a*L and A = A + (1 - A)*a; the pixel is C + (1 - A)*background";
+
+const MERGING_WITHOUT_SAMPLES: &str = "each volume has at each place the extinction s(d) = -ln(1 - a0(d))/reference_length, a0 \
+    the opacity of one reference_length; s and s*L are summed over the volumes that a place lies in, and \
+    tau(t) is the integral of the sum of s up to t: the pixel is the integral of sum(s*L)*exp(-tau) along the \
+    ray, plus exp(-tau) at its end times background. Where some a0 are 1 nothing is seen behind, and L is the \
+    mean of theirs. It is the limit of samples, merged piece by piece, as all steps become short";

@@ -5,6 +5,7 @@
 //! were rendered, the one with the least misfit is expanded next, until the whole image agrees.
 
 use super::effects::Effects;
+use super::images::Images;
 use super::{Agreement, MOST_TOGETHER};
 use crate::compare::deterministic::{in_tolerances, tolerance};
 use crate::compare::{Conditions, Picture, default_gate, judge};
@@ -14,18 +15,17 @@ use crate::conventions::{
 use crate::film::Film;
 use crate::math::{Sum, powu};
 use crate::naming::likeness::{lattice_of, pixels_of};
-use crate::render::{Detail, Sampling, plans, render_coarse};
+use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::Instant;
 
 /// Share of the remaining difference that a further convention must remove. A convention of the
 /// renderer that removes less leaves an image that passes without it, or another one comes first.
 const LEAST_GAIN: f64 = 0.1;
 
-/// Largest number of sets that are expanded: some ten seconds of two cores.
+/// Largest number of sets that are expanded.
 const MOST_EXPANDED: usize = 7;
 
 /// Expansions after a set under which the image agrees but for rounding: a further convention may leave nothing.
@@ -81,13 +81,13 @@ pub struct Attempt<'a> {
     exposure: f64,
     /// The scene, with samples.
     scene: &'a Scene,
+    images: Images<'a>,
     /// The image with the step of the scene, and those with half of it, a quarter and so on.
     tests: &'a [Film],
     /// The pixels that sets are compared on, in the first of the images.
     lattice: Detail,
     /// The first of the images there.
     on_lattice: Film,
-    end: Option<Instant>,
 }
 
 /// A set of conventions, rendered on the lattice.
@@ -130,34 +130,29 @@ impl Change {
 }
 
 impl<'a> Attempt<'a> {
-    /// The search in `tests`, at least one, images of `scene` at `exposure` stops.
+    /// The search in `tests`, at least one, images of `scene` at `exposure` stops, with as much work as two cores do
+    /// in these `seconds`.
     pub fn new(
         scene: &'a Scene,
         exposure: f64,
         tests: &'a [Film],
-        end: Option<Instant>,
+        seconds: Option<f64>,
     ) -> Attempt<'a> {
         let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
         let lattice = lattice_of(scene.width() * scene.height(), LATTICE);
         Attempt {
             exposure,
             scene,
+            images: Images::of(scene, seconds),
             tests,
             lattice,
             on_lattice: pixels_of(&tests[0], &widths, lattice),
-            end,
         }
     }
 
-    fn is_over(&self) -> bool {
-        self.end.is_some_and(|end| Instant::now() >= end)
-    }
-
-    /// The image under the conventions of `set`, with the step of the scene halved `halvings` times.
-    fn image(&self, set: &[usize], halvings: usize, detail: Detail) -> Option<Film> {
-        let scene = under(self.scene, set).with_halved_steps(halvings);
-        let sampling = Sampling::default();
-        render_coarse(&plans(&scene), sampling, detail, &|| self.is_over()).ok()
+    /// True if the work reached its limit.
+    pub fn is_work_done(&self) -> bool {
+        self.images.is_work_done()
     }
 
     /// Agreement of all test images with those under the conventions of `set`, if there is any.
@@ -173,7 +168,7 @@ impl<'a> Attempt<'a> {
     }
 
     fn agreement_at(&self, set: &[usize], halvings: usize, test: &Film) -> Option<Agreement> {
-        let right = self.image(set, halvings, Detail::Whole)?;
+        let right = self.images.under(set, halvings, Detail::Whole)?;
         if self.passes(&right, test) {
             return Some(Agreement::Full);
         }
@@ -194,7 +189,7 @@ impl<'a> Attempt<'a> {
     pub fn is_explained(&self, set: &[usize], agreement: Agreement) -> bool {
         let (mut differs, mut before, mut left) = (false, 0.0_f64, 0.0_f64);
         for (halvings, test) in self.tests.iter().enumerate() {
-            let images = [&[], set].map(|set| self.image(set, halvings, Detail::Whole));
+            let images = [&[], set].map(|set| self.images.under(set, halvings, Detail::Whole));
             let [Some(own), Some(under)] = images else {
                 return false;
             };
@@ -226,7 +221,9 @@ impl<'a> Attempt<'a> {
         for expanded in 1..=MOST_EXPANDED {
             if expanded == EXPANDED_BEFORE_PAIRS {
                 let pairs = self.with_pairs_of_steps(&candidates);
-                self.render(pairs, &mut candidates)?;
+                if self.render(pairs, &mut candidates).is_none() {
+                    break;
+                }
             }
             match self.agreeing(&mut candidates) {
                 Some(found) if found.1 == Agreement::Full => return Some(found),
@@ -237,7 +234,9 @@ impl<'a> Attempt<'a> {
                 break;
             }
             let Some(set) = next(&candidates) else { break };
-            self.expand(&set, &mut candidates)?;
+            if self.expand(&set, &mut candidates).is_none() {
+                break;
+            }
         }
         rounded
     }
@@ -272,8 +271,11 @@ impl<'a> Attempt<'a> {
         sets
     }
 
-    /// Renders those of `sets` on the lattice that were not. `None` if the time is over.
+    /// Renders those of `sets` on the lattice that were not. `None` if the work has reached its limit.
     fn render(&self, sets: Vec<ConventionSet>, candidates: &mut Candidates) -> Option<()> {
+        if self.is_work_done() {
+            return None;
+        }
         let new: BTreeSet<ConventionSet> = sets
             .into_iter()
             .filter(|set| !candidates.contains_key(set))
@@ -281,7 +283,7 @@ impl<'a> Attempt<'a> {
         let rendered: Option<Vec<_>> = new
             .into_par_iter()
             .map(|set| {
-                let image = self.image(&set, 0, self.lattice)?;
+                let image = self.images.under(&set, 0, self.lattice)?;
                 let candidate = Candidate {
                     misfit: Misfit::of(&image, &self.on_lattice),
                     deviations: deviations(&image, &self.on_lattice),
@@ -351,7 +353,7 @@ impl<'a> Attempt<'a> {
 
     /// Agreement of the whole images, where that on the lattice does not exclude it.
     pub fn agreement_if_near(&self, set: &[usize]) -> Option<Agreement> {
-        let image = self.image(set, 0, self.lattice)?;
+        let image = self.images.under(set, 0, self.lattice)?;
         let is_near = Misfit::of(&image, &self.on_lattice).outside <= MOST_OUTSIDE;
         is_near.then(|| self.agreement(set))?
     }

@@ -62,11 +62,11 @@ impl Stage {
 
 /// Work that is done in a second on two cores, in [events](crate::render::Event) of kernels, for which limits in
 /// seconds stand.
-const WORK_PER_SECOND: f64 = 1e8;
+pub(in crate::naming) const WORK_PER_SECOND: f64 = 1e8;
 
 /// Longest time of a search, in those seconds: work is counted, so that a verdict depends on no machine's load, but
 /// nobody waits forever.
-const SLOWEST: u32 = 6;
+pub(in crate::naming) const SLOWEST: u32 = 6;
 
 /// The work of one case.
 pub(super) struct SearchClock<'s> {

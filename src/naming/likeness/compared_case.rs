@@ -106,6 +106,23 @@ struct Glimpse {
     from_golden: Misfit,
 }
 
+/// Golden and image with noise, pixel by pixel.
+pub(super) struct NoisyPixels {
+    golden: Cells,
+    test: Cells,
+    from_golden: Misfit,
+    kept: Kept,
+}
+
+impl NoisyPixels {
+    /// Misfit of a `film` made of the golden to the image, if it leaves no more than `share`, beyond doubt.
+    pub fn explained_by(&self, film: &Film, share: f64) -> Option<Misfit> {
+        let predicted = Cells::of_pixels(&self.kept.film(film));
+        let misfit = (predicted.has_size_of(&self.golden)).then(|| predicted.misfit(&self.test, &self.golden))?;
+        misfit.explains(&self.from_golden, share).then_some(misfit)
+    }
+}
+
 /// The part of the largest score from which a number is suspected: far from the golden, where
 /// derivatives do not hold, another may have a larger score than the one that is off.
 const SUSPICIOUS: f64 = 0.5;
@@ -236,6 +253,19 @@ impl ComparedCase {
     /// True if golden and image are means of samples.
     pub fn is_sampled(&self) -> bool {
         self.is_sampled
+    }
+
+    /// Golden and image pixel by pixel, where the image states its noise.
+    pub fn noisy_pixels(&self) -> Option<NoisyPixels> {
+        let test = self.picture.radiance().filter(|film| self.is_sampled && film.noise().is_some())?;
+        let golden = Cells::of_pixels(&self.kept.film(&self.golden));
+        let test = Cells::of_pixels(test);
+        Some(NoisyPixels {
+            from_golden: golden.misfit(&test, &golden),
+            kept: self.kept,
+            golden,
+            test,
+        })
     }
 
     /// The share of the squared difference that a hypothesis may leave unexplained.

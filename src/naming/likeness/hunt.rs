@@ -117,6 +117,24 @@ impl ComparedCase {
         (found, looks)
     }
 
+    /// The mistakes of the image that explain an image with noise pixel by pixel, nearest first: what moves light within
+    /// a block shows in no block.
+    pub fn search_in_pixels(&self, clock: &SearchClock<'_>) -> Explaining {
+        let Some(pixels) = self.noisy_pixels() else {
+            return Explaining::new();
+        };
+        let of_the_image = of_colours().filter(|&index| mistake(index).is_of_the_image());
+        let tried = of_the_image.take_while(|_| clock.spend_early(work_on(&self.golden)));
+        let found = tried.filter_map(|index| {
+            let film = mistake(index).in_image(&self.golden)?;
+            let misfit = pixels.explained_by(&film, self.may_leave())?;
+            Some((Hypothesis::One(index), misfit))
+        });
+        let mut found: Explaining = found.collect();
+        found.sort_by(|(_, a), (_, b)| nearer(a, b));
+        found
+    }
+
     /// The pairs of one cause that may explain the image.
     fn usual_pairs(&self, looks: &FirstLooks, clock: &SearchClock<'_>) -> Explaining {
         let pairs = USUAL_PAIRS.iter().filter_map(|names| {

@@ -1,10 +1,12 @@
 //! Depth of a classified volume, from the optical depths along a ray.
 //!
-//! Steps and surfaces that a ray passes are summed as optical depths `τ`, in which opacity is `1 − e^(−τ)` and half of it is reached at
+//! Steps, pieces of several volumes and surfaces that a ray passes are summed as optical depths `τ`, in which opacity is `1 − e^(−τ)` and half of it is reached at
 //! `ln 2`: the sums keep their digits in thin volumes. The plain definition is
 //! [`reference::depth`](crate::reference::depth).
 
 use super::modes::ExactField;
+use super::several::Caster;
+use super::several_integral::SeveralIntegrator;
 use super::steps::Steps;
 use crate::conventions::FieldCaster;
 use crate::film::Depth;
@@ -20,7 +22,10 @@ use rayon::prelude::*;
 ///
 /// If a panel has no depth: the message says why, and what to do.
 pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
-    of_pixels(scene, depth.along_view, |layers| along(layers, depth.half))
+    of_pixels(scene, depth.along_view, |panel, ray| match &panel.passed {
+        Passed::Integral(integral) => integral.depth(ray, depth.half),
+        _ => along(&panel.layers(ray), depth.half),
+    })
 }
 
 /// Distance of the first sample or surface with any opacity, in place of a [`depth`].
@@ -29,17 +34,21 @@ pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
 ///
 /// As of [`depth`].
 pub fn first_opacity(scene: &Scene, along_view: bool) -> Result<Vec<f32>, String> {
-    of_pixels(scene, along_view, |layers| {
+    of_pixels(scene, along_view, |panel, ray| {
+        if let Passed::Integral(integral) = &panel.passed {
+            return integral.first_opacity(ray);
+        }
+        let layers = panel.layers(ray);
         let first = layers.iter().find(|layer| layer.depth > 0.0);
         first.map_or(f64::INFINITY, |layer| layer.t)
     })
 }
 
-/// A distance of each pixel, from its layers.
+/// A distance of each pixel, from its panel and its ray.
 fn of_pixels(
     scene: &Scene,
     along_view: bool,
-    distance: impl Fn(&[Layer]) -> f64 + Sync,
+    distance: impl Fn(&LayersOfPanel<'_>, &Ray) -> f64 + Sync,
 ) -> Result<Vec<f32>, String> {
     let panels: Result<Vec<_>, _> = scene.panels.iter().map(LayersOfPanel::of).collect();
     let panels = panels?;
@@ -56,7 +65,7 @@ fn of_pixels(
         let ray = camera.ray(pixel, panel.size);
         let cosine = ray.direction.dot(*camera.forward());
         let scale = if along_view { cosine } else { 1.0 };
-        (scale * distance(&panel.layers(&ray))) as f32
+        (scale * distance(panel, &ray)) as f32
     };
     Ok(pixels.into_par_iter().map(of_pixel).collect())
 }
@@ -85,16 +94,21 @@ impl Layer {
 struct LayersOfPanel<'s> {
     volume: &'s Classified,
     size: [usize; 2],
-    /// The field, of isosurfaces.
-    field: Option<SurfaceField<'s>>,
+    passed: Passed<'s>,
 }
 
-/// A field in which isosurfaces are found.
-enum SurfaceField<'s> {
-    /// Without samples.
-    Exact(Box<ExactField<'s>>),
-    /// By samples.
-    Sampled(Box<FieldCaster<'s>>),
+/// What a ray passes.
+enum Passed<'s> {
+    /// Steps of one volume.
+    Steps,
+    /// Pieces of several volumes, and a surface.
+    Pieces(Box<Caster<'s>>),
+    /// Volumes without steps, and a surface.
+    Integral(Box<SeveralIntegrator<'s>>),
+    /// Isosurfaces, found without samples.
+    ExactSurfaces(Box<ExactField<'s>>),
+    /// Isosurfaces, found by samples.
+    SampledSurfaces(Box<FieldCaster<'s>>),
 }
 
 impl<'s> LayersOfPanel<'s> {
@@ -106,15 +120,6 @@ impl<'s> LayersOfPanel<'s> {
             Mode::Projection(_) => {
                 Some("a projection has no depth: leave `mode` out, or ask for isosurfaces")
             }
-            _ if volume.objects.are_modulation_alone() => {
-                Some("modulated opacities have no depth yet: leave `modulation` out")
-            }
-            _ if volume.has_objects() => Some(
-                "several volumes, surfaces and clips have no depth yet: render one volume alone",
-            ),
-            Mode::Composited if volume.is_continuous() => Some(
-                "the integral without samples has no depth yet: give --step, or leave out `compositing`",
-            ),
             _ if volume.conventions != Conventions::default() => Some(
                 "depth is that of volref's own conventions: leave out [classified.conventions]",
             ),
@@ -125,27 +130,39 @@ impl<'s> LayersOfPanel<'s> {
             None => Ok(LayersOfPanel {
                 volume,
                 size: [panel.width, panel.height],
-                field: matches!(volume.mode, Mode::Isosurfaces(_)).then(|| {
-                    if volume.is_exact() {
-                        SurfaceField::Exact(Box::new(ExactField::new(volume)))
-                    } else {
-                        SurfaceField::Sampled(Box::new(FieldCaster::unshaded(volume)))
+                passed: match volume.mode {
+                    Mode::Isosurfaces(_) if volume.is_exact() => {
+                        Passed::ExactSurfaces(Box::new(ExactField::new(volume)))
                     }
-                }),
+                    Mode::Isosurfaces(_) => {
+                        Passed::SampledSurfaces(Box::new(FieldCaster::unshaded(volume)))
+                    }
+                    _ if volume.is_continuous() => {
+                        Passed::Integral(Box::new(SeveralIntegrator::new(volume)))
+                    }
+                    _ if volume.has_objects() => Passed::Pieces(Box::new(Caster::new(volume))),
+                    _ => Passed::Steps,
+                },
             }),
         }
     }
 
     fn layers(&self, ray: &Ray) -> Vec<Layer> {
-        let (Mode::Isosurfaces(surfaces), Some(field)) = (&self.volume.mode, &self.field) else {
-            return self.steps(ray);
-        };
-        let passed = match field {
-            SurfaceField::Exact(field) => field.passed_along(surfaces, ray),
-            SurfaceField::Sampled(caster) => caster.passed_along(surfaces, ray),
+        let surfaces = match (&self.volume.mode, &self.passed) {
+            (Mode::Isosurfaces(surfaces), Passed::ExactSurfaces(field)) => {
+                field.passed_along(surfaces, ray)
+            }
+            (Mode::Isosurfaces(surfaces), Passed::SampledSurfaces(caster)) => {
+                caster.passed_along(surfaces, ray)
+            }
+            (_, Passed::Pieces(caster)) => {
+                let pieces = caster.passed(ray).into_iter();
+                return pieces.map(|(t, length, opacity)| Layer::of((t, length), opacity)).collect();
+            }
+            _ => return self.steps(ray),
         };
         let layer = |(t, surface): (f64, Isosurface)| Layer::of((t, 0.0), surface.opacity);
-        passed.into_iter().map(layer).collect()
+        surfaces.into_iter().map(layer).collect()
     }
 
     /// The steps of `ray` through the volume, as far as it goes.

@@ -18,6 +18,7 @@
 //!
 //! Source: Max 1995, "Optical models for direct volume rendering".
 
+use super::several_integral::SeveralIntegrator;
 use crate::geometry::Ray;
 use crate::math::exp_m1;
 use crate::optics::TransferFunction;
@@ -33,7 +34,7 @@ use glam::DVec3;
 ///
 /// A ray divides it among its pieces. A piece may be halved, and each of its parts then has as much;
 /// therefore the bound that a pixel states, not this number, says how far it may be off.
-const TOLERANCE: f64 = 1e-8;
+pub(super) const TOLERANCE: f64 = 1e-8;
 
 /// The integral along a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -143,13 +144,20 @@ pub(in crate::render) fn integrate<W: Work>(
     scene: &Classified,
     pixels: &Pixels<'_>,
 ) -> (Vec<BoundedPixel>, W) {
-    let integrator = RayIntegrator::new(scene);
+    let along: Box<dyn Fn(&Ray) -> RayIntegral + Sync> = if scene.has_objects() {
+        let integrator = SeveralIntegrator::new(scene);
+        Box::new(move |ray| integrator.along(ray))
+    } else {
+        let integrator = RayIntegrator::new(scene);
+        Box::new(move |ray| integrator.along(ray))
+    };
     let size = [pixels.width, pixels.height];
     rows(
         pixels,
         || (),
         |position, _, (), work: &mut W| {
-            let integral = integrator.along(&scene.camera.ray(position, size));
+            let integral = along(&scene.camera.ray(position, size));
+            work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
             work.count_times(Event::CellWalked, integral.cells);
             work.count_times(Event::DensityLookup, integral.cells);
             work.count_times(Event::Attenuation, integral.points);

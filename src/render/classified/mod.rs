@@ -15,6 +15,7 @@ pub(super) mod kernels;
 pub mod modes;
 pub mod ray_caster;
 pub(super) mod several;
+mod several_integral;
 pub mod shading;
 pub mod steps;
 pub mod volume_shadow;

@@ -19,7 +19,7 @@ use super::steps::Steps;
 use crate::geometry::{Direction, Hit, Ray, Span, Surface as _, length_of};
 use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::Appearance;
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Event, Uncounted, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::{
     Classified, Composition, Kept, Modulation, ObjectShadows, OpaqueSurface, SurfaceDepth,
@@ -55,16 +55,16 @@ pub(in crate::render) fn gradients_computed(scene: &Classified) -> u64 {
 }
 
 /// A volume with what is made of it once.
-struct Part {
+pub(super) struct Part {
     /// The scene of it alone.
-    scene: Classified,
-    extent: PlacedBox,
+    pub scene: Classified,
+    pub extent: PlacedBox,
     gradients: Option<Grid<[f32; 3]>>,
     modulation: Option<Modulation>,
     kept: Vec<Kept>,
 }
 
-struct Caster<'s> {
+pub(super) struct Caster<'s> {
     scene: &'s Classified,
     parts: Vec<Part>,
 }
@@ -86,7 +86,7 @@ struct Cursor<'c> {
 }
 
 impl Part {
-    fn new(scene: &Classified, index: usize) -> Part {
+    pub fn new(scene: &Classified, index: usize) -> Part {
         let alone = scene.alone(index);
         Part {
             extent: alone.extent(),
@@ -98,7 +98,7 @@ impl Part {
     }
 
     /// The span of `ray` in what the clips keep, up to `end`.
-    fn span(&self, ray: &Ray, end: f64, is_clipped: bool) -> Option<Span> {
+    pub fn span(&self, ray: &Ray, end: f64, is_clipped: bool) -> Option<Span> {
         let mut span = self.extent.span(ray)?;
         span.far = span.far.min(end);
         for kept in self.kept.iter().filter(|_| is_clipped) {
@@ -145,7 +145,7 @@ impl Part {
 }
 
 impl<'s> Caster<'s> {
-    fn new(scene: &'s Classified) -> Caster<'s> {
+    pub fn new(scene: &'s Classified) -> Caster<'s> {
         let parts = (0..scene.volume_count()).map(|index| Part::new(scene, index));
         Caster {
             scene,
@@ -200,13 +200,42 @@ impl<'s> Caster<'s> {
         }
     }
 
-    /// The volumes along `ray`, piece by piece.
+    /// The volumes along `ray`, composited.
     fn merged<W: Work>(&self, cursors: &mut [Cursor<'_>], ray: &Ray, work: &mut W) -> Layers {
+        let mut layers = Layers::default();
+        self.pieces(cursors, ray, work, |_, colour, opacity| {
+            layers = FrontToBack::add(layers, colour * opacity, opacity);
+        });
+        layers
+    }
+
+    /// Middle, length and opacity of what `ray` passes: pieces of volumes, and the surface at its end. Of merged
+    /// volumes.
+    pub fn passed(&self, ray: &Ray) -> Vec<(f64, f64, f64)> {
+        let hit = self.scene.objects.nearest_surface(ray);
+        let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
+        let cursors = self.parts.iter().filter_map(|part| Cursor::new(part, ray, end));
+        let mut cursors: Vec<Cursor<'_>> = cursors.collect();
+        let mut passed = Vec::new();
+        self.pieces(&mut cursors, ray, &mut Uncounted, |[near, far], _, opacity| {
+            passed.push((0.5 * (near + far), far - near, opacity));
+        });
+        passed.extend(hit.map(|(hit, _)| (hit.t, 0.0, 1.0)));
+        passed
+    }
+
+    /// Calls `each` with the ends, the colour and the opacity of each piece along `ray` that is not transparent.
+    fn pieces<W: Work>(
+        &self,
+        cursors: &mut [Cursor<'_>],
+        ray: &Ray,
+        work: &mut W,
+        mut each: impl FnMut([f64; 2], DVec3, f64),
+    ) {
         let nearest = |cursors: &[Cursor<'_>]| {
             let next = cursors.iter().map(|cursor| cursor.next);
             next.fold(f64::INFINITY, f64::min)
         };
-        let mut layers = Layers::default();
         let mut at = nearest(cursors);
         while at < f64::INFINITY {
             for cursor in cursors.iter_mut() {
@@ -216,11 +245,10 @@ impl<'s> Caster<'s> {
             }
             let end = nearest(cursors);
             if let Some((colour, opacity)) = self.piece(cursors, end - at, work) {
-                layers = FrontToBack::add(layers, colour * opacity, opacity);
+                each([at, end], colour, opacity);
             }
             at = end;
         }
-        layers
     }
 
     /// Colour and opacity of a piece of this length; none of a transparent one.

@@ -1,6 +1,7 @@
 //! The plan for a classified scene of several volumes, surfaces or clips.
 //!
-//! One kernel, compiled for all of it: only what a scene does not have or ask for is left out.
+//! One kernel for samples and one for the integral, each compiled for all of it: only what a scene does not have or ask
+//! for is left out.
 
 use super::EffectFinding::{Absent, NotAsked};
 use super::classified::{PHONG, SHADOW, VOLUME, early_termination, matters, without_effect};
@@ -15,12 +16,15 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let key_lines = &panel.key_lines;
     let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
     let objects = scene.counted_objects();
-    let (kernel, reason) = if scene.conventions.is_of_objects_alone() {
+    let (kernel, method, reason) = if scene.is_continuous() {
+        let reason = "are integrated along each ray, without samples";
+        (Kernel::Integral(scene), Method::Quadrature, reason)
+    } else if scene.conventions.is_of_objects_alone() {
         let reason = "are merged along each ray, their samples each one step apart";
-        (Kernel::Several(scene), reason)
+        (Kernel::Several(scene), Method::RayCasting, reason)
     } else {
         let reason = "are composited along each ray by other conventions";
-        (Kernel::Conventional(scene), reason)
+        (Kernel::Conventional(scene), Method::RayCasting, reason)
     };
     Plan {
         panel,
@@ -31,7 +35,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
             .chain(idle_clips(scene, key_lines))
             .collect(),
         estimator: Estimator {
-            method: Method::RayCasting,
+            method,
             why: Reason::of(VOLUME, format!("{objects} {reason}"), key_lines),
         },
         kernel,

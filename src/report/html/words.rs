@@ -39,7 +39,7 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
             {
                 "; a change of a number explains it".to_owned()
             }
-            None => format!("; {}", found.nothing_known()),
+            None => format!("; {}", found.nothing_known(None)),
             Some(Likeness {
                 mistake,
                 explains,

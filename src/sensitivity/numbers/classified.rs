@@ -99,6 +99,29 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     numbers
 }
 
+/// Numbers of what all volumes of a scene share.
+pub(super) fn shared(scene: &Classified) -> Vec<Number> {
+    let numbers = numbers(scene).into_iter();
+    numbers.filter(is_of_all).collect()
+}
+
+/// Numbers of a volume that others do not share; its place is that of its map.
+pub(super) fn own(scene: &Classified) -> Vec<Number> {
+    let is_of_place = |number: &Number| [&GRID, &TURN, &SIZE].iter().any(|it| it.contains(number.quantity));
+    let numbers = numbers(scene).into_iter();
+    let of_look = numbers.filter(|number| !is_of_all(number) && !is_of_place(number));
+    let edges = scene.cell_edges();
+    let moved = GRID.iter().zip(edges).map(|(quantity, edge)| {
+        let map = move |change: f64| Transform::translation(edge * change);
+        Number::new(quantity, 0.05, placed(map, false))
+    });
+    of_look.chain(moved).chain(turn_and_size()).collect()
+}
+
+fn is_of_all(number: &Number) -> bool {
+    *number.quantity == BACKGROUND || LIGHT.contains(number.quantity)
+}
+
 /// Coordinates of the volume along its own axes.
 pub(super) fn place(scene: &Classified) -> impl Iterator<Item = Number> {
     let edges = scene.cell_edges();

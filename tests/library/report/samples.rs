@@ -299,6 +299,7 @@ pub fn hostile() -> Sample {
     let text = || HOSTILE.to_owned();
     let film = Film::new(2, 1, vec![[0.25, 0.5, 1.0], [0.5; 3]]);
     let evidence = Evidence {
+        conventions_are_open: false,
         golden: Some(film.clone()),
         test: Some(Picture::Radiance(edited(&film, |_, _, pixel| {
             pixel.map(|v| 2.0 * v)

@@ -1,0 +1,49 @@
+//! Numbers of several volumes, surfaces and clips.
+
+use super::classified;
+use super::{Number, Quantity, of_each};
+use crate::scene::{Classified, Kept};
+
+static COLOUR: Quantity =
+    Quantity::share("surface.colour", "colour of the surface", "surface").linear();
+static OFFSET: Quantity = Quantity::absolute(
+    "clip.offset",
+    "place of the plane along its normal of the clip",
+    "clip",
+    "world units",
+);
+
+/// Largest share of the box around all that an offset of a clip may be.
+const OFFSET_STEP: f64 = 2e-3;
+
+/// Numbers of each volume, surface and clip plane, and of what they share.
+pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
+    let of_volume = |index: usize| {
+        let alone = scene.alone(index);
+        let own = classified::own(&alone).into_iter();
+        own.map(|number| number.of_volume(index)).collect()
+    };
+    let mut numbers: Vec<Number> = of_each(scene.volume_count(), of_volume).collect();
+    let objects = &scene.objects;
+    numbers.extend(of_each(objects.surfaces.len(), |index| {
+        vec![Number::volume(&COLOUR, 0.5, move |scene, change| {
+            let surface = scene.objects.surfaces.get_mut(index);
+            surface.into_iter().for_each(|it| it.colour *= 1.0 + change);
+        })]
+    }));
+    let step = OFFSET_STEP * scene.diagonal();
+    numbers.extend(of_each(objects.clips.len(), |index| {
+        let offset = Number::volume(&OFFSET, step, move |scene, change| {
+            if let Some(clip) = scene.objects.clips.get_mut(index)
+                && let Kept::Side { point, normal } = &mut clip.kept
+            {
+                *point += **normal * change;
+            }
+        });
+        // A box has no normal.
+        let is_plane = matches!(objects.clips[index].kept, Kept::Side { .. });
+        is_plane.then_some(offset).into_iter().collect()
+    }));
+    numbers.extend(classified::shared(scene));
+    numbers
+}
