@@ -106,7 +106,9 @@ impl<'s> RayCaster<'s> {
     /// The same, with gradients at nodes that are `known` from other sets of conventions for the volume.
     pub fn with_gradients(scene: &'s Classified, known: &NodeGradients) -> RayCaster<'s> {
         RayCaster {
-            shading: scene.phong.map(|phong| (phong, Gradients::of(scene, known))),
+            shading: scene
+                .phong
+                .map(|phong| (phong, Gradients::of(scene, known))),
             ..RayCaster::unshaded(scene)
         }
     }

@@ -213,7 +213,11 @@ impl ConventionSearch {
         });
         let is_new = from_before.is_none();
         let Some((set, agreement)) = from_before.or_else(|| attempt.search()) else {
-            return if attempt.is_work_done() { Err(Unfinished) } else { Ok(None) };
+            return if attempt.is_work_done() {
+                Err(Unfinished)
+            } else {
+                Ok(None)
+            };
         };
         if is_new {
             let mut known = self.known.lock().expect("no panic holds it");

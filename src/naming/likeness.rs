@@ -164,12 +164,13 @@ pub(crate) fn likeness_with(
             .filter_map(|it| Some((*it, failed.explanation(it, None, &clock)?)))
             .collect();
         if found.is_empty() {
+            // First, for it takes little of the work that the search may use up.
+            let in_pixels = failed.search_in_pixels(&clock);
             let (singles, looks) = failed.search(&clock);
             found = singles;
-            let mut is_beyond_doubt =
-                found.iter().any(|(_, misfit)| failed.explained_by(misfit));
+            let mut is_beyond_doubt = found.iter().any(|(_, misfit)| failed.explained_by(misfit));
             if found.is_empty() {
-                found = failed.search_in_pixels(&clock);
+                found = in_pixels;
                 is_beyond_doubt = !found.is_empty();
             }
             if !is_beyond_doubt && !failed.suspects.is_empty() {

@@ -14,7 +14,7 @@
 //! Surfaces are opaque, and lit as samples are: by Phong's model on the side that is seen, times the
 //! visibility of the light.
 
-use super::placement::in_volume;
+use super::placement::{gradients, in_volume};
 use super::ray_caster::RayCaster;
 use crate::geometry::{Direction, Hit, Ray, Side, Span, Surface as _, length_of};
 use crate::scene::{Classified, Kept, OpaqueSurface};
@@ -25,6 +25,18 @@ use glam::DVec3;
 pub(super) struct SeveralVolumes<'s> {
     pub(super) scene: &'s Classified,
     pub(super) volumes: Vec<RayCaster<'s>>,
+}
+
+impl<'s> SeveralVolumes<'s> {
+    /// The volumes of `scene`, the scenes of each alone being these.
+    pub fn of(scene: &'s Classified, alone: &'s [Classified]) -> SeveralVolumes<'s> {
+        let caster = |scene| RayCaster {
+            scene,
+            gradients: gradients(scene),
+        };
+        let volumes = alone.iter().map(caster).collect();
+        SeveralVolumes { scene, volumes }
+    }
 }
 
 /// The part of `ray` before `end` that lies in a volume and in what its clips keep, if any.

@@ -28,7 +28,9 @@ use crate::scene::{Classified, Compositing, Isosurface, Mode};
 /// Depth of each pixel, world units, row by row from the top.
 pub fn render(scene: &Classified, [width, height]: [usize; 2], depth: Depth) -> Vec<f32> {
     let alone: Vec<Classified> = scene.each_alone().collect();
-    let several = scene.has_objects().then(|| SeveralVolumes::of(scene, &alone));
+    let several = scene
+        .has_objects()
+        .then(|| SeveralVolumes::of(scene, &alone));
     let pixel = |index: usize| {
         let camera = &scene.camera;
         let ray = camera.ray([index % width, index / width], [width, height]);
@@ -69,8 +71,11 @@ fn along(scene: &Classified, layers: &[(f64, f64, f64)], half: bool) -> f64 {
 /// end, which has no length.
 fn merged_layers(several: &SeveralVolumes<'_>, ray: &Ray) -> Vec<(f64, f64, f64)> {
     let hit = nearest_hit(several.scene, ray).map(|(hit, _)| hit.t);
-    let pieces = several.pieces(ray, hit.unwrap_or(f64::INFINITY)).into_iter();
-    let pieces = pieces.map(|(span, piece)| (0.5 * (span.near + span.far), span.length(), piece.opacity));
+    let pieces = several
+        .pieces(ray, hit.unwrap_or(f64::INFINITY))
+        .into_iter();
+    let pieces =
+        pieces.map(|(span, piece)| (0.5 * (span.near + span.far), span.length(), piece.opacity));
     pieces.chain(hit.map(|t| (t, 0.0, 1.0))).collect()
 }
 

@@ -32,8 +32,8 @@
 //! volume data".
 
 use super::clips::{SeveralVolumes, nearest_hit, span, surface_radiance, visibility};
-use super::placement::{gradients, in_volume};
-use super::ray_caster::{Layer, RayCaster, midpoint, step_count};
+use super::placement::in_volume;
+use super::ray_caster::{Layer, midpoint, step_count};
 use crate::film::Film;
 use crate::geometry::{Ray, Span};
 use crate::math::ln_1p;
@@ -73,25 +73,13 @@ struct Step {
     colour: DVec3,
 }
 
-impl<'s> SeveralVolumes<'s> {
-    /// The volumes of `scene`, the scenes of each alone being these.
-    pub fn of(scene: &'s Classified, alone: &'s [Classified]) -> SeveralVolumes<'s> {
-        let caster = |scene| RayCaster {
-            scene,
-            gradients: gradients(scene),
-        };
-        let volumes = alone.iter().map(caster).collect();
-        SeveralVolumes { scene, volumes }
-    }
-
+impl SeveralVolumes<'_> {
     /// Everything along `ray`, composited.
     fn cast(&self, ray: &Ray) -> Layer {
         let hit = nearest_hit(self.scene, ray);
         let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
-        let mut seen = Layer::EMPTY;
-        for (_, piece) in self.pieces(ray, end) {
-            seen = seen.over(piece);
-        }
+        let pieces = self.pieces(ray, end).into_iter();
+        let seen = pieces.fold(Layer::EMPTY, |seen, (_, piece)| seen.over(piece));
         let Some((hit, surface)) = hit else {
             return seen;
         };
@@ -104,9 +92,8 @@ impl<'s> SeveralVolumes<'s> {
 
     /// The pieces of `ray` up to `end`, each with its span.
     pub fn pieces(&self, ray: &Ray, end: f64) -> Vec<(Span, Layer)> {
-        let volumes = 0..self.volumes.len();
-        let steps = volumes.flat_map(|volume| self.steps(volume, ray, end));
-        let steps: Vec<Step> = steps.collect();
+        let of_volume = |volume| self.steps(volume, ray, end);
+        let steps: Vec<Step> = (0..self.volumes.len()).flat_map(of_volume).collect();
         let mut ends: Vec<f64> = steps.iter().flat_map(|it| [it.near, it.far]).collect();
         ends.sort_by(f64::total_cmp);
         let pieces = ends.windows(2).filter(|piece| piece[0] < piece[1]);

@@ -317,7 +317,9 @@ fn of_integrals(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
     let cells = |ray: &Ray| {
         let cells = fields.iter().map(|(extent, field)| {
             let span = extent.span(ray);
-            span.map_or(0, |span| field.cubic_segments(extent.line(ray), span).count())
+            span.map_or(0, |span| {
+                field.cubic_segments(extent.line(ray), span).count()
+            })
         });
         [cells.sum::<usize>() as u64, 0]
     };

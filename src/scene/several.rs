@@ -190,7 +190,8 @@ impl Classified {
                 return Err(reader.mistake(key, message, help));
             }
         }
-        let is_modulated = (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
+        let is_modulated =
+            (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
         if self.continuous && is_modulated {
             let message = "modulated opacities are sampled: their integral is not known";
             let help = "leave `compositing` out, and give a `step`";

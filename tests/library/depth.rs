@@ -79,11 +79,17 @@ fn the_integral_has_the_depth_of_its_closed_form() {
         let scene = constant(folder.path(), opacity, 0.5, "compositing = \"continuous\"");
         let mean = 3.0 + 1.0 / extinction - 2.0 / exp_m1(2.0 * extinction);
         let found = middle(&scene, MEAN);
-        assert!((found - mean).abs() <= 3e-7 * mean + 1e-9, "{opacity}: {found} {mean}");
+        assert!(
+            (found - mean).abs() <= 3e-7 * mean + 1e-9,
+            "{opacity}: {found} {mean}"
+        );
         let half = Some(3.0 + ln(2.0) / extinction).filter(|half| *half < 5.0);
         let half = half.unwrap_or(f64::INFINITY);
         let found = middle(&scene, HALF);
-        assert!(found == half || (found - half).abs() <= 3e-7 * half, "{opacity}: {found} {half}");
+        assert!(
+            found == half || (found - half).abs() <= 3e-7 * half,
+            "{opacity}: {found} {half}"
+        );
     }
     let opaque = constant(folder.path(), 1.0, 0.5, "compositing = \"continuous\"");
     assert_eq!([MEAN, HALF].map(|name| middle(&opaque, name)), [3.0; 2]);
@@ -130,7 +136,11 @@ fn several_volumes_and_a_surface_have_a_depth() {
             }
             passed = left;
         }
-        let mean = if is_cut { moment + passed * end } else { moment / (1.0 - passed) };
+        let mean = if is_cut {
+            moment + passed * end
+        } else {
+            moment / (1.0 - passed)
+        };
         let half = half.expect("more than half of the light is lost");
         for step in [0.0, 0.1, 0.01] {
             let how = if step > 0.0 {
@@ -143,9 +153,15 @@ fn several_volumes_and_a_surface_have_a_depth() {
             // Of constant steps by their middles: σ h²/12, as of one volume.
             let bound = (first + second) * step * step / 12.0 + 3e-7 * mean;
             let found = middle(&scene, MEAN);
-            assert!((found - mean).abs() <= bound, "{is_cut} {step}: {found} {mean}");
+            assert!(
+                (found - mean).abs() <= bound,
+                "{is_cut} {step}: {found} {mean}"
+            );
             let found = middle(&scene, HALF);
-            assert!((found - half).abs() <= 3e-7 * half, "{is_cut} {step}: {found} {half}");
+            assert!(
+                (found - half).abs() <= 3e-7 * half,
+                "{is_cut} {step}: {found} {half}"
+            );
         }
     }
 }

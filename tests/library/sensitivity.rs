@@ -299,7 +299,7 @@ fn a_placed_volume_is_moved_turned_and_stretched() {
     }
 }
 
-/// Two constant volumes of extinctions a and b, from −2 to 0 and from 0 to 1 along the rays, the first cut at −1, before a
+/// Two constant volumes of extinctions a and b, from −2 to 0 and from 0.25 to 1.25 along the rays, the first cut at −1, before a
 /// surface of colour 1: the radiance is (1 − e^(−a)) + 0 + e^(−a−b), for the second is black.
 #[test]
 fn numbers_of_several_volumes_have_the_derivatives_of_their_closed_form() {
@@ -315,7 +315,7 @@ fn numbers_of_several_volumes_have_the_derivatives_of_their_closed_form() {
         bytes
     };
     std::fs::write(folder.path().join("a.nrrd"), nrrd(-2.0, 0.0)).unwrap();
-    std::fs::write(folder.path().join("b.nrrd"), nrrd(0.0, 1.0)).unwrap();
+    std::fs::write(folder.path().join("b.nrrd"), nrrd(0.25, 1.25)).unwrap();
     let volume = |file: &str, colour: f64, opacity: f64| {
         format!(
             "[[classified.volume]]\nfile = '{file}.nrrd'\nname = '{file}'\ntransfer_function = {{ reference_length = 1, \

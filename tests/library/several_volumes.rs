@@ -791,7 +791,10 @@ fn the_integral_of_constant_volumes() {
         format!("[[classified.volume]]\nfile = '{file}.nrrd'\nname = '{file}'\n{look}\n")
     };
     let image = |parts: &str| {
-        let scene = scene_of(folder.path(), &format!("compositing = 'continuous'\n{parts}"));
+        let scene = scene_of(
+            folder.path(),
+            &format!("compositing = 'continuous'\n{parts}"),
+        );
         let rendered = render(&plans(&scene), Sampling::default(), &|| {}).unwrap();
         assert!(rendered.error_bound.unwrap() <= 1e-6);
         rendered.film
@@ -826,7 +829,11 @@ fn the_integral_of_constant_volumes() {
         assert_eq!(opacity, 1.0);
     }
     let (black, white) = (look([0.0; 3], 1.0).0, look([1.0; 3], 1.0).0);
-    let opaque = [volume("b", &black), volume("b", &white).replace("'b'", "'c'"), a];
+    let opaque = [
+        volume("b", &black),
+        volume("b", &white).replace("'b'", "'c'"),
+        a,
+    ];
     let hidden = image(&opaque.concat());
     let (passed, red) = (exp(-1.25 * thin), DVec3::from(RED));
     for (radiance, opacity) in pixels(&hidden) {
@@ -846,7 +853,10 @@ fn samples_of_generated_scenes_converge_to_their_integral() {
         let is_shaded = |line: &&str| line.starts_with("phong") || line.starts_with("shadow");
         let lines = text.lines().filter(|line| !is_shaded(line));
         // Where a value is opaque the extinction has no bound, and no order is known.
-        let text = lines.collect::<Vec<_>>().join("\n").replace("opacity = 1 ", "opacity = 0.8 ");
+        let text = lines
+            .collect::<Vec<_>>()
+            .join("\n")
+            .replace("opacity = 1 ", "opacity = 0.8 ");
         let Ok(sampled) = Scene::parse(&text, &folder.path().join("scene.toml")) else {
             continue; // clips that leave nothing
         };
@@ -854,11 +864,17 @@ fn samples_of_generated_scenes_converge_to_their_integral() {
             continue;
         }
         compared += 1;
-        let whole = text.replace("[classified]\n", "[classified]\ncompositing = 'continuous'\n");
+        let whole = text.replace(
+            "[classified]\n",
+            "[classified]\ncompositing = 'continuous'\n",
+        );
         let integral = fast(&parsed(folder.path(), &whole));
         let [coarse, fine] = [5, 6].map(|halvings| fast(&sampled.with_halved_steps(halvings)));
         let (change, left) = (difference(&coarse, &fine), difference(&fine, &integral));
-        assert!(left <= 2.0 * change + 4.0 * ULP, "{left:e} {change:e}\n{text}");
+        assert!(
+            left <= 2.0 * change + 4.0 * ULP,
+            "{left:e} {change:e}\n{text}"
+        );
         nearest = nearest.min(left);
     }
     assert!(compared > 30, "{compared}");

@@ -26,7 +26,11 @@ pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
     let surfaces = scene.objects.surfaces.iter().map(surface).collect();
     let clips = scene.objects.clips.iter().map(clip).collect();
     let shadow = scene.shadow.map(|_| SHADOW);
-    let merging = if scene.is_continuous() { MERGING_WITHOUT_SAMPLES } else { MERGING };
+    let merging = if scene.is_continuous() {
+        MERGING_WITHOUT_SAMPLES
+    } else {
+        MERGING
+    };
     vec![
         ("shows", "volumes".into()),
         ("ray", Json::Object(ray(&scene.camera))),
@@ -47,7 +51,11 @@ fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Optio
         ("grid", Json::Object(grid_of(alone, file))),
         ("clips", clips.into()),
     ];
-    let sampling = if alone.is_continuous() { CONTINUOUS } else { SAMPLING };
+    let sampling = if alone.is_continuous() {
+        CONTINUOUS
+    } else {
+        SAMPLING
+    };
     entries.extend(look(alone, sampling));
     entries.push(("radiance", radiance(alone).into()));
     entries.extend(modulation.map(|modulation| ("modulation", modulation)));

@@ -179,8 +179,43 @@ impl<'a> Attempt<'a> {
 
     /// The conventions under which the images agree, none of them without need.
     pub fn search(&self) -> Option<(ConventionSet, Agreement)> {
-        let found = self.backward_elimination(self.best_first()?)?;
+        let found = self.completed(self.backward_elimination(self.best_first()?)?);
         self.is_explained(&found.0, found.1).then_some(found)
+    }
+
+    /// The set with one more convention, if only that one is missing for the images to pass: one that shows in fewer
+    /// pixels than the lattice sees.
+    fn completed(
+        &self,
+        (set, agreement): (ConventionSet, Agreement),
+    ) -> (ConventionSet, Agreement) {
+        let larger = || {
+            let right = self.images.under(&set, 0, Detail::Whole)?;
+            let outside = Misfit::pixels_outside(&right, &self.tests[0]);
+            let rest = pixels_at(&self.tests[0], &outside);
+            let lacks = |index: &usize| {
+                let is_same = |&other: &usize| CATALOGUE[other].choice == CATALOGUE[*index].choice;
+                !set.iter().any(is_same)
+            };
+            let candidates = (0..CATALOGUE.len())
+                .filter(lacks)
+                .map(|index| Change::to(index).of(&set));
+            candidates.into_iter().find(|set| {
+                let is_near = self
+                    .images
+                    .at(set, &outside)
+                    .is_some_and(|right| Misfit::pixels_outside(&right, &rest).is_empty());
+                is_near && self.agreement(set) == Some(Agreement::Full)
+            })
+        };
+        let is_open = matches!(agreement, Agreement::ButFor(share) if share > 0.0);
+        match (is_open && set.len() < MOST_TOGETHER)
+            .then(larger)
+            .flatten()
+        {
+            Some(larger) => (larger, Agreement::Full),
+            None => (set, agreement),
+        }
     }
 
     /// True if the images under the conventions of `set` differ from those under volref's own by more than the
@@ -492,6 +527,14 @@ struct Misfit {
 }
 
 impl Misfit {
+    /// Indices of the pixels that are off by more than one tolerance.
+    fn pixels_outside(right: &Film, test: &Film) -> Vec<usize> {
+        let test = &*test.nearest_to(right);
+        let pixels = right.radiance().iter().zip(test.radiance()).enumerate();
+        let outside = pixels.filter(|(_, (right, test))| in_tolerances(**right, **test) > 1.0);
+        outside.map(|(index, _)| index).collect()
+    }
+
     fn of(right: &Film, test: &Film) -> Misfit {
         let test = &*test.nearest_to(right);
         let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
@@ -507,6 +550,16 @@ impl Misfit {
             outside: outside as f64 / pixels,
             worst: largest,
         }
+    }
+}
+
+/// The pixels of `film` of these indices, as one row.
+fn pixels_at(film: &Film, indices: &[usize]) -> Film {
+    let pixels = indices.iter().map(|&index| film.radiance()[index]);
+    let pixels = Film::new(indices.len(), 1, pixels.collect());
+    match film.quantisation() {
+        Some(quantisation) => pixels.quantised(quantisation),
+        None => pixels,
     }
 }
 

@@ -4,7 +4,7 @@ use crate::conventions::{NodeGradients, as_stored, ray_caster::RayCaster, under}
 use crate::film::Film;
 use crate::naming::likeness::{SLOWEST, WORK_PER_SECOND};
 use crate::render::Detail;
-use crate::scene::{Classified, Panel, Scene};
+use crate::scene::{Panel, Scene};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -38,7 +38,11 @@ impl<'a> Images<'a> {
         };
         Images {
             scene,
-            gradients: scene.panels.iter().map(|_| NodeGradients::default()).collect(),
+            gradients: scene
+                .panels
+                .iter()
+                .map(|_| NodeGradients::default())
+                .collect(),
             work: AtomicU64::new(0),
             limit: seconds.map(limit),
         }
@@ -61,31 +65,57 @@ impl<'a> Images<'a> {
     pub fn under(&self, set: &[usize], halvings: usize, detail: Detail) -> Option<Film> {
         let scene = under(self.scene, set).with_halved_steps(halvings);
         let panels = scene.panels.iter().zip(&self.gradients);
-        let films = panels.map(|(panel, known)| self.panel(panel, panel.classified()?, known, detail));
+        let films = panels.map(|(panel, known)| {
+            let [columns, rows]: [Vec<usize>; 2] = [
+                detail.columns(panel.width).collect(),
+                detail.rows(panel.height).collect(),
+            ];
+            let places = rows
+                .iter()
+                .flat_map(|&row| columns.iter().map(move |&column| [column, row]));
+            let pixels = self.pixels(panel, known, &places.collect::<Vec<_>>())?;
+            Some(Film::with_opacity(columns.len(), rows.len(), pixels))
+        });
         Some(Film::side_by_side(&films.collect::<Option<Vec<Film>>>()?))
     }
 
-    fn panel(
+    /// Of the image under the conventions of `set` the pixels of these indices, row by row, as one row.
+    pub fn at(&self, set: &[usize], indices: &[usize]) -> Option<Film> {
+        let scene = under(self.scene, set);
+        let mut pixels = vec![[0.0; 4]; indices.len()];
+        let mut left = 0;
+        for (panel, known) in scene.panels.iter().zip(&self.gradients) {
+            let place = |index: usize| [index % scene.width(), index / scene.width()];
+            let own = (0..indices.len())
+                .filter(|&at| (left..left + panel.width).contains(&place(indices[at])[0]));
+            let own: Vec<usize> = own.collect();
+            let places = own
+                .iter()
+                .map(|&at| place(indices[at]))
+                .map(|[column, row]| [column - left, row]);
+            let found = self.pixels(panel, known, &places.collect::<Vec<_>>())?;
+            own.into_iter()
+                .zip(found)
+                .for_each(|(at, pixel)| pixels[at] = pixel);
+            left += panel.width;
+        }
+        Some(Film::with_opacity(pixels.len(), 1, pixels))
+    }
+
+    /// The pixels of a panel at these columns and rows.
+    fn pixels(
         &self,
         panel: &Panel,
-        volume: &Classified,
         known: &NodeGradients,
-        detail: Detail,
-    ) -> Option<Film> {
-        let volume = as_stored(volume);
+        places: &[[usize; 2]],
+    ) -> Option<Vec<[f32; 4]>> {
+        let volume = as_stored(panel.classified()?);
         let caster = RayCaster::with_gradients(&volume, known);
-        let (width, height) = (panel.width, panel.height);
-        let columns: Vec<usize> = detail.columns(width).collect();
-        let rows: Vec<usize> = detail.rows(height).collect();
-        let row = |&row: &usize| {
-            let pixels = columns.iter().map(|&column| {
-                let (pixel, work) = caster.pixel([column, row], [width, height]);
-                self.work.fetch_add(work.total(), Ordering::Relaxed);
-                pixel
-            });
-            (!self.is_late()).then(|| pixels.collect())
+        let pixel = |&place: &[usize; 2]| {
+            let (pixel, work) = caster.pixel(place, [panel.width, panel.height]);
+            self.work.fetch_add(work.total(), Ordering::Relaxed);
+            (!self.is_late()).then_some(pixel)
         };
-        let pixels: Option<Vec<Vec<[f32; 4]>>> = rows.par_iter().map(row).collect();
-        Some(Film::with_opacity(columns.len(), rows.len(), pixels?.concat()))
+        places.par_iter().map(pixel).collect()
     }
 }

@@ -118,7 +118,8 @@ impl NoisyPixels {
     /// Misfit of a `film` made of the golden to the image, if it leaves no more than `share`, beyond doubt.
     pub fn explained_by(&self, film: &Film, share: f64) -> Option<Misfit> {
         let predicted = Cells::of_pixels(&self.kept.film(film));
-        let misfit = (predicted.has_size_of(&self.golden)).then(|| predicted.misfit(&self.test, &self.golden))?;
+        let misfit = (predicted.has_size_of(&self.golden))
+            .then(|| predicted.misfit(&self.test, &self.golden))?;
         misfit.explains(&self.from_golden, share).then_some(misfit)
     }
 }
@@ -257,7 +258,10 @@ impl ComparedCase {
 
     /// Golden and image pixel by pixel, where the image states its noise.
     pub fn noisy_pixels(&self) -> Option<NoisyPixels> {
-        let test = self.picture.radiance().filter(|film| self.is_sampled && film.noise().is_some())?;
+        let test = self
+            .picture
+            .radiance()
+            .filter(|film| self.is_sampled && film.noise().is_some())?;
         let golden = Cells::of_pixels(&self.kept.film(&self.golden));
         let test = Cells::of_pixels(test);
         Some(NoisyPixels {

@@ -157,7 +157,9 @@ impl<'s> LayersOfPanel<'s> {
             }
             (_, Passed::Pieces(caster)) => {
                 let pieces = caster.passed(ray).into_iter();
-                return pieces.map(|(t, length, opacity)| Layer::of((t, length), opacity)).collect();
+                return pieces
+                    .map(|(t, length, opacity)| Layer::of((t, length), opacity))
+                    .collect();
             }
             _ => return self.steps(ray),
         };

@@ -214,12 +214,20 @@ impl<'s> Caster<'s> {
     pub fn passed(&self, ray: &Ray) -> Vec<(f64, f64, f64)> {
         let hit = self.scene.objects.nearest_surface(ray);
         let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
-        let cursors = self.parts.iter().filter_map(|part| Cursor::new(part, ray, end));
+        let cursors = self
+            .parts
+            .iter()
+            .filter_map(|part| Cursor::new(part, ray, end));
         let mut cursors: Vec<Cursor<'_>> = cursors.collect();
         let mut passed = Vec::new();
-        self.pieces(&mut cursors, ray, &mut Uncounted, |[near, far], _, opacity| {
-            passed.push((0.5 * (near + far), far - near, opacity));
-        });
+        self.pieces(
+            &mut cursors,
+            ray,
+            &mut Uncounted,
+            |[near, far], _, opacity| {
+                passed.push((0.5 * (near + far), far - near, opacity));
+            },
+        );
         passed.extend(hit.map(|(hit, _)| (hit.t, 0.0, 1.0)));
         passed
     }

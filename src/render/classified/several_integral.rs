@@ -75,7 +75,10 @@ impl Field {
             return vec![segment(CubicSegment { span, coefficients })];
         }
         let line = self.part.extent.line(ray);
-        self.density.cubic_segments(line, span).map(segment).collect()
+        self.density
+            .cubic_segments(line, span)
+            .map(segment)
+            .collect()
     }
 }
 
@@ -96,7 +99,10 @@ impl Segment<'_> {
     /// Extinction, and the radiance of an opaque sample.
     fn look(&self, t: f64) -> (f64, DVec3) {
         let (look, value) = (&self.of.part.scene.transfer_function, self.value(t));
-        (look.extinction(value), look.colour(value) * look.emission(value))
+        (
+            look.extinction(value),
+            look.colour(value) * look.emission(value),
+        )
     }
 }
 
@@ -120,7 +126,10 @@ impl Way<'_> {
 }
 
 /// Extinction and emission at a distance, of several volumes.
-fn together(segments: &[&Segment<'_>], source: impl Fn(&Segment<'_>) -> (f64, DVec3)) -> LocalProperties {
+fn together(
+    segments: &[&Segment<'_>],
+    source: impl Fn(&Segment<'_>) -> (f64, DVec3),
+) -> LocalProperties {
     let mut sum = LocalProperties::with_source(0.0, DVec3::ZERO);
     let (mut opaque, mut shared) = (0, DVec3::ZERO);
     for segment in segments {
@@ -167,9 +176,15 @@ impl<'s> SeveralIntegrator<'s> {
         }
         cuts.sort_by(f64::total_cmp);
         cuts.dedup();
-        let walked = segments.iter().filter(|it| it.first().is_some_and(|it| it.of.range.0 != it.of.range.1));
+        let walked = segments
+            .iter()
+            .filter(|it| it.first().is_some_and(|it| it.of.range.0 != it.of.range.1));
         let cells = walked.map(|segments| segments.len() as u64).sum();
-        Way { segments, cuts, cells }
+        Way {
+            segments,
+            cuts,
+            cells,
+        }
     }
 
     /// The integral along `ray`.
@@ -208,7 +223,11 @@ impl<'s> SeveralIntegrator<'s> {
 
     /// Distance along `ray` of the first opacity; infinite where there is none.
     pub fn first_opacity(&self, ray: &Ray) -> f64 {
-        let surface = self.scene.objects.nearest_surface(ray).map(|(hit, _)| hit.t);
+        let surface = self
+            .scene
+            .objects
+            .nearest_surface(ray)
+            .map(|(hit, _)| hit.t);
         let end = surface.unwrap_or(f64::INFINITY);
         let way = self.way(ray, end);
         way.pieces().next().map_or(end, |(piece, _)| piece[0])
@@ -217,7 +236,11 @@ impl<'s> SeveralIntegrator<'s> {
     /// Depth along `ray`: the mean `∫ t dα / α` over the opacity `α`, or where `α` reaches one `half`. Infinite where
     /// there is none.
     pub fn depth(&self, ray: &Ray, half: bool) -> f64 {
-        let surface = self.scene.objects.nearest_surface(ray).map(|(hit, _)| hit.t);
+        let surface = self
+            .scene
+            .objects
+            .nearest_surface(ray)
+            .map(|(hit, _)| hit.t);
         let way = self.way(ray, surface.unwrap_or(f64::INFINITY));
         // The light of matter as bright as it is far away.
         let distances = |piece: &[f64; 2], segments: &[&Segment<'_>], tolerance: f64| {
@@ -233,7 +256,11 @@ impl<'s> SeveralIntegrator<'s> {
             }
             before += depth;
         }
-        let opacity = if surface.is_some() { 1.0 } else { -exp_m1(-before) };
+        let opacity = if surface.is_some() {
+            1.0
+        } else {
+            -exp_m1(-before)
+        };
         if half || opacity == 0.0 {
             return surface.unwrap_or(f64::INFINITY);
         }

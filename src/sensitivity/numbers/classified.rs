@@ -107,7 +107,11 @@ pub(super) fn shared(scene: &Classified) -> Vec<Number> {
 
 /// Numbers of a volume that others do not share; its place is that of its map.
 pub(super) fn own(scene: &Classified) -> Vec<Number> {
-    let is_of_place = |number: &Number| [&GRID, &TURN, &SIZE].iter().any(|it| it.contains(number.quantity));
+    let is_of_place = |number: &Number| {
+        [&GRID, &TURN, &SIZE]
+            .iter()
+            .any(|it| it.contains(number.quantity))
+    };
     let numbers = numbers(scene).into_iter();
     let of_look = numbers.filter(|number| !is_of_all(number) && !is_of_place(number));
     let edges = scene.cell_edges();
