@@ -101,7 +101,9 @@ impl Gradients {
 
 /// Gradients at the nodes of one volume under several sets of conventions, each kind computed once.
 #[derive(Debug, Default)]
-pub struct NodeGradients(Mutex<Vec<(Kind, Arc<Grid<[f32; 3]>>)>>);
+pub struct NodeGradients(Mutex<Vec<(Kind, Arc<NormalGrid>)>>);
+
+type NormalGrid = Grid<[f32; 3]>;
 
 /// What gradients at nodes depend on: the values, the differences, and whether and in how many bits they are
 /// normalised.

@@ -115,12 +115,20 @@ pub(super) struct NoisyPixels {
 }
 
 impl NoisyPixels {
-    /// Misfit of a `film` made of the golden to the image, if it leaves no more than `share`, beyond doubt.
+    /// Misfit of a `film` made of the golden to the image, if it leaves no more than `share` of the pixels with noise,
+    /// beyond doubt, and is not contradicted elsewhere. By the brighter of golden and test, pixels that noise made dark
+    /// weigh most: these weights may leave as much as noise makes of them.
     pub fn explained_by(&self, film: &Film, share: f64) -> Option<Misfit> {
         let predicted = Cells::of_pixels(&self.kept.film(film));
-        let misfit = (predicted.has_size_of(&self.golden))
-            .then(|| predicted.misfit(&self.test, &self.golden))?;
-        misfit.explains(&self.from_golden, share).then_some(misfit)
+        let fits = predicted.has_size_of(&self.golden);
+        let misfit = fits.then(|| predicted.misfit(&self.test, &self.golden))?;
+        let whole = &self.from_golden;
+        let mut others = misfit.by_other_weights.iter().zip(&whole.by_other_weights);
+        let explains = whole.parts[0].at_least() > 0.0
+            && misfit.parts[0].is_explained(&whole.parts[0], share)
+            && misfit.may_explain(whole, share)
+            && others.all(|(left, whole)| left.may_be_explained(whole, MOST_IN_NOISE));
+        explains.then_some(misfit)
     }
 }
 
