@@ -7,7 +7,7 @@ use volref::hard_cases::{Row, rows};
 fn main() {
     let arguments = Arguments::from_args();
     let mut trials: Vec<_> = rows().map(trial).collect();
-    trials.push(Trial::test("all-52-rows-are-there", all_rows));
+    trials.push(Trial::test("all-56-rows-are-there", all_rows));
     trials.push(Trial::test("images-belong-to-rows", images));
     libtest_mimic::run(&arguments, trials).exit();
 }
@@ -39,8 +39,8 @@ fn trial(row: &'static Row) -> Trial {
 /// An empty run of trials would pass, and nobody would notice.
 fn all_rows() -> Result<(), Failed> {
     match rows().count() {
-        52 => Ok(()),
-        count => Err(format!("the catalogue has 52 rows, here are {count}").into()),
+        56 => Ok(()),
+        count => Err(format!("the catalogue has 56 rows, here are {count}").into()),
     }
 }
 

@@ -36,6 +36,7 @@ mod exponentials;
 mod geometry;
 mod known;
 mod margin;
+mod objects;
 mod scattering;
 mod scenes;
 mod seen;
@@ -79,6 +80,7 @@ fn checks() -> impl Iterator<Item = &'static Check> {
         geometry::CHECKS,
         exponentials::CHECKS,
         data::CHECKS,
+        objects::CHECKS,
         scattering::CHECKS,
         accumulation::CHECKS,
     ]
@@ -102,7 +104,7 @@ impl Row {
     }
 }
 
-/// All rows, in the order of the catalogue: geometry, exponentials, data, scattering, accumulation.
+/// All rows, in the order of the catalogue: geometry, exponentials, data, objects, scattering, accumulation.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
     CATALOGUE.row.iter()
 }

@@ -74,7 +74,7 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
 
     let json = suite.volref("verify hard --json").json();
     let cases = json["cases"].as_array().unwrap();
-    assert_eq!(cases.len(), 53);
+    assert_eq!(cases.len(), 57);
     for case in cases {
         assert_eq!(case["verdict"], "pass", "{case}");
         assert_eq!(case["family"], "hard");
@@ -82,7 +82,7 @@ fn rows_go_with_the_family_and_are_chosen_like_cases() {
         assert!((0.0..=1.0).contains(&share), "{case}");
     }
     let rows = cases.iter().filter(|case| case["class"] == "analytic");
-    assert_eq!(rows.clone().count(), 52);
+    assert_eq!(rows.clone().count(), 56);
     assert!(rows.into_iter().all(|row| row["gate"] == "analytic"));
 
     let listed = suite.volref("list S[78] --json").json();
