@@ -270,9 +270,9 @@ fn depth_that_cannot_be_had_is_refused() {
     folder.edit(
         SCENE,
         "[classified]\n",
-        "[classified]\ncompositing = \"continuous\"\n",
+        "[classified]\nmode = \"maximum\"\n",
     );
-    render(&["-o", "a.exr", "--depth"]).expect(2, &["give --step"]);
+    render(&["-o", "a.exr", "--depth"]).expect(2, &["a projection has no depth"]);
     let manifest = "fixtures/cases/smoke/plain.toml";
     let text = String::from_utf8(folder.read(manifest)).unwrap();
     folder.write(
