@@ -1,6 +1,8 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{conventional, curve, integral, kernels as ray_caster, modes, several};
+use super::classified::{
+    conventional, curve, integral, kernels as ray_caster, modes, several, several_integral,
+};
 use super::counters::{Counters, Uncounted, Work};
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
@@ -246,7 +248,11 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             (part.film(cast)?, work)
         }
         Kernel::Integral(scene) => {
-            let (integrals, work) = integral::integrate(scene, &pixels);
+            let (integrals, work) = if scene.has_objects() {
+                several_integral::integrate(scene, &pixels)
+            } else {
+                integral::integrate(scene, &pixels)
+            };
             let errors = integrals.iter().map(|pixel| pixel.1);
             error = Some(errors.fold(0.0, f64::max));
             let values = integrals.into_iter().map(|pixel| pixel.0);

@@ -130,6 +130,12 @@ impl<'s> SearchClock<'s> {
         goes_on
     }
 
+    /// [`spend`](Self::spend), if that is no more than this `share` of the limit.
+    pub fn spend_share(&self, work: u64, share: f64) -> bool {
+        let most = self.limits.map(|[all, _]| share * all as f64);
+        most.is_none_or(|most| work as f64 <= most) && self.spend(work)
+    }
+
     /// [`spend`](Self::spend), for a further hypothesis.
     pub fn spend_early(&self, work: u64) -> bool {
         !self.is_late() && self.spend(work)

@@ -43,6 +43,9 @@ const WORTH_A_SECOND: f64 = 0.5;
 /// thousands of pairs some come near by chance, as half a voxel and a pixel do to a shift by two pixels.
 const LEFT_BY_PAIRS: f64 = 0.25 * UNEXPLAINED;
 
+/// Largest share of the work for mistakes of the image in its pixels: the others need the rest.
+const OF_PIXELS: f64 = 0.1;
+
 /// Events of kernels that take as long as an edit and a comparison of one pixel.
 const EVENTS_OF_AN_EDIT: usize = 8;
 
@@ -120,12 +123,14 @@ impl ComparedCase {
     /// The mistakes of the image that explain an image with noise pixel by pixel, nearest first: what moves light within
     /// a block shows in no block.
     pub fn search_in_pixels(&self, clock: &SearchClock<'_>) -> Explaining {
-        let Some(pixels) = self.noisy_pixels() else {
+        let of_the_image = of_colours().filter(|&index| mistake(index).is_of_the_image());
+        let of_the_image: Vec<usize> = of_the_image.collect();
+        let work = work_on(&self.golden) * of_the_image.len() as u64;
+        let pixels = self.noisy_pixels();
+        let Some(pixels) = pixels.filter(|_| clock.spend_share(work, OF_PIXELS)) else {
             return Explaining::new();
         };
-        let of_the_image = of_colours().filter(|&index| mistake(index).is_of_the_image());
-        let tried = of_the_image.take_while(|_| clock.spend_early(work_on(&self.golden)));
-        let found = tried.filter_map(|index| {
+        let found = of_the_image.into_iter().filter_map(|index| {
             let film = mistake(index).in_image(&self.golden)?;
             let misfit = pixels.explained_by(&film, self.may_leave())?;
             Some((Hypothesis::One(index), misfit))

@@ -18,7 +18,6 @@
 //!
 //! Source: Max 1995, "Optical models for direct volume rendering".
 
-use super::several_integral::SeveralIntegrator;
 use crate::geometry::Ray;
 use crate::math::exp_m1;
 use crate::optics::TransferFunction;
@@ -144,13 +143,16 @@ pub(in crate::render) fn integrate<W: Work>(
     scene: &Classified,
     pixels: &Pixels<'_>,
 ) -> (Vec<BoundedPixel>, W) {
-    let along: Box<dyn Fn(&Ray) -> RayIntegral + Sync> = if scene.has_objects() {
-        let integrator = SeveralIntegrator::new(scene);
-        Box::new(move |ray| integrator.along(ray))
-    } else {
-        let integrator = RayIntegrator::new(scene);
-        Box::new(move |ray| integrator.along(ray))
-    };
+    let integrator = RayIntegrator::new(scene);
+    integrated(scene, pixels, |ray| integrator.along(ray))
+}
+
+/// The pixels of `scene`, by the integral `along` each ray.
+pub(super) fn integrated<W: Work>(
+    scene: &Classified,
+    pixels: &Pixels<'_>,
+    along: impl Fn(&Ray) -> RayIntegral + Sync,
+) -> (Vec<BoundedPixel>, W) {
     let size = [pixels.width, pixels.height];
     rows(
         pixels,

@@ -15,7 +15,7 @@ pub(super) mod kernels;
 pub mod modes;
 pub mod ray_caster;
 pub(super) mod several;
-mod several_integral;
+pub(super) mod several_integral;
 pub mod shading;
 pub mod steps;
 pub mod volume_shadow;

@@ -12,11 +12,13 @@
 //!
 //! Source: Max 1995, "Optical models for direct volume rendering".
 
-use super::integral::{RayIntegral, TOLERANCE};
+use super::integral::{BoundedPixel, RayIntegral, TOLERANCE, integrated};
 use super::several::Part;
 use crate::geometry::Ray;
 use crate::math::{exp_m1, ln};
 use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
+use crate::render::counters::Work;
+use crate::render::pixels::Pixels;
 use crate::scene::Classified;
 use crate::volume::{CubicSegment, GridDensity};
 use glam::DVec3;
@@ -275,6 +277,15 @@ impl<'s> SeveralIntegrator<'s> {
         }
         sum.radiance.x / opacity
     }
+}
+
+/// The pixels of `scene`.
+pub(in crate::render) fn integrate<W: Work>(
+    scene: &Classified,
+    pixels: &Pixels<'_>,
+) -> (Vec<BoundedPixel>, W) {
+    let integrator = SeveralIntegrator::new(scene);
+    integrated(scene, pixels, |ray| integrator.along(ray))
 }
 
 /// The place from which on `is_behind` holds, between the ends of a `piece`.
