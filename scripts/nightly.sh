@@ -53,7 +53,7 @@ campaign "laws over hard cases: 100,000 each, others every day" env PROPTEST_CAS
 campaign "conventions: how often they are named, and mistakes taken for them" cargo test --release --test library \
     how_often_conventions -- --ignored --nocapture
 campaign "names of faults outside the catalogue" cargo test --release --test library outside_faults:: -- \
-    --include-ignored --nocapture
+    --skip mistakes_of_the_catalogue_are_named_first --include-ignored --nocapture
 campaign "names of the mistakes of the catalogue, in noise" cargo test --release --test library \
     mistakes_of_the_catalogue_are_named_first -- --ignored --nocapture
 campaign "every mistake of the catalogue in every case" cargo run --release --quiet -- selftest

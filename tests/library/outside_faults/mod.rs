@@ -389,7 +389,7 @@ const CLOSELY: u32 = 1024;
 /// comes first, or that of a mistake with the same image. `VOLREF_FAULTS` picks mistakes and cases by words of
 /// their names.
 #[test]
-#[ignore = "half an hour: scripts/nightly.sh runs it"]
+#[ignore = "hours: scripts/nightly.sh runs it"]
 fn mistakes_of_the_catalogue_are_named_first() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
