@@ -3,7 +3,7 @@
 use super::RawFiles;
 use super::inline_arrays::{Entries, Json};
 use super::shapes::{matrix_or_null, of_mesh, of_shape};
-use super::volume::{CONTINUOUS, SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
+use super::volume::{SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
 use crate::geometry::Aabb;
 use crate::scene::{Classified, Clip, Kept, Modulation, OpaqueSurface};
 
@@ -52,7 +52,7 @@ fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Optio
         ("clips", clips.into()),
     ];
     let sampling = if alone.is_continuous() {
-        CONTINUOUS
+        WITHOUT_SAMPLES
     } else {
         SAMPLING
     };
@@ -120,6 +120,9 @@ const MERGING: &str = "each volume is constant over each of its steps, which lie
     piece of length l, with sums over the volumes whose steps cover it: a = 1 - exp(-l*sum(s)), \
     L = sum(s*L)/sum(s); if some a0 are 1, a = 1, and L is the mean of theirs. C = 0, A = 0; for each piece from \
     the eye on, C = C + (1 - A)*a*L and A = A + (1 - A)*a; the pixel is C + (1 - A)*background";
+
+const WITHOUT_SAMPLES: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye is inside. The image \
+    is an integral, see merging; a renderer that samples it begins with this step, and shortens it";
 
 const MERGING_WITHOUT_SAMPLES: &str = "each volume has at each place the extinction s(d) = -ln(1 - a0(d))/reference_length, a0 \
     the opacity of one reference_length; s and s*L are summed over the volumes that a place lies in, and \

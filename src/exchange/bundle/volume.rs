@@ -163,7 +163,7 @@ pub(super) fn interpolation(interpolation: Interpolation) -> Json {
     }
 }
 
-pub(super) const CONTINUOUS: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye is \
+const CONTINUOUS: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye is \
     inside; a ray that misses the box sees the background. The image is an integral, see compositing; \
     a renderer that samples it begins with this step, and shortens it";
 
