@@ -11,9 +11,9 @@ use std::sync::{Arc, Mutex};
 /// Gradients of a scene's field, all scaled by one factor: shading uses their directions alone.
 pub enum Gradients {
     /// Stored at the nodes.
-    Stored(Arc<Grid<[f32; 3]>>),
+    Stored(Arc<GradientGrid>),
     /// Stored at the nodes, of the world, in which a map places the volume.
-    World(Arc<Grid<[f32; 3]>>),
+    World(Arc<GradientGrid>),
     /// Differences of the interpolant at the sample, over `2 · reach` in node coordinates, divided by
     /// as many spacings along each axis.
     Differences {
@@ -101,12 +101,12 @@ impl Gradients {
 
 /// Gradients at the nodes of one volume under several sets of conventions, each kind computed once.
 #[derive(Debug, Default)]
-pub struct NodeGradients(Mutex<Vec<(Kind, Arc<NormalGrid>)>>);
+pub struct NodeGradients(Mutex<Vec<(Kind, Arc<GradientGrid>)>>);
 
-type NormalGrid = Grid<[f32; 3]>;
+/// Gradients at nodes.
+type GradientGrid = Grid<[f32; 3]>;
 
-/// What gradients at nodes depend on: the values, the differences, and whether and in how many bits they are
-/// normalised.
+/// Conventions that gradients at nodes depend on: the values, the differences, normalisation and its bits.
 type Kind = (StoredValues, Gradient, bool, Option<u32>);
 
 /// Largest number of nodes with gradients that are kept, of all kinds together: 0.8 GB.
@@ -116,7 +116,7 @@ impl NodeGradients {
     fn stored(
         &self,
         scene: &Classified,
-        compute: impl Fn(&Grid<f32>) -> Grid<[f32; 3]>,
+        compute: impl Fn(&Grid<f32>) -> GradientGrid,
     ) -> Gradients {
         let conventions = &scene.conventions;
         let kind = (

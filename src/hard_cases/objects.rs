@@ -3,7 +3,7 @@
 use super::Check;
 use super::margin::Margin;
 use super::scenes::film;
-use crate::math::{exp_m1, ln_1p};
+use crate::math::{cos, exp_m1, ln_1p};
 use crate::scene::Scene;
 
 pub const CHECKS: &[Check] = &[
@@ -16,6 +16,9 @@ pub const CHECKS: &[Check] = &[
 /// Half of the light, over a length of 1.
 const HALF: &str = "transfer_function = { reference_length = 1, point = [\
                     { value = 0, colour = 0, opacity = 0 }, { value = 1, colour = 0, opacity = 0.5 }] }";
+
+/// Rounding of an opacity or of a radiance of 1 to 32 bits.
+const ROUNDING: f64 = f32::EPSILON as f64;
 
 /// A volume of unit cells along z from `near` on, wider than the picture: at its nodes values from `first` on, each larger
 /// by `slope` than the one before.
@@ -44,9 +47,14 @@ fn seen(parts: &str) -> [[f64; 2]; 2] {
 /// Requires the opacity, and that as much less of the background is seen, to the rounding of 32 bits.
 fn is_opaque(margin: &mut Margin, what: &str, parts: &str, opacity: f64) {
     for [found, behind] in seen(parts) {
-        margin.within(what, found, opacity, f64::from(f32::EPSILON));
-        margin.within(what, behind, 1.0 - opacity, f64::from(f32::EPSILON));
+        margin.within(what, found, opacity, ROUNDING);
+        margin.within(what, behind, 1.0 - opacity, ROUNDING);
     }
+}
+
+/// Two volumes of the value 1, from -1 to 0 and from 0 to 1.
+fn constant_neighbours() -> [String; 2] {
+    [("a", -1.0), ("b", 0.0)].map(|(name, near)| volume(name, near, 2, [1.0, 0.0]))
 }
 
 fn opacity_over(length: f64) -> f64 {
@@ -60,7 +68,7 @@ fn o1_nearly_singular_map(margin: &mut Margin) {
     for angle in [0.0_f64, 30.0, -60.0] {
         let map =
             format!("scale = [1000, 1, 0.001]\nrotate = {{ axis = [0, 1, 0], angle = {angle} }}\n");
-        let length = 1.0 / crate::math::cos(angle.to_radians());
+        let length = 1.0 / cos(angle.to_radians());
         is_opaque(
             margin,
             "tilted",
@@ -71,8 +79,7 @@ fn o1_nearly_singular_map(margin: &mut Margin) {
 }
 
 fn o2_volumes_that_touch(margin: &mut Margin) {
-    let [first, second] =
-        [("a", -1.0), ("b", 0.0)].map(|(name, near)| volume(name, near, 2, [1.0, 0.0]));
+    let [first, second] = constant_neighbours();
     for parts in [format!("{first}{second}"), format!("{second}{first}")] {
         is_opaque(margin, "neither a gap nor twice", &parts, opacity_over(2.0));
     }
@@ -82,12 +89,11 @@ fn o2_volumes_that_touch(margin: &mut Margin) {
     let [_, whole] = seen(&format!("{rising}{falling}"));
     // ∫ −ln(1 − v/2) dv from 0 to 1 = 1 − ln 2.
     let right = -exp_m1(-2.0 * (1.0 + ln_1p(-0.5)));
-    margin.within("values that meet", whole[0], right, f64::from(f32::EPSILON));
+    margin.within("values that meet", whole[0], right, ROUNDING);
 }
 
 fn o3_surface_on_a_face(margin: &mut Margin) {
-    let [first, second] =
-        [("a", -1.0), ("b", 0.0)].map(|(name, near)| volume(name, near, 2, [1.0, 0.0]));
+    let [first, second] = constant_neighbours();
     let surface = |at: f64| {
         format!(
             "[[classified.surface]]\ncolour = 1\n\
@@ -98,12 +104,7 @@ fn o3_surface_on_a_face(margin: &mut Margin) {
         for [opacity, radiance] in seen(&format!("{first}{second}{}", surface(at))) {
             margin.exact("the surface ends the ray", opacity, 1.0);
             let right = 1.0 - opacity_over(passed);
-            margin.within(
-                "what lies before it",
-                radiance,
-                right,
-                f64::from(f32::EPSILON),
-            );
+            margin.within("what lies before it", radiance, right, ROUNDING);
         }
     }
 }

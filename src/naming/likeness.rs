@@ -28,11 +28,11 @@ mod volume_in_view;
 
 use crate::compare::SHARED_POSITIONS;
 use crate::compare::cells::Misfit;
-pub(super) use clock::{SLOWEST, WORK_PER_SECOND};
 pub use clock::{Search, SearchStep, Stage};
+pub(super) use clock::{WORK_PER_SECOND, latest_end};
 pub use fit::is_number_found;
 pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
-pub(crate) use prediction::{lattice_of, pixels_of};
+pub(crate) use prediction::{lattice_of, pixels_at, pixels_of};
 
 use crate::conventions::Profile;
 use crate::judging::{Cause, Judged, Likeness};

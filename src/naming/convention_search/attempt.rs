@@ -14,7 +14,7 @@ use crate::conventions::{
 };
 use crate::film::Film;
 use crate::math::{Sum, powu};
-use crate::naming::likeness::{lattice_of, pixels_of};
+use crate::naming::likeness::{lattice_of, pixels_at, pixels_of};
 use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
 use rayon::prelude::*;
@@ -192,15 +192,15 @@ impl<'a> Attempt<'a> {
         let larger = || {
             let right = self.images.under(&set, 0, Detail::Whole)?;
             let outside = Misfit::pixels_outside(&right, &self.tests[0]);
-            let rest = pixels_at(&self.tests[0], &outside);
+            let rest = pixels_at(&self.tests[0], &outside, 1);
             let lacks = |index: &usize| {
                 let is_same = |&other: &usize| CATALOGUE[other].choice == CATALOGUE[*index].choice;
                 !set.iter().any(is_same)
             };
-            let candidates = (0..CATALOGUE.len())
+            let mut candidates = (0..CATALOGUE.len())
                 .filter(lacks)
                 .map(|index| Change::to(index).of(&set));
-            candidates.into_iter().find(|set| {
+            candidates.find(|set| {
                 let is_near = self
                     .images
                     .at(set, &outside)
@@ -550,16 +550,6 @@ impl Misfit {
             outside: outside as f64 / pixels,
             worst: largest,
         }
-    }
-}
-
-/// The pixels of `film` of these indices, as one row.
-fn pixels_at(film: &Film, indices: &[usize]) -> Film {
-    let pixels = indices.iter().map(|&index| film.radiance()[index]);
-    let pixels = Film::new(indices.len(), 1, pixels.collect());
-    match film.quantisation() {
-        Some(quantisation) => pixels.quantised(quantisation),
-        None => pixels,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::conventions::{NodeGradients, as_stored, ray_caster::RayCaster, under};
 use crate::film::Film;
-use crate::naming::likeness::{SLOWEST, WORK_PER_SECOND};
+use crate::naming::likeness::{WORK_PER_SECOND, latest_end};
 use crate::render::Detail;
 use crate::scene::{Panel, Scene};
 use rayon::prelude::*;
@@ -32,9 +32,9 @@ impl<'a> Images<'a> {
     pub fn of(scene: &'a Scene, seconds: Option<f64>) -> Images<'a> {
         let limit = |seconds: f64| Limit {
             work: (seconds * WORK_PER_SECOND) as u64,
-            end: Duration::try_from_secs_f64(seconds * f64::from(SLOWEST))
+            end: Duration::try_from_secs_f64(seconds)
                 .ok()
-                .and_then(|time| Instant::now().checked_add(time)),
+                .and_then(latest_end),
         };
         Images {
             scene,

@@ -66,7 +66,7 @@ pub(in crate::naming) const WORK_PER_SECOND: f64 = 1e8;
 
 /// Longest time of a search, in those seconds: work is counted, so that a verdict depends on no machine's load, but
 /// nobody waits forever.
-pub(in crate::naming) const SLOWEST: u32 = 6;
+const SLOWEST: u32 = 6;
 
 /// The work of one case.
 pub(super) struct SearchClock<'s> {
@@ -96,7 +96,7 @@ impl<'s> SearchClock<'s> {
             case,
             work: AtomicU64::new(0),
             limits: search.budget.map(limits),
-            end: latest_end(search),
+            end: search.budget.and_then(latest_end),
             was_ended: AtomicBool::new(false),
             stage: Stage::Singles,
             done: AtomicUsize::new(0),
@@ -106,7 +106,7 @@ impl<'s> SearchClock<'s> {
 
     /// Continues after another case was searched.
     pub fn resume(&mut self) {
-        self.end = latest_end(self.search);
+        self.end = self.search.budget.and_then(latest_end);
     }
 
     /// Continues with `of` pairs.
@@ -199,7 +199,8 @@ impl<'s> SearchClock<'s> {
     }
 }
 
-fn latest_end(search: &Search<'_>) -> Option<Instant> {
+/// Latest end of a search that begins now, with this budget.
+pub(in crate::naming) fn latest_end(budget: Duration) -> Option<Instant> {
     // A budget beyond the end of time is none.
-    Instant::now().checked_add(search.budget?.checked_mul(SLOWEST)?)
+    Instant::now().checked_add(budget.checked_mul(SLOWEST)?)
 }

@@ -136,16 +136,21 @@ fn profile_text(scene: &Scene) -> String {
 /// The pixels of `film`, an image of panels of these widths, that are rendered with `detail`: the
 /// means over blocks are not among them.
 pub(crate) fn pixels_of(film: &Film, panels: &[usize], detail: Detail) -> Film {
-    let indices = indices_of([film.width(), film.height()], panels, detail).into_iter();
-    let rows = detail.rows(film.height()).count();
+    let indices = indices_of([film.width(), film.height()], panels, detail);
+    pixels_at(film, &indices, detail.rows(film.height()).count())
+}
+
+/// The pixels of `film` of these indices, row by row, as so many `rows`.
+pub(crate) fn pixels_at(film: &Film, indices: &[usize], rows: usize) -> Film {
     let columns = indices.len() / rows;
+    let indices = indices.iter();
     let pixels = match film.opacity() {
         Some(_) => {
-            let pixels = indices.map(|index| film.pixel(index)).collect();
+            let pixels = indices.map(|&index| film.pixel(index)).collect();
             Film::with_opacity(columns, rows, pixels)
         }
         None => {
-            let pixels = indices.map(|index| film.radiance()[index]).collect();
+            let pixels = indices.map(|&index| film.radiance()[index]).collect();
             Film::new(columns, rows, pixels)
         }
     };

@@ -97,7 +97,7 @@ struct LayersOfPanel<'s> {
     passed: Passed<'s>,
 }
 
-/// What a ray passes.
+/// Matter along a ray.
 enum Passed<'s> {
     /// Steps of one volume.
     Steps,
@@ -140,7 +140,7 @@ impl<'s> LayersOfPanel<'s> {
                     _ if volume.is_continuous() => {
                         Passed::Integral(Box::new(SeveralIntegrator::new(volume)))
                     }
-                    _ if volume.has_objects() => Passed::Pieces(Box::new(Caster::new(volume))),
+                    _ if volume.has_objects() => Passed::Pieces(Box::new(Caster::unlit(volume))),
                     _ => Passed::Steps,
                 },
             }),

@@ -26,13 +26,14 @@ use crate::scene::{
 };
 use crate::volume::{Cell, Grid, NodeLine, PlacedBox, Reconstruction as _};
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// The pixels of `scene`.
 pub(in crate::render) fn cast<W: Work>(
     scene: &Classified,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
-    let caster = Caster::new(scene);
+    let caster = Caster::new(Cow::Borrowed(scene));
     let size = [pixels.width, pixels.height];
     let (image, mut work): (_, W) = rows(
         pixels,
@@ -65,7 +66,7 @@ pub(super) struct Part {
 }
 
 pub(super) struct Caster<'s> {
-    scene: &'s Classified,
+    scene: Cow<'s, Classified>,
     parts: Vec<Part>,
 }
 
@@ -145,12 +146,22 @@ impl Part {
 }
 
 impl<'s> Caster<'s> {
-    pub fn new(scene: &'s Classified) -> Caster<'s> {
-        let parts = (0..scene.volume_count()).map(|index| Part::new(scene, index));
+    fn new(scene: Cow<'s, Classified>) -> Caster<'s> {
+        let parts = (0..scene.volume_count()).map(|index| Part::new(&scene, index));
         Caster {
-            scene,
             parts: parts.collect(),
+            scene,
         }
+    }
+
+    /// That of `scene` without shading and shadow: for opacities.
+    pub fn unlit(scene: &Classified) -> Caster<'s> {
+        let mut unlit = scene.clone();
+        unlit.edit_volumes(|volume| {
+            (volume.phong, volume.shadow) = (None, None);
+            true
+        });
+        Caster::new(Cow::Owned(unlit))
     }
 
     /// Everything along `ray`, composited.

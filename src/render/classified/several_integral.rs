@@ -1,7 +1,7 @@
 //! The integral itself, without steps, along a ray through volumes and clips to a surface.
 //!
-//! What samples [merge](super::several) to as their steps become short: extinctions add, and colours are their mean,
-//! weighted by extinction (Max 1995).
+//! The limit of samples, [merged](super::several), as their steps become short: extinctions add, and colours are their
+//! mean, weighted by extinction (Max 1995).
 //!
 //! ```text
 //! L = ∫ Σᵢ cᵢ(vᵢ) σᵢ(vᵢ) e^(−τ) dt + B e^(−τ(end)),     τ(t) = ∫₀ᵗ Σᵢ σᵢ(vᵢ) ds
@@ -223,13 +223,15 @@ impl<'s> SeveralIntegrator<'s> {
         }
     }
 
+    /// Distance along `ray` of the surface that ends it.
+    fn surface(&self, ray: &Ray) -> Option<f64> {
+        let hit = self.scene.objects.nearest_surface(ray);
+        hit.map(|(hit, _)| hit.t)
+    }
+
     /// Distance along `ray` of the first opacity; infinite where there is none.
     pub fn first_opacity(&self, ray: &Ray) -> f64 {
-        let surface = self
-            .scene
-            .objects
-            .nearest_surface(ray)
-            .map(|(hit, _)| hit.t);
+        let surface = self.surface(ray);
         let end = surface.unwrap_or(f64::INFINITY);
         let way = self.way(ray, end);
         way.pieces().next().map_or(end, |(piece, _)| piece[0])
@@ -238,11 +240,7 @@ impl<'s> SeveralIntegrator<'s> {
     /// Depth along `ray`: the mean `∫ t dα / α` over the opacity `α`, or where `α` reaches one `half`. Infinite where
     /// there is none.
     pub fn depth(&self, ray: &Ray, half: bool) -> f64 {
-        let surface = self
-            .scene
-            .objects
-            .nearest_surface(ray)
-            .map(|(hit, _)| hit.t);
+        let surface = self.surface(ray);
         let way = self.way(ray, surface.unwrap_or(f64::INFINITY));
         // The light of matter as bright as it is far away.
         let distances = |piece: &[f64; 2], segments: &[&Segment<'_>], tolerance: f64| {
@@ -250,11 +248,12 @@ impl<'s> SeveralIntegrator<'s> {
             self.collocation.light(piece, tolerance, at)
         };
         let (half_of_it, mut before) = (ln(2.0), 0.0);
-        for (piece, segments) in way.pieces() {
-            let depth_to = |t: f64| distances(&[piece[0], t], &segments, TOLERANCE).depth;
+        let pieces: Vec<_> = way.pieces().collect();
+        for (piece, segments) in &pieces {
+            let depth_to = |t: f64| distances(&[piece[0], t], segments, TOLERANCE).depth;
             let depth = depth_to(piece[1]);
             if half && before + depth >= half_of_it {
-                return bisection(piece, |t| before + depth_to(t) >= half_of_it);
+                return bisection(*piece, |t| before + depth_to(t) >= half_of_it);
             }
             before += depth;
         }
@@ -271,7 +270,6 @@ impl<'s> SeveralIntegrator<'s> {
             radiance: DVec3::splat(surface.unwrap_or(0.0)),
             ..CollocatedLight::default()
         };
-        let pieces: Vec<_> = way.pieces().collect();
         for (piece, segments) in pieces.iter().rev() {
             sum = distances(piece, segments, tolerance * piece[1]).before(&sum);
         }
