@@ -192,6 +192,9 @@ impl<'a> Attempt<'a> {
         let larger = || {
             let right = self.images.under(&set, 0, Detail::Whole)?;
             let outside = Misfit::pixels_outside(&right, &self.tests[0]);
+            if outside.is_empty() {
+                return None; // it is one with shorter steps that does not pass
+            }
             let rest = pixels_at(&self.tests[0], &outside, 1);
             let lacks = |index: &usize| {
                 let is_same = |&other: &usize| CATALOGUE[other].choice == CATALOGUE[*index].choice;
