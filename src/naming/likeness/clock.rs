@@ -68,6 +68,9 @@ pub(in crate::naming) const WORK_PER_SECOND: f64 = 1e8;
 /// nobody waits forever.
 const SLOWEST: u32 = 6;
 
+/// Shortest such time: a moment's work may take longer beside other programs.
+const MOMENT: Duration = Duration::from_secs(30);
+
 /// The work of one case.
 pub(super) struct SearchClock<'s> {
     search: &'s Search<'s>,
@@ -202,5 +205,5 @@ impl<'s> SearchClock<'s> {
 /// Latest end of a search that begins now, with this budget.
 pub(in crate::naming) fn latest_end(budget: Duration) -> Option<Instant> {
     // A budget beyond the end of time is none.
-    Instant::now().checked_add(budget.checked_mul(SLOWEST)?)
+    Instant::now().checked_add(budget.checked_mul(SLOWEST)?.max(MOMENT))
 }
