@@ -241,11 +241,11 @@ fn caster(scene: &Classified, shade: Shade) -> Caster<'_> {
 
 /// Shading, if there is any.
 impl Shading for Option<Shaded> {
-    fn shade<F: ScalarField, W: Work>(
+    fn shade<F: ScalarField, const N: usize, W: Work>(
         &self,
         colour: DVec3,
         field: &F,
-        location: &F::Location,
+        location: (&F::Locations<N>, usize),
         point: DVec3,
         ray: &Ray,
         work: &mut W,

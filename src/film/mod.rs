@@ -225,8 +225,9 @@ impl Film {
         [width, height]: [usize; 2],
         pieces: impl Iterator<Item = (&'f Film, Range<usize>)> + Clone,
     ) -> Film {
-        let radiance = pieces.clone().flat_map(|(film, run)| &film.radiance[run]);
-        let mut film = Film::new(width, height, radiance.copied().collect());
+        let radiance = pieces.clone().map(|(film, run)| &film.radiance[run]);
+        let radiance: Vec<&[[f32; 3]]> = radiance.collect();
+        let mut film = Film::new(width, height, radiance.concat());
         let opacity = pieces
             .clone()
             .map(|(film, run)| Some(&film.opacity()?[run]));

@@ -9,10 +9,10 @@ pub trait ScalarField: Sync {
     /// The same density everywhere.
     const IS_CONSTANT: bool = false;
 
-    /// Location of a point in the lattice: found once, used for density and gradient.
+    /// Location of a point in the lattice.
     type Location;
 
-    /// Locations of several points.
+    /// Locations of several points: found once, used for densities and gradients.
     type Locations<const N: usize>;
 
     /// The lattice below the field.
@@ -27,9 +27,6 @@ pub trait ScalarField: Sync {
     /// The locations of several points.
     fn locate_several<const N: usize>(&self, points: &NodePoints<N>) -> Self::Locations<N>;
 
-    /// One of several locations.
-    fn location<const N: usize>(locations: &Self::Locations<N>, index: usize) -> Self::Location;
-
     /// Densities at several locations, each with the bits of [`ScalarField::density`]; `count` of them
     /// are looked up for a sample.
     fn densities<const N: usize, W: Work>(
@@ -39,11 +36,12 @@ pub trait ScalarField: Sync {
         work: &mut W,
     ) -> [f64; N];
 
-    /// Stored gradient at a location, reconstructed like the density, in the unit it is stored in.
-    fn gradient<W: Work>(
+    /// Stored gradient at one of several locations, reconstructed like the density, in the unit it is stored in.
+    fn gradient<const N: usize, W: Work>(
         &self,
         gradients: &Grid<[f32; 3]>,
-        location: &Self::Location,
+        locations: &Self::Locations<N>,
+        index: usize,
         work: &mut W,
     ) -> DVec3;
 }
@@ -93,11 +91,6 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
     }
 
     #[inline(always)]
-    fn location<const N: usize>(cells: &Cells<N>, index: usize) -> Cell {
-        cells.cell(index)
-    }
-
-    #[inline(always)]
     fn densities<const N: usize, W: Work>(
         &self,
         cells: &Cells<N>,
@@ -108,16 +101,18 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
         self.reconstruction.read_several(self.grid, cells)
     }
 
-    // Never: compiled into the loop it takes registers from it, and shaded volumes 0.07 more time.
+    // Never: compiled into the loop it takes registers from it, and shaded volumes 0.07 more time. So is the
+    // cell of the sample.
     #[inline(never)]
-    fn gradient<W: Work>(
+    fn gradient<const N: usize, W: Work>(
         &self,
         gradients: &Grid<[f32; 3]>,
-        location: &Cell,
+        cells: &Cells<N>,
+        index: usize,
         work: &mut W,
     ) -> DVec3 {
         work.count(Event::GradientLookup);
-        self.reconstruction.read(gradients, location)
+        self.reconstruction.read(gradients, &cells.cell(index))
     }
 }
 
@@ -149,10 +144,6 @@ impl ScalarField for ConstantField<'_> {
         *points
     }
 
-    fn location<const N: usize>(points: &NodePoints<N>, index: usize) -> NodePoint {
-        NodePoint(DVec3::from_array(points.map(|axis| axis[index])))
-    }
-
     fn densities<const N: usize, W: Work>(
         &self,
         _: &NodePoints<N>,
@@ -162,13 +153,15 @@ impl ScalarField for ConstantField<'_> {
         [self.1; N]
     }
 
-    fn gradient<W: Work>(
+    fn gradient<const N: usize, W: Work>(
         &self,
         gradients: &Grid<[f32; 3]>,
-        point: &NodePoint,
+        points: &NodePoints<N>,
+        index: usize,
         work: &mut W,
     ) -> DVec3 {
         work.count(Event::GradientLookup);
-        Cell::around(gradients.lattice(), *point).trilinear(gradients)
+        let point = NodePoint(points.map(|axis| axis[index]).into());
+        Cell::around(gradients.lattice(), point).trilinear(gradients)
     }
 }

@@ -101,9 +101,8 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
                 let t = batch.distances[index];
                 let (world, nodes) = (ray.at(t), line.at(t));
                 let point = SamplePoint { world, nodes };
-                let location = F::location(&locations, index);
                 let (density, colour) = (densities[index], colours[index]);
-                let radiance = self.source(ray, point, &location, density, colour, work);
+                let radiance = self.source(ray, point, (&locations, index), density, colour, work);
                 layers = O::add(layers, radiance * opacity, opacity);
                 if self.order.is_over(&layers) {
                     return layers;
@@ -112,14 +111,14 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
         }
     }
 
-    /// Radiance of a sample of the given `density` at `point`, which is `location` in the field, if it were
-    /// opaque, as seen along `ray`; `colour` is that of its density.
+    /// Radiance of a sample of the given `density` at `point`, which is the `location` of this index in the field, if
+    /// it were opaque, as seen along `ray`; `colour` is that of its density.
     #[inline(always)]
-    fn source<W: Work>(
+    fn source<const N: usize, W: Work>(
         &self,
         ray: &Ray,
         point: SamplePoint,
-        location: &F::Location,
+        location: (&F::Locations<N>, usize),
         density: f64,
         colour: DVec3,
         work: &mut W,
@@ -137,14 +136,14 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
     /// where it is transparent.
     pub fn at<W: Work>(&self, ray: &Ray, world: DVec3, work: &mut W) -> (f64, DVec3) {
         let nodes = self.field.lattice().to_nodes(self.extent.to_volume(world));
-        let location = self.field.locate(nodes);
-        let density = self.field.density(&location, work);
+        let locations = self.field.locate_several(&nodes.0.to_array().map(|place| [place]));
+        let [density] = self.field.densities(&locations, 1, work);
         let (opacity, colour) = self.transfer_function.look(density);
         if opacity == 0.0 {
             return (density, DVec3::ZERO);
         }
         let point = SamplePoint { world, nodes };
-        let radiance = self.source(ray, point, &location, density, colour, work);
+        let radiance = self.source(ray, point, (&locations, 0), density, colour, work);
         (density, radiance)
     }
 }

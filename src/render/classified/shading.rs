@@ -11,13 +11,13 @@ use glam::DVec3;
 
 /// Shading of samples.
 pub trait Shading: Sync {
-    /// The colour of a sample at world `point` and `location` in the field, of unshaded `colour`, as seen
-    /// along `ray`.
-    fn shade<F: ScalarField, W: Work>(
+    /// The colour of a sample at world `point` and the `location` of this index in the field, of unshaded `colour`, as
+    /// seen along `ray`.
+    fn shade<F: ScalarField, const N: usize, W: Work>(
         &self,
         colour: DVec3,
         field: &F,
-        location: &F::Location,
+        location: (&F::Locations<N>, usize),
         point: DVec3,
         ray: &Ray,
         work: &mut W,
@@ -29,11 +29,11 @@ pub trait Shading: Sync {
 pub struct Unshaded;
 
 impl Shading for Unshaded {
-    fn shade<F: ScalarField, W: Work>(
+    fn shade<F: ScalarField, const N: usize, W: Work>(
         &self,
         colour: DVec3,
         _: &F,
-        _: &F::Location,
+        _: (&F::Locations<N>, usize),
         _: DVec3,
         _: &Ray,
         _: &mut W,
@@ -56,16 +56,17 @@ pub struct Shaded {
 impl Shading for Shaded {
     // Always: a call takes a twentieth of figure 3.
     #[inline(always)]
-    fn shade<F: ScalarField, W: Work>(
+    fn shade<F: ScalarField, const N: usize, W: Work>(
         &self,
         colour: DVec3,
         field: &F,
-        location: &F::Location,
+        location: (&F::Locations<N>, usize),
         point: DVec3,
         ray: &Ray,
         work: &mut W,
     ) -> DVec3 {
-        let gradient = field.gradient(&self.gradients, location, work);
+        let (locations, index) = location;
+        let gradient = field.gradient(&self.gradients, locations, index, work);
         let to_light = Direction::of(self.light - point);
         self.phong.shade(colour, gradient, to_light, -ray.direction)
     }
