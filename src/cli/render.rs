@@ -304,13 +304,6 @@ fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
     let fail = |message: String| bad_input(format!("--step: {message}"));
     for panel in &mut scene.panels {
         match &mut panel.model {
-            Model::Classified(classified)
-                if classified.has_objects() && !classified.objects.are_modulation_alone() =>
-            {
-                let message =
-                    "several volumes, surfaces and clips have steps of their own: edit the scene";
-                return Err(fail(message.into()));
-            }
             Model::Classified(classified) => {
                 classified.sample();
                 classified.set_step(step).map_err(fail)?;

@@ -370,8 +370,17 @@ impl Classified {
         self.continuous = false;
     }
 
-    /// Replaces the distance between samples; fails if rays would have too many of them.
+    /// Replaces the distance between samples, of each volume; a length in voxels is by the voxels of each. Fails if
+    /// rays would have too many samples.
     pub fn set_step(&mut self, step: Length) -> Result<(), String> {
+        if self.has_objects() {
+            for index in 0..self.volume_count() {
+                let mut alone = self.alone(index);
+                alone.set_step(step)?;
+                self.put(index, alone);
+            }
+            return Ok(());
+        }
         let before = self.step;
         self.step = checked_step(step, [self.voxel(), self.diagonal()])?;
         self.check_eye()
