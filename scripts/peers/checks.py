@@ -202,6 +202,16 @@ def vtk_several():
     print("in the larger one:", (vtk_picture(box, True, clear=True, other=clear)[100] > 20).sum(), "pixels")
 
 
+def vtk_unlit():
+    """A ball lit by a lamp at its side should be as dark in a larger, clear volume as alone."""
+    x = np.linspace(-0.8, 0.8, 33)
+    distance = np.sqrt(x**2 + x[:, None] ** 2 + x[:, None, None] ** 2)
+    ball, clear = vtk_image(np.clip(10 * (0.6 - distance), 0, 1), (0.8,) * 3), vtk_image(np.zeros((3, 3, 3)), 1)
+    for name, other in (("alone", None), ("in the larger one", clear)):
+        codes = vtk_picture(ball, True, clear=True, other=other, lamp=(5, 0, 0))
+        print(f"{name}: mean code {codes[codes > 0].mean():.1f}")
+
+
 def vtk_normals():
     """A ball lit by a lamp should look the same in a cube and in a box twice as long, from wherever it is seen."""
 
@@ -417,8 +427,8 @@ def mitsuba_floor():
         print(f"box {gap} above the floor: {np.mean(means):.4f} ± {np.std(means, ddof=1) / 8**0.5:.4f}")
 
 
-CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, vtk_normals, pyvista_cells]
-CHECKS += [cycles_first, lux_low, lux_roulette, lux_weights, lux_turns, mitsuba_floor]
+CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, vtk_unlit, vtk_normals]
+CHECKS += [pyvista_cells, cycles_first, lux_low, lux_roulette, lux_weights, lux_turns, mitsuba_floor]
 
 if __name__ == "__main__":
     for check in CHECKS:

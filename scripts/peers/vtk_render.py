@@ -30,6 +30,8 @@ def refuse_what_vtk_cannot_say(bundle):
         volref.refuse("the volume shadow (VTK scatters light by a model of its own)")
     bundle.allow("several", "placed", "shading", "clips", "surfaces", *BLENDS)
     parts = bundle.volumes
+    if len(parts) > 1 and "shading" in bundle.asks:
+        volref.refuse("several volumes by a lamp (VTK lights them from the eye, or not at all)")
     if any(volume.has_jump for volume in parts if volume.json["transfer_function"]):
         volref.refuse("a table with a jump (VTK's runs in straight lines)")
     if any(surface["kind"] != "sphere" for surface in bundle.panel.get("surfaces", [])):

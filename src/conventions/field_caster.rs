@@ -6,7 +6,8 @@
 //! mistake of the scene is made or a convention is asked. Places of samples, values and normals are those of the
 //! [`RayCaster`]. With default conventions and without mistakes both give the same bits.
 
-use super::ray_caster::{Layer, RayCaster, Way, rounded};
+use super::layer::{Layer, rounded};
+use super::ray_caster::{RayCaster, Way};
 use super::shading::ShadedSample;
 use super::steps::StepRule;
 use super::work::RayWork;
@@ -16,7 +17,7 @@ use crate::scene::{
     Classified, Compositing, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
     ProjectionFault, Window,
 };
-use crate::volume::{Cell, NodeLine};
+use crate::volume::Cell;
 use glam::DVec3;
 
 /// Renders the rays of a scene whose mode is a projection or isosurfaces.
@@ -151,11 +152,11 @@ impl<'s> FieldCaster<'s> {
             return colour;
         };
         let lattice = self.scene.grid.lattice();
-        let inside = caster.line(ray);
-        let node_point = NodeLine::new(inside, lattice).at(t);
+        let lines = caster.lines(ray);
+        let node_point = lines.nodes.at(t);
         let looked_up = caster.looked_up(node_point);
         let cell = Cell::around(lattice, looked_up);
-        let gradient = caster.gradient(gradients, inside, looked_up, &cell, work);
+        let gradient = caster.gradient(gradients, lines.inside, looked_up, &cell, work);
         let leaves_the_eye = gradient.dot(*ray.direction) < 0.0;
         let is_turned =
             if conventions.one_sided_surfaces || faults.contains(&IsosurfaceFault::NotTurned) {
@@ -199,11 +200,13 @@ impl<'s> FieldCaster<'s> {
             return vec![];
         };
         let Way {
-            line, steps, count, ..
+            lines,
+            steps,
+            count,
         } = way;
         let sample = |index: usize| {
             let (t, length) = steps.sample(index);
-            let point = self.caster.looked_up(line.at(t));
+            let point = self.caster.looked_up(lines.nodes.at(t));
             let cell = Cell::around(self.scene.grid.lattice(), point);
             let value = self.caster.density(&cell, work);
             Sample { t, length, value }

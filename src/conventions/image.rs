@@ -2,6 +2,7 @@
 
 use super::field_caster::FieldCaster;
 use super::ray_caster::RayCaster;
+use super::several::{CommonSteps, each_alone};
 use super::stored_values::as_stored;
 use crate::film::Film;
 use crate::scene::{Classified, Mode, Scene};
@@ -13,7 +14,11 @@ pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
     let [width, height] = size;
     let pixels = (0..width * height).into_par_iter();
     let pixels = pixels.map(|index| [index % width, index / width]);
-    let pixels = if scene.mode == Mode::Composited {
+    let pixels = if scene.volume_count() > 1 {
+        let volumes = each_alone(scene);
+        let caster = CommonSteps::new(scene, &volumes);
+        pixels.map(|pixel| caster.pixel(pixel, size).0).collect()
+    } else if scene.mode == Mode::Composited {
         let scene = as_stored(scene);
         let caster = RayCaster::new(&scene);
         pixels.map(|pixel| caster.pixel(pixel, size).0).collect()

@@ -5,18 +5,20 @@
 //! those of volref it gives the image of [`reference::ray_caster`](crate::reference::ray_caster), to
 //! the bit. A [`Profile`] is a file with the conventions of a renderer, the [`CATALOGUE`] what a search
 //! for the conventions behind an image tries. Projections and isosurfaces are sampled by the [`FieldCaster`], under
-//! those that they follow.
+//! those that they follow; several volumes, where their steps are common, by [`CommonSteps`].
 
 mod catalogue;
 mod classifier;
 mod field_caster;
 mod first_samples;
 mod image;
+mod layer;
 mod normals;
 mod opacity;
 mod profile;
 pub mod ray_caster;
 mod rounded_places;
+mod several;
 mod shading;
 mod steps;
 mod stored_values;
@@ -29,5 +31,6 @@ pub use image::render;
 pub use normals::NodeGradients;
 pub use profile::{PROFILE, Profile};
 pub use rounded_places::bounds_of_rounded_places;
+pub use several::{CommonSteps, each_alone};
 pub use stored_values::as_stored;
 pub use work::RayWork;

@@ -160,10 +160,14 @@ impl Profile {
     }
 
     fn apply(&self, scene: &mut Classified) -> Result<(), String> {
-        if scene.has_objects() && !scene.is_one_volume_without_shadow() {
+        if scene.has_objects() && !scene.is_sampled_by(&self.conventions) {
+            let several = if scene.volume_count() > 1 && !self.conventions.common_steps {
+                "several volumes"
+            } else {
+                "modulated opacities, or shadows among surfaces and clips"
+            };
             return Err(format!(
-                "the profile {:?} says nothing of several volumes, modulated opacities, or shadows among surfaces \
-                 and clips; judge this case without --as",
+                "the profile {:?} says nothing of {several}; judge this case without --as",
                 self.name
             ));
         }
@@ -178,6 +182,9 @@ impl Profile {
         // Conventions are about samples.
         scene.sample();
         scene.conventions = conventions;
+        scene
+            .check_common_steps()
+            .map_err(|message| format!("the profile {:?}: {message}", self.name))?;
         if let Some(threshold) = self.early_termination
             && !matches!(scene.mode, Mode::Projection(_))
         {

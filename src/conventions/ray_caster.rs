@@ -10,19 +10,18 @@
 //! what a scene does not ask for.
 
 use super::classifier::Classifier;
+use super::layer::{Layer, pixel_of};
 use super::normals::{Gradients, NodeGradients};
 use super::opacity::Correction;
 use super::shading::ShadedSample;
-use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world};
+use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world, taken};
 use super::work::RayWork;
 use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
-use crate::math::rng::philox4x32_10;
 use crate::optics::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Compositing, Lookup, NormalSpace, NormalTransform, Precision};
+use crate::scene::{Classified, Clip, Compositing, Lookup, NormalSpace, NormalTransform};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
 use glam::DVec3;
-use half::f16;
 
 /// A ray caster for a scene.
 pub struct RayCaster<'s> {
@@ -34,67 +33,20 @@ pub struct RayCaster<'s> {
     pub(super) shading: Option<(Phong, Gradients)>,
 }
 
-/// The way of a ray through the volume.
-pub(super) struct Way {
-    /// In the coordinates of the volume.
+/// A ray in the coordinates of the volume.
+pub(super) struct Lines {
+    /// In units of length.
     pub inside: Line,
     /// In nodes.
-    pub line: NodeLine,
+    pub nodes: NodeLine,
+}
+
+/// The way of a ray through the volume.
+pub(super) struct Way {
+    pub lines: Lines,
     pub steps: StepsInParts,
     /// Number of steps that are taken.
     pub count: usize,
-}
-
-/// Samples of a ray, composited.
-pub(super) struct Layer {
-    /// Associated colour: multiplied by opacity.
-    pub colour: DVec3,
-    /// Fraction of the light from behind that is absorbed.
-    pub opacity: f64,
-    /// Fraction of the light from behind that passes.
-    pub transparency: f64,
-}
-
-impl Layer {
-    pub const EMPTY: Layer = Layer {
-        colour: DVec3::ZERO,
-        opacity: 0.0,
-        transparency: 1.0,
-    };
-
-    /// This layer in front of `back`: the operator "over" of Porter & Duff 1984.
-    pub fn over(self, back: Layer) -> Layer {
-        let passed = self.transparency * back.transparency;
-        let sum = self.opacity + back.opacity * self.transparency;
-        Layer {
-            colour: self.colour + back.colour * self.transparency,
-            // The sum is more accurate while it is small; near 1, rounding could carry it above 1.
-            opacity: if passed < 0.5 { 1.0 - passed } else { sum },
-            transparency: passed,
-        }
-    }
-
-    /// This layer in numbers of `precision`.
-    pub fn rounded(self, precision: Precision) -> Layer {
-        let round = |value| rounded(value, precision);
-        Layer {
-            colour: self.colour.map(round),
-            opacity: round(self.opacity),
-            transparency: round(self.transparency),
-        }
-    }
-}
-
-/// `value` as a number of `precision`.
-pub(super) fn rounded(value: f64, precision: Precision) -> f64 {
-    match precision {
-        Precision::F64 => value,
-        Precision::F32 => f64::from(value as f32),
-        Precision::F16 => f64::from(f16::from_f64(value)),
-        // Not above what a product of whole numbers of units is but for the rounding of `f64`.
-        Precision::U15 => ((value.clamp(0.0, 1.0) * 32767.0 - 1e-6).ceil()) / 32767.0,
-        Precision::U8 => (value.clamp(0.0, 1.0) * 255.0).round() / 255.0,
-    }
 }
 
 impl<'s> RayCaster<'s> {
@@ -139,77 +91,33 @@ impl<'s> RayCaster<'s> {
 
     /// Radiance of pixel (`column`, `row`) of an image of `width` × `height` pixels, background
     /// included, and the opacity of the volume; and the work of its ray.
-    pub fn pixel(
-        &self,
-        [column, row]: [usize; 2],
-        [width, height]: [usize; 2],
-    ) -> ([f32; 4], RayWork) {
-        let mut work = RayWork::default();
-        let (scene, size) = (self.scene, [width, height]);
-        let ray = if scene.conventions.pixel_corner {
-            scene.camera.ray_through([column as f64, row as f64], size)
-        } else {
-            scene.camera.ray([column, row], size)
-        };
-        let mut rule = StepRule::of(&scene.conventions);
-        if scene.conventions.is_random() {
-            let pixel = (row * width + column) as u32;
-            work.random_draws += 1;
-            let random = philox4x32_10([pixel, 0, 0, 0], [0; 2])[0];
-            let random = f64::from(random) / (1_u64 << 32) as f64;
-            if scene.conventions.has_random_place() {
-                rule.position = random;
-            } else {
-                rule.first = random;
-            }
-        }
-        let hit = scene.objects.nearest_surface(&ray);
-        let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
-        let volume = self.cast(&ray, end, rule, &mut work);
-        let (behind, opacity) = match hit {
-            None => (scene.background, volume.opacity),
-            Some((hit, surface)) => (surface.shaded(&ray, &hit, scene.light), 1.0),
-        };
-        let DVec3 { x, y, z } = volume.colour + behind * volume.transparency;
-        ([x, y, z, opacity].map(|value| value as f32), work)
+    pub fn pixel(&self, pixel: [usize; 2], size: [usize; 2]) -> ([f32; 4], RayWork) {
+        pixel_of(self.scene, pixel, size, |ray, end, rule, work| {
+            self.cast(ray, end, rule, work)
+        })
     }
 
     /// The way of `ray` through what clips keep of the volume, as far as `end`.
     pub(super) fn way(&self, ray: &Ray, end: f64, rule: StepRule) -> Option<Way> {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let whole = self.span(ray)?;
-        let mut span = Span::new(whole.near, whole.far.min(end));
-        for clip in scene.clips_of(0) {
-            span = span.within(clip.kept.span(ray)?);
-        }
-        if span.near > span.far {
-            return None;
-        }
-        let inside = self.extent.line(ray);
-        let line = NodeLine::new(inside, lattice);
+        let span = kept(whole, end, ray, scene.clips_of(0))?;
+        let lines = self.lines(ray);
         let measure = scene.conventions.step_length;
         let sizes = [lattice.spacing(), self.extent.bounds.size()];
         let longest = self.extent.edges().map(length_of);
         let longest = longest.into_iter().fold(0.0, f64::max);
         let lengths = [scene.voxel(), longest];
-        let step = step_in_world(scene.step, measure, inside.direction, sizes, lengths);
+        let step = step_in_world(scene.step, measure, lines.inside.direction, sizes, lengths);
         let steps_over = |span: Span| {
-            let ends = [span.near, span.far].map(|t| line.at(t).0);
+            let ends = [span.near, span.far].map(|t| lines.nodes.at(t).0);
             let cuts = scene.conventions.brick_steps;
             let cuts = cuts.map_or(Vec::new(), |edge| brick_faces(span, ends, edge));
             StepsInParts::new(span, step, rule, &cuts)
         };
-        let mut steps = steps_over(span);
-        let mut count = steps.count;
-        if scene.conventions.sample_behind_ends && span.far < whole.far {
-            steps = steps_over(Span::new(span.near, whole.far));
-            count = steps.count.min(count + 1);
-        }
-        let most = scene.conventions.most_steps;
-        let count = most.map_or(count, |most| count.min(most as usize));
+        let (steps, count) = taken(&scene.conventions, span, whole.far, steps_over);
         Some(Way {
-            inside,
-            line,
+            lines,
             steps,
             count,
         })
@@ -217,14 +125,13 @@ impl<'s> RayCaster<'s> {
 
     /// The samples along `ray` as far as `end`, composited.
     fn cast(&self, ray: &Ray, end: f64, rule: StepRule, work: &mut RayWork) -> Layer {
-        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
+        let scene = self.scene;
         let mut seen = Layer::EMPTY;
         let Some(way) = self.way(ray, end, rule) else {
             return seen;
         };
         let Way {
-            inside,
-            line,
+            lines,
             steps,
             count,
         } = way;
@@ -232,91 +139,96 @@ impl<'s> RayCaster<'s> {
         for done in 0..count {
             let index = if reversed { count - 1 - done } else { done };
             let (t, length) = steps.sample(index);
-            let (point, node_point) = (ray.at(t), line.at(t));
-            let looked_up = self.looked_up(node_point);
-            let cell = Cell::around(lattice, looked_up);
-            let density = self.density(&cell, work);
-            let look = self.classifier.look(scene, &cell, density);
-            work.attenuations += u64::from(look.opacity != 0.0);
             let length = if scene.conventions.nominal_opacity {
                 length / steps.step * scene.step
             } else {
                 length
             };
-            let opacity = self.correction.over(look.opacity, length);
-            if opacity == 0.0 {
-                continue; // nothing to add, whatever its colour
-            }
-            work.emission_terms += 1;
-            let visibility = self.visibility(point, node_point, work);
-            let light = look.emission * visibility;
-            let colour = match &self.shading {
-                None => look.colour * light,
-                Some((phong, gradients)) => {
-                    let (to_light, to_eye) = self.directions(point, node_point, ray);
-                    let sample = ShadedSample {
-                        colour: look.colour,
-                        gradient: self.gradient(gradients, inside, looked_up, &cell, work),
-                        to_light,
-                        to_eye,
-                    };
-                    let shaded = sample.lit_by(phong, &scene.conventions);
-                    let lit = if scene.conventions.highlight_emission {
-                        (shaded.base + shaded.highlight) * light
-                    } else {
-                        shaded.base * light + shaded.highlight * visibility
-                    };
-                    if scene.conventions.shadowed_ambient {
-                        lit
-                    } else {
-                        lit + shaded.ambient * (look.emission - light)
-                    }
-                }
+            let Some(sample) = self.sample(ray, &lines, t, length, work) else {
+                continue;
             };
-            let colour = if scene.conventions.clamped_samples {
-                colour.min(DVec3::ONE)
-            } else {
-                colour
-            };
-            let colour = if scene.conventions.own_transmittance {
-                colour * (1.0 - opacity)
-            } else {
-                colour
-            };
-            let sample = Layer {
-                colour: colour * opacity,
-                opacity,
-                transparency: 1.0 - opacity,
-            };
-            let sum = seen.colour + sample.colour;
-            seen = if reversed {
-                sample.over(seen)
-            } else {
-                seen.over(sample)
-            };
-            if scene.conventions.added_colours {
-                seen.colour = sum;
-            }
-            seen = seen.rounded(scene.conventions.precision);
-            if let Compositing::EarlyTermination(threshold) = scene.compositing
-                && seen.transparency < threshold
-            {
-                if scene.conventions.ended_rays_opaque {
-                    (seen.opacity, seen.transparency) = (1.0, 0.0);
-                }
+            seen = seen.with(sample, scene);
+            if seen.ends(scene) {
                 break;
             }
         }
         seen
     }
 
-    /// `ray` in the coordinates of the volume.
-    pub(super) fn line(&self, ray: &Ray) -> Line {
-        self.extent.line(ray)
+    /// The sample at the distance `t` of `ray`, over this `length`; none where it is transparent.
+    pub(super) fn sample(
+        &self,
+        ray: &Ray,
+        lines: &Lines,
+        t: f64,
+        length: f64,
+        work: &mut RayWork,
+    ) -> Option<Layer> {
+        let scene = self.scene;
+        let (point, node_point) = (ray.at(t), lines.nodes.at(t));
+        let looked_up = self.looked_up(node_point);
+        let cell = Cell::around(scene.grid.lattice(), looked_up);
+        let density = self.density(&cell, work);
+        let look = self.classifier.look(scene, &cell, density);
+        work.attenuations += u64::from(look.opacity != 0.0);
+        let opacity = self.correction.over(look.opacity, length);
+        if opacity == 0.0 {
+            return None; // nothing to add, whatever its colour
+        }
+        work.emission_terms += 1;
+        let visibility = self.visibility(point, node_point, work);
+        let light = look.emission * visibility;
+        let colour = match &self.shading {
+            None => look.colour * light,
+            Some((phong, gradients)) => {
+                let (to_light, to_eye) = self.directions(point, node_point, ray);
+                let sample = ShadedSample {
+                    colour: look.colour,
+                    gradient: self.gradient(gradients, lines.inside, looked_up, &cell, work),
+                    to_light,
+                    to_eye,
+                };
+                let shaded = sample.lit_by(phong, &scene.conventions);
+                let lit = if scene.conventions.highlight_emission {
+                    (shaded.base + shaded.highlight) * light
+                } else {
+                    shaded.base * light + shaded.highlight * visibility
+                };
+                if scene.conventions.shadowed_ambient {
+                    lit
+                } else {
+                    lit + shaded.ambient * (look.emission - light)
+                }
+            }
+        };
+        let colour = if scene.conventions.clamped_samples {
+            colour.min(DVec3::ONE)
+        } else {
+            colour
+        };
+        let colour = if scene.conventions.own_transmittance {
+            colour * (1.0 - opacity)
+        } else {
+            colour
+        };
+        Some(Layer {
+            colour: colour * opacity,
+            opacity,
+            transparency: 1.0 - opacity,
+        })
+    }
+
+    /// The lines of `ray` in the coordinates of the volume.
+    pub(super) fn lines(&self, ray: &Ray) -> Lines {
+        let inside = self.extent.line(ray);
+        Lines {
+            inside,
+            nodes: NodeLine::new(inside, self.scene.grid.lattice()),
+        }
     }
 
     /// The part of `ray` within the volume.
-    fn span(&self, ray: &Ray) -> Option<Span> {
+    pub(super) fn span(&self, ray: &Ray) -> Option<Span> {
         let ahead = self.extent.span(ray)?;
         if !self.scene.conventions.starts_behind_eye {
             return Some(ahead);
@@ -516,6 +428,20 @@ impl<'s> RayCaster<'s> {
                 .product(),
         }
     }
+}
+
+/// What `clips` keep of the part `whole` of `ray`, as far as `end`.
+pub(super) fn kept<'c>(
+    whole: Span,
+    end: f64,
+    ray: &Ray,
+    clips: impl Iterator<Item = &'c Clip>,
+) -> Option<Span> {
+    let mut span = Span::new(whole.near, whole.far.min(end));
+    for clip in clips {
+        span = span.within(clip.kept.span(ray)?);
+    }
+    (span.near <= span.far).then_some(span)
 }
 
 /// The box that the volume of `scene` fills, by its conventions.

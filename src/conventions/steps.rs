@@ -190,6 +190,24 @@ impl StepsInParts {
     }
 }
 
+/// The steps of a ray over `span`, which a surface or a clip may end before the volume does, at `far`; and how many of
+/// them are taken.
+pub fn taken(
+    conventions: &Conventions,
+    span: Span,
+    far: f64,
+    steps_over: impl Fn(Span) -> StepsInParts,
+) -> (StepsInParts, usize) {
+    let mut steps = steps_over(span);
+    let mut count = steps.count;
+    if conventions.sample_behind_ends && span.far < far {
+        steps = steps_over(Span::new(span.near, far));
+        count = steps.count.min(count + 1);
+    }
+    let most = conventions.most_steps;
+    (steps, most.map_or(count, |most| count.min(most as usize)))
+}
+
 /// Distances within `span` at which a ray enters another brick of `edge` cells, from the node coordinates of both ends.
 pub fn brick_faces(span: Span, [near, far]: [DVec3; 2], edge: u32) -> Vec<f64> {
     let edge = f64::from(edge);

@@ -379,7 +379,7 @@ impl Classified {
                 alone.set_step(step)?;
                 self.put(index, alone);
             }
-            return Ok(());
+            return self.check_common_steps();
         }
         let before = self.step;
         self.step = checked_step(step, [self.voxel(), self.diagonal()])?;
@@ -514,7 +514,7 @@ fn above(camera: &Camera, target: DVec3) -> DVec3 {
 }
 
 /// The step in world units, given those of a voxel and of the diagonal of the volume.
-fn checked_step(step: Length, [voxel, diagonal]: [f64; 2]) -> Result<f64, String> {
+pub(super) fn checked_step(step: Length, [voxel, diagonal]: [f64; 2]) -> Result<f64, String> {
     let length = step.in_world_units(voxel)?;
     if diagonal / length > MOST_SAMPLES_PER_RAY {
         return Err(format!(

@@ -658,6 +658,14 @@ conventions! {
     "Composition of several volumes: extinctions add, colours are their mean weighted by extinction (merged); one volume as a whole in front of the next, in the order in which a ray enters their boxes (nearest-box), or each in front of those before it in the scene (last-in-front); opacities add, up to 1 (added-opacities); or colours are their mean without weights (mean-colours).",
     [];
 
+    "volume_steps" = common_steps: bool = words("own" of "own" = false, "common" = true),
+    "Steps of several volumes: of each its own (own); or the shortest of them for all, counted from where a ray enters the box along the axes of the world around all volumes, and at each place a sample of every volume, one over the next in the order of the scene (common).",
+    [];
+
+    "volume_boxes" = voxel_boxes: bool = words("nodes" of "nodes" = false, "voxels" = true),
+    "Faces of the volumes where there are several, sampled by common steps: as `box` has them (nodes), or half a spacing beyond the outermost nodes (voxels).",
+    [];
+
     "surface_depth" = surface_depth: SurfaceDepth = words("true" of
         "true" = SurfaceDepth::True,
         "behind" = SurfaceDepth::Behind,
@@ -1124,6 +1132,16 @@ impl Conventions {
             (
                 "box",
                 self.voxel_box && self.cell_centred,
+                "with `centring = \"cells\"` values fill the box of the nodes: leave one of them out",
+            ),
+            (
+                "volume_boxes",
+                self.voxel_boxes && !self.common_steps,
+                "only volumes that are sampled by common steps have other faces: give `volume_steps = \"common\"`",
+            ),
+            (
+                "volume_boxes",
+                self.voxel_boxes && self.cell_centred,
                 "with `centring = \"cells\"` values fill the box of the nodes: leave one of them out",
             ),
             (

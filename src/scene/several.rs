@@ -1,11 +1,13 @@
 //! The volumes of a classified scene, one by one, and what does not go with several.
 
+use super::classified::checked_step;
 use super::clip::{Clip, keeps_all, leave_something};
 use super::conventions::Conventions;
 use super::modulation::Modulation;
 use super::objects::{Objects, Volume};
 use super::reader::Reader;
-use super::{Classified, Mode, SceneResult};
+use super::{Classified, Length, Mode, SceneResult};
+use crate::geometry::{Aabb, length_of};
 use crate::volume::PlacedBox;
 
 impl Classified {
@@ -15,17 +17,38 @@ impl Classified {
     }
 
     /// True if a renderer has its conventions: of several objects, only those about them; of one volume among
-    /// surfaces and clips, without shadow, all others.
+    /// surfaces and clips, or of several that are sampled by common steps, all others.
     pub fn has_conventions_that_are_rendered(&self) -> bool {
         !self.has_objects()
             || self.conventions.is_of_objects_alone()
-            || self.is_one_volume_without_shadow() && !self.conventions.is_of_merged_objects()
+            || self.is_sampled_by(&self.conventions) && !self.conventions.is_of_merged_objects()
     }
 
-    /// True of a volume alone or among surfaces and clips, its opacity as it is, and nothing in shadow.
-    pub fn is_one_volume_without_shadow(&self) -> bool {
-        let objects = &self.objects;
-        objects.volumes.is_empty() && objects.modulation.is_none() && self.shadow.is_none()
+    /// True if the samples of its volumes follow `conventions`: those of one, or of all by common steps, with
+    /// opacities as they are, and nothing in shadow.
+    pub fn is_sampled_by(&self, conventions: &Conventions) -> bool {
+        (self.volume_count() == 1 || conventions.common_steps)
+            && (0..self.volume_count()).all(|index| self.modulation_of(index).is_none())
+            && self.shadow.is_none()
+    }
+
+    /// The box along the axes of the world around all volumes, and the shortest of their steps.
+    pub fn common_box_and_step(&self) -> (Aabb, f64) {
+        let first = (self.extent().world_bounds(), self.step);
+        let each = self.each_alone().skip(1);
+        each.fold(first, |(bounds, step), alone| {
+            let more = alone.extent().world_bounds();
+            (bounds.union(more), step.min(alone.step))
+        })
+    }
+
+    /// Fails if rays would have too many common steps.
+    pub fn check_common_steps(&self) -> Result<(), String> {
+        if !self.conventions.common_steps {
+            return Ok(());
+        }
+        let (bounds, step) = self.common_box_and_step();
+        checked_step(Length::World(step), [1.0, length_of(bounds.size())]).map(|_| ())
     }
 
     /// Number of volumes.
@@ -146,11 +169,11 @@ impl Classified {
         names: &[Option<String>],
     ) -> SceneResult<()> {
         if !self.has_objects() {
-            if !self.conventions.is_of_merged_objects() && !self.conventions.sample_behind_ends {
+            if !self.conventions.is_of_objects() {
                 return Ok(());
             }
-            let message = "`composition`, `surface_depth`, `object_shadows` and `sample_behind_ends` are about \
-                           several volumes, surfaces or clips: the scene has none";
+            let message = "`composition`, `volume_steps`, `volume_boxes`, `surface_depth`, `object_shadows` and \
+                           `sample_behind_ends` are about several volumes, surfaces or clips: the scene has none";
             return Err(reader.mistake("conventions", message, "leave these keys out"));
         }
         for (key, is_refused, what, help) in [
@@ -175,8 +198,8 @@ impl Classified {
             (
                 "conventions",
                 !self.has_conventions_that_are_rendered(),
-                "only `composition`, `surface_depth` and `object_shadows` are known, or without them those of one \
-                 volume without shadow",
+                "only `composition`, `surface_depth` and `object_shadows` are known, or without them and without \
+                 shadow those of one volume, or with `volume_steps = \"common\"` of several",
                 "leave the other keys out",
             ),
         ] {
@@ -201,6 +224,8 @@ impl Classified {
             let message = "shadows of modulated opacities are not rendered";
             return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
         }
+        self.check_common_steps()
+            .map_err(|message| reader.error("conventions", message))?;
         for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
             self.check_clips_of(index, &alone.extent(), name.as_deref(), reader)?;
         }
@@ -237,7 +262,15 @@ impl Classified {
 }
 
 impl Conventions {
-    /// True if a convention about several objects is not volref's own.
+    /// True if a convention is not volref's own that has no meaning for one volume by itself.
+    fn is_of_objects(&self) -> bool {
+        self.is_of_merged_objects()
+            || self.common_steps
+            || self.voxel_boxes
+            || self.sample_behind_ends
+    }
+
+    /// True if a convention about several objects that are merged is not volref's own.
     fn is_of_merged_objects(&self) -> bool {
         let own = Conventions::default();
         self.composition != own.composition

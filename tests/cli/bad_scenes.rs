@@ -844,8 +844,7 @@ fn volumes_surfaces_and_clips() {
     broken("[classified]\nvolume = 1\n".into());
     folder.write("two.toml", TWO);
     for arguments in [
-        &["render", "two.toml", "-o", "image.exr", "--step", "1"][..],
-        &["export", "two.toml", "--to", "mitsuba", "-o", "out"],
+        &["export", "two.toml", "--to", "mitsuba", "-o", "out"][..],
         &["export", "two.toml", "--to", "pbrt", "-o", "out"],
         &["cost", "two.toml"],
         &["sensitivity", "two.toml", "--of", "opacity", "-o", "s.exr"],
@@ -869,18 +868,17 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:13:10: `colour` must not be negative, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:6:1: volumes and surfaces make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
-    broken.toml:12:1: with several volumes, surfaces or clips only `composition`, `surface_depth` and `object_shadows` are known, or without them those of one volume without shadow help: leave the other keys out
+    broken.toml:12:1: with several volumes, surfaces or clips only `composition`, `surface_depth` and `object_shadows` are known, or without them and without shadow those of one volume, or with `volume_steps = "common"` of several help: leave the other keys out
     broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
     broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or keep one volume alone
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:6:1: this volume has no transfer function, and others have one of their own help: give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes without one: an empty table is the formula with its defaults
-    broken.toml:4:1: `composition`, `surface_depth`, `object_shadows` and `sample_behind_ends` are about several volumes, surfaces or clips: the scene has none help: leave these keys out
+    broken.toml:4:1: `composition`, `volume_steps`, `volume_boxes`, `surface_depth`, `object_shadows` and `sample_behind_ends` are about several volumes, surfaces or clips: the scene has none help: leave these keys out
     broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` is empty help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` must be a table, or tables in double brackets, [[…]], not an integer help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
-    --step: several volumes, surfaces and clips have steps of their own: edit the scene
     mitsuba cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
     pbrt cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
     two.toml: this scene has no parameter to vary: several volumes, surfaces and clips have no study yet; measure a scene of one volume help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25

@@ -591,8 +591,10 @@ fn read(conventions: &str) -> Result<Conventions, String> {
 /// Keys that concern a single volume, composited; those of several objects are looked at in `several_volumes.rs`, those
 /// of modes in `modes.rs`.
 fn keys_of_one_volume() -> impl Iterator<Item = &'static Key> {
-    const OTHERS: [&str; 7] = [
+    const OTHERS: [&str; 9] = [
         "composition",
+        "volume_steps",
+        "volume_boxes",
         "surface_depth",
         "object_shadows",
         "sample_behind_ends",

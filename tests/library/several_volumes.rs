@@ -12,7 +12,7 @@ use volref::math::rng::philox4x32_10;
 use volref::math::{exp, exp_m1, ln_1p};
 use volref::reference;
 use volref::render::{Effect, Event, Sampling, State, plans, render, render_counted};
-use volref::scene::{Clip, Kept, Model, Scene};
+use volref::scene::{Clip, Kept, Length, Model, Scene};
 use volref::variations::mistakes;
 
 const SIDE: usize = 8;
@@ -640,6 +640,143 @@ fn conventions_of_others_are_heard() {
     }
 }
 
+/// Two fogs in one box, by common steps: each step shows the first, and the second as far as the first lets it through.
+/// The larger box of a clear volume, from −3 on, is where steps are counted from, and of a box of two nodes half a voxel
+/// is half of it, more on each side.
+#[test]
+fn common_steps_show_one_volume_over_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "fog.nrrd", -1.0, 1.0);
+    slab(folder.path(), "clear.nrrd", -3.0, 3.0);
+    let ((red, thin), (blue, thick), (clear, _)) =
+        (look(RED, 0.3), look(BLUE, 0.6), look(RED, 0.0));
+    let volume = |file: &str, look: &str, more: &str| {
+        format!("[[classified.volume]]\nfile = '{file}.nrrd'\n{look}\n{more}\n")
+    };
+    let image = |volumes: &[String], conventions: &str| {
+        let text = format!(
+            "{}[classified.conventions]\nvolume_steps = 'common'\n{conventions}\n",
+            volumes.concat()
+        );
+        fast(&scene_of(folder.path(), &text))
+    };
+    // What steps of these lengths show, of both fogs.
+    let seen = |lengths: &[f64]| {
+        let (mut radiance, mut passed) = (DVec3::ZERO, 1.0);
+        for length in lengths {
+            let [first, second] = [thin, thick].map(|extinction| -exp_m1(-extinction * length));
+            let shown = DVec3::from(RED) * first + DVec3::from(BLUE) * ((1.0 - first) * second);
+            radiance += shown * passed;
+            passed *= (1.0 - first) * (1.0 - second);
+        }
+        (radiance + BACKGROUND * passed, 1.0 - passed)
+    };
+    let check = |film: &Film, (radiance, opacity): (DVec3, f64)| {
+        for pixel in pixels(film) {
+            assert_near(pixel.0, radiance);
+            assert!(
+                (f64::from(pixel.1) - opacity).abs() <= ULP,
+                "{pixel:?} {opacity}"
+            );
+        }
+    };
+    let both = [volume("fog", &red, ""), volume("fog", &blue, "")];
+    let six_and_a_rest = [0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.2];
+    check(&image(&both, ""), seen(&six_and_a_rest));
+    // The shortest step of all.
+    let shorter = [both[0].clone(), volume("fog", &blue, "step = 0.25")];
+    check(&image(&shorter, ""), seen(&[0.25; 8]));
+    // A surface ends the ray within the second step.
+    let wall = "[[classified.surface]]\ncolour = [0.25, 0.5, 0.125]\n\
+                rectangle = { corner = [-3, -3, -0.5], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }\n";
+    let walled = [both[0].clone(), both[1].clone(), wall.to_owned()];
+    let before_wall = seen(&[0.3, 0.2]);
+    check(&image(&walled, ""), (before_wall.0, 1.0));
+    // In the order of the scene, whichever is nearer.
+    let [first, second] = [
+        image(&both, ""),
+        image(&[both[1].clone(), both[0].clone()], ""),
+    ];
+    assert!(difference(&first, &second) > 1e-2);
+    // Steps from −3 on: six of them have their middle, −2.85 + 0.3 n, within −1 and 1, and 14 within −2 and 2.
+    let [red_fog, blue_fog] = &both;
+    let among = [
+        volume("clear", &clear, ""),
+        red_fog.clone(),
+        blue_fog.clone(),
+    ];
+    check(&image(&among, ""), seen(&[0.3; 6]));
+    check(&image(&among, "volume_boxes = 'voxels'"), seen(&[0.3; 14]));
+    // A clip of one volume takes its samples alone; one of all ends the ray.
+    let clip = "[[classified.clip]]\npoint = [0, 0, 0.1]\nnormal = [0, 0, -1]\n";
+    let clipped = |clip: String| {
+        image(
+            &[
+                red_fog.clone(),
+                blue_fog.replace("]]\n", "]]\nname = 'blue'\n"),
+                clip,
+            ],
+            "",
+        )
+    };
+    check(&clipped(clip.to_owned()), seen(&[0.3, 0.3, 0.3, 0.2]));
+    let of_blue = clipped(format!("{clip}volumes = ['blue']\n"));
+    let whole = 1.0 - exp(-2.0 * thin - 4.0 * 0.3 * thick);
+    for pixel in pixels(&of_blue) {
+        assert!((f64::from(pixel.1) - whole).abs() <= ULP);
+    }
+}
+
+/// A step given for the scene is that of each volume, by its own voxels.
+#[test]
+fn a_step_for_all_is_the_step_of_each() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -1.0, 0.5);
+    slab(folder.path(), "b.nrrd", -0.5, 1.0);
+    let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.6));
+    let scene = |first: &str, second: &str| {
+        let text = format!(
+            "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n{first}\n\
+             [[classified.volume]]\nfile = 'b.nrrd'\nscale = [0.5, 0.5, 0.5]\n{blue}\n{second}\n\
+             [classified.conventions]\ncomposition = 'added-opacities'"
+        );
+        scene_of(folder.path(), &text)
+    };
+    let mut changed = scene("", "step = 0.4");
+    let Model::Classified(classified) = &mut changed.panels[0].model else {
+        unreachable!()
+    };
+    classified.set_step(Length::Voxels(0.1)).unwrap();
+    let written = fast(&scene("step = '0.1 voxels'", "step = 0.075"));
+    assert_eq!(difference(&fast(&changed), &written), 0.0);
+    assert!(difference(&fast(&scene("", "step = 0.4")), &written) > 1e-3);
+}
+
+/// Common steps that become shorter come to what volref has in their place, in proportion to the step.
+#[test]
+fn common_steps_converge_to_merged_volumes() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -1.0, 0.5);
+    slab(folder.path(), "b.nrrd", -0.5, 1.0);
+    let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.6));
+    let image = |conventions: &str, step: f64| {
+        let text = format!(
+            "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\nstep = {step}\n\
+             [[classified.volume]]\nfile = 'b.nrrd'\n{blue}\nstep = {step}\n{conventions}"
+        );
+        fast(&scene_of(folder.path(), &text))
+    };
+    let merged = image("", 0.5);
+    let common = "[classified.conventions]\nvolume_steps = 'common'\n";
+    // Faces of the volumes lie between steps of 2⁻ⁿ.
+    let off = [0.125, 0.0625, 0.03125].map(|step| difference(&image(common, step), &merged));
+    assert!(off[0] > 1e-3);
+    for pair in off.windows(2) {
+        let ratio = pair[0] / pair[1];
+        assert!((1.9..2.1).contains(&ratio), "{off:?}");
+    }
+}
+
 /// Fog of one density before a wall, or before its own cut: samples at the ends of steps of 0.3, each for a whole one. As
 /// many as lie within, and one more behind the end, as long as the fog goes on there.
 #[test]
@@ -714,6 +851,14 @@ fn conventions_of_one_volume_among_surfaces() {
         (
             text("first_sample = 1.0\nsurface_depth = 'box'", ""),
             "are known",
+        ),
+        (
+            text("volume_steps = 'common'\nsurface_depth = 'box'", &volume),
+            "are known",
+        ),
+        (
+            text("volume_boxes = 'voxels'", &volume),
+            "give `volume_steps",
         ),
         (
             format!("{volume}[classified.conventions]\nsample_behind_ends = true"),

@@ -1,6 +1,6 @@
 //! The image of a classified volume under conventions of other renderers, by their own ray caster.
 
-use crate::conventions::{RayWork, as_stored, ray_caster::RayCaster};
+use crate::conventions::{CommonSteps, RayWork, as_stored, each_alone, ray_caster::RayCaster};
 use crate::render::counters::{Event, Work};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
@@ -10,21 +10,37 @@ pub(in crate::render) fn cast<W: Work>(
     scene: &Classified,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, W) {
+    let size = [pixels.width, pixels.height];
+    if scene.volume_count() > 1 {
+        let volumes = each_alone(scene);
+        let caster = CommonSteps::new(scene, &volumes);
+        let (image, mut work): (_, W) = by(scene, pixels, |pixel| caster.pixel(pixel, size));
+        work.count_times(Event::GradientComputed, caster.gradients_computed());
+        return (image, work);
+    }
     let scene = as_stored(scene);
     let caster = RayCaster::new(&scene);
-    let size = [pixels.width, pixels.height];
-    let (image, mut work): (_, W) = rows(
+    let (image, mut work): (_, W) = by(&scene, pixels, |pixel| caster.pixel(pixel, size));
+    work.count_times(Event::GradientComputed, caster.gradients_computed());
+    (image, work)
+}
+
+/// The pixels of `scene`, each by `cast`.
+fn by<W: Work>(
+    scene: &Classified,
+    pixels: &Pixels<'_>,
+    cast: impl Fn([usize; 2]) -> ([f32; 4], RayWork) + Sync,
+) -> (Vec<[f32; 4]>, W) {
+    rows(
         pixels,
         || (),
         |position, _, (), work: &mut W| {
-            let (pixel, of_ray) = caster.pixel(position, size);
+            let (pixel, of_ray) = cast(position);
             count(of_ray, work);
             work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
             pixel
         },
-    );
-    work.count_times(Event::GradientComputed, caster.gradients_computed());
-    (image, work)
+    )
 }
 
 /// Counts the work of a ray.

@@ -1,0 +1,103 @@
+//! Several volumes sampled by common steps, as renderers have them that march once through all.
+//!
+//! The steps are as long as the shortest of all volumes, and are counted from where a ray enters the box along the axes
+//! of the world around all of them. At each place every volume that it lies in has a sample, as its own
+//! [`RayCaster`] has it, and these samples lie one over the next, in the order of the scene: of volumes that overlap,
+//! the first hides the others, by as much as one step of it.
+//!
+//! [`reference::several_volumes`](crate::reference::several_volumes) states what volref has in its place.
+
+use super::layer::{Layer, pixel_of};
+use super::ray_caster::{RayCaster, kept};
+use super::steps::{StepRule, StepsInParts, taken};
+use super::stored_values::as_stored;
+use super::work::RayWork;
+use crate::geometry::{Aabb, Ray};
+use crate::scene::Classified;
+
+/// Renders rays through several volumes by common steps.
+pub struct CommonSteps<'s> {
+    scene: &'s Classified,
+    casters: Vec<RayCaster<'s>>,
+    /// The box around all volumes, along the axes of the world.
+    bounds: Aabb,
+    /// Length of a step.
+    step: f64,
+}
+
+/// The scenes of the volumes of `scene`, each alone, as their casters take them.
+pub fn each_alone(scene: &Classified) -> Vec<Classified> {
+    let (_, step) = scene.common_box_and_step();
+    let volumes = scene.each_alone().map(|mut alone| {
+        alone.step = step;
+        alone.conventions.voxel_box |= alone.conventions.voxel_boxes;
+        as_stored(&alone).into_owned()
+    });
+    volumes.collect()
+}
+
+impl<'s> CommonSteps<'s> {
+    /// That of `scene`, whose volumes are those [`each_alone`].
+    pub fn new(scene: &'s Classified, volumes: &'s [Classified]) -> CommonSteps<'s> {
+        let (bounds, step) = scene.common_box_and_step();
+        CommonSteps {
+            scene,
+            casters: volumes.iter().map(RayCaster::new).collect(),
+            bounds,
+            step,
+        }
+    }
+
+    /// Radiance of a pixel of an image of `size`, background included, and the opacity of the volumes; and the work
+    /// of its ray.
+    pub fn pixel(&self, pixel: [usize; 2], size: [usize; 2]) -> ([f32; 4], RayWork) {
+        pixel_of(self.scene, pixel, size, |ray, end, rule, work| {
+            self.cast(ray, end, rule, work)
+        })
+    }
+
+    /// Number of gradients computed for the nodes.
+    pub fn gradients_computed(&self) -> u64 {
+        self.casters.iter().map(RayCaster::gradients_computed).sum()
+    }
+
+    /// The samples along `ray` as far as `end`, composited.
+    fn cast(&self, ray: &Ray, end: f64, rule: StepRule, work: &mut RayWork) -> Layer {
+        let mut seen = Layer::EMPTY;
+        let Some(whole) = self.bounds.span(ray) else {
+            return seen;
+        };
+        // What cuts all volumes cuts the ray.
+        let clips = self.scene.objects.clips.iter();
+        let (of_all, of_some): (Vec<_>, Vec<_>) = clips.partition(|clip| clip.volumes.is_none());
+        let Some(span) = kept(whole, end, ray, of_all.into_iter()) else {
+            return seen;
+        };
+        let parts = self.casters.iter().enumerate();
+        let parts = parts.filter_map(|(volume, caster)| {
+            let clips = of_some.iter().copied().filter(|clip| clip.cuts(volume));
+            let inside = kept(caster.span(ray)?, f64::INFINITY, ray, clips)?;
+            Some((caster, caster.lines(ray), inside))
+        });
+        let parts: Vec<_> = parts.collect();
+        let conventions = &self.scene.conventions;
+        let (steps, count) = taken(conventions, span, whole.far, |span| {
+            StepsInParts::new(span, self.step, rule, &[])
+        });
+        for index in 0..count {
+            let (t, length) = steps.sample(index);
+            for (caster, lines, inside) in &parts {
+                if inside.near <= t
+                    && t <= inside.far
+                    && let Some(sample) = caster.sample(ray, lines, t, length, work)
+                {
+                    seen = seen.with(sample, self.scene);
+                }
+            }
+            if seen.ends(self.scene) {
+                break;
+            }
+        }
+        seen
+    }
+}
