@@ -136,7 +136,9 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
     /// where it is transparent.
     pub fn at<W: Work>(&self, ray: &Ray, world: DVec3, work: &mut W) -> (f64, DVec3) {
         let nodes = self.field.lattice().to_nodes(self.extent.to_volume(world));
-        let locations = self.field.locate_several(&nodes.0.to_array().map(|place| [place]));
+        let locations = self
+            .field
+            .locate_several(&nodes.0.to_array().map(|place| [place]));
         let [density] = self.field.densities(&locations, 1, work);
         let (opacity, colour) = self.transfer_function.look(density);
         if opacity == 0.0 {
