@@ -54,8 +54,9 @@ pub struct Arguments {
     /// scene is path traced
     #[arg(long)]
     reference: bool,
-    /// Depth of each pixel as well, in world units: mean or half, along the ray, or mean-along-view or
-    /// half-along-view. In an .exr it is the channel Z; beside an .npy a second file, FILE.depth.npy
+    /// Depth of each pixel as well, in world units: mean (weighted by opacity) or half (where opacity
+    /// reaches 1/2), along the ray; or mean-along-view or half-along-view. In an .exr it is the channel
+    /// Z; beside an .npy a second file, FILE.depth.npy
     #[arg(long, value_name = "KIND", num_args = 0..=1, require_equals = true, default_missing_value = "mean")]
     depth: Option<Depth>,
     #[command(flatten)]
@@ -83,11 +84,13 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         let number =
             number(&scene, name).map_err(|error| bad_input(format!("--change: {error}")))?;
         scene = number.changed(&scene, *change).ok_or_else(|| {
-            let message = format!(
-                "--change: {name} cannot change by {change}: an albedo or reflectance is at most 1, an index above 1, \
-                 and no number falls by more than itself"
-            );
-            bad_input(message)
+            let why = match number.quantity.name {
+                "clip.offset" => "the clip would leave nothing of a volume",
+                _ if *change <= -1.0 => "no number falls by more than itself",
+                "index" => "an index is above 1",
+                _ => "an albedo or reflectance is at most 1",
+            };
+            bad_input(format!("--change: {name} cannot change by {change}: {why}"))
         })?;
     }
     let sampling = Sampling {

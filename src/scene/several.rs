@@ -148,6 +148,12 @@ impl Classified {
         clips.filter(move |clip| clip.cuts(volume))
     }
 
+    /// True if the clips leave something of each volume.
+    pub fn is_something_left(&self) -> bool {
+        let mut volumes = self.each_alone().enumerate();
+        volumes.all(|(index, alone)| leave_something(&alone.extent(), self.clips_of(index)))
+    }
+
     /// Numbers of the clips, from 0, that keep all of each volume that they are for.
     pub fn clips_that_cut_nothing(&self) -> impl Iterator<Item = usize> + '_ {
         let extents: Vec<_> = self.each_alone().map(|alone| alone.extent()).collect();

@@ -269,9 +269,10 @@ fn help_of_a_command() {
                                   [default: 0]
           --reference             Use the plain reference renderers (src/reference): usually slower;
                                   every [radiative] scene is path traced
-          --depth[=<KIND>]        Depth of each pixel as well, in world units: mean or half, along the
-                                  ray, or mean-along-view or half-along-view. In an .exr it is the
-                                  channel Z; beside an .npy a second file, FILE.depth.npy
+          --depth[=<KIND>]        Depth of each pixel as well, in world units: mean (weighted by
+                                  opacity) or half (where opacity reaches 1/2), along the ray; or
+                                  mean-along-view or half-along-view. In an .exr it is the channel Z;
+                                  beside an .npy a second file, FILE.depth.npy
           --json[=<FILE>]         Print the result as JSON instead of text; with =FILE, write it there
                                   as well as the text
       -h, --help                  Print help

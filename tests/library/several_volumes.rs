@@ -13,6 +13,7 @@ use volref::math::{exp, exp_m1, ln_1p};
 use volref::reference;
 use volref::render::{Effect, Event, Sampling, State, plans, render, render_counted};
 use volref::scene::{Clip, Kept, Length, Model, Scene};
+use volref::sensitivity::number;
 use volref::variations::mistakes;
 
 const SIDE: usize = 8;
@@ -750,6 +751,28 @@ fn a_step_for_all_is_the_step_of_each() {
     let written = fast(&scene("step = '0.1 voxels'", "step = 0.075"));
     assert_eq!(difference(&fast(&changed), &written), 0.0);
     assert!(difference(&fast(&scene("", "step = 0.4")), &written) > 1e-3);
+}
+
+/// A clip may be moved as long as something is left of each volume.
+#[test]
+fn a_clip_is_not_moved_beyond_a_volume() {
+    let folder = tempfile::tempdir().unwrap();
+    slab(folder.path(), "a.nrrd", -1.0, 1.0);
+    slab(folder.path(), "b.nrrd", -1.0, 0.5);
+    let (red, _) = look(RED, 0.3);
+    let text = format!(
+        "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n[[classified.volume]]\nfile = 'b.nrrd'\n{red}\n\
+         [[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
+    );
+    let scene = scene_of(folder.path(), &text);
+    let offset = number(&scene, "clip.offset").unwrap();
+    for (change, is_left) in [(-3.0, true), (0.4, true), (0.6, false), (5.0, false)] {
+        assert_eq!(
+            offset.changed(&scene, change).is_some(),
+            is_left,
+            "{change}"
+        );
+    }
 }
 
 /// Common steps that become shorter come to what volref has in their place, in proportion to the step.

@@ -2,7 +2,7 @@
 
 use super::classified;
 use super::{Number, Quantity, of_each};
-use crate::scene::{Classified, Kept};
+use crate::scene::{Classified, Kept, Model};
 
 static COLOUR: Quantity =
     Quantity::share("surface.colour", "colour of the surface", "surface").linear();
@@ -33,12 +33,15 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     }));
     let step = OFFSET_STEP * scene.diagonal();
     numbers.extend(of_each(objects.clips.len(), |index| {
-        let offset = Number::volume(&OFFSET, step, move |scene, change| {
-            if let Some(clip) = scene.objects.clips.get_mut(index)
+        let offset = Number::new(&OFFSET, step, move |panel, change| {
+            if let Model::Classified(scene) = &mut panel.model
+                && let Some(clip) = scene.objects.clips.get_mut(index)
                 && let Kept::Side { point, normal } = &mut clip.kept
             {
                 *point += **normal * change;
+                return scene.is_something_left().then_some(());
             }
+            Some(())
         });
         // A box has no normal.
         let is_plane = matches!(objects.clips[index].kept, Kept::Side { .. });
