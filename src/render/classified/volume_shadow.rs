@@ -90,26 +90,51 @@ impl Visibility for VolumeShadow<'_> {
             self.extent.vector_to_volume(*ray.direction),
             field.lattice(),
         );
+        self.transmittance(&line, steps, field, skipping, work)
+    }
+}
+
+impl VolumeShadow<'_> {
+    /// Transmittance over the `steps` of a shadow ray.
+    // Never: what finds the ray takes registers from the loop along it.
+    #[inline(never)]
+    fn transmittance<F: ScalarField, S: Skipping, W: Work>(
+        &self,
+        line: &NodeLine,
+        steps: Steps,
+        field: &F,
+        skipping: &S,
+        work: &mut W,
+    ) -> f64 {
         let reach = line.reach(self.shadow.step);
         let reference = self.shadow.reference_step;
         let (mut sum, mut transmittance) = (0.0, 1.0);
+        let mut in_empty_space = true;
         let mut done = 0;
         while done < steps.count() {
             let (t, length) = steps.sample(done);
             let point = line.at(t);
-            let skipped = skipping.transparent_samples(point, reach, work);
-            if skipped > 0 {
-                done += skipped;
-                continue;
+            // Behind a sample that dims the light, the block is most likely not empty.
+            if in_empty_space {
+                let skipped = skipping.transparent_samples(point, reach, work);
+                if skipped > 0 {
+                    done += skipped;
+                    continue;
+                }
             }
             let value = field.density(&field.locate(point), work);
             match &self.transfer_function.appearance {
-                Appearance::Formula { .. } => sum += value * length,
+                Appearance::Formula { .. } => {
+                    sum += value * length;
+                    in_empty_space = value == 0.0;
+                }
                 Appearance::Points(points) => {
-                    transmittance *= 1.0 - over_length(points.opacity(value), length / reference);
+                    let opacity = points.opacity(value);
+                    transmittance *= 1.0 - over_length(opacity, length / reference);
                     if transmittance == 0.0 {
                         return 0.0; // nothing behind it matters
                     }
+                    in_empty_space = opacity == 0.0;
                 }
             }
             done += 1;
