@@ -53,6 +53,9 @@ const FAR: f64 = 25.0;
 /// the stochastic gate lets as much pass.
 const NOISE: f64 = 2.0;
 
+/// Standard errors beyond which a cell differs: by chance one value in 370 does.
+const SHOWS: f64 = 3.0;
+
 /// Relative rounding error of half precision, in which most renderers write: a difference of cells
 /// without noise that is no larger is none.
 const HALF_ROUNDING: f64 = 1.0 / 2048.0;
@@ -248,6 +251,35 @@ impl Cells {
             }
         }
         guarded
+    }
+
+    /// True for each cell in which `other` differs from this by more than [`SHOWS`] standard errors.
+    pub fn differs_from(&self, other: &Cells) -> Vec<bool> {
+        let differs = |cell: usize| {
+            (0..3).any(|c| {
+                let difference = self.means[cell][c] - other.means[cell][c];
+                let variance = self.variances[cell][c] + other.variances[cell][c];
+                difference * difference > SHOWS * SHOWS * variance
+            })
+        };
+        (0..self.means.len()).map(differs).collect()
+    }
+
+    /// The cells that are `kept`, in one row.
+    pub fn only(&self, kept: &[bool]) -> Cells {
+        fn only<T: Copy>(values: &[T], kept: &[bool]) -> Vec<T> {
+            let values = values.iter().zip(kept).filter(|(_, kept)| **kept);
+            values.map(|(value, _)| *value).collect()
+        }
+        let means = only(&self.means, kept);
+        Cells {
+            columns: means.len(),
+            rows: 1,
+            means,
+            variances: only(&self.variances, kept),
+            silent: only(&self.silent, kept),
+            ..self.clone()
+        }
     }
 
     /// These cells as noisy as `other` ones.

@@ -410,9 +410,23 @@ impl ComparedCase {
             let noisy = self.golden_cells.with_noise_of(&prediction);
             let excess = self.in_noise(&noisy) - 1.0;
             let is_nearer = self.leaves(misfit, MOST_IN_NOISE)
-                || excess > LEAST_EXCESS && misfit.in_noise - 1.0 <= MOST_IN_NOISE * excess;
+                || excess > LEAST_EXCESS && misfit.in_noise - 1.0 <= MOST_IN_NOISE * excess
+                || self.leaves_where_it_shows(&prediction);
             is_nearer && !self.agrees(&noisy) && self.agrees(&prediction)
         })
+    }
+
+    /// True if at most [`MOST_IN_NOISE`] is left of the difference in the blocks that `prediction` changes: of one
+    /// that lies in few, the noise of all the others hides how much is left.
+    fn leaves_where_it_shows(&self, prediction: &Cells) -> bool {
+        let shows = prediction.differs_from(&self.golden_cells);
+        let [prediction, test, golden] =
+            [prediction, &self.test_cells, &self.golden_cells].map(|cells| cells.only(&shows));
+        let whole = golden.misfit(&test, &golden);
+        shows.contains(&true)
+            && prediction
+                .misfit(&test, &golden)
+                .explains(&whole, MOST_IN_NOISE)
     }
 
     /// The image of `edited`, a change known as `label`, with so many samples that noise hides little;

@@ -166,20 +166,23 @@ impl<S: Fn(f64) -> f64 + Sync> ScalarField for Extinction<S> {
         *points
     }
 
-    fn location<const N: usize>(points: &NodePoints<N>, index: usize) -> NodePoint {
-        NodePoint(DVec3::from_array(points.map(|axis| axis[index])))
-    }
-
     fn densities<const N: usize, W: Work>(
         &self,
         points: &NodePoints<N>,
         _: usize,
         work: &mut W,
     ) -> [f64; N] {
-        std::array::from_fn(|index| self.density(&Self::location(points, index), work))
+        let point = |index: usize| NodePoint(points.map(|axis| axis[index]).into());
+        std::array::from_fn(|index| self.density(&point(index), work))
     }
 
-    fn gradient<W: Work>(&self, _: &Grid<[f32; 3]>, _: &NodePoint, _: &mut W) -> DVec3 {
+    fn gradient<const N: usize, W: Work>(
+        &self,
+        _: &Grid<[f32; 3]>,
+        _: &NodePoints<N>,
+        _: usize,
+        _: &mut W,
+    ) -> DVec3 {
         unreachable!("nothing is shaded")
     }
 }
