@@ -675,10 +675,7 @@ fn common_steps_show_one_volume_over_the_next() {
     let check = |film: &Film, (radiance, opacity): (DVec3, f64)| {
         for pixel in pixels(film) {
             assert_near(pixel.0, radiance);
-            assert!(
-                (f64::from(pixel.1) - opacity).abs() <= ULP,
-                "{pixel:?} {opacity}"
-            );
+            assert!((pixel.1 - opacity).abs() <= ULP, "{pixel:?} {opacity}");
         }
     };
     let both = [volume("fog", &red, ""), volume("fog", &blue, "")];
@@ -724,7 +721,7 @@ fn common_steps_show_one_volume_over_the_next() {
     let of_blue = clipped(format!("{clip}volumes = ['blue']\n"));
     let whole = 1.0 - exp(-2.0 * thin - 4.0 * 0.3 * thick);
     for pixel in pixels(&of_blue) {
-        assert!((f64::from(pixel.1) - whole).abs() <= ULP);
+        assert!((pixel.1 - whole).abs() <= ULP);
     }
 }
 
