@@ -278,7 +278,8 @@ impl Cells {
             means,
             variances: only(&self.variances, kept),
             silent: only(&self.silent, kept),
-            ..self.clone()
+            samples: self.samples,
+            is_of_renderings: self.is_of_renderings,
         }
     }
 

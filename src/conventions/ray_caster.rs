@@ -430,7 +430,7 @@ impl<'s> RayCaster<'s> {
     }
 }
 
-/// What `clips` keep of the part `whole` of `ray`, as far as `end`.
+/// The part of `whole`, a span of `ray`, that `clips` keep, as far as `end`.
 pub(super) fn kept<'c>(
     whole: Span,
     end: f64,

@@ -13,12 +13,15 @@ use super::steps::{StepRule, StepsInParts, taken};
 use super::stored_values::as_stored;
 use super::work::RayWork;
 use crate::geometry::{Aabb, Ray};
-use crate::scene::Classified;
+use crate::scene::{Classified, Clip};
 
 /// Renders rays through several volumes by common steps.
 pub struct CommonSteps<'s> {
     scene: &'s Classified,
-    casters: Vec<RayCaster<'s>>,
+    /// Casters of the volumes, with the clips of each that are not of all.
+    volumes: Vec<(RayCaster<'s>, Vec<&'s Clip>)>,
+    /// Clips of all volumes: they cut the ray.
+    clips: Vec<&'s Clip>,
     /// The box around all volumes, along the axes of the world.
     bounds: Aabb,
     /// Length of a step.
@@ -40,9 +43,16 @@ impl<'s> CommonSteps<'s> {
     /// That of `scene`, whose volumes are those [`each_alone`].
     pub fn new(scene: &'s Classified, volumes: &'s [Classified]) -> CommonSteps<'s> {
         let (bounds, step) = scene.common_box_and_step();
+        let clips = scene.objects.clips.iter();
+        let (of_all, of_some): (Vec<_>, Vec<_>) = clips.partition(|clip| clip.volumes.is_none());
+        let of_volume = |volume| of_some.iter().copied().filter(move |it| it.cuts(volume));
+        let volumes = volumes.iter().enumerate();
         CommonSteps {
             scene,
-            casters: volumes.iter().map(RayCaster::new).collect(),
+            volumes: volumes
+                .map(|(volume, alone)| (RayCaster::new(alone), of_volume(volume).collect()))
+                .collect(),
+            clips: of_all,
             bounds,
             step,
         }
@@ -58,7 +68,8 @@ impl<'s> CommonSteps<'s> {
 
     /// Number of gradients computed for the nodes.
     pub fn gradients_computed(&self) -> u64 {
-        self.casters.iter().map(RayCaster::gradients_computed).sum()
+        let casters = self.volumes.iter().map(|(caster, _)| caster);
+        casters.map(RayCaster::gradients_computed).sum()
     }
 
     /// The samples along `ray` as far as `end`, composited.
@@ -67,15 +78,11 @@ impl<'s> CommonSteps<'s> {
         let Some(whole) = self.bounds.span(ray) else {
             return seen;
         };
-        // What cuts all volumes cuts the ray.
-        let clips = self.scene.objects.clips.iter();
-        let (of_all, of_some): (Vec<_>, Vec<_>) = clips.partition(|clip| clip.volumes.is_none());
-        let Some(span) = kept(whole, end, ray, of_all.into_iter()) else {
+        let Some(span) = kept(whole, end, ray, self.clips.iter().copied()) else {
             return seen;
         };
-        let parts = self.casters.iter().enumerate();
-        let parts = parts.filter_map(|(volume, caster)| {
-            let clips = of_some.iter().copied().filter(|clip| clip.cuts(volume));
+        let parts = self.volumes.iter().filter_map(|(caster, clips)| {
+            let clips = clips.iter().copied();
             let inside = kept(caster.span(ray)?, f64::INFINITY, ray, clips)?;
             Some((caster, caster.lines(ray), inside))
         });

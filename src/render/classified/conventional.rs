@@ -14,24 +14,23 @@ pub(in crate::render) fn cast<W: Work>(
     if scene.volume_count() > 1 {
         let volumes = each_alone(scene);
         let caster = CommonSteps::new(scene, &volumes);
-        let (image, mut work): (_, W) = by(scene, pixels, |pixel| caster.pixel(pixel, size));
-        work.count_times(Event::GradientComputed, caster.gradients_computed());
-        return (image, work);
+        let gradients = caster.gradients_computed();
+        return by(scene, pixels, gradients, |pixel| caster.pixel(pixel, size));
     }
     let scene = as_stored(scene);
     let caster = RayCaster::new(&scene);
-    let (image, mut work): (_, W) = by(&scene, pixels, |pixel| caster.pixel(pixel, size));
-    work.count_times(Event::GradientComputed, caster.gradients_computed());
-    (image, work)
+    let gradients = caster.gradients_computed();
+    by(&scene, pixels, gradients, |pixel| caster.pixel(pixel, size))
 }
 
-/// The pixels of `scene`, each by `cast`.
+/// The pixels of `scene`, each by `cast`, after so many `gradients` were computed.
 fn by<W: Work>(
     scene: &Classified,
     pixels: &Pixels<'_>,
+    gradients: u64,
     cast: impl Fn([usize; 2]) -> ([f32; 4], RayWork) + Sync,
 ) -> (Vec<[f32; 4]>, W) {
-    rows(
+    let (image, mut work): (_, W) = rows(
         pixels,
         || (),
         |position, _, (), work: &mut W| {
@@ -40,7 +39,9 @@ fn by<W: Work>(
             work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
             pixel
         },
-    )
+    );
+    work.count_times(Event::GradientComputed, gradients);
+    (image, work)
 }
 
 /// Counts the work of a ray.
