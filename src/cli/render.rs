@@ -86,9 +86,10 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         scene = number.changed(&scene, *change).ok_or_else(|| {
             let why = match number.quantity.name {
                 "clip.offset" => "the clip would leave nothing of a volume",
-                _ if *change <= -1.0 => "no number falls by more than itself",
+                _ if *change <= -1.0 => "no number falls by all of itself, or more",
                 "index" => "an index is above 1",
-                _ => "an albedo or reflectance is at most 1",
+                "albedo" | "reflectance" | "mirror" => "an albedo or reflectance is at most 1",
+                _ => "rays would have too many samples, or none that can be told apart",
             };
             bad_input(format!("--change: {name} cannot change by {change}: {why}"))
         })?;

@@ -16,7 +16,7 @@ use super::opacity::Correction;
 use super::shading::ShadedSample;
 use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world, taken};
 use super::work::RayWork;
-use crate::geometry::{Aabb, Direction, Line, Ray, Span, length_of};
+use crate::geometry::{Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, Phong, over_length};
 use crate::scene::{Classified, Clip, Compositing, Lookup, NormalSpace, NormalTransform};
@@ -71,10 +71,7 @@ impl<'s> RayCaster<'s> {
             scene,
             classifier: Classifier::of(scene),
             correction: Correction::of(scene),
-            extent: PlacedBox {
-                bounds: bounds(scene),
-                to_world: scene.to_world,
-            },
+            extent: extent(scene),
             shading: None,
         }
     }
@@ -445,12 +442,14 @@ pub(super) fn kept<'c>(
 }
 
 /// The box that the volume of `scene` fills, by its conventions.
-fn bounds(scene: &Classified) -> Aabb {
-    let lattice = *scene.grid.lattice();
-    if !scene.conventions.voxel_box {
-        return lattice.bounds();
+pub(super) fn extent(scene: &Classified) -> PlacedBox {
+    let mut lattice = *scene.grid.lattice();
+    if scene.conventions.voxel_box {
+        // Refused where the box would leave the range of numbers: it stays as it is there.
+        lattice = lattice.with_centring(Centring::Cells).unwrap_or(lattice);
     }
-    // Refused where the box would leave the range of numbers: it stays as it is there.
-    let lattice = lattice.with_centring(Centring::Cells).unwrap_or(lattice);
-    lattice.bounds()
+    PlacedBox {
+        bounds: lattice.bounds(),
+        to_world: scene.to_world,
+    }
 }

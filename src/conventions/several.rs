@@ -1,14 +1,14 @@
 //! Several volumes sampled by common steps, as renderers have them that march once through all.
 //!
 //! The steps are as long as the shortest of all volumes, and are counted from where a ray enters the box along the axes
-//! of the world around all of them. At each place every volume that it lies in has a sample, as its own
+//! of the world around all of them, with faces on the outermost nodes unless the convention `box` says otherwise. At each place every volume that it lies in has a sample, as its own
 //! [`RayCaster`] has it, and these samples lie one over the next, in the order of the scene: of volumes that overlap,
 //! the first hides the others, by as much as one step of it.
 //!
 //! [`reference::several_volumes`](crate::reference::several_volumes) states what volref has in its place.
 
 use super::layer::{Layer, pixel_of};
-use super::ray_caster::{RayCaster, kept};
+use super::ray_caster::{RayCaster, extent, kept};
 use super::steps::{StepRule, StepsInParts, taken};
 use super::stored_values::as_stored;
 use super::work::RayWork;
@@ -42,19 +42,22 @@ pub fn each_alone(scene: &Classified) -> Vec<Classified> {
 impl<'s> CommonSteps<'s> {
     /// That of `scene`, whose volumes are those [`each_alone`].
     pub fn new(scene: &'s Classified, volumes: &'s [Classified]) -> CommonSteps<'s> {
-        let (bounds, step) = scene.common_box_and_step();
+        let boxes = scene
+            .each_alone()
+            .map(|alone| extent(&alone).world_bounds());
         let clips = scene.objects.clips.iter();
-        let (of_all, of_some): (Vec<_>, Vec<_>) = clips.partition(|clip| clip.volumes.is_none());
+        // What cuts all volumes cuts the ray.
+        let cuts_all = |clip: &&Clip| (0..volumes.len()).all(|volume| clip.cuts(volume));
+        let (of_all, of_some): (Vec<_>, Vec<_>) = clips.partition(cuts_all);
         let of_volume = |volume| of_some.iter().copied().filter(move |it| it.cuts(volume));
-        let volumes = volumes.iter().enumerate();
         CommonSteps {
             scene,
-            volumes: volumes
+            volumes: (volumes.iter().enumerate())
                 .map(|(volume, alone)| (RayCaster::new(alone), of_volume(volume).collect()))
                 .collect(),
             clips: of_all,
-            bounds,
-            step,
+            bounds: boxes.reduce(Aabb::union).expect("a first volume"),
+            step: volumes[0].step,
         }
     }
 

@@ -373,19 +373,25 @@ impl Classified {
     /// Replaces the distance between samples, of each volume; a length in voxels is by the voxels of each. Fails if
     /// rays would have too many samples.
     pub fn set_step(&mut self, step: Length) -> Result<(), String> {
-        if self.has_objects() {
-            for index in 0..self.volume_count() {
-                let mut alone = self.alone(index);
-                alone.set_step(step)?;
-                self.put(index, alone);
-            }
-            return self.check_common_steps();
+        let mut changed = self.clone();
+        for index in 0..self.volume_count() {
+            let mut alone = self.alone(index);
+            alone.step = checked_step(step, [alone.voxel(), alone.diagonal()])?;
+            changed.put(index, alone);
         }
-        let before = self.step;
-        self.step = checked_step(step, [self.voxel(), self.diagonal()])?;
-        self.check_eye()
-            .and_then(|()| self.check_shadow_samples())
-            .inspect_err(|_| self.step = before)
+        changed.check_samples()?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// Fails if rays would have too many samples, or none that can be told apart.
+    pub fn check_samples(&self) -> Result<(), String> {
+        for alone in self.each_alone().filter(|alone| !alone.continuous) {
+            checked_step(Length::World(alone.step), [1.0, alone.diagonal()])?;
+        }
+        self.check_eye()?;
+        self.check_shadow_samples()?;
+        self.check_common_steps()
     }
 
     /// Where the eye is so far away that distances along a ray are rounded by more than a step, a

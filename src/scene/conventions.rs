@@ -659,11 +659,11 @@ conventions! {
     [];
 
     "volume_steps" = common_steps: bool = words("own" of "own" = false, "common" = true),
-    "Steps of several volumes: of each its own (own); or the shortest of them for all, counted from where a ray enters the box along the axes of the world around all volumes, and at each place a sample of every volume, one over the next in the order of the scene (common).",
+    "Steps of several volumes: of each its own (own); or the shortest of them for all, counted from where a ray enters the box along the axes of the world around all volumes, their faces where `box` has them, and at each place a sample of every volume, one over the next in the order of the scene (common).",
     [];
 
     "volume_boxes" = voxel_boxes: bool = words("nodes" of "nodes" = false, "voxels" = true),
-    "Faces of the volumes where there are several, sampled by common steps: as `box` has them (nodes), or half a spacing beyond the outermost nodes (voxels).",
+    "Faces of the volumes where there are several, sampled by common steps: as `box` has them (nodes), or half a spacing beyond the outermost nodes, as far as the box around all volumes goes (voxels).",
     [];
 
     "surface_depth" = surface_depth: SurfaceDepth = words("true" of
@@ -1133,6 +1133,12 @@ impl Conventions {
                 "box",
                 self.voxel_box && self.cell_centred,
                 "with `centring = \"cells\"` values fill the box of the nodes: leave one of them out",
+            ),
+            (
+                "volume_steps",
+                self.common_steps && self.is_of_merged_objects(),
+                "`composition`, `surface_depth` and `object_shadows` are of volumes with steps of their own: leave \
+                 them or `volume_steps` out",
             ),
             (
                 "volume_boxes",

@@ -201,13 +201,6 @@ impl Classified {
                 "no ray is ended early",
                 "leave the key out",
             ),
-            (
-                "conventions",
-                !self.has_conventions_that_are_rendered(),
-                "only `composition`, `surface_depth` and `object_shadows` are known, or without them and without \
-                 shadow those of one volume, or with `volume_steps = \"common\"` of several",
-                "leave the other keys out",
-            ),
         ] {
             if is_refused {
                 let with = if self.objects.are_modulation_alone() {
@@ -221,6 +214,26 @@ impl Classified {
         }
         let is_modulated =
             (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
+        if !self.has_conventions_that_are_rendered() {
+            let (message, help) = if self.shadow.is_some() || is_modulated {
+                (
+                    "beside a shadow, or modulated opacities, only `composition`, `surface_depth` and `object_shadows` \
+                     are known",
+                    "leave the other keys out, or `shadow` and `modulation`",
+                )
+            } else if self.conventions.is_of_merged_objects() {
+                (
+                    "`composition`, `surface_depth` and `object_shadows` are known beside volref's own conventions alone",
+                    "leave these keys out, or all others",
+                )
+            } else {
+                (
+                    "several volumes follow these conventions only where they are sampled by common steps",
+                    "add `volume_steps = \"common\"`, or leave the keys out",
+                )
+            };
+            return Err(reader.mistake("conventions", message, help));
+        }
         if self.continuous && is_modulated {
             let message = "modulated opacities are sampled: their integral is not known";
             let help = "leave `compositing` out, and give a `step`";
@@ -277,7 +290,7 @@ impl Conventions {
     }
 
     /// True if a convention about several objects that are merged is not volref's own.
-    fn is_of_merged_objects(&self) -> bool {
+    pub(super) fn is_of_merged_objects(&self) -> bool {
         let own = Conventions::default();
         self.composition != own.composition
             || self.surface_depth != own.surface_depth

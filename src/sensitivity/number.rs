@@ -215,7 +215,7 @@ impl Number {
     }
 
     /// `scene` with this number changed by `change`, in [units](Quantity::unit); `None` where the
-    /// changed number has no meaning, as of an index of 0.
+    /// changed number has no meaning, as of an index of 0, or rays would have too many samples.
     pub fn changed(&self, scene: &Scene, change: f64) -> Option<Scene> {
         // Nothing is left of a number that is smaller by all of itself; of light that is a scene too.
         let is_none_left = match self.quantity.dependence {
@@ -228,6 +228,9 @@ impl Number {
         let mut scene = scene.clone();
         for panel in &mut scene.panels {
             (self.edit)(panel, change)?;
+            if let Model::Classified(volume) = &panel.model {
+                volume.check_samples().ok()?;
+            }
         }
         Some(scene)
     }

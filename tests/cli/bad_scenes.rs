@@ -868,7 +868,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:13:10: `colour` must not be negative, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:6:1: volumes and surfaces make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
-    broken.toml:12:1: with several volumes, surfaces or clips only `composition`, `surface_depth` and `object_shadows` are known, or without them and without shadow those of one volume, or with `volume_steps = "common"` of several help: leave the other keys out
+    broken.toml:12:1: several volumes follow these conventions only where they are sampled by common steps help: add `volume_steps = "common"`, or leave the keys out
     broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
     broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or keep one volume alone

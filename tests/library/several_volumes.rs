@@ -705,6 +705,9 @@ fn common_steps_show_one_volume_over_the_next() {
     ];
     check(&image(&among, ""), seen(&[0.3; 6]));
     check(&image(&among, "volume_boxes = 'voxels'"), seen(&[0.3; 14]));
+    // Where the boxes of volumes are larger by themselves, so is the one that steps are counted from: from −2 on.
+    let larger = image(&both, "box = 'voxels'");
+    check(&larger, seen(&[[0.3; 13].as_slice(), &[0.1]].concat()));
     // A clip of one volume takes its samples alone; one of all ends the ray.
     let clip = "[[classified.clip]]\npoint = [0, 0, 0.1]\nnormal = [0, 0, -1]\n";
     let clipped = |clip: String| {
@@ -718,6 +721,15 @@ fn common_steps_show_one_volume_over_the_next() {
         )
     };
     check(&clipped(clip.to_owned()), seen(&[0.3, 0.3, 0.3, 0.2]));
+    let of_both = image(
+        &[
+            red_fog.replace("]]\n", "]]\nname = 'red'\n"),
+            blue_fog.replace("]]\n", "]]\nname = 'blue'\n"),
+            format!("{clip}volumes = ['red', 'blue']\n"),
+        ],
+        "",
+    );
+    check(&of_both, seen(&[0.3, 0.3, 0.3, 0.2]));
     let of_blue = clipped(format!("{clip}volumes = ['blue']\n"));
     let whole = 1.0 - exp(-2.0 * thin - 4.0 * 0.3 * thick);
     for pixel in pixels(&of_blue) {
@@ -750,9 +762,9 @@ fn a_step_for_all_is_the_step_of_each() {
     assert!(difference(&fast(&scene("", "step = 0.4")), &written) > 1e-3);
 }
 
-/// A clip may be moved as long as something is left of each volume.
+/// A clip may be moved as long as something is left of each volume, and steps be shorter as long as a ray ends.
 #[test]
-fn a_clip_is_not_moved_beyond_a_volume() {
+fn numbers_change_as_far_as_a_scene_is_left() {
     let folder = tempfile::tempdir().unwrap();
     slab(folder.path(), "a.nrrd", -1.0, 1.0);
     slab(folder.path(), "b.nrrd", -1.0, 0.5);
@@ -769,6 +781,12 @@ fn a_clip_is_not_moved_beyond_a_volume() {
             is_left,
             "{change}"
         );
+    }
+    // Nor is a step so short that rays would have more than 1e8 samples.
+    for name in ["step.1", "step.2"] {
+        let step = number(&scene, name).unwrap();
+        assert!(step.changed(&scene, -0.999).is_some());
+        assert!(step.changed(&scene, -1.0 + 1e-9).is_none());
     }
 }
 
@@ -867,14 +885,14 @@ fn conventions_of_one_volume_among_surfaces() {
             text("first_sample = 1.0", "[classified.shadow]"),
             "are known",
         ),
-        (text("first_sample = 1.0", &volume), "are known"),
+        (text("first_sample = 1.0", &volume), "by common steps"),
         (
             text("first_sample = 1.0\nsurface_depth = 'box'", ""),
             "are known",
         ),
         (
             text("volume_steps = 'common'\nsurface_depth = 'box'", &volume),
-            "are known",
+            "with steps of their own",
         ),
         (
             text("volume_boxes = 'voxels'", &volume),

@@ -22,6 +22,9 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     } else if scene.conventions.is_of_objects_alone() {
         let reason = "are merged along each ray, their samples each one step apart";
         (Kernel::Several(scene), Method::RayCasting, reason)
+    } else if scene.conventions.common_steps && scene.volume_count() > 1 {
+        let reason = "are sampled by common steps, the shortest of all, one over the next";
+        (Kernel::Conventional(scene), Method::RayCasting, reason)
     } else {
         let reason = "are composited along each ray by other conventions";
         (Kernel::Conventional(scene), Method::RayCasting, reason)
