@@ -51,7 +51,7 @@ campaign "formulas to their last bits, on five times the inputs" env VOLREF_NIGH
 campaign "laws over hard cases: 100,000 each, others every day" env PROPTEST_CASES=100000 \
     "PROPTEST_RNG_SEED=$(date +%Y%m%d)" cargo test --release --test library hard_laws::
 campaign "conventions: how often they are named, and mistakes taken for them" cargo test --release --test library \
-    how_often_conventions -- --ignored --nocapture
+    conventions::how_often -- --ignored --nocapture
 campaign "names of faults outside the catalogue" cargo test --release --test library outside_faults:: -- \
     --skip mistakes_of_the_catalogue_are_named_first --include-ignored --nocapture
 campaign "names of the mistakes of the catalogue, in noise" cargo test --release --test library \

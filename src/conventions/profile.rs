@@ -162,12 +162,12 @@ impl Profile {
     fn apply(&self, scene: &mut Classified) -> Result<(), String> {
         if scene.has_objects() && !scene.is_sampled_by(&self.conventions) {
             let several = if scene.volume_count() > 1 && !self.conventions.common_steps {
-                "several volumes"
+                "several volumes, as by `volume_steps = \"common\"`"
             } else {
                 "modulated opacities, or shadows among surfaces and clips"
             };
             return Err(format!(
-                "the profile {:?} says nothing of {several}; judge this case without --as",
+                "the profile {:?} says nothing of {several}: judge this case without --as",
                 self.name
             ));
         }

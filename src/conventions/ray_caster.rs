@@ -30,6 +30,8 @@ pub struct RayCaster<'s> {
     correction: Correction,
     /// The box that the volume fills.
     extent: PlacedBox,
+    /// Depth along the view nearer than which nothing is seen.
+    near_depth: f64,
     pub(super) shading: Option<(Phong, Gradients)>,
 }
 
@@ -72,6 +74,7 @@ impl<'s> RayCaster<'s> {
             classifier: Classifier::of(scene),
             correction: Correction::of(scene),
             extent: extent(scene),
+            near_depth: near_depth(scene),
             shading: None,
         }
     }
@@ -227,14 +230,14 @@ impl<'s> RayCaster<'s> {
     /// The part of `ray` within the volume.
     pub(super) fn span(&self, ray: &Ray) -> Option<Span> {
         let ahead = self.extent.span(ray)?;
-        if !self.scene.conventions.starts_behind_eye {
-            return Some(ahead);
+        if self.scene.conventions.starts_behind_eye {
+            let edges: f64 = self.extent.edges().map(length_of).into_iter().sum();
+            let back = edges + length_of(ray.origin - self.centre());
+            let from_behind = Ray::new(ray.origin - ray.direction * back, *ray.direction)?;
+            let whole = self.extent.span(&from_behind)?;
+            return Some(Span::new(whole.near - back, ahead.far));
         }
-        let edges: f64 = self.extent.edges().map(length_of).into_iter().sum();
-        let back = edges + length_of(ray.origin - self.centre());
-        let from_behind = Ray::new(ray.origin - ray.direction * back, *ray.direction)?;
-        let whole = self.extent.span(&from_behind)?;
-        Some(Span::new(whole.near - back, ahead.far))
+        behind(self.near_depth, ahead, ray, self.scene)
     }
 
     /// The density in `cell`.
@@ -441,13 +444,39 @@ pub(super) fn kept<'c>(
     (span.near <= span.far).then_some(span)
 }
 
+/// Depth of the near plane of `scene`, by the farthest corner of its volume.
+pub(super) fn near_depth(scene: &Classified) -> f64 {
+    if scene.conventions.near_plane == 0.0 {
+        return 0.0; // however far a corner is
+    }
+    let (camera, extent) = (&scene.camera, voxel_extent(scene));
+    let depth = |corner| (extent.in_world(corner) - camera.eye()).dot(*camera.forward());
+    let depths = extent.bounds.corners().map(depth);
+    scene.conventions.near_plane * depths.into_iter().fold(0.0, f64::max)
+}
+
+/// The part of `span` of `ray`, from the eye, behind a plane at this depth.
+pub(super) fn behind(depth: f64, span: Span, ray: &Ray, scene: &Classified) -> Option<Span> {
+    if depth == 0.0 {
+        return Some(span);
+    }
+    let near = depth / ray.direction.dot(*scene.camera.forward());
+    (near <= span.far).then_some(Span::new(span.near.max(near), span.far))
+}
+
 /// The box that the volume of `scene` fills, by its conventions.
 pub(super) fn extent(scene: &Classified) -> PlacedBox {
-    let mut lattice = *scene.grid.lattice();
     if scene.conventions.voxel_box {
-        // Refused where the box would leave the range of numbers: it stays as it is there.
-        lattice = lattice.with_centring(Centring::Cells).unwrap_or(lattice);
+        voxel_extent(scene)
+    } else {
+        scene.extent()
     }
+}
+
+/// The box half a spacing beyond the nodes of `scene`; where it would leave the range of numbers, the box of the nodes.
+fn voxel_extent(scene: &Classified) -> PlacedBox {
+    let lattice = scene.grid.lattice();
+    let lattice = lattice.with_centring(Centring::Cells).unwrap_or(*lattice);
     PlacedBox {
         bounds: lattice.bounds(),
         to_world: scene.to_world,

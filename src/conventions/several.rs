@@ -1,14 +1,14 @@
 //! Several volumes sampled by common steps, as renderers have them that march once through all.
 //!
 //! The steps are as long as the shortest of all volumes, and are counted from where a ray enters the box along the axes
-//! of the world around all of them, with faces on the outermost nodes unless the convention `box` says otherwise. At each place every volume that it lies in has a sample, as its own
-//! [`RayCaster`] has it, and these samples lie one over the next, in the order of the scene: of volumes that overlap,
-//! the first hides the others, by as much as one step of it.
+//! of the world around all of them, with faces on the outermost nodes unless the convention `box` says otherwise. At
+//! each place every volume that it lies in has a sample, as its own [`RayCaster`] has it, and these samples lie one over
+//! the next, in the order of the scene: of volumes that overlap, the first hides the others, by as much as one step.
 //!
 //! [`reference::several_volumes`](crate::reference::several_volumes) states what volref has in its place.
 
 use super::layer::{Layer, pixel_of};
-use super::ray_caster::{RayCaster, extent, kept};
+use super::ray_caster::{RayCaster, behind, extent, kept, near_depth};
 use super::steps::{StepRule, StepsInParts, taken};
 use super::stored_values::as_stored;
 use super::work::RayWork;
@@ -24,6 +24,8 @@ pub struct CommonSteps<'s> {
     clips: Vec<&'s Clip>,
     /// The box around all volumes, along the axes of the world.
     bounds: Aabb,
+    /// Depth along the view nearer than which nothing is seen of any volume.
+    near_depth: f64,
     /// Length of a step.
     step: f64,
 }
@@ -45,6 +47,7 @@ impl<'s> CommonSteps<'s> {
         let boxes = scene
             .each_alone()
             .map(|alone| extent(&alone).world_bounds());
+        let near_depths = scene.each_alone().map(|alone| near_depth(&alone));
         let clips = scene.objects.clips.iter();
         // What cuts all volumes cuts the ray.
         let cuts_all = |clip: &&Clip| (0..volumes.len()).all(|volume| clip.cuts(volume));
@@ -57,6 +60,7 @@ impl<'s> CommonSteps<'s> {
                 .collect(),
             clips: of_all,
             bounds: boxes.reduce(Aabb::union).expect("a first volume"),
+            near_depth: near_depths.fold(0.0, f64::max),
             step: volumes[0].step,
         }
     }
@@ -78,7 +82,8 @@ impl<'s> CommonSteps<'s> {
     /// The samples along `ray` as far as `end`, composited.
     fn cast(&self, ray: &Ray, end: f64, rule: StepRule, work: &mut RayWork) -> Layer {
         let mut seen = Layer::EMPTY;
-        let Some(whole) = self.bounds.span(ray) else {
+        let whole = self.bounds.span(ray);
+        let Some(whole) = whole.and_then(|it| behind(self.near_depth, it, ray, self.scene)) else {
             return seen;
         };
         let Some(span) = kept(whole, end, ray, self.clips.iter().copied()) else {

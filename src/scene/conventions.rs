@@ -310,6 +310,10 @@ conventions! {
     "Beginning of the steps of a ray whose eye is within the volume: the eye, or where its line enters the volume behind the eye (box).",
     [];
 
+    "near_plane" = near_plane: f64 = number(0.0),
+    "Depth nearer than which nothing is seen of volumes, as a share of the depth of the farthest corner of their boxes, half a spacing beyond the nodes: where it lies within a volume, the steps of a ray begin there.",
+    [];
+
     "blending" = added_colours: bool = words("over" of "over" = false, "added" = true),
     "Colours of the samples of a ray, multiplied by their opacities: each in front of those behind it (over), or added.",
     [];
@@ -982,6 +986,7 @@ impl Conventions {
             last_step: self.last_step,
             last_sample_on_face: self.last_sample_on_face,
             one_sample: self.one_sample,
+            near_plane: self.near_plane,
             voxel_box: self.voxel_box,
             cell_centred: self.cell_centred,
             fraction_bits: self.fraction_bits,
@@ -1130,6 +1135,11 @@ impl Conventions {
                 "steps are of the length stated: give `step_length` or `fitted_steps`",
             ),
             (
+                "ray_start",
+                self.starts_behind_eye && self.near_plane > 0.0,
+                "rays begin at the near plane: leave `near_plane` or `ray_start` out",
+            ),
+            (
                 "box",
                 self.voxel_box && self.cell_centred,
                 "with `centring = \"cells\"` values fill the box of the nodes: leave one of them out",
@@ -1143,7 +1153,8 @@ impl Conventions {
             (
                 "volume_boxes",
                 self.voxel_boxes && !self.common_steps,
-                "only volumes that are sampled by common steps have other faces: give `volume_steps = \"common\"`",
+                "only several volumes, sampled by common steps, have other faces: give `volume_steps = \"common\"`, or \
+                 leave it out",
             ),
             (
                 "volume_boxes",

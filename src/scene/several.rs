@@ -175,12 +175,15 @@ impl Classified {
         names: &[Option<String>],
     ) -> SceneResult<()> {
         if !self.has_objects() {
-            if !self.conventions.is_of_objects() {
+            let keys = self.conventions.keys_of_objects();
+            if keys.is_empty() {
                 return Ok(());
             }
-            let message = "`composition`, `volume_steps`, `volume_boxes`, `surface_depth`, `object_shadows` and \
-                           `sample_behind_ends` are about several volumes, surfaces or clips: the scene has none";
-            return Err(reader.mistake("conventions", message, "leave these keys out"));
+            let message = format!(
+                "the scene has no further volumes, surfaces or clips, which these conventions are about: {}",
+                keys.join(", ")
+            );
+            return Err(reader.mistake("conventions", message, "leave the keys out"));
         }
         for (key, is_refused, what, help) in [
             (
@@ -281,12 +284,23 @@ impl Classified {
 }
 
 impl Conventions {
-    /// True if a convention is not volref's own that has no meaning for one volume by itself.
-    fn is_of_objects(&self) -> bool {
-        self.is_of_merged_objects()
-            || self.common_steps
-            || self.voxel_boxes
-            || self.sample_behind_ends
+    /// Keys that are not volref's own and have no meaning for one volume by itself.
+    fn keys_of_objects(&self) -> Vec<String> {
+        const KEYS: [&str; 6] = [
+            "composition",
+            "volume_steps",
+            "volume_boxes",
+            "surface_depth",
+            "object_shadows",
+            "sample_behind_ends",
+        ];
+        let lines = self.lines().into_iter();
+        lines
+            .filter_map(|line| {
+                let key = line.split(' ').next()?;
+                KEYS.contains(&key).then(|| format!("`{key}`"))
+            })
+            .collect()
     }
 
     /// True if a convention about several objects that are merged is not volref's own.

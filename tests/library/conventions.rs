@@ -12,9 +12,9 @@ use volref::conventions::{
     ray_caster::RayCaster, under,
 };
 use volref::film::{Bits, Film};
-use volref::geometry::{Camera, Transform};
+use volref::geometry::{Camera, Transform, length_of};
 use volref::judging::{Verdict, validate};
-use volref::math::pow;
+use volref::math::{pow, tan};
 use volref::naming::{Agreement, ConventionSearch};
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::render::{Sampling, plans, render};
@@ -105,6 +105,30 @@ fn assert_passes(
         "{name}: {opacity}, by hand {}",
         1.0 - transmittance
     );
+}
+
+/// With the eye inside, a near plane cuts every ray at one depth: a fifth of that half a spacing behind the far face,
+/// which is 0.75 away.
+#[test]
+fn near_planes_cut_rays_at_a_depth() {
+    let mut scene = scene(|_| 0.5);
+    scene.step = 0.3;
+    let eye = DVec3::new(0.5, 0.5, 0.25);
+    let (target, half_height) = (eye + DVec3::Z, tan(0.3));
+    scene.camera = Camera::new(eye, target, DVec3::Y, 0.6).unwrap();
+    scene.conventions.near_plane = 0.2;
+    let caster = RayCaster::new(&scene);
+    for [column, row] in [[0, 0], [3, 1], [4, 4], [7, 2]] {
+        let [_, _, _, opacity] = caster.pixel([column, row], [8, 8]).0;
+        let [across, up] = [column, row].map(|it| ((it as f64 + 0.5) / 4.0 - 1.0) * half_height);
+        // All rays leave by the far face.
+        let length = (0.75 - 0.2) * length_of(DVec3::new(across, up, 1.0));
+        let expected = 1.0 - pow(0.5, length);
+        assert!(
+            (f64::from(opacity) - expected).abs() < ROUNDING,
+            "{column}, {row}"
+        );
+    }
 }
 
 /// Steps, boxes and corrections of a uniform volume: spans of length 1, half of the light passes it.

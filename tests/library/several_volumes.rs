@@ -705,6 +705,8 @@ fn common_steps_show_one_volume_over_the_next() {
     ];
     check(&image(&among, ""), seen(&[0.3; 6]));
     check(&image(&among, "volume_boxes = 'voxels'"), seen(&[0.3; 14]));
+    // The near plane, at -0.45, as a share of the depth of the farthest corner of all, 10 from the eye at -4.
+    check(&image(&among, "near_plane = 0.355"), seen(&[0.3; 5]));
     // Where the boxes of volumes are larger by themselves, so is the one that steps are counted from: from −2 on.
     let larger = image(&both, "box = 'voxels'");
     check(&larger, seen(&[[0.3; 13].as_slice(), &[0.1]].concat()));

@@ -17,16 +17,18 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
     let objects = scene.counted_objects();
     let (kernel, method, reason) = if scene.is_continuous() {
-        let reason = "are integrated along each ray, without samples";
+        let reason = "are integrated along each ray, without samples".to_owned();
         (Kernel::Integral(scene), Method::Quadrature, reason)
     } else if scene.conventions.is_of_objects_alone() {
-        let reason = "are merged along each ray, their samples each one step apart";
+        let reason = "are merged along each ray, their samples each one step apart".to_owned();
         (Kernel::Several(scene), Method::RayCasting, reason)
     } else if scene.conventions.common_steps && scene.volume_count() > 1 {
-        let reason = "are sampled by common steps, the shortest of all, one over the next";
+        let (_, step) = scene.common_box_and_step();
+        let reason =
+            format!("are sampled by common steps of {step}, the shortest, one over the next");
         (Kernel::Conventional(scene), Method::RayCasting, reason)
     } else {
-        let reason = "are composited along each ray by other conventions";
+        let reason = "are composited along each ray by other conventions".to_owned();
         (Kernel::Conventional(scene), Method::RayCasting, reason)
     };
     Plan {
