@@ -118,7 +118,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let film = test.radiance();
     let hidden = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
     result.notes.extend(hidden);
-    let mut films = [&reference, &test].into_iter().filter_map(Picture::radiance);
+    let mut films = [&reference, &test]
+        .into_iter()
+        .filter_map(Picture::radiance);
     if films.any(|film| film.depth().is_some()) {
         let note = "depths are not compared without a scene: volref validate compares them where a case asks for one";
         result.notes.push(note.to_owned());
