@@ -56,11 +56,17 @@ const APART: f64 = 1.02;
 /// Sentences, without a full stop, on how `test` differs from `golden`; none where nothing can be
 /// measured: other sizes, values that are no numbers, or no difference beyond noise.
 pub fn measured_difference(golden: &Film, test: &Film, seen: &Seen) -> Vec<String> {
-    measured(golden, test, seen).unwrap_or_default()
+    measured(golden, test, seen, false).unwrap_or_default()
 }
 
-/// [`measured_difference`]; nothing where nothing can be measured.
-pub(crate) fn measured(golden: &Film, test: &Film, seen: &Seen) -> Option<Vec<String>> {
+/// [`measured_difference`]; nothing where nothing can be measured. Of a difference that `is_explained` nobody asks what a
+/// gain or a shift would leave.
+pub(crate) fn measured(
+    golden: &Film,
+    test: &Film,
+    seen: &Seen,
+    is_explained: bool,
+) -> Option<Vec<String>> {
     if !golden.is_comparable(test) {
         return None;
     }
@@ -78,8 +84,8 @@ pub(crate) fn measured(golden: &Film, test: &Film, seen: &Seen) -> Option<Vec<St
     let sentences = [
         cut_off(&pixels),
         in_one_channel(&sums),
-        gain(&sums),
-        shift.as_ref().map(|shift| shift.in_words(seen)),
+        gain(&sums).filter(|_| !is_explained),
+        (shift.as_ref().filter(|_| !is_explained)).map(|shift| shift.in_words(seen)),
         shift
             .filter(|shift| shift.may_be_of_seeds(test))
             .map(|_| SHARED_POSITIONS.to_owned()),

@@ -267,7 +267,7 @@ pub(crate) fn likeness_with(
             if !failed.is_decidable() && result.difference.is_empty() {
                 result.difference.push(UNDECIDABLE.to_owned());
             }
-            let measured = failed.measured_difference();
+            let measured = failed.measured_difference(fit.agrees);
             let is_measured = measured.is_some();
             result.difference.extend(measured.unwrap_or_default());
             let is_asked = result

@@ -314,12 +314,12 @@ impl ComparedCase {
         self.simple == Some(SimpleMap::Gain)
     }
 
-    /// Measurements of the difference as sentences; nothing where none can be made, or the verdict says
-    /// how the image follows from the golden.
-    pub fn measured_difference(&self) -> Option<Vec<String>> {
+    /// Measurements of the difference, which a change of numbers may explain, as sentences; nothing where none can be made,
+    /// or the verdict says how the image follows from the golden.
+    pub fn measured_difference(&self, is_explained: bool) -> Option<Vec<String>> {
         let test = self.picture.radiance().filter(|_| self.simple.is_none())?;
         let seen = self.seen();
-        let mut said = measured(&self.kept.film(&self.golden), test, &seen)?;
+        let mut said = measured(&self.kept.film(&self.golden), test, &seen, is_explained)?;
         said.extend(change_with_step(&self.golden, &self.refined, &seen));
         Some(said)
     }
