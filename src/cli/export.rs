@@ -6,6 +6,7 @@ use super::output::{self, Json};
 use super::suite::named_scene;
 use crate::exchange::{self, Export, ExportFault, Format, Refusal};
 use crate::film::CHANNELS;
+use crate::geometry::Transform;
 use crate::scene::Scene;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -63,10 +64,15 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     for command in &commands {
         text.push_str(&format!("  {command}\n"));
     }
-    if matches!(format, Format::Raw | Format::Nrrd | Format::Npy) {
-        text.push_str(&in_a_scene(&scene, &export));
+    let is_grid = matches!(format, Format::Raw | Format::Nrrd | Format::Npy);
+    let map = scene.panels[0]
+        .classified()
+        .filter(|_| is_grid)
+        .and_then(|volume| volume.to_world);
+    if is_grid {
+        text.push_str(&in_a_scene(&export, map));
     }
-    let value = json!({
+    let mut value = json!({
         "schema": "volref/export/1",
         "scene": arguments.scene,
         "format": format.name(),
@@ -75,6 +81,9 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         "files": export.files.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "commands": commands,
     });
+    if let Some(map) = map {
+        value["transform"] = json!(map.rows());
+    }
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
@@ -128,11 +137,10 @@ fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
 }
 
 /// The table of a scene that reads the grid, with the map that places it.
-fn in_a_scene(scene: &Scene, export: &Export) -> String {
+fn in_a_scene(export: &Export, map: Option<Transform>) -> String {
     let file = &export.main;
     let mut text = format!("\nin a scene beside it:\n  [classified.volume]\n  file = {file:?}\n");
-    let volume = scene.panels[0].classified();
-    if let Some(map) = volume.and_then(|volume| volume.to_world) {
+    if let Some(map) = map {
         text.push_str(&format!("  transform = {:?}\n", map.rows()));
     }
     text

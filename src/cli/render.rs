@@ -259,7 +259,10 @@ fn brightness_note(
         .filter(|&brightest| brightest > 0.0)
         .collect();
     if lit.is_empty() {
-        return Some(format!("note: the image is black: {}\n", why_black(plans)));
+        return Some(format!(
+            "note: the image is black: {}\n",
+            why_black(film, plans)
+        ));
     }
     // The brightest hundredth of what is lit: a single hot pixel says nothing.
     lit.sort_by(f32::total_cmp);
@@ -274,7 +277,7 @@ fn brightness_note(
 }
 
 /// The reason for which the image of a scene is black.
-fn why_black(plans: &[Plan<'_>]) -> String {
+fn why_black(film: &Film, plans: &[Plan<'_>]) -> String {
     if let [plan] = plans
         && let Some(volume) = plan.panel.classified()
     {
@@ -284,9 +287,16 @@ fn why_black(plans: &[Plan<'_>]) -> String {
         if volume.mode != Mode::Composited {
             let (least, most) = volume.grid.range();
             let [least, most] = [least as f32, most as f32];
-            return format!(
-                "no value that is shown has a colour; those of the volume go from {least} to {most}"
-            );
+            let nothing_is_met = film
+                .opacity()
+                .is_some_and(|of| of.iter().all(|&it| it == 0.0));
+            let why = match &volume.mode {
+                Mode::Isosurfaces(_) if nothing_is_met && !volume.is_continuous() => {
+                    "no two neighbouring samples of a ray have a value that is shown between them"
+                }
+                _ => "no value that is shown has a colour",
+            };
+            return format!("{why}; those of the volume go from {least} to {most}");
         }
     }
     "no ray reaches anything that emits light".to_owned()

@@ -13,7 +13,8 @@ use crate::conventions::Profile;
 use crate::files::regular_file::note_input;
 use crate::film::{Alpha, Bits};
 use crate::judging::{
-    CaseResult, Evidence, Judged, MoreSamples, before_background, declared, is_open, validate_at,
+    CaseResult, Evidence, Judged, MoreSamples, add_right_declaration, before_background, declared,
+    is_open, validate_at,
 };
 use crate::naming::{ConventionSearch, Search};
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
@@ -455,8 +456,12 @@ impl Judge<'_> {
     fn judged(&self, case: &Case, rendered: Rendered, look: Option<u32>) -> Judged {
         let (store, profile) = (&self.store, self.profile.as_ref());
         let output = declared(rendered.output, self.bits(), case);
+        let as_it_came = self.alpha().map(|alpha| (output.clone(), alpha));
         let output = before_background(output, self.alpha(), case);
         let mut judged = validate_at(look, case, store, output, profile);
+        if let Some(as_it_came) = as_it_came {
+            add_right_declaration(&mut judged, as_it_came, case, store, profile);
+        }
         if profile.is_none() {
             let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
             self.conventions

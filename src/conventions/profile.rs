@@ -160,17 +160,6 @@ impl Profile {
     }
 
     fn apply(&self, scene: &mut Classified) -> Result<(), String> {
-        if scene.has_objects() && !scene.is_sampled_by(&self.conventions) {
-            let several = if scene.volume_count() > 1 && !self.conventions.common_steps {
-                "several volumes, as by `volume_steps = \"common\"`"
-            } else {
-                "modulated opacities, or shadows among surfaces and clips"
-            };
-            return Err(format!(
-                "the profile {:?} says nothing of {several}: judge this case without --as",
-                self.name
-            ));
-        }
         let (own, conventions) = (scene.conventions, self.conventions.of_mode(&scene.mode));
         if own != Conventions::default() && own != conventions {
             return Err(format!(
@@ -182,14 +171,25 @@ impl Profile {
         // Conventions are about samples.
         scene.sample();
         scene.conventions = conventions;
-        scene
-            .check_common_steps()
-            .map_err(|message| format!("the profile {:?}: {message}", self.name))?;
         if let Some(threshold) = self.early_termination
             && !matches!(scene.mode, Mode::Projection(_))
         {
             scene.end_rays_at(threshold);
         }
+        if !scene.has_conventions_that_are_rendered() {
+            let why = if scene.volume_count() > 1 && !conventions.common_steps {
+                "several volumes follow conventions about samples only by `volume_steps = \"common\"`"
+            } else {
+                "shadows among surfaces and clips, and modulated opacities, follow no conventions about samples"
+            };
+            return Err(format!(
+                "the profile {:?} cannot be followed: {why}; judge this case without --as",
+                self.name
+            ));
+        }
+        scene
+            .check_common_steps()
+            .map_err(|message| format!("the profile {:?}: {message}", self.name))?;
         Ok(())
     }
 }

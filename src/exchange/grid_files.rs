@@ -43,9 +43,8 @@ fn only_grid(scene: &Scene, format: Format) -> Result<&Grid<f32>, Refusal> {
         .map(|panel: &Panel| panel.classified().map(|volume| &volume.grid))
         .collect();
     let Some(grids) = grids else {
-        let what =
-            "a scene that is no classified volume: media go to `bundle`, `mitsuba` or `pbrt`";
-        return Err(Refusal::of(format, "classified", what));
+        let what = "one without a classified volume: media go to `bundle`, `mitsuba` or `pbrt`";
+        return Err(Refusal::of(format, "panel", what));
     };
     let first = grids[0];
     if grids.iter().any(|grid| !Arc::ptr_eq(grid, first)) {

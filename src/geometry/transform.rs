@@ -98,19 +98,26 @@ impl Transform {
         for column in [linear.x_axis, linear.y_axis, linear.z_axis, offset] {
             finite(column)?;
         }
-        let determinant = linear.determinant();
-        let volume = linear.x_axis.length() * linear.y_axis.length() * linear.z_axis.length();
+        let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
+        let largest = columns.map(|column| column.abs().max_element());
+        // Near 1, so that no product of three leaves the range of numbers; by a power of two nothing is rounded.
+        let scale = math::power_of_two_below(largest.into_iter().fold(0.0, f64::max));
+        let near_one = linear * scale.recip();
+        let determinant = near_one.determinant();
+        let [a, b, c] = [near_one.x_axis, near_one.y_axis, near_one.z_axis];
         // Six products of three factors, five roundings each: a determinant below this share of
         // the volume of the columns' box has no correct digit, not even its sign.
-        if determinant.abs() <= 32.0 * f64::EPSILON * volume {
+        let least = 32.0 * f64::EPSILON * (a.length() * b.length() * c.length());
+        if scale == 0.0 || determinant.abs() <= least {
+            let determinant = linear.determinant();
             return Err(TransformError::Singular { determinant });
         }
-        let inverse_linear = DMat3::from_cols(
-            linear.y_axis.cross(linear.z_axis) / determinant,
-            linear.z_axis.cross(linear.x_axis) / determinant,
-            linear.x_axis.cross(linear.y_axis) / determinant,
-        )
-        .transpose();
+        let inverse_of_near_one = DMat3::from_cols(
+            b.cross(c) / determinant,
+            c.cross(a) / determinant,
+            a.cross(b) / determinant,
+        );
+        let inverse_linear = inverse_of_near_one.transpose() * scale.recip();
         for column in [
             inverse_linear.x_axis,
             inverse_linear.y_axis,
@@ -376,6 +383,17 @@ mod tests {
         }
         assert!(Transform::rotation(DVec3::X, f64::NAN).is_err());
         assert!(Transform::translation(DVec3::splat(f64::INFINITY)).is_err());
+        // However far its numbers are from 1: no product of three leaves their range.
+        for size in [1e-150, 1e200] {
+            let map = Transform::from_matrix(DMat3::IDENTITY * size, DVec3::ZERO).unwrap();
+            assert_eq!(map.point(DVec3::ONE), DVec3::splat(size));
+            let back = map.point_to_object(DVec3::splat(size));
+            assert!((back - DVec3::ONE).length() < 1e-15, "{back}");
+        }
+        assert!(matches!(
+            Transform::from_matrix(DMat3::ZERO, DVec3::ZERO),
+            Err(TransformError::Singular { .. })
+        ));
         // Rank 2, with a determinant that is not zero but rounding.
         let (a, b) = (DVec3::new(0.1, 0.7, 0.3), DVec3::new(0.9, 0.2, 0.4));
         let matrix = DMat3::from_cols(a, b, a * 0.3 + b * 0.7);

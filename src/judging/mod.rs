@@ -27,5 +27,5 @@ pub use self_test::{
     BenignTrials, CaseTrials, MistakeTrials, Rejection, SelfTest, SelfTestCases, SelfTestExtent,
     Step, Trial, case_trials, self_test, self_test_steps,
 };
-pub use validate::{validate, validate_at};
+pub use validate::{add_right_declaration, validate, validate_at};
 pub use verify::{verify, without_case};

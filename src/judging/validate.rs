@@ -4,7 +4,7 @@ use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::{measured, nothing_drawn};
-use super::precision::{known, known_radiance, read_otherwise, with_background};
+use super::precision::{before_background, known, known_radiance, read_otherwise, with_background};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
@@ -72,6 +72,37 @@ pub fn validate_at(
             None => Evidence::of(case),
         },
     }
+}
+
+/// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
+/// otherwise: `output` is the image as it came.
+pub fn add_right_declaration(
+    judged: &mut Judged,
+    (output, alpha): (Output, Alpha),
+    case: &Case,
+    store: &Store,
+    profile: Option<&Profile>,
+) {
+    if judged.result.verdict != Verdict::Fail {
+        return;
+    }
+    let others = [None, Some(Alpha::Premultiplied), Some(Alpha::Straight)];
+    let mut others = others.into_iter().filter(|other| *other != Some(alpha));
+    let agrees = |other: &Option<Alpha>| {
+        let output = before_background(output.clone(), *other, case);
+        validate(case, store, output, profile).result.verdict == Verdict::Pass
+    };
+    let Some(right) = others.find(agrees) else {
+        return;
+    };
+    let result = &mut judged.result;
+    result.drop_as_if();
+    let otherwise = match right {
+        None => "without --alpha: its colours contain the background".to_owned(),
+        Some(right) => format!("where its colours are declared with --alpha {right}"),
+    };
+    result.reason = format!("the image agrees {otherwise}; {}", result.reason);
+    result.is_right_if_declared = true;
 }
 
 /// Finding on a case without an image to judge: a fault of its golden or scene first, since that

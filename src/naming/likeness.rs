@@ -264,7 +264,7 @@ pub(crate) fn likeness_with(
         if result.looks_like.is_empty() {
             let fit = fitted.remove(&failed.index).unwrap_or_default();
             result.difference = fit.sentence.into_iter().collect();
-            if !failed.is_decidable() && result.difference.is_empty() {
+            if failed.has_noise() && !failed.is_decidable() && result.difference.is_empty() {
                 result.difference.push(UNDECIDABLE.to_owned());
             }
             let measured = failed.measured_difference(fit.agrees);

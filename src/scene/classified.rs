@@ -483,8 +483,8 @@ fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -
         ),
         (
             "conventions",
-            "there are no samples, and no conventions about them",
-            "leave the table out; `volref validate --as` judges images under conventions",
+            "no conventions are followed: there are no samples, and objects are merged",
+            "leave the table out, or composite samples; `volref validate --as` judges images under conventions",
         ),
         (
             "phong",
@@ -525,8 +525,12 @@ pub(super) fn checked_step(step: Length, [voxel, diagonal]: [f64; 2]) -> Result<
     if diagonal / length > MOST_SAMPLES_PER_RAY {
         return Err(format!(
             "a step of {length:e} world units means up to {:.1e} samples on a ray through a \
-             volume {diagonal:.4} across; at most {MOST_SAMPLES_PER_RAY:.0e} are accepted",
-            diagonal / length
+             volume {} across; at most {MOST_SAMPLES_PER_RAY:.0e} are accepted",
+            diagonal / length,
+            match diagonal {
+                0.0..1e9 => format!("{diagonal:.4}"),
+                _ => format!("{diagonal:.4e}"),
+            }
         ));
     }
     Ok(length)

@@ -84,7 +84,7 @@ impl PlacedGrid {
         );
         Err((
             message,
-            "stretch and shear less, or change the spacing of the file, of which any ratio is accepted",
+            "stretch and shear less, or change the spacing of the nodes, of which any ratio is accepted",
         ))
     }
 

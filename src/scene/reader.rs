@@ -47,7 +47,11 @@ impl<'s> Document<'s> {
     /// The root table of the file.
     pub fn parse(&self) -> SceneResult<Spanned<DeTable<'s>>> {
         DeTable::parse(self.text).map_err(|error| {
-            let help = "the file is not valid TOML; see https://toml.io for its rules";
+            let help = if error.message().contains("invalid mantissa") {
+                "a number begins and ends with a digit, as 0.5 and 1.0"
+            } else {
+                "the file is not valid TOML; see https://toml.io for its rules"
+            };
             self.error(error.span(), error.message(), Some(help.into()))
         })
     }

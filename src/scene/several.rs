@@ -6,7 +6,7 @@ use super::conventions::Conventions;
 use super::modulation::Modulation;
 use super::objects::{Objects, Volume};
 use super::reader::Reader;
-use super::{Classified, Length, Mode, SceneResult};
+use super::{Classified, Compositing, Length, Mode, SceneResult};
 use crate::geometry::{Aabb, length_of};
 use crate::volume::PlacedBox;
 
@@ -20,8 +20,14 @@ impl Classified {
     /// surfaces and clips, or of several that are sampled by common steps, all others.
     pub fn has_conventions_that_are_rendered(&self) -> bool {
         !self.has_objects()
-            || self.conventions.is_of_objects_alone()
+            || self.is_merged()
             || self.is_sampled_by(&self.conventions) && !self.conventions.is_of_merged_objects()
+    }
+
+    /// True if it follows no conventions but those about several objects, and no ray ends early: these are merged.
+    pub fn is_merged(&self) -> bool {
+        let ends_early = matches!(self.compositing, Compositing::EarlyTermination(_));
+        self.conventions.is_of_objects_alone() && !ends_early
     }
 
     /// True if the samples of its volumes follow `conventions`: those of one, or of all by common steps, with
@@ -190,7 +196,7 @@ impl Classified {
                 "mode",
                 self.mode != Mode::Composited,
                 "samples are composited",
-                "leave `mode` out, or keep one volume alone",
+                "leave `mode` out, or what stands beside the volume, or modulates it",
             ),
             (
                 "compositing",
@@ -312,7 +318,7 @@ impl Conventions {
     }
 
     /// True if all conventions but those about several objects are volref's own.
-    pub fn is_of_objects_alone(&self) -> bool {
+    fn is_of_objects_alone(&self) -> bool {
         let own = Conventions::default();
         let others = Conventions {
             composition: own.composition,

@@ -85,7 +85,7 @@ fn what_an_integral_does_not_cover() {
     scene.toml:10:9: with `compositing = "continuous"` samples cannot be shaded: gradients jump from cell to cell, and the integral is stated for light that depends on the value alone help: leave the table out, or composite samples front to back
     scene.toml:10:10: with `compositing = "continuous"` samples cannot be in shadow: the integral is stated for light that depends on the value alone help: leave the table out, or composite samples front to back
     scene.toml:10:17: with `compositing = "continuous"` the field is trilinear: between nearest nodes it jumps help: leave the key out
-    scene.toml:10:15: with `compositing = "continuous"` there are no samples, and no conventions about them help: leave the table out; `volref validate --as` judges images under conventions
+    scene.toml:10:15: with `compositing = "continuous"` no conventions are followed: there are no samples, and objects are merged help: leave the table out, or composite samples; `volref validate --as` judges images under conventions
     scene.toml:10:23: [camera] mixes `vertical_fov` with `orthographic_height` help: give either `vertical_fov` or `orthographic_height`
     scene.toml:9:23: `orthographic_height` must be finite and above 0, got 0 help: `camera.orthographic_height`: Height of the image, world units, of a camera with parallel rays, which begin in the plane through the eye. If left out, rays come together in the eye.
     "#);
@@ -524,6 +524,7 @@ fn not_toml() {
         ("width = 12", "width 12"),
         ("[film]", "[film"),
         ("\"cloud.obj\"", "\"cloud.obj"),
+        ("width = 12", "width = .5"),
     ] {
         said.push_str(&after(old, new));
     }
@@ -533,6 +534,7 @@ fn not_toml() {
     scene.toml:2:7: key with no value, expected `=` help: the file is not valid TOML; see https://toml.io for its rules
     scene.toml:1:6: unclosed table, expected `]` help: the file is not valid TOML; see https://toml.io for its rules
     scene.toml:11:18: invalid basic string, expected `"` help: the file is not valid TOML; see https://toml.io for its rules
+    scene.toml:2:9: invalid mantissa, expected digits help: a number begins and ends with a digit, as 0.5 and 1.0
     "#);
 }
 
@@ -871,7 +873,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: several volumes follow these conventions only where they are sampled by common steps help: add `volume_steps = "common"`, or leave the keys out
     broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
-    broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or keep one volume alone
+    broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:6:1: this volume has no transfer function, and others have one of their own help: give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes without one: an empty table is the formula with its defaults

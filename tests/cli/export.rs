@@ -146,6 +146,13 @@ fn grids_alone() {
       file = "ramp.raw.toml"
       transform = [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
     "#);
+    let run = folder.volref("export ramp.toml --to raw -o out --json");
+    let rows = [
+        [1.0, 0.0, 0.0, 1.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ];
+    assert_eq!(run.json()["transform"], serde_json::json!(rows));
     assert_shown!(folder.text("out/ramp.raw.toml"), @r#"
     file = "ramp.raw"
     type = "float32"
@@ -196,7 +203,7 @@ fn grids_alone() {
     let run = folder.volref("export fog.toml --to nrrd -o out");
     run.expect(
         2,
-        &["nrrd cannot represent classified: a scene that is no classified volume"],
+        &["nrrd cannot represent panel: one without a classified volume"],
     );
     folder.write(
         "both.toml",

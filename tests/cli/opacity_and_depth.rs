@@ -137,6 +137,20 @@ fn colours_without_their_background_are_declared() {
         let run = validate(&folder, &film, &[]);
         prints(&run, 1, &[&said]);
         assert!(!run.stdout.contains("looks like"), "{}", run.stdout);
+        // Nor where it is another one.
+        let other = if name == "straight" {
+            "premultiplied"
+        } else {
+            "straight"
+        };
+        let run = validate(&folder, &film, &["--alpha", other]);
+        let said = format!("the image agrees where its colours are declared with --alpha {name}");
+        prints(&run, 1, &[&said]);
+        assert!(
+            !run.stdout.contains("a change of a number"),
+            "{}",
+            run.stdout
+        );
         // Every value rounded to a code, as display buffers hold them.
         let code = |value: f32| (255.0 * value).round() / 255.0;
         let codes: Vec<[f32; 4]> = (0..film.radiance().len())
@@ -145,6 +159,23 @@ fn colours_without_their_background_are_declared() {
         let codes = Film::with_opacity(film.width(), film.height(), codes);
         validate(&folder, &codes, &["--alpha", name, "--bits", "8-linear"]).expect(0, &[]);
     }
+    let run = validate(&folder, &right, &["--alpha", "premultiplied"]);
+    let said = "the image agrees without --alpha: its colours contain the background";
+    prints(&run, 1, &[said]);
+    assert!(
+        !run.stdout.contains("a change of a number"),
+        "{}",
+        run.stdout
+    );
+    // What is no number in the fourth channel alone has no cause in noise.
+    let nan = right
+        .radiance()
+        .iter()
+        .map(|&[r, g, b]| [r, g, b, f32::NAN]);
+    let nan = Film::with_opacity(right.width(), right.height(), nan.collect());
+    let run = validate(&folder, &nan, &[]);
+    assert_eq!(run.code, 1);
+    assert!(!run.stdout.contains("at this noise"), "{}", run.stdout);
     let without = right.clone().without_opacity();
     let run = validate(&folder, &without, &["--alpha", "straight"]);
     prints(

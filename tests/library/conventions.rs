@@ -20,8 +20,8 @@ use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::render::{Sampling, plans, render};
 use volref::scene::format::{Key, Kind};
 use volref::scene::{
-    CONVENTIONS, Classified, Compositing, Conventions, FittedSteps, LastStep, Model, Precision,
-    Scene, Shadow, StepLength, StoredValues,
+    CONVENTIONS, Classified, Compositing, Composition, Conventions, FittedSteps, LastStep, Model,
+    Precision, Scene, Shadow, StepLength, StoredValues,
 };
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
@@ -105,6 +105,44 @@ fn assert_passes(
         "{name}: {opacity}, by hand {}",
         1.0 - transmittance
     );
+}
+
+/// A profile states conventions about several objects alone, too; with rays that end early these are sampled by common
+/// steps, or one volume is.
+#[test]
+fn profiles_of_several_objects() {
+    let suite = Suite::open(std::path::Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let scene = |name: &str| {
+        let case = suite.select(&[name.to_owned()]).unwrap()[0];
+        case.load_scene().unwrap()
+    };
+    let applied = |name: &str, keys: &str, conventions: &str| {
+        let text = format!("name = 'mine'\n{keys}[conventions]\n{conventions}\n");
+        let profile = Profile::parse(&text, "mine.toml").unwrap();
+        profile.applied_to(&scene(name)).map(Option::unwrap)
+    };
+    let image = |scene: &Scene| {
+        let rendered = render(&plans(scene), Sampling::default(), &|| {});
+        rendered.unwrap().film
+    };
+    let (nearest, early) = ("composition = 'nearest-box'", "early_termination = 0.5\n");
+    let mut own = scene("scenes/two-fogs");
+    for panel in &mut own.panels {
+        let Model::Classified(volume) = &mut panel.model else {
+            unreachable!()
+        };
+        volume.sample();
+        volume.conventions.composition = Composition::NearestBox;
+    }
+    let followed = applied("scenes/two-fogs", "", nearest).unwrap();
+    assert_eq!(image(&followed).radiance(), image(&own).radiance());
+    for (keys, conventions) in [(early, nearest), ("", "first_sample = 0"), (early, "")] {
+        let refused = applied("scenes/two-fogs", keys, conventions).unwrap_err();
+        assert!(refused.contains("volume_steps"), "{refused}");
+    }
+    // One volume among surfaces: its rays end early, without any other convention.
+    let [whole, ended] = ["", early].map(|keys| applied("scenes/ball-in-rings", keys, "").unwrap());
+    assert_ne!(image(&whole).radiance(), image(&ended).radiance());
 }
 
 /// With the eye inside, a near plane cuts every ray at one depth: a fifth of that half a spacing behind the far face,

@@ -289,6 +289,15 @@ impl ComparedCase {
         }
     }
 
+    /// True if the image or its golden is noisy.
+    pub fn has_noise(&self) -> bool {
+        let films = [Some(&self.golden), self.picture.radiance()];
+        films
+            .into_iter()
+            .flatten()
+            .any(|film| film.noise().is_some())
+    }
+
     /// True if noise is low enough to decide if a hypothesis, even the right one, explains the
     /// image.
     pub fn is_decidable(&self) -> bool {

@@ -19,7 +19,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let (kernel, method, reason) = if scene.is_continuous() {
         let reason = "are integrated along each ray, without samples".to_owned();
         (Kernel::Integral(scene), Method::Quadrature, reason)
-    } else if scene.conventions.is_of_objects_alone() {
+    } else if scene.is_merged() {
         let reason = "are merged along each ray, their samples each one step apart".to_owned();
         (Kernel::Several(scene), Method::RayCasting, reason)
     } else if scene.conventions.common_steps && scene.volume_count() > 1 {
