@@ -225,7 +225,7 @@ fn a_second_number_modulates_opacity() {
         ),
         (
             format!("of = 'gradient'\n{half}\n[classified.conventions]\njitter = true"),
-            "with modulated opacities only",
+            "beside a shadow, or modulated opacities, only",
         ),
         (
             "of = 'gradient'\npoint = [{ value = 1, factor = 0 }, { value = 0, factor = 1 }]"
@@ -902,7 +902,7 @@ fn conventions_of_one_volume_among_surfaces() {
         ),
         (
             format!("{volume}[classified.conventions]\nsample_behind_ends = true"),
-            "the scene has none",
+            "the scene has no further volumes",
         ),
     ] {
         let text =
