@@ -202,7 +202,7 @@ const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 6] = [
         Said::Nothing,
         // Its interval is too narrow.
         None,
-        "pixels up",
+        "(a field of view of 39.79 degrees)",
     ),
     (
         "opacity + 10 %",
