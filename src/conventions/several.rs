@@ -49,7 +49,7 @@ impl<'s> CommonSteps<'s> {
             .map(|alone| extent(&alone).world_bounds());
         let near_depths = scene.each_alone().map(|alone| near_depth(&alone));
         let clips = scene.objects.clips.iter();
-        // What cuts all volumes cuts the ray.
+        // Clips of all volumes cut the ray, however they are written.
         let cuts_all = |clip: &&Clip| (0..volumes.len()).all(|volume| clip.cuts(volume));
         let (of_all, of_some): (Vec<_>, Vec<_>) = clips.partition(cuts_all);
         let of_volume = |volume| of_some.iter().copied().filter(move |it| it.cuts(volume));
