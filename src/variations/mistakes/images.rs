@@ -123,13 +123,29 @@ pub(super) const MISTAKES: &[Mistake] = &[
     Mistake {
         name: "premultiplied-twice",
         advice: "colours are multiplied by opacity twice: compositing has done so already",
-        edit: Edit::Pixels(|film| by_opacity(film, |colour, opacity| colour * opacity)),
+        edit: Edit::Pixels(|film| {
+            let behind = background(film);
+            by_opacity(film, |colour, opacity, channel| {
+                let background = (1.0 - opacity) * behind[channel];
+                (colour - background) * opacity + background
+            })
+        }),
+    },
+    Mistake {
+        name: "background-multiplied-by-opacity",
+        advice: "the whole image, with its background, is multiplied by opacity: write it as it is, or the colours of the volume alone",
+        edit: Edit::Pixels(|film| {
+            if background(film) == [0.0; 3] {
+                return film.clone(); // as where colours alone are
+            }
+            by_opacity(film, |colour, opacity, _| colour * opacity)
+        }),
     },
     Mistake {
         name: "unpremultiplied",
         advice: "colours are divided by opacity: write the radiance that arrives, multiplied by opacity, in front of the background",
         edit: Edit::Pixels(|film| {
-            by_opacity(film, |colour, opacity| {
+            by_opacity(film, |colour, opacity, _| {
                 if opacity > 0.0 {
                     colour / opacity
                 } else {
@@ -266,14 +282,23 @@ fn slope(map: fn(f64) -> f64, x: f64) -> f64 {
 }
 
 /// A film without opacity stays as it is.
-fn by_opacity(film: &Film, map: fn(f64, f64) -> f64) -> Film {
+fn by_opacity(film: &Film, map: impl Fn(f64, f64, usize) -> f64) -> Film {
     rebuilt(film, |film, at| {
         let (mean, variance) = value(film, at);
         let index = at[0] + film.width() * at[1];
         let opacity = film.opacity().map(|opacity| f64::from(opacity[index]));
-        let mapped = opacity.map_or(mean, |opacity| mean.map(|x| map(x, opacity)));
-        (mapped, variance)
+        let of = |opacity: f64| [0, 1, 2].map(|c| map(mean[c], opacity, c));
+        (opacity.map_or(mean, of), variance)
     })
+}
+
+/// The colour that is seen where opacity is 0; black where it is nowhere.
+fn background(film: &Film) -> [f64; 3] {
+    let pixels = film.opacity().unwrap_or_default().iter();
+    let clear = pixels
+        .zip(film.radiance())
+        .find(|(opacity, _)| **opacity == 0.0);
+    clear.map_or([0.0; 3], |(_, colour)| colour.map(f64::from))
 }
 
 /// Everything is moved; what comes in from outside repeats the edge.
@@ -351,6 +376,26 @@ mod tests {
         let edited = named("one-pixel-up").unwrap().in_image(&film()).unwrap();
         assert_eq!(edited.radiance()[0][0], 4.0);
         assert_eq!(edited.radiance()[8][0], 8.0);
+    }
+
+    /// A pixel of the background, 0.25, and one of opacity 1/2 whose colour, alone, is 0.375.
+    #[test]
+    fn colours_are_multiplied_twice_before_their_background() {
+        let grey = |value: f32, opacity: f32| [value, value, value, opacity];
+        let film = Film::with_opacity(2, 1, vec![grey(0.25, 0.0), grey(0.5, 0.5)]);
+        let reds = |name: &str| {
+            let edited = named(name).unwrap().in_image(&film).unwrap();
+            [0, 1].map(|index| edited.radiance()[index][0])
+        };
+        assert_eq!(reds("premultiplied-twice"), [0.25, 0.375 / 2.0 + 0.125]);
+        assert_eq!(reds("background-multiplied-by-opacity"), [0.0, 0.25]);
+        let before_black = Film::with_opacity(2, 1, vec![grey(0.0, 0.0), grey(0.5, 0.5)]);
+        let twice = named("premultiplied-twice")
+            .unwrap()
+            .in_image(&before_black);
+        assert_eq!(twice.unwrap().radiance()[1][0], 0.25);
+        let whole = named("background-multiplied-by-opacity").unwrap();
+        assert!(whole.in_image(&before_black).is_none());
     }
 
     #[test]
