@@ -16,6 +16,7 @@ mod clock;
 mod compared_case;
 mod distances;
 mod distinguished;
+mod explanations;
 mod fit;
 mod hunt;
 mod hypothesis;
@@ -26,8 +27,7 @@ mod registration;
 mod step;
 mod volume_in_view;
 
-use crate::compare::SHARED_POSITIONS;
-use crate::compare::cells::Misfit;
+use crate::compare::{NumberChange, SHARED_POSITIONS};
 pub use clock::{Search, SearchStep, Stage};
 pub(super) use clock::{WORK_PER_SECOND, latest_end};
 pub use fit::is_number_found;
@@ -40,12 +40,9 @@ use crate::scene::Scene;
 use crate::suite::Case;
 use clock::SearchClock;
 use compared_case::ComparedCase;
+use explanations::{Explanation, Explanations, Found};
 use fit::Fitted;
-use hunt::singles;
-use hypothesis::Hypothesis;
 use opacity::OfOpacity;
-use std::cmp::Reverse;
-use std::collections::BTreeMap;
 
 /// Sentence for a difference in which nothing stands out.
 pub const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
@@ -69,12 +66,6 @@ const MOST_CROSS_EXAMINED: usize = MOST_NAMED;
 /// Largest number of passing cases in that test. Five mistakes in twelve cases are 60 first looks,
 /// about as many as the 53 mistakes of a radiative scene take in one failing case.
 const MOST_PASSING: usize = 12;
-
-/// Largest number of cases that are searched for pairs of mistakes. A first look at the pairs takes
-/// up to eight times as many renderings as one at single mistakes, 400 in place of 53, and what
-/// explains one case is tried in all others: the second is for a folder whose first failing case is
-/// special.
-const MOST_PAIR_SEARCHES: usize = 2;
 
 /// Results of a search for mistakes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -151,171 +142,38 @@ pub(crate) fn likeness_with(
             _ => {}
         }
     }
-    let mut known: Vec<Hypothesis> = Vec::new();
-    let mut fits: BTreeMap<Hypothesis, BTreeMap<usize, Misfit>> = BTreeMap::new();
-    let mut unfinished = Vec::new();
-    let mut open = Vec::new();
-    let mut fitted: BTreeMap<usize, Fitted> = BTreeMap::new();
-    for (at, failed) in failing.iter().enumerate() {
-        let clock = SearchClock::start(search, &failed.name, singles());
-        clock.report();
-        let mut found: hunt::Explaining = known
-            .iter()
-            .filter_map(|it| Some((*it, failed.explanation(it, None, &clock)?)))
-            .collect();
-        if found.is_empty() {
-            // First, for it takes little of the work that the search may use up.
-            let in_pixels = failed.search_in_pixels(&clock);
-            let (singles, looks) = failed.search(&clock);
-            found = singles;
-            let mut is_beyond_doubt = found.iter().any(|(_, misfit)| failed.explained_by(misfit));
-            if found.is_empty() {
-                found = in_pixels;
-                is_beyond_doubt = !found.is_empty();
-            }
-            if !is_beyond_doubt && !failed.suspects.is_empty() {
-                let fit = failed.fitted_numbers(&clock);
-                // A number that agrees as well is as likely as a mistake that noise leaves possible.
-                let is_nearer =
-                    |misfit: &Misfit| fit.in_noise.is_none_or(|it| misfit.in_noise < it);
-                found.retain(|(_, misfit)| is_nearer(misfit));
-                fitted.insert(failed.index, fit);
-            }
-            explain(&failing[..at], &found, &clock, &mut known, &mut fits);
-            let is_a_number = fitted.get(&failed.index).is_some_and(|fit| fit.agrees);
-            let goes_on = failed.is_decidable() && failed.simple.is_none() && !is_a_number;
-            if found.is_empty() && goes_on && !clock.is_late() {
-                open.push((at, looks, clock));
-            } else {
-                unfinished.extend(clock.unfinished());
-            }
-        }
-        for (hypothesis, misfit) in found {
-            let of = fits.entry(hypothesis).or_default();
-            of.insert(failed.index, misfit);
-        }
-    }
-    // What no single mistake explains, also none that another case was explained by since.
-    let mut pair_searches = 0;
-    for (at, looks, mut clock) in open {
-        let failed = &failing[at];
-        let is_explained = fits.values().any(|cases| cases.contains_key(&failed.index));
-        if is_explained {
-            continue;
-        }
-        clock.resume();
-        // One number that is off is likelier than two mistakes.
-        let fit = fitted
-            .entry(failed.index)
-            .or_insert_with(|| failed.fitted_numbers(&clock));
-        fit.or(failed.fitted_step(&clock));
-        let mut is_explained = fit.is_explained || fit.agrees;
-        if !is_explained && pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
-            pair_searches += 1;
-            let found = failed.search_pairs(&looks, &mut clock);
-            let others = failing[..at].iter().chain(&failing[at + 1..]);
-            explain(others, &found, &clock, &mut known, &mut fits);
-            is_explained |= !found.is_empty();
-            for (hypothesis, misfit) in found {
-                let of = fits.entry(hypothesis).or_default();
-                of.insert(failed.index, misfit);
-            }
-        }
-        if !is_explained {
-            fit.or(failed.fitted_place(&clock));
-        }
-        unfinished.extend(clock.unfinished());
-    }
-    let mut ranked: Vec<Explanation> = fits.into_iter().map(Explanation::new).collect();
+    let Found {
+        explanations: mut ranked,
+        mut fitted,
+        unfinished,
+    } = Explanations::search(&failing, search);
     ranked.sort_by_cached_key(Explanation::rank);
-    // What passed speaks against mistakes that would have been seen there.
-    let most = ranked.first().map_or(0, |first| first.fits.len());
-    let close = ranked.iter_mut().filter(|other| other.fits.len() == most);
-    let mut close: Vec<_> = close.take(MOST_CROSS_EXAMINED).collect();
-    if close.len() > 1 {
-        let questions = close.len() * passing.len().min(MOST_PASSING);
-        let clock = SearchClock::start(search, "the cases that passed", questions);
-        for (index, case) in passing.into_iter().take(MOST_PASSING) {
-            if clock.is_over() {
-                break;
-            }
-            let Some(passed) = ComparedCase::new(index, case, &judged[index], scenes) else {
-                continue;
-            };
-            for explanation in &mut close {
-                let speaks_against = passed.speaks_against(&explanation.hypothesis, &clock);
-                explanation.contradictions += usize::from(speaks_against == Some(true));
-                clock.decided();
-            }
-        }
-    }
+    let passed =
+        |(index, case): (usize, &Case)| ComparedCase::new(index, case, &judged[index], scenes);
+    cross_examine(&mut ranked, passing, &passed, search);
     ranked.sort_by_cached_key(Explanation::rank);
-    for failed in &failing {
-        judged[failed.index].result.looks_like = ranked
-            .iter()
-            .filter(|explanation| explanation.fits.contains_key(&failed.index))
-            .map(|explanation| explanation.hypothesis.name())
-            .take(MOST_NAMED)
-            .collect();
-    }
     let mut unexplained = Vec::new();
     for failed in &failing {
+        let explains = |it: &&Explanation| it.fits.contains_key(&failed.index);
+        let names = ranked
+            .iter()
+            .filter(explains)
+            .map(|it| it.hypothesis.name());
         let result = &mut judged[failed.index].result;
+        result.looks_like = names.take(MOST_NAMED).collect();
+        let fit = fitted.remove(&failed.index).unwrap_or_default();
         if result.looks_like.is_empty() {
-            let fit = fitted.remove(&failed.index).unwrap_or_default();
-            result.difference = fit.sentence.into_iter().collect();
-            if failed.has_noise() && !failed.is_decidable() && result.difference.is_empty() {
-                result.difference.push(UNDECIDABLE.to_owned());
-            }
-            let measured = failed.measured_difference(fit.agrees);
-            let is_measured = measured.is_some();
-            result.difference.extend(measured.unwrap_or_default());
-            let is_asked = result
-                .difference
-                .iter()
-                .any(|said| said == SHARED_POSITIONS);
-            if !is_asked && failed.may_share_positions(&result.changes) {
-                result.difference.push(SHARED_POSITIONS.to_owned());
-            }
-            if result.difference.is_empty() && is_measured {
-                result.difference.push(NOTHING_STANDS_OUT.to_owned());
-            }
+            result.difference = measured(failed, fit, &result.changes);
             // A simple map that explains all is in the verdict.
             if failed.simple.is_none() || !result.difference.is_empty() {
                 unexplained.push((result.name.clone(), result.difference.clone()));
             }
-        } else if let Some(fit) = fitted.remove(&failed.index)
-            && fit.agrees
-        {
+        } else if fit.agrees {
             // Noise leaves both possible.
             result.difference = fit.sentence.into_iter().collect();
         }
     }
-    let mut likely: Vec<Likeness> = ranked
-        .iter()
-        .take(MOST_NAMED)
-        .map(|explanation| Likeness {
-            mistake: explanation.hypothesis.name(),
-            advice: explanation.hypothesis.advice(),
-            explains: explanation.fits.len(),
-            of: failing.len(),
-            cases: explanation
-                .fits
-                .keys()
-                .map(|&index| judged[index].result.name.clone())
-                .collect(),
-            beside_the_next: None,
-        })
-        .collect();
-    let is_unjudged = |case: &&Case| {
-        let of_case = |judged: &&Judged| judged.result.name == case.name;
-        let judged = judged.iter().find(of_case);
-        judged.is_none_or(|judged| judged.evidence.test.is_none())
-    };
-    let unjudged: Vec<&Case> = others.iter().filter(is_unjudged).collect();
-    for (likely, pair) in likely.iter_mut().zip(ranked.windows(2)) {
-        likely.beside_the_next = distinguished::in_words(&pair[0], &pair[1], &unjudged);
-    }
+    let mut likely = named(&ranked, others, judged, failing.len());
     let open = judged.iter().filter(|it| it.evidence.conventions_are_open);
     let with_open_conventions = open.map(|it| it.result.name.clone()).collect();
     let searched = failing.len() + of_opacity.count();
@@ -333,61 +191,84 @@ pub(crate) fn likeness_with(
     }
 }
 
-/// Tries each new hypothesis `found` in one case also in the `others`.
-fn explain<'c>(
-    others: impl IntoIterator<Item = &'c ComparedCase> + Clone,
-    found: &hunt::Explaining,
-    clock: &SearchClock<'_>,
-    known: &mut Vec<Hypothesis>,
-    fits: &mut BTreeMap<Hypothesis, BTreeMap<usize, Misfit>>,
+/// Counts, for the likeliest of `ranked` that explain equally many cases, the `passing` cases in which they would have
+/// been seen.
+fn cross_examine<'c>(
+    ranked: &mut [Explanation],
+    passing: Vec<(usize, &'c Case)>,
+    passed: &dyn Fn((usize, &'c Case)) -> Option<ComparedCase>,
+    search: &Search<'_>,
 ) {
-    for (hypothesis, _) in found {
-        if known.contains(hypothesis) {
-            continue;
+    let most = ranked.first().map_or(0, |first| first.fits.len());
+    let close = ranked.iter_mut().filter(|other| other.fits.len() == most);
+    let mut close: Vec<_> = close.take(MOST_CROSS_EXAMINED).collect();
+    if close.len() < 2 {
+        return;
+    }
+    let questions = close.len() * passing.len().min(MOST_PASSING);
+    let clock = SearchClock::start(search, "the cases that passed", questions);
+    for case in passing.into_iter().take(MOST_PASSING) {
+        if clock.is_over() {
+            break;
         }
-        known.push(*hypothesis);
-        for other in others.clone() {
-            if let Some(misfit) = other.explanation(hypothesis, None, clock) {
-                let of = fits.entry(*hypothesis).or_default();
-                of.insert(other.index, misfit);
-            }
+        let Some(passed) = passed(case) else { continue };
+        for explanation in &mut close {
+            let speaks_against = passed.speaks_against(&explanation.hypothesis, &clock);
+            explanation.contradictions += usize::from(speaks_against == Some(true));
+            clock.decided();
         }
     }
 }
 
-/// A hypothesis that explains at least one case.
-struct Explanation {
-    hypothesis: Hypothesis,
-    /// Misfit by index of the result.
-    fits: BTreeMap<usize, Misfit>,
-    /// Passing cases that would have failed.
-    contradictions: usize,
+/// Sentences on the difference of a case that no mistake explains; `changes` are those that are stated already.
+fn measured(failed: &ComparedCase, fit: Fitted, changes: &[NumberChange]) -> Vec<String> {
+    let mut difference = Vec::from_iter(fit.sentence);
+    if failed.has_noise() && !failed.is_decidable() && difference.is_empty() {
+        difference.push(UNDECIDABLE.to_owned());
+    }
+    let measured = failed.measured_difference(fit.agrees);
+    let is_measured = measured.is_some();
+    difference.extend(measured.unwrap_or_default());
+    let is_asked = difference.iter().any(|said| said == SHARED_POSITIONS);
+    if !is_asked && failed.may_share_positions(changes) {
+        difference.push(SHARED_POSITIONS.to_owned());
+    }
+    if difference.is_empty() && is_measured {
+        difference.push(NOTHING_STANDS_OUT.to_owned());
+    }
+    difference
 }
 
-impl Explanation {
-    fn new((hypothesis, fits): (Hypothesis, BTreeMap<usize, Misfit>)) -> Explanation {
-        Explanation {
-            hypothesis,
-            fits,
-            contradictions: 0,
-        }
-    }
-
-    /// Mean of `what` over the cases that it explains.
-    fn mean(&self, what: impl Fn(&Misfit) -> f64) -> f64 {
-        self.fits.values().map(what).sum::<f64>() / self.fits.len() as f64
-    }
-
-    /// Key of the order, likeliest first: few contradictions, many cases, one mistake rather than
-    /// two, small distances, and then the order of the catalogue.
-    fn rank(&self) -> (usize, Reverse<usize>, usize, u64, Hypothesis) {
-        (
-            self.contradictions,
-            Reverse(self.fits.len()),
-            self.hypothesis.mistakes().len(),
-            // Positive numbers are ordered as their bits are.
-            self.mean(|misfit| misfit.distance().at_most()).to_bits(),
-            self.hypothesis,
-        )
-    }
+/// The likeliest of `ranked` in words, with the reason why each comes before the next; `failing` is the number of
+/// failing cases, and `others` are cases that may distinguish two.
+fn named(
+    ranked: &[Explanation],
+    others: &[Case],
+    judged: &[Judged],
+    failing: usize,
+) -> Vec<Likeness> {
+    let is_unjudged = |case: &&Case| {
+        let mut of_case = judged.iter().filter(|it| it.result.name == case.name);
+        of_case.next().is_none_or(|it| it.evidence.test.is_none())
+    };
+    let unjudged: Vec<&Case> = others.iter().filter(is_unjudged).collect();
+    let beside = |at: usize| distinguished::in_words(&ranked[at], ranked.get(at + 1)?, &unjudged);
+    let likeness = |(at, explanation): (usize, &Explanation)| Likeness {
+        mistake: explanation.hypothesis.name(),
+        advice: explanation.hypothesis.advice(),
+        explains: explanation.fits.len(),
+        of: failing,
+        cases: explanation
+            .fits
+            .keys()
+            .map(|&index| judged[index].result.name.clone())
+            .collect(),
+        beside_the_next: beside(at),
+    };
+    ranked
+        .iter()
+        .enumerate()
+        .take(MOST_NAMED)
+        .map(likeness)
+        .collect()
 }

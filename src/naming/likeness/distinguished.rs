@@ -1,6 +1,6 @@
 //! Comparison of two mistakes that explain the same cases.
 
-use super::Explanation;
+use super::explanations::Explanation;
 use super::hypothesis::Hypothesis;
 use crate::suite::Case;
 
