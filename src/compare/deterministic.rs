@@ -188,143 +188,162 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
 /// own, small errors of the reference, so that their mean needs no allowance for roundings that do not
 /// average out, such as of an image of one colour.
 fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool) -> Judgement {
-    let opacity = opacity::difference(reference, test, asked, tolerance);
-    let black = lone_black_pixels(reference, test);
     let allowed = match test.quantisation() {
         Some(of) if of.blended => "one and a half codes + 0.001 + 1 %",
         Some(_) => "half a code + 0.001 + 1 %",
         None => "0.001 + 1 %",
     };
-    let test = &*test.nearest_to(reference);
-    let count = reference.radiance().len();
-    let mut outside = 0_usize;
-    let mut largest = 0.0_f64;
-    let mut worst = (0, 0.0_f64);
-    let mut sums = [Sum::default(); 3];
-    let mut differences = [Sum::default(); 3];
-    for (index, (golden, test)) in reference.radiance().iter().zip(test.radiance()).enumerate() {
-        let excess = in_tolerances(*golden, *test);
-        for c in 0..3 {
-            let (golden, test) = (f64::from(golden[c]), f64::from(test[c]));
-            let difference = test - golden;
-            largest = largest.max(difference.abs());
-            sums[c].add(golden);
-            differences[c].add(difference);
-        }
-        outside += usize::from(excess > 1.0);
-        if excess > worst.1 {
-            worst = (index, excess);
-        }
-    }
-    let mean = |sum: Sum| sum.value() / count as f64;
-    let bias: [f64; 3] =
-        std::array::from_fn(|c| mean(differences[c]) / tolerance_of_mean(mean(sums[c])));
-    let worst_bias = (0..3)
-        .max_by(|&a, &b| bias[a].abs().total_cmp(&bias[b].abs()))
-        .unwrap_or(0);
-    let share = outside as f64 / count as f64;
-    let [column, row] = [worst.0 % reference.width(), worst.0 / reference.width()];
-
-    let (passed, reason) = if share > outliers {
-        let reason = format!(
-            "{outside} of {count} pixels ({:.3} %) differ by more than {allowed}; at most {:.2} % \
-             may. The worst is ({column}, {row}), {:.1} times the tolerance",
-            100.0 * share,
-            100.0 * outliers,
-            worst.1
-        );
-        (false, reason)
-    } else if worst.1 > cap {
-        let reason = format!(
-            "pixel ({column}, {row}) is off by {:.1} times the tolerance of {allowed}; no \
-             pixel may be off by more than {cap}",
-            worst.1
-        );
-        (false, reason)
-    } else if let Some(&first) = black.first() {
-        let [column, row] = [first % reference.width(), first / reference.width()];
-        let reason = format!(
-            "{}: exactly 0 among neighbours that agree and are not, such as ({column}, {row}); rays \
-             that graze an edge see little of it, never nothing: possible causes are a NaN replaced \
-             by 0, or a pixel that was never written",
-            match black.len() {
-                1 => "a pixel is black".to_owned(),
-                many => format!("{many} pixels are black"),
-            }
-        );
-        (false, reason)
-    } else if bias[worst_bias].abs() > 1.0 {
-        let reason = format!(
-            "{} close, but {} is too {} on the whole: its mean is off by {:.3e}, {:.1} times what is allowed",
-            match outside {
-                0 => "every pixel is".to_owned(),
-                1 => "all pixels but one are".to_owned(),
-                several => format!("all pixels but {several} are"),
-            },
-            CHANNELS[worst_bias],
-            if bias[worst_bias] > 0.0 {
-                "bright"
-            } else {
-                "dark"
-            },
-            mean(differences[worst_bias]),
-            bias[worst_bias].abs()
-        );
-        (false, reason)
-    } else if let Some(found) = &opacity
-        && (found.outside as f64 > outliers * count as f64 || found.worst > cap)
-    {
-        let [column, row] = [
-            found.worst_at % reference.width(),
-            found.worst_at / reference.width(),
-        ];
-        let at = |film: &Film| {
-            film.opacity()
-                .map_or(1.0, |opacity| opacity[found.worst_at])
-        };
-        let reason = format!(
-            "the colours agree; the opacity of {} of {count} pixels ({:.3} %) differs by more than 0.001 + 1 %. The \
-             worst is ({column}, {row}), where it is {:.4} in place of {:.4}",
-            found.outside,
-            100.0 * found.outside as f64 / count as f64,
-            at(test),
-            at(reference)
-        );
-        (false, reason)
-    } else if let Some(found) = &opacity
-        && found.mean.abs() > tolerance_of_mean(found.golden)
-    {
-        let reason = format!(
-            "the colours agree, and the opacity of every pixel is close, but too {} on the whole: its mean is off by \
-             {:.3e}, {:.1} times what is allowed",
-            if found.mean > 0.0 { "high" } else { "low" },
-            found.mean,
-            found.mean.abs() / tolerance_of_mean(found.golden)
-        );
-        (false, reason)
-    } else {
-        let reason = format!(
-            "{outside} of {count} pixels differ by more than {allowed}; the largest difference \
-            is \
-             {largest:.3e}"
-        );
-        (true, reason)
-    };
-    let mut metrics = vec![
-        ("outlier_pixels", outside as f64),
-        ("outlier_share", share),
-        ("max_abs_error", largest),
-        ("worst_in_tolerances", worst.1),
-        ("worst_column", column as f64),
-        ("worst_row", row as f64),
-        ("lost_pixels", black.len() as f64),
-        ("mean_difference_red", mean(differences[0])),
-        ("mean_difference_green", mean(differences[1])),
-        ("mean_difference_blue", mean(differences[2])),
-    ];
+    let black = lone_black_pixels(reference, test);
+    let colours = ColourDifference::between(reference, &test.nearest_to(reference));
+    let opacity = opacity::difference(reference, test, asked, tolerance);
+    let fault = (colours.of_pixels(allowed, outliers, cap))
+        .or_else(|| of_black_pixels(&black, reference.width()))
+        .or_else(|| colours.of_means())
+        .or_else(|| opacity.as_ref()?.of_pixels(reference, test, outliers, cap))
+        .or_else(|| opacity.as_ref()?.of_mean(tolerance_of_mean));
+    let mut metrics = colours.metrics(black.len());
     if let Some(found) = opacity {
         metrics.push((OUTLIERS_OF_OPACITY.0, found.outside as f64));
         metrics.push(("mean_difference_opacity", found.mean));
     }
+    let passed = fault.is_none();
+    let reason = fault.unwrap_or_else(|| colours.in_words(allowed));
     Judgement::new(&Deterministic, passed, reason, &metrics)
+}
+
+/// Sentence on the pixels that were lost, if there are any, in an image of this `width`.
+fn of_black_pixels(black: &[usize], width: usize) -> Option<String> {
+    let first = black.first()?;
+    let pixels = match black.len() {
+        1 => "a pixel is black".to_owned(),
+        many => format!("{many} pixels are black"),
+    };
+    Some(format!(
+        "{pixels}: exactly 0 among neighbours that agree and are not, such as ({}, {}); rays \
+         that graze an edge see little of it, never nothing: possible causes are a NaN replaced \
+         by 0, or a pixel that was never written",
+        first % width,
+        first / width
+    ))
+}
+
+/// Differences of the colours of two films.
+struct ColourDifference {
+    /// Number of all pixels.
+    count: usize,
+    /// Number of pixels that are off by more than a tolerance.
+    outside: usize,
+    /// Largest difference of a channel, in radiance.
+    largest: f64,
+    /// Column and row of the worst pixel.
+    worst_at: [usize; 2],
+    /// Difference of that pixel in tolerances.
+    worst: f64,
+    /// Mean of the golden, by channel.
+    means: [f64; 3],
+    /// Mean of test minus golden, by channel.
+    bias: [f64; 3],
+}
+
+impl ColourDifference {
+    fn between(golden: &Film, test: &Film) -> ColourDifference {
+        let count = golden.radiance().len();
+        let (mut outside, mut largest, mut worst) = (0, 0.0_f64, (0, 0.0_f64));
+        let mut sums = [Sum::default(); 3];
+        let mut differences = [Sum::default(); 3];
+        for (index, (golden, test)) in golden.radiance().iter().zip(test.radiance()).enumerate() {
+            let excess = in_tolerances(*golden, *test);
+            for c in 0..3 {
+                let (golden, test) = (f64::from(golden[c]), f64::from(test[c]));
+                let difference = test - golden;
+                largest = largest.max(difference.abs());
+                sums[c].add(golden);
+                differences[c].add(difference);
+            }
+            outside += usize::from(excess > 1.0);
+            if excess > worst.1 {
+                worst = (index, excess);
+            }
+        }
+        let mean = |sum: Sum| sum.value() / count as f64;
+        ColourDifference {
+            count,
+            outside,
+            largest,
+            worst_at: [worst.0 % golden.width(), worst.0 / golden.width()],
+            worst: worst.1,
+            means: sums.map(mean),
+            bias: differences.map(mean),
+        }
+    }
+
+    /// Sentence on the pixels, if too many or one of them are off by more than is `allowed`.
+    fn of_pixels(&self, allowed: &str, outliers: f64, cap: f64) -> Option<String> {
+        let (outside, count) = (self.outside, self.count);
+        let share = self.share();
+        let ([column, row], worst) = (self.worst_at, self.worst);
+        if share > outliers {
+            Some(format!(
+                "{outside} of {count} pixels ({:.3} %) differ by more than {allowed}; at most {:.2} % \
+                 may. The worst is ({column}, {row}), {worst:.1} times the tolerance",
+                100.0 * share,
+                100.0 * outliers
+            ))
+        } else if worst > cap {
+            Some(format!(
+                "pixel ({column}, {row}) is off by {worst:.1} times the tolerance of {allowed}; no \
+                 pixel may be off by more than {cap}"
+            ))
+        } else {
+            None
+        }
+    }
+
+    /// Sentence on the channel whose mean is farthest off, if it is by more than is allowed.
+    fn of_means(&self) -> Option<String> {
+        let excess = |c: &usize| (self.bias[*c] / tolerance_of_mean(self.means[*c])).abs();
+        let channel = (0..3).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
+        let pixels = match self.outside {
+            0 => "every pixel is".to_owned(),
+            1 => "all pixels but one are".to_owned(),
+            several => format!("all pixels but {several} are"),
+        };
+        let bias = self.bias[channel];
+        (excess(&channel) > 1.0).then(|| {
+            format!(
+                "{pixels} close, but {} is too {} on the whole: its mean is off by {bias:.3e}, {:.1} times what is allowed",
+                CHANNELS[channel],
+                if bias > 0.0 { "bright" } else { "dark" },
+                excess(&channel)
+            )
+        })
+    }
+
+    /// Sentence where all is well.
+    fn in_words(&self, allowed: &str) -> String {
+        format!(
+            "{} of {} pixels differ by more than {allowed}; the largest difference is {:.3e}",
+            self.outside, self.count, self.largest
+        )
+    }
+
+    /// Share of the pixels that are off by more than a tolerance.
+    fn share(&self) -> f64 {
+        self.outside as f64 / self.count as f64
+    }
+
+    fn metrics(&self, lost: usize) -> Vec<(&'static str, f64)> {
+        vec![
+            ("outlier_pixels", self.outside as f64),
+            ("outlier_share", self.share()),
+            ("max_abs_error", self.largest),
+            ("worst_in_tolerances", self.worst),
+            ("worst_column", self.worst_at[0] as f64),
+            ("worst_row", self.worst_at[1] as f64),
+            ("lost_pixels", lost as f64),
+            ("mean_difference_red", self.bias[0]),
+            ("mean_difference_green", self.bias[1]),
+            ("mean_difference_blue", self.bias[2]),
+        ]
+    }
 }

@@ -21,8 +21,48 @@ pub(super) struct OpacityDifference {
     pub golden: f64,
 }
 
-/// The comparison, by the `tolerance` of each value; `None` where an image has no opacity, or where that of `test` is all 0 or all 1 and not `asked`
-/// for.
+impl OpacityDifference {
+    /// Sentence on the pixels, if more than this share of `outliers` are off, or one by more than `cap` tolerances.
+    pub fn of_pixels(
+        &self,
+        reference: &Film,
+        test: &Film,
+        outliers: f64,
+        cap: f64,
+    ) -> Option<String> {
+        let count = reference.radiance().len();
+        if self.outside as f64 <= outliers * count as f64 && self.worst <= cap {
+            return None;
+        }
+        let at = |film: &Film| film.opacity().map_or(1.0, |opacity| opacity[self.worst_at]);
+        Some(format!(
+            "the colours agree; the opacity of {} of {count} pixels ({:.3} %) differs by more than 0.001 + 1 %. The \
+             worst is ({}, {}), where it is {:.4} in place of {:.4}",
+            self.outside,
+            100.0 * self.outside as f64 / count as f64,
+            self.worst_at % reference.width(),
+            self.worst_at / reference.width(),
+            at(test),
+            at(reference)
+        ))
+    }
+
+    /// Sentence on the mean, if it is off by more than `tolerance` of that of the reference.
+    pub fn of_mean(&self, tolerance: fn(f64) -> f64) -> Option<String> {
+        let excess = self.mean.abs() / tolerance(self.golden);
+        (excess > 1.0).then(|| {
+            format!(
+                "the colours agree, and the opacity of every pixel is close, but too {} on the whole: its mean is off by \
+                 {:.3e}, {excess:.1} times what is allowed",
+                if self.mean > 0.0 { "high" } else { "low" },
+                self.mean
+            )
+        })
+    }
+}
+
+/// The comparison, by the `tolerance` of each value; `None` where an image has no opacity, or where that of `test` is
+/// all 0 or all 1 and not `asked` for.
 pub(super) fn difference(
     reference: &Film,
     test: &Film,

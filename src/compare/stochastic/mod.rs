@@ -129,6 +129,7 @@ mod scales;
 mod scores;
 mod values;
 mod variance;
+mod visible_bias;
 
 pub use blocks::{BLOCK, DARK, FINE_BLOCK};
 pub use map::{block_error, block_map};
@@ -155,6 +156,7 @@ use numbers::judge_numbers;
 use pixels::{PixelDifferences, judge_one_variance};
 use resolution::Limits;
 use scales::judge_scales;
+use visible_bias::VisibleBias;
 
 /// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
@@ -432,49 +434,22 @@ fn judgement(
     let undecided = promise
         .filter(|_| passed)
         .and_then(|promise| limits.undecided(&promise));
-    let noise = || {
-        format!(
+    let visible = VisibleBias {
+        of_mean: mean_resolution,
+        of_blocks: resolution,
+        noise: format!(
             "largest block deviation {:.1} standard errors; up to {:.1} is expected by chance \
              among {} blocks × channels",
             finite(worst.deviation().abs()),
             limits.of_block(worst.block, worst.channel),
             comparison.asked(),
-        )
+        ),
     };
-    let reason = match undecided {
-        Some((undecided, [of_mean, of_block])) => {
-            let wanted = promise.map(|it| [it.mean, it.block.unwrap_or(f64::INFINITY)]);
-            let why = if wanted.is_some_and(|wanted| wanted != [of_mean, of_block]) {
-                " (less than usual, for the noise of the reference hides a quarter of it)"
-            } else {
-                ""
-            };
-            let of_block = if of_block.is_finite() {
-                let [seen, required] = [resolution, of_block].map(percent);
-                format!("; of single blocks (90th percentile) {seen}, required {required}")
-            } else {
-                String::new()
-            };
-            format!(
-                "too noisy to decide: detectable bias of the mean {}, required {}{of_block}{why}; {undecided}; no \
-                 difference beyond noise: {}",
-                percent(mean_resolution),
-                percent(of_mean),
-                noise()
-            )
+    let reason = match (undecided, promise) {
+        (Some((undecided, required)), Some(promise)) => {
+            visible.too_large(&undecided, required, &promise)
         }
-        _ if passed => {
-            // The first number is the one that matters most.
-            let of_number = numbers.detectable.first();
-            let of_number = of_number.map_or(String::new(), |it| format!("{}, ", it.words));
-            format!(
-                "no difference beyond noise; detectable bias {of_number}{} for the image mean, {} within \
-                 single blocks (90th percentile); {}",
-                percent(mean_resolution),
-                percent(resolution),
-                noise()
-            )
-        }
+        _ if passed => visible.in_words(numbers.detectable.first()),
         _ => faults.join("; "),
     };
     let undecided = undecided.map(|(undecided, _)| undecided);
