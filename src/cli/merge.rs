@@ -185,24 +185,7 @@ fn joined_results(
     units: Option<Value>,
 ) -> Result<Outcome, Failure> {
     let run = &results.run;
-    let version = env!("CARGO_PKG_VERSION");
-    let theirs = run.settings.get("volref").map_or("unknown", String::as_str);
-    if theirs != version {
-        let message = format!("these are results of volref {theirs}, and this is volref {version}");
-        return Err(bad_input(message));
-    }
-    let mut cases = Vec::new();
-    for (name, hash) in &run.cases {
-        let case = suite.case(name);
-        if case.map(|case| suite.hash_of(case)).unwrap_or_default() != *hash {
-            let message = format!(
-                "the parts judged by another suite: the scene, manifest or golden of {name} is not the one here"
-            );
-            let help = "give the suite that they judged by with --suite DIR";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
-        }
-        cases.extend(case);
-    }
+    let cases = cases_of(run, suite)?;
     if run.command == SELF_TEST {
         return joined_self_test(arguments, results, &cases);
     }
@@ -261,6 +244,29 @@ fn joined_results(
         text: arguments.files.write(&findings, text)?,
         exit: exit(&findings.results()),
     })
+}
+
+/// The cases of `run`, if this program and this `suite` judged them.
+fn cases_of<'s>(run: &Run, suite: &'s Suite) -> Result<Vec<&'s Case>, Failure> {
+    let version = env!("CARGO_PKG_VERSION");
+    let theirs = run.settings.get("volref").map_or("unknown", String::as_str);
+    if theirs != version {
+        let message = format!("these are results of volref {theirs}, and this is volref {version}");
+        return Err(bad_input(message));
+    }
+    let mut cases = Vec::new();
+    for (name, hash) in &run.cases {
+        let case = suite.case(name);
+        if case.map(|case| suite.hash_of(case)).unwrap_or_default() != *hash {
+            let message = format!(
+                "the parts judged by another suite: the scene, manifest or golden of {name} is not the one here"
+            );
+            let help = "give the suite that they judged by with --suite DIR";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+        cases.extend(case);
+    }
+    Ok(cases)
 }
 
 /// The self-test of all parts, as on one machine with all `cases`. Where parts are missing, a

@@ -10,6 +10,7 @@ use crate::suite::Suite;
 use serde_json::{Value, json};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Units of several folders, joined.
@@ -47,53 +48,17 @@ pub fn joined_units(
         suite: selection.words(),
         ..JoinedUnits::default()
     };
-    let mut of_cases: BTreeMap<String, (CaseUnits<'_>, Vec<&PathBuf>)> = BTreeMap::new();
-    let mut refused: Vec<(&PathBuf, String)> = Vec::new();
-    let mut damaged = BTreeSet::new();
-    for file in files {
-        bar.inc(1);
-        let mut damage = |reason: String| {
-            joined.unused.push(format!("{}: {reason}", file.display()));
-            damaged.extend(file.file_name());
-        };
-        let kept = match UnitFile::read(file) {
-            Ok(kept) => kept,
-            Err(reason) => {
-                damage(reason);
-                continue;
-            }
-        };
-        let unit = &kept.unit;
-        let (of, files) = match of_cases.entry(unit.case.clone()) {
-            Entry::Occupied(of_case) => of_case.into_mut(),
-            Entry::Vacant(of_case) => {
-                let Some(case) = suite.case(&unit.case) else {
-                    let what = format!("of {}, which is not a case of this suite", unit.case);
-                    refused.push((file, what));
-                    continue;
-                };
-                of_case.insert((CaseUnits::of(case)?, Vec::new()))
-            }
-        };
-        // Only now: an image is as large as the unit says, and this is one of the case.
-        match of.matching(unit).map(|_| kept.film()) {
-            Ok(Ok(_)) => files.push(file),
-            Ok(Err(reason)) => damage(reason),
-            Err(what) => refused.push((file, what)),
-        }
-    }
-    of_cases.retain(|_, (_, files)| !files.is_empty());
-    if let (true, Some((file, what))) = (of_cases.is_empty(), refused.first()) {
+    let mut sorted = SortedFiles::of(files, suite, &bar)?;
+    if let (true, Some((file, what))) = (sorted.of_cases.is_empty(), sorted.refused.first()) {
         let message = format!("{} is {what}: nothing was copied", file.display());
         let help = "give folders of this suite, by this build of volref; `volref units --compute` computes what is \
                     missing";
         return Err(Failure::new(Exit::BadInput, message, Some(help)));
     }
-    let words = refused
-        .iter()
-        .map(|(file, what)| format!("{} is {what}", file.display()));
-    joined.unused.extend(words);
-    for (case, (of, files)) in of_cases {
+    let words = sorted.refused.iter();
+    let words = words.map(|(file, what)| format!("{} is {what}", file.display()));
+    joined.unused = sorted.damaged.into_iter().chain(words).collect();
+    for (case, (of, files)) in sorted.of_cases {
         let mut here = BTreeSet::new();
         for file in files {
             bar.inc(1);
@@ -106,7 +71,7 @@ pub fn joined_units(
                 Err(error) => return Err(not_added(file, &to.path().join(unit.file()), error)),
             }
             if let Some(name) = file.file_name() {
-                damaged.remove(name);
+                sorted.damaged_names.remove(name);
             }
             here.insert(unit.id);
         }
@@ -119,8 +84,67 @@ pub fn joined_units(
         });
     }
     bar.finish_and_clear();
-    joined.has_damage = !damaged.is_empty();
+    joined.has_damage = !sorted.damaged_names.is_empty();
     Ok(joined)
+}
+
+/// Files of units, checked.
+#[derive(Default)]
+struct SortedFiles<'s, 'f> {
+    /// Files that are used, by name of their case.
+    of_cases: BTreeMap<String, (CaseUnits<'s>, Vec<&'f PathBuf>)>,
+    /// Files of other suites, cases or programs, with what each is.
+    refused: Vec<(&'f PathBuf, String)>,
+    /// Files that cannot be read, each with the reason.
+    damaged: Vec<String>,
+    damaged_names: BTreeSet<&'f OsStr>,
+}
+
+impl<'s, 'f> SortedFiles<'s, 'f> {
+    fn of(
+        files: &'f [PathBuf],
+        suite: &'s Suite,
+        bar: &progress::Bar,
+    ) -> Result<SortedFiles<'s, 'f>, Failure> {
+        let mut sorted = SortedFiles::default();
+        for file in files {
+            bar.inc(1);
+            let kept = match UnitFile::read(file) {
+                Ok(kept) => kept,
+                Err(reason) => {
+                    sorted.add_damaged(file, &reason);
+                    continue;
+                }
+            };
+            let unit = &kept.unit;
+            let (of, files) = match sorted.of_cases.entry(unit.case.clone()) {
+                Entry::Occupied(of_case) => of_case.into_mut(),
+                Entry::Vacant(of_case) => {
+                    let Some(case) = suite.case(&unit.case) else {
+                        let what = format!("of {}, which is not a case of this suite", unit.case);
+                        sorted.refused.push((file, what));
+                        continue;
+                    };
+                    of_case.insert((CaseUnits::of(case)?, Vec::new()))
+                }
+            };
+            // Only now: an image is as large as the unit says, and this is one of the case.
+            match of.matching(unit).map(|_| kept.film()) {
+                Ok(Ok(_)) => files.push(file),
+                Ok(Err(reason)) => sorted.add_damaged(file, &reason),
+                Err(what) => sorted.refused.push((file, what)),
+            }
+        }
+        let of_cases = &mut sorted.of_cases;
+        of_cases.retain(|_, (_, files)| !files.is_empty());
+        Ok(sorted)
+    }
+
+    fn add_damaged(&mut self, file: &'f Path, reason: &str) {
+        let sentence = format!("{}: {reason}", file.display());
+        self.damaged.push(sentence);
+        self.damaged_names.extend(file.file_name());
+    }
 }
 
 fn not_added(file: &Path, here: &Path, error: AddError) -> Failure {

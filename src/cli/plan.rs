@@ -103,6 +103,37 @@ struct PanelJson<'s> {
     counters: Option<Counters>,
 }
 
+impl<'s> PanelJson<'s> {
+    fn of(
+        plan: &'s Plan<'s>,
+        expected: &PredictedWork,
+        counters: Option<Counters>,
+    ) -> PanelJson<'s> {
+        let panel = plan.panel;
+        let mut volumes = volumes(panel).into_iter();
+        let objects = panel.classified().filter(|it| it.has_objects());
+        let objects = objects.map(|it| &it.objects);
+        let amount = |event: Event| (event.key(), AmountJson::of(expected.of(event)));
+        PanelJson {
+            title: panel.title.as_deref(),
+            kernel: plan.kernel.to_string(),
+            estimator: &plan.estimator,
+            effects: &plan.decisions,
+            approximations: &plan.approximations,
+            warnings: &plan.warnings,
+            volume: volumes.next(),
+            further_volumes: volumes.collect(),
+            surfaces: objects.map(|objects| objects.surfaces.len()),
+            clips: objects.map(|objects| objects.clips.len()),
+            defaults: defaults(panel).collect(),
+            rays: expected.rays,
+            expected: Event::ALL.into_iter().map(amount).collect(),
+            memory: expected.memory.clone(),
+            counters,
+        }
+    }
+}
+
 #[derive(Serialize)]
 struct AmountJson {
     /// exactly, at-most, at-least, about, about-at-most or unknown.
@@ -178,21 +209,11 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         .map(|panel| plan_for(panel, &arguments.force))
         .collect::<Result<Vec<_>, _>>()
         .map_err(bad_input)?;
-    let work: Vec<Option<Counters>> = if arguments.counters {
-        let advice = "a copy of the scene with fewer pixels or samples takes less";
-        let bar = progress::image("counting", advice, &warnings_of_all(&plans));
-        let rendering = render::render_counted(&plans, Sampling::default(), &bar);
-        bar.finish_and_clear();
-        rendering
-            .map_err(bad_input)?
-            .work
-            .into_iter()
-            .map(Some)
-            .collect()
+    let work = if arguments.counters {
+        counted(&plans)?
     } else {
         vec![None; plans.len()]
     };
-
     let (width, height) = (scene.width(), scene.height());
     let Footprint { image, most } = render::footprint(&plans, Sampling::default());
     let mut text = format!(
@@ -216,29 +237,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
         text.push_str(&describe(plan, &expected, work.as_ref()));
-        let mut all_volumes = volumes(panel).into_iter();
-        let objects = panel.classified().filter(|it| it.has_objects());
-        let objects = objects.map(|it| &it.objects);
-        panels.push(PanelJson {
-            title: panel.title.as_deref(),
-            kernel: plan.kernel.to_string(),
-            estimator: &plan.estimator,
-            effects: &plan.decisions,
-            approximations: &plan.approximations,
-            warnings: &plan.warnings,
-            volume: all_volumes.next(),
-            further_volumes: all_volumes.collect(),
-            surfaces: objects.map(|objects| objects.surfaces.len()),
-            clips: objects.map(|objects| objects.clips.len()),
-            defaults: defaults(panel).collect(),
-            rays: expected.rays,
-            expected: Event::ALL
-                .into_iter()
-                .map(|event| (event.key(), AmountJson::of(expected.of(event))))
-                .collect(),
-            memory: expected.memory,
-            counters: *work,
-        });
+        panels.push(PanelJson::of(plan, &expected, *work));
     }
     let value = PlanJson {
         schema: "volref/plan/1",
@@ -253,6 +252,16 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         panels,
     };
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// Work of each plan, counted while it is rendered.
+fn counted(plans: &[Plan]) -> Result<Vec<Option<Counters>>, Failure> {
+    let advice = "a copy of the scene with fewer pixels or samples takes less";
+    let bar = progress::image("counting", advice, &warnings_of_all(plans));
+    let rendering = render::render_counted(plans, Sampling::default(), &bar);
+    bar.finish_and_clear();
+    let work = rendering.map_err(bad_input)?.work;
+    Ok(work.into_iter().map(Some).collect())
 }
 
 fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {

@@ -75,25 +75,9 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     ];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
-    let mut scene = progress::during("reading the scene", read)?;
+    let scene = progress::during("reading the scene", read)?;
     output::check(&outputs, &[])?;
-    if let Some(step) = arguments.step {
-        set_step(&mut scene, step)?;
-    }
-    for (name, change) in &arguments.change {
-        let number =
-            number(&scene, name).map_err(|error| bad_input(format!("--change: {error}")))?;
-        scene = number.changed(&scene, *change).ok_or_else(|| {
-            let why = match number.quantity.name {
-                "clip.offset" => "the clip would leave nothing of a volume",
-                _ if *change <= -1.0 => "no number falls by all of itself, or more",
-                "index" => "an index is above 1",
-                "albedo" | "reflectance" | "mirror" => "an albedo or reflectance is at most 1",
-                _ => "rays would have too many samples, or none that can be told apart",
-            };
-            bad_input(format!("--change: {name} cannot change by {change}: {why}"))
-        })?;
-    }
+    let scene = arguments.changed(scene)?;
     let sampling = Sampling {
         samples: arguments.spp,
         seed: arguments.seed.map_or(Seed::OfScene, Seed::Given),
@@ -105,22 +89,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         .iter()
         .any(|plan| plan.is_sampled() || arguments.reference && is_radiative(plan));
     let film = with_threads(arguments.threads, || {
-        let advice = if is_sampled {
-            "--spp N is faster, with more noise"
-        } else {
-            "fewer pixels in [film] are faster"
-        };
-        let bar = progress::image("rendering", advice, &warnings_of_all(&plans));
-        let film = if arguments.reference && plans.iter().all(has_plain_renderer) {
-            let centres: Vec<bool> = plans.iter().map(|plan| !plan.is_sampled()).collect();
-            reference::render(&scene, sampling, &centres).map_err(|error| error.to_string())
-        } else {
-            let rendering = render::render(&plans, sampling, &bar);
-            let film = rendering.map(|rendering| rendering.film);
-            film.map_err(|error| error.to_string())
-        };
-        bar.finish_and_clear();
-        film
+        arguments.rendered(&scene, &plans, sampling, is_sampled)
     })?
     .map_err(bad_input)?;
     let film = match arguments.depth {
@@ -151,19 +120,8 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             file.display()
         ));
     }
-    if let Some(note) = brightness_note(&film, format, arguments.exposure, &plans) {
-        text.push_str(&note);
-    }
     let warnings = warnings_of_all(&plans);
-    for warning in &warnings {
-        text.push_str(&format!("note: {warning}\n"));
-    }
-    if !is_sampled && (arguments.spp.is_some() || arguments.seed.is_some()) {
-        text.push_str(
-            "note: this scene is rendered without random numbers; --spp and --seed have no \
-            effect\n",
-        );
-    }
+    text.push_str(&arguments.notes(&film, format, &plans, is_sampled));
     let mut value = json!({
         "schema": "volref/render/1",
         "scene": arguments.scene,
@@ -211,6 +169,69 @@ impl Arguments {
         });
         let film = Film::side_by_side(&panels.collect::<Vec<_>>());
         Ok(film.radiance().iter().map(|depth| depth[0]).collect())
+    }
+
+    /// The `scene` with the step and the changes asked for.
+    fn changed(&self, mut scene: Scene) -> Result<Scene, Failure> {
+        if let Some(step) = self.step {
+            set_step(&mut scene, step)?;
+        }
+        for (name, change) in &self.change {
+            let number =
+                number(&scene, name).map_err(|error| bad_input(format!("--change: {error}")))?;
+            scene = number.changed(&scene, *change).ok_or_else(|| {
+                let why = match number.quantity.name {
+                    "clip.offset" => "the clip would leave nothing of a volume",
+                    _ if *change <= -1.0 => "no number falls by all of itself, or more",
+                    "index" => "an index is above 1",
+                    "albedo" | "reflectance" | "mirror" => "an albedo or reflectance is at most 1",
+                    _ => "rays would have too many samples, or none that can be told apart",
+                };
+                bad_input(format!("--change: {name} cannot change by {change}: {why}"))
+            })?;
+        }
+        Ok(scene)
+    }
+
+    /// The image of `scene`, by the plain renderers if they are asked for and there are such.
+    fn rendered(
+        &self,
+        scene: &Scene,
+        plans: &[Plan],
+        sampling: Sampling,
+        is_sampled: bool,
+    ) -> Result<Film, String> {
+        let advice = if is_sampled {
+            "--spp N is faster, with more noise"
+        } else {
+            "fewer pixels in [film] are faster"
+        };
+        let bar = progress::image("rendering", advice, &warnings_of_all(plans));
+        let film = if self.reference && plans.iter().all(has_plain_renderer) {
+            let centres: Vec<bool> = plans.iter().map(|plan| !plan.is_sampled()).collect();
+            reference::render(scene, sampling, &centres).map_err(|error| error.to_string())
+        } else {
+            let rendering = render::render(plans, sampling, &bar);
+            let film = rendering.map(|rendering| rendering.film);
+            film.map_err(|error| error.to_string())
+        };
+        bar.finish_and_clear();
+        film
+    }
+
+    /// Notes on the image of these `plans`, a line each.
+    fn notes(&self, film: &Film, format: FilmFormat, plans: &[Plan], is_sampled: bool) -> String {
+        let mut notes = brightness_note(film, format, self.exposure, plans).unwrap_or_default();
+        for warning in warnings_of_all(plans) {
+            notes.push_str(&format!("note: {warning}\n"));
+        }
+        if !is_sampled && (self.spp.is_some() || self.seed.is_some()) {
+            notes.push_str(
+                "note: this scene is rendered without random numbers; --spp and --seed have no \
+                effect\n",
+            );
+        }
+        notes
     }
 }
 

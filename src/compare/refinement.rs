@@ -195,31 +195,22 @@ pub fn judge_refinement(
     };
     outcome.metric("error_of_limit", left);
 
-    // The error of a pixel may be small by chance at one step, and seldom is at two.
-    let mut errors = distances(middle, fine, SAFETY * factor);
-    let of_coarse = distances(coarse, middle, SAFETY * factor * exp2(-order));
-    enlarge(&mut errors, &of_coarse);
-    let mut step_errors = largest_around(golden, &errors);
+    let mut step_errors = step_errors(golden, [coarse, middle, fine], order, factor);
     if !is_still && order < HALFWAY {
-        enlarge(
-            &mut step_errors,
-            &LargestErrors::of(golden, &first_order()).pixels,
-        );
+        let of_first_order = LargestErrors::of(golden, &first_order());
+        enlarge(&mut step_errors, &of_first_order.pixels);
     }
     let [finest, before] = [fine, middle].map(means);
     let share = if is_still { SAFETY } else { OF_THE_CORRECTION };
     let mean_errors = std::array::from_fn(|c| share * (factor * (finest[c] - before[c]).abs()));
+    let changes_in_words = match fine.quantisation() {
+        _ if !is_still => order_in_words(observed),
+        Some(_) => "smaller steps change nothing that 8 bits would show".to_owned(),
+        None => "smaller steps change nothing".to_owned(),
+    };
     let steps = format!(
-        "{:.2} % off at the step asked for; {}; extrapolated, {:.3} % off",
+        "{:.2} % off at the step asked for; {changes_in_words}; extrapolated, {:.3} % off",
         100.0 * at_step,
-        if is_still {
-            match fine.quantisation() {
-                Some(_) => "smaller steps change nothing that 8 bits would show".to_owned(),
-                None => "smaller steps change nothing".to_owned(),
-            }
-        } else {
-            order_in_words(observed)
-        },
         100.0 * left
     );
     if !is_still && observed < least {
@@ -242,6 +233,20 @@ pub fn judge_refinement(
         table: LargestErrors::of(golden, truth.looked_up),
     };
     judged.judgement(outcome, &steps)
+}
+
+/// Errors that steps leave in the finest image: those between two images, where they converge with this `order`.
+fn step_errors(
+    golden: &Film,
+    [coarse, middle, fine]: [&Film; 3],
+    order: f64,
+    factor: f64,
+) -> Vec<[f64; 3]> {
+    // The error of a pixel may be small by chance at one step, and seldom is at two.
+    let mut errors = distances(middle, fine, SAFETY * factor);
+    let of_coarse = distances(coarse, middle, SAFETY * factor * exp2(-order));
+    enlarge(&mut errors, &of_coarse);
+    largest_around(golden, &errors)
 }
 
 /// Behaviour of images that do not converge, and its likely causes.

@@ -65,12 +65,35 @@ struct Inquiry<'a> {
     report: &'a dyn Fn(&str),
 }
 
+/// Reason why a panel has no study.
+fn unstudied(model: &Model) -> Option<&'static str> {
+    let Model::Classified(scene) = model else {
+        return matches!(model, Model::Curve(_))
+            .then_some("a plot of a transfer function is not sampled");
+    };
+    if scene.mode != Mode::Composited {
+        Some(
+            "projections and isosurfaces (`mode`) composite no samples; their cost is that of the step, or of \
+             the cells on a ray: see `volref plan --counters`",
+        )
+    } else if scene.objects.are_modulation_alone() {
+        Some("modulated opacities have no study yet; measure the scene without `modulation`")
+    } else if scene.has_objects() {
+        Some("several volumes, surfaces and clips have no study yet; measure a scene of one volume")
+    } else {
+        None
+    }
+}
+
 fn panel_cost(
     panel: &Panel,
     name: &str,
     options: &Options,
     report: &dyn Fn(&str),
 ) -> Result<Cost, CostError> {
+    if let Some(reason) = unstudied(&panel.model) {
+        return Err(CostError::NoParameter(reason));
+    }
     // Rays are followed to their ends here: what is measured is a scene's parameters, each by itself.
     let whole = to_the_end(panel);
     let panel = whole.as_ref().map_or(panel, |(panel, _)| panel);
@@ -87,26 +110,7 @@ fn panel_cost(
         inquiry.note(note);
     }
     match &panel.model {
-        Model::Curve(_) => {
-            return Err(CostError::NoParameter(
-                "a plot of a transfer function is not sampled",
-            ));
-        }
-        Model::Classified(scene) if scene.mode != Mode::Composited => {
-            return Err(CostError::NoParameter(
-                "projections and isosurfaces (`mode`) composite no samples; their cost is that of the step, or of \
-                 the cells on a ray: see `volref plan --counters`",
-            ));
-        }
-        Model::Classified(scene) if scene.has_objects() => {
-            return Err(CostError::NoParameter(
-                if scene.objects.are_modulation_alone() {
-                    "modulated opacities have no study yet; measure the scene without `modulation`"
-                } else {
-                    "several volumes, surfaces and clips have no study yet; measure a scene of one volume"
-                },
-            ));
-        }
+        Model::Curve(_) => {}
         Model::Classified(scene) => inquiry.classified(scene),
         Model::Radiative(scene) => inquiry.radiative(scene)?,
     }

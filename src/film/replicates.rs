@@ -21,34 +21,8 @@ impl Film {
     /// Fails if sizes differ, if only some have opacity, or if two renderings are equal in every
     /// bit: these are not independent, and their spread would suggest that there is no noise.
     pub fn from_replicates(films: &[Film]) -> Result<Film, FilmError> {
-        let fail = |reason: String| Err(FilmError::Replicates(reason));
-        let [first, others @ ..] = films else {
-            return fail("there is none".to_owned());
-        };
-        if others.is_empty() {
-            return fail("there is only one, which has no spread".to_owned());
-        }
-        for (index, film) in others.iter().enumerate() {
-            let index = index + 1;
-            if (film.width, film.height) != (first.width, first.height) {
-                return fail(format!(
-                    "number 0 has {} × {} pixels, number {index} {} × {}",
-                    first.width, first.height, film.width, film.height
-                ));
-            }
-            if film.opacity.is_some() != first.opacity.is_some() {
-                return fail(format!(
-                    "of number 0 and number {index} one has opacity and one has none"
-                ));
-            }
-            let is_same = |other: &Film| bits(other).eq(bits(film));
-            if let Some(same) = films[..index].iter().position(is_same) {
-                return fail(format!(
-                    "number {same} and number {index} are the same in every bit: give each its own \
-                     seed, or one image alone if it has no noise"
-                ));
-            }
-        }
+        check_replicates(films).map_err(FilmError::Replicates)?;
+        let first = &films[0];
         let counts: Option<Vec<u32>> = films
             .iter()
             .map(|film| Some(film.noise()?.samples))
@@ -61,24 +35,9 @@ impl Film {
             }
             None => (films.len() as u32, vec![1; films.len()]),
         };
-        let mut radiance = Vec::with_capacity(first.radiance.len());
-        let mut variance = Vec::with_capacity(first.radiance.len());
-        for index in 0..first.radiance.len() {
-            let pixel = [0, 1, 2].map(|channel| {
-                pooled_value(films.iter().zip(&parts).map(|(film, &count)| {
-                    ReplicateMoments {
-                        count: f64::from(count),
-                        mean: f64::from(film.radiance[index][channel]),
-                        // Of a single number there is none, and `count` is 1.
-                        variance_of_mean: film
-                            .noise()
-                            .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),
-                    }
-                }))
-            });
-            radiance.push(pixel.map(|(mean, _)| mean as f32));
-            variance.push(pixel.map(|(_, variance)| variance as f32));
-        }
+        let (radiance, variance) = (0..first.radiance.len())
+            .map(|index| pooled_pixel(films, &parts, index))
+            .unzip();
         let opacity = first.opacity.is_some().then(|| {
             let weights = parts.iter().map(|&count| f64::from(count));
             let total: f64 = weights.clone().sum();
@@ -105,6 +64,58 @@ impl Film {
         }
         Ok(film)
     }
+}
+
+/// Mean and variance of the mean of the pixel `index`; `parts` are the numbers that each film counts for.
+fn pooled_pixel(films: &[Film], parts: &[u32], index: usize) -> ([f32; 3], [f32; 3]) {
+    let pixel = [0, 1, 2].map(|channel| {
+        pooled_value(films.iter().zip(parts).map(|(film, &count)| {
+            ReplicateMoments {
+                count: f64::from(count),
+                mean: f64::from(film.radiance[index][channel]),
+                // Of a single number there is none, and `count` is 1.
+                variance_of_mean: film
+                    .noise()
+                    .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),
+            }
+        }))
+    });
+    (
+        pixel.map(|(mean, _)| mean as f32),
+        pixel.map(|(_, variance)| variance as f32),
+    )
+}
+
+/// Refuses films that are no independent renderings of one image.
+fn check_replicates(films: &[Film]) -> Result<(), String> {
+    let [first, others @ ..] = films else {
+        return Err("there is none".to_owned());
+    };
+    if others.is_empty() {
+        return Err("there is only one, which has no spread".to_owned());
+    }
+    for (index, film) in others.iter().enumerate() {
+        let index = index + 1;
+        if (film.width, film.height) != (first.width, first.height) {
+            return Err(format!(
+                "number 0 has {} × {} pixels, number {index} {} × {}",
+                first.width, first.height, film.width, film.height
+            ));
+        }
+        if film.opacity.is_some() != first.opacity.is_some() {
+            return Err(format!(
+                "of number 0 and number {index} one has opacity and one has none"
+            ));
+        }
+        let is_same = |other: &Film| bits(other).eq(bits(film));
+        if let Some(same) = films[..index].iter().position(is_same) {
+            return Err(format!(
+                "number {same} and number {index} are the same in every bit: give each its own \
+                 seed, or one image alone if it has no noise"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The bits of every colour of an image, so that NaN equals itself.

@@ -238,36 +238,42 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         } else {
             ""
         };
-        // After the pairs come closer looks at the nearest, and fits.
-        let has_tried_all = |of: &SearchStep| of.stage == Stage::Pairs && of.done == of.of;
-        let why = if was_cut_short {
-            "was interrupted".to_owned()
-        } else if unfinished.iter().all(has_tried_all) {
-            format!("left out closer looks after {seconds} s of work")
-        } else {
-            format!("reached its limit of {seconds} s of work")
-        };
-        let name = |of: &SearchStep| {
-            let (case, stage) = (&of.case, of.stage.name());
-            let done = match (of.done == of.of, of.stage) {
-                (false, _) => format!("{} of {} {stage} tried", of.done, of.of),
-                (true, Stage::Singles) => format!("all {} {stage} tried, no pairs", of.of),
-                (true, Stage::Pairs) => format!("all {} {stage} tried", of.of),
-            };
-            format!("{case} ({done})")
-        };
-        let mut names: Vec<String> = unfinished.iter().take(MOST_UNFINISHED).map(name).collect();
-        if unfinished.len() > MOST_UNFINISHED {
-            let more = unfinished.len() - MOST_UNFINISHED;
-            names.push(format!("{more} more"));
-        }
-        text.push_str(&format!(
-            "\n{named}the search {why} in {}; run again with --explain {} to continue\n",
-            names.join(", "),
-            MORE_TIME * seconds
-        ));
+        let search = unfinished_text(unfinished, was_cut_short, seconds);
+        text.push_str(&format!("\n{named}{search}\n"));
     }
     text
+}
+
+/// Sentence on the searches that were ended, by the user or by the limit of work, as many `seconds` take.
+fn unfinished_text(unfinished: &[SearchStep], was_cut_short: bool, seconds: f64) -> String {
+    // After the pairs come closer looks at the nearest, and fits.
+    let has_tried_all = |of: &SearchStep| of.stage == Stage::Pairs && of.done == of.of;
+    let why = if was_cut_short {
+        "was interrupted".to_owned()
+    } else if unfinished.iter().all(has_tried_all) {
+        format!("left out closer looks after {seconds} s of work")
+    } else {
+        format!("reached its limit of {seconds} s of work")
+    };
+    let name = |of: &SearchStep| {
+        let (case, stage) = (&of.case, of.stage.name());
+        let done = match (of.done == of.of, of.stage) {
+            (false, _) => format!("{} of {} {stage} tried", of.done, of.of),
+            (true, Stage::Singles) => format!("all {} {stage} tried, no pairs", of.of),
+            (true, Stage::Pairs) => format!("all {} {stage} tried", of.of),
+        };
+        format!("{case} ({done})")
+    };
+    let mut names: Vec<String> = unfinished.iter().take(MOST_UNFINISHED).map(name).collect();
+    if unfinished.len() > MOST_UNFINISHED {
+        let more = unfinished.len() - MOST_UNFINISHED;
+        names.push(format!("{more} more"));
+    }
+    format!(
+        "the search {why} in {}; run again with --explain {} to continue",
+        names.join(", "),
+        MORE_TIME * seconds
+    )
 }
 
 /// Cases whose differences are described rather than counted, at most: three lines each, as for

@@ -185,17 +185,7 @@ impl Classified {
         }
         let compositing = read_compositing(reader, &order)?;
         let lengths: Vec<[f64; 2]> = volumes.iter().map(|it| lengths(&it.placed)).collect();
-        let step = reader.length("step")?;
-        let step = |(volume, lengths): (&VolumeTable, &[f64; 2])| {
-            let own = volume.reader.optional_length("step")?;
-            let place = own.map_or(reader, |_| volume.reader);
-            place.accepted_at("step", checked_step(own.unwrap_or(step), *lengths))
-        };
-        let steps = volumes
-            .iter()
-            .zip(&lengths)
-            .map(step)
-            .collect::<SceneResult<Vec<f64>>>()?;
+        let steps = read_steps(reader, &volumes, &lengths)?;
         let background = reader.vector("background")?;
 
         let names: Vec<Option<String>> = volumes.iter().map(|it| it.name.clone()).collect();
@@ -251,17 +241,22 @@ impl Classified {
             conventions,
             objects: Objects { volumes, ..objects },
         };
-        scene.check_eye().map_err(|message| {
+        scene.check(reader, camera_reader)?;
+        scene.check_objects(reader, &names)?;
+        Ok(scene)
+    }
+
+    /// Refuses rays of too many samples, and light that is too bright for numbers.
+    fn check(&self, reader: &Reader, camera_reader: &Reader) -> SceneResult<()> {
+        self.check_eye().map_err(|message| {
             let help = "move the eye nearer, with a wider `vertical_fov`, or make `step` longer";
             camera_reader.mistake("eye", message, help)
         })?;
-        scene.check_shadow_samples().map_err(|message| {
+        self.check_shadow_samples().map_err(|message| {
             let help = "make `step`, `classified.shadow.step` or both longer";
             reader.mistake("shadow", message, help)
         })?;
-        reader.accepted_at("volume", scene.check_brightness())?;
-        scene.check_objects(reader, &names)?;
-        Ok(scene)
+        reader.accepted_at("volume", self.check_brightness())
     }
 
     /// Ends rays where the transmittance falls below `threshold`, in (0, 1), and so goes front to
@@ -570,6 +565,21 @@ fn read_light(
         return Err(camera_reader.mistake("target", message, help));
     }
     Ok(light)
+}
+
+/// The step of each volume: its own, or that of the scene; `lengths` are those that a step may have.
+fn read_steps(
+    reader: &Reader,
+    volumes: &[VolumeTable],
+    lengths: &[[f64; 2]],
+) -> SceneResult<Vec<f64>> {
+    let step = reader.length("step")?;
+    let step = |(volume, lengths): (&VolumeTable, &[f64; 2])| {
+        let own = volume.reader.optional_length("step")?;
+        let place = own.map_or(reader, |_| volume.reader);
+        place.accepted_at("step", checked_step(own.unwrap_or(step), *lengths))
+    };
+    volumes.iter().zip(lengths).map(step).collect()
 }
 
 /// The shading that a table asks for.

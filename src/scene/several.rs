@@ -224,23 +224,7 @@ impl Classified {
         let is_modulated =
             (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
         if !self.has_conventions_that_are_rendered() {
-            let (message, help) = if self.shadow.is_some() || is_modulated {
-                (
-                    "beside a shadow, or modulated opacities, only `composition`, `surface_depth` and `object_shadows` \
-                     are known",
-                    "leave the other keys out, or `shadow` and `modulation`",
-                )
-            } else if self.conventions.is_of_merged_objects() {
-                (
-                    "`composition`, `surface_depth` and `object_shadows` are known beside volref's own conventions alone",
-                    "leave these keys out, or all others",
-                )
-            } else {
-                (
-                    "several volumes follow these conventions only where they are sampled by common steps",
-                    "add `volume_steps = \"common\"`, or leave the keys out",
-                )
-            };
+            let (message, help) = self.why_unknown_conventions(is_modulated);
             return Err(reader.mistake("conventions", message, help));
         }
         if self.continuous && is_modulated {
@@ -258,6 +242,27 @@ impl Classified {
             self.check_clips_of(index, &alone.extent(), name.as_deref(), reader)?;
         }
         Ok(())
+    }
+
+    /// Reason why several volumes do not follow the conventions of this scene, and a remedy.
+    fn why_unknown_conventions(&self, is_modulated: bool) -> (&'static str, &'static str) {
+        if self.shadow.is_some() || is_modulated {
+            (
+                "beside a shadow, or modulated opacities, only `composition`, `surface_depth` and `object_shadows` \
+                 are known",
+                "leave the other keys out, or `shadow` and `modulation`",
+            )
+        } else if self.conventions.is_of_merged_objects() {
+            (
+                "`composition`, `surface_depth` and `object_shadows` are known beside volref's own conventions alone",
+                "leave these keys out, or all others",
+            )
+        } else {
+            (
+                "several volumes follow these conventions only where they are sampled by common steps",
+                "add `volume_steps = \"common\"`, or leave the keys out",
+            )
+        }
     }
 
     /// Refuses clips that leave nothing of a volume: the first that does so alone, or with those before it.
