@@ -76,11 +76,17 @@ impl Misfit {
     /// noise or by other weights. A dark image is not explained by any other dark one: as little of what it is
     /// more than black may be left. Where the golden has no noise the image may have some, and a prediction of it.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
-        let mut others = self.by_other_weights.iter().zip(&whole.by_other_weights);
         self.parts[0].is_explained(&whole.parts[0], share)
+            && self.is_possible(whole, share)
+            && self.explains_together(whole, share)
+    }
+
+    /// True if, by no weights and in no part, more than a `share` of `whole` is left beyond doubt.
+    pub fn is_possible(&self, whole: &Misfit, share: f64) -> bool {
+        let mut others = self.by_other_weights.iter().zip(&whole.by_other_weights);
+        self.may_explain(whole, share)
             && others.all(|(left, whole)| left.may_be_explained(whole, share))
             && self.by_other_weights[1].may_be_explained(&self.test_from_black, share)
-            && self.explains_together(whole, share)
     }
 
     /// [`explains`](Misfit::explains) by all cells together, where neither part contradicts: cells

@@ -649,6 +649,11 @@ impl ComparedCase {
             .filter(|misfit| self.may_be_explained_by(misfit) && is_near(misfit))
     }
 
+    /// True if a mistake with this misfit is not contradicted in any part or by any weights.
+    pub fn is_possible(&self, misfit: &Misfit) -> bool {
+        misfit.is_possible(&self.from_golden, self.may_leave())
+    }
+
     fn may_be_explained_by(&self, misfit: &Misfit) -> bool {
         misfit.may_explain(&self.from_golden, self.may_leave())
     }

@@ -112,8 +112,8 @@ fn percent(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::cells::Misfit;
     use crate::compare::unexplained::SquaredDistance;
-    use crate::naming::likeness::Misfit;
     use crate::suite::Suite;
     use crate::variations::mistakes;
     use std::collections::BTreeMap;

@@ -190,7 +190,7 @@ fn verdict(
 
 /// Some of them, with what is said of each: part of a reason, or of what was measured. Pairs of
 /// mistakes, which take the most time, are not looked for.
-const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 6] = [
+const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 7] = [
     (
         "samples clamped at 3",
         Said::Nothing,
@@ -227,6 +227,13 @@ const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 6] = [
         Said::Rightly,
         Some(Said::Nothing),
         "",
+    ),
+    // Black, or bright by 4π, leave as much as the image has.
+    (
+        "3 % of the brightness",
+        Said::Nothing,
+        Some(Said::Rightly),
+        "the image is the golden × 0.030",
     ),
 ];
 

@@ -278,7 +278,7 @@ const IMAGES: &[OfImage] = &[
         "exposure",
         -0.97,
         |f| times(f, [0.03; 3]),
-        &[PLUME, ROOM, FOG, COLOURED],
+        &[ROOM, PLUME, FOG, COLOURED],
     ),
     values(
         "brightness × 2.5",
