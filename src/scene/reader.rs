@@ -137,13 +137,18 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     fn unknown(&self, key: &Spanned<std::borrow::Cow<'s, str>>) -> Box<SceneError> {
+        let name = key.get_ref();
         let known: Vec<_> = self.declaration.keys.iter().map(|key| key.name).collect();
         let table = self.table_name();
-        let help = match nearest(key.get_ref(), known.iter().copied()) {
-            Some(name) => format!("did you mean `{name}`?"),
-            None => format!("allowed keys in {table}: {}", known.join(", ")),
+        let within: Vec<_> = self.declaration.tables_with(name).collect();
+        let help = if let [within] = within[..] {
+            format!("`{name}` is a key of the table `{within}`")
+        } else if let Some(near) = nearest(name, known.iter().copied()) {
+            format!("did you mean `{near}`?")
+        } else {
+            format!("allowed keys in {table}: {}", known.join(", "))
         };
-        let message = format!("unknown key `{}` in {table}", key.get_ref());
+        let message = format!("unknown key `{name}` in {table}");
         self.document.error(Some(key.span()), message, Some(help))
     }
 

@@ -40,6 +40,7 @@ fn unknown_keys() {
         ("height = 10", "hieght = 10"),
         ("[transfer_function]", "[transferfunction]"),
         ("[classified]", "[classified]\ninterpolaton = \"nearest\""),
+        ("[classified]", "[classified]\nnear_plane = 0.1"),
         ("[classified]", "[classified.shading]\n[classified]"),
         ("[classified]", "[camera]\nfov = 45\n[classified]"),
         (
@@ -53,6 +54,7 @@ fn unknown_keys() {
     scene.toml:3:1: unknown key `hieght` in [film] help: did you mean `height`?
     scene.toml:5:2: unknown key `transferfunction` in the file help: did you mean `transfer_function`?
     scene.toml:9:1: unknown key `interpolaton` in [classified] help: did you mean `interpolation`?
+    scene.toml:9:1: unknown key `near_plane` in [classified] help: `near_plane` is a key of the table `conventions`
     scene.toml:8:13: unknown key `shading` in [classified] help: did you mean `shadow`?
     scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov, orthographic_height
     scene.toml:10:1: unknown key `widht` in [film] help: did you mean `width`?
