@@ -84,11 +84,54 @@ pub(super) fn cause(
         along_view: true,
         ..asked
     };
-    let right = compared.right(along_view).ok()?;
+    let right_along_view = compared.right(along_view).ok()?;
     let buffers = [Buffer::Perspective, Buffer::Linear].into_iter();
-    let mut buffers = buffers.filter_map(|kind| Planes::of(kind, &right, test));
-    let planes = buffers.find(|planes| compared.explains(&right, &planes.distances(test)))?;
-    Some(planes.in_words())
+    let mut buffers = buffers.filter_map(|kind| Planes::of(kind, &right_along_view, test));
+    let planes =
+        buffers.find(|planes| compared.explains(&right_along_view, &planes.distances(test)));
+    planes
+        .map(|planes| planes.in_words())
+        .or_else(|| changed_unit_or_origin(compared, right, test))
+}
+
+/// The right depth times a number, or with one added, whichever is nearer: in other units, or from another place.
+fn changed_unit_or_origin(
+    compared: &DepthComparison<'_>,
+    right: &[f32],
+    test: &[f32],
+) -> Option<String> {
+    let both = right.iter().zip(test);
+    let both = both.filter(|(right, test)| right.is_finite() && test.is_finite());
+    let (mut count, mut sums) = (0.0, [0.0; 4]);
+    for (&z, &value) in both {
+        let (z, value) = (f64::from(z), f64::from(value));
+        count += 1.0;
+        for (sum, term) in sums.iter_mut().zip([z * z, z * value, z, value]) {
+            *sum += term;
+        }
+    }
+    let [squares, products, depths, values] = sums;
+    let (factor, offset) = (products / squares, (values - depths) / count);
+    let restored = |restore: &dyn Fn(f64) -> f64| -> Vec<f32> {
+        let restore = |&value: &f32| restore(f64::from(value)) as f32;
+        test.iter().map(restore).collect()
+    };
+    let changes = [
+        (
+            restored(&|value| value / factor),
+            format!("{factor:.4} times the right depth: write distances in world units"),
+        ),
+        (
+            restored(&|value| value - offset),
+            format!("the right depth {offset:+.4}: count from the eye").replace('-', "−"),
+        ),
+    ];
+    let explaining = changes.into_iter().filter_map(|(restored, words)| {
+        let found = compared.of(right, &restored);
+        (found.seen > 0 && found.outside == 0).then_some((found.mean, words))
+    });
+    let nearest = explaining.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    Some(nearest.1)
 }
 
 /// Distance at which the ray of each pixel enters the volume, along it or along the view.
@@ -119,11 +162,13 @@ enum Buffer {
     Linear,
 }
 
-/// The planes between which a depth buffer goes from 0 to 1.
+/// The planes between which a depth buffer goes from its least value to 1.
 struct Planes {
     kind: Buffer,
     a: f64,
     b: f64,
+    /// Values are below 0, as in the clip space of OpenGL, which goes from −1 to 1.
+    is_clip_space: bool,
 }
 
 impl Planes {
@@ -134,8 +179,15 @@ impl Planes {
         let pairs: Vec<_> = pairs.filter(|(z, _)| z.is_finite()).collect();
         let far = pairs.iter().map(|(z, _)| *z).fold(0.0, f64::max);
         let near = pairs.iter().map(|(z, _)| *z).fold(far, f64::min);
-        let are_shares = pairs.iter().all(|(_, value)| (0.0..=1.0).contains(value));
-        if !(are_shares && near > 0.0 && far > LEAST_SPREAD * near) {
+        let lowest = match kind {
+            Buffer::Perspective => -1.0,
+            Buffer::Linear => 0.0,
+        };
+        let are_values = pairs
+            .iter()
+            .all(|(_, value)| (lowest..=1.0).contains(value));
+        let is_clip_space = pairs.iter().any(|(_, value)| *value < 0.0);
+        if !(are_values && near > 0.0 && far > LEAST_SPREAD * near) {
             return None;
         }
         let of = |z: f64| match kind {
@@ -156,14 +208,11 @@ impl Planes {
             kind,
             a: y_mean - b * x_mean,
             b,
+            is_clip_space,
         };
-        let [near, far] = planes.near_and_far();
+        let near = planes.distance(if is_clip_space { -1.0 } else { 0.0 });
+        let far = planes.distance(1.0);
         (b.is_finite() && near >= 0.0 && far > near).then_some(planes)
-    }
-
-    /// Where the value is 0 and where it is 1.
-    fn near_and_far(&self) -> [f64; 2] {
-        [0.0, 1.0].map(|value| self.distance(value))
     }
 
     fn distance(&self, value: f64) -> f64 {
@@ -179,13 +228,20 @@ impl Planes {
     }
 
     fn in_words(&self) -> String {
-        let [near, far] = self.near_and_far();
-        let kind = match self.kind {
-            Buffer::Perspective => "the value of a depth buffer",
-            Buffer::Linear => "a share of the way",
+        let [clip, near, far] = [-1.0, 0.0, 1.0].map(|value| self.distance(value));
+        let to_far = format!("and 1 at the far one, about {far:.3}");
+        let buffer = match self.kind {
+            Buffer::Linear => {
+                format!("a share of the way, 0 at the near plane, about {near:.3}, {to_far}")
+            }
+            Buffer::Perspective if self.is_clip_space => {
+                format!("the depth of clip space, −1 at the near plane, about {clip:.3}, {to_far}")
+            }
+            Buffer::Perspective => format!(
+                "the value of a depth buffer, 0 at the near plane, about {near:.3}, {to_far}, or of clip space, −1 at \
+                 about {clip:.3}"
+            ),
         };
-        format!(
-            "{kind}, 0 at the near plane, about {near:.3}, and 1 at the far one, about {far:.3}: write distances in world units"
-        )
+        format!("{buffer}: write distances in world units")
     }
 }

@@ -247,6 +247,11 @@ fn wrong_depths_have_their_cause() {
         z if z.is_finite() => far / (far - near) * (1.0 - near / z),
         _ => 1.0,
     };
+    // Planes so far away that clip space goes below 0.
+    let clip = |index: usize, _: f64| match f64::from(seen[index]) {
+        z if z.is_finite() => (42.0 - 160.0 / z) / 38.0,
+        _ => 1.0,
+    };
     let share = |index: usize, _: f64| match f64::from(seen[index]) {
         z if z.is_finite() => (z - near) / (far - near),
         _ => 1.0,
@@ -269,6 +274,18 @@ fn wrong_depths_have_their_cause() {
             "it is the value of a depth buffer, 0 at the near plane, about 0.500, and 1 at the far one, about ",
         ),
         (
+            mapped(&clip),
+            "it is the depth of clip space, −1 at the near plane, about 2.000, and 1 at the far one, about ",
+        ),
+        (
+            mapped(&|_, at| 1.2 * at),
+            "it is 1.2000 times the right depth: write distances in world units",
+        ),
+        (
+            mapped(&|_, at| at - 0.7),
+            "it is the right depth −0.7000: count from the eye",
+        ),
+        (
             mapped(&share),
             "it is a share of the way, 0 at the near plane, about 0.500, and 1 at the far one, about ",
         ),
@@ -280,7 +297,6 @@ fn wrong_depths_have_their_cause() {
         );
     }
     for wrong in [
-        mapped(&|_, at| 1.2 * at),
         mapped(&|index, at| at + [0.0, 1.0][index % 2]),
         mapped(&|index, _| [0.1, 0.7, 0.4][index % 3]),
     ] {
