@@ -11,7 +11,7 @@ use super::{Outcome, compare, ctest, interrupt, output, progress};
 use crate::compare::Promise;
 use crate::conventions::Profile;
 use crate::files::regular_file::note_input;
-use crate::film::{Alpha, Bits};
+use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
     CaseResult, Evidence, Judged, MoreSamples, add_right_declaration, before_background, declared,
     is_open, validate_at,
@@ -224,7 +224,8 @@ impl Arguments {
 
     /// The source of the images.
     fn source(&self, suite: &Suite) -> Result<ImageSource, Failure> {
-        if self.renderer.decide && self.renderer.format == "png" {
+        let format = FilmFormat::with_extension(self.renderer.format.as_ref());
+        if self.renderer.decide && format.is_some_and(FilmFormat::is_of_codes) {
             let message = "--decide needs linear radiance, and an 8-bit image has none: its noise counts as a difference";
             let help = "ask for --format exr, pfm or npy";
             return Err(Failure::new(Exit::BadInput, message, Some(help)));

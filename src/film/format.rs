@@ -1,6 +1,7 @@
 //! Image formats, by extension and by first bytes.
 
 use super::FilmError;
+use std::ffi::OsStr;
 use std::path::Path;
 
 /// A format that images can be read from.
@@ -27,10 +28,7 @@ impl FilmFormat {
 
     /// The format for the extension of `path`, in upper or lower case.
     pub fn of(path: &Path) -> Option<FilmFormat> {
-        let extension = path.extension()?;
-        let mut formats = FilmFormat::EXTENSIONS.into_iter();
-        let found = formats.find(|(of, _)| extension.eq_ignore_ascii_case(of));
-        found.map(|(_, format)| format)
+        FilmFormat::with_extension(path.extension()?)
     }
 
     /// The way from an image that is not read to one that is, by the extension of `path`.
@@ -52,6 +50,21 @@ impl FilmFormat {
                  (or imageio in Python)"
             }
         }
+    }
+
+    /// True if it holds codes of 8 bits in place of radiance.
+    pub fn is_of_codes(self) -> bool {
+        match self {
+            FilmFormat::Exr | FilmFormat::Pfm | FilmFormat::Npy => false,
+            FilmFormat::Png => true,
+        }
+    }
+
+    /// The format with this extension, in upper or lower case.
+    pub fn with_extension(extension: &OsStr) -> Option<FilmFormat> {
+        let mut formats = FilmFormat::EXTENSIONS.into_iter();
+        let found = formats.find(|(of, _)| extension.eq_ignore_ascii_case(of));
+        found.map(|(_, format)| format)
     }
 
     /// The extension, without the dot.

@@ -72,8 +72,8 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
 
 pub(super) struct RayCaster<'s> {
     pub(super) scene: &'s Classified,
-    /// Density gradients at the nodes of the grid, all scaled by one factor: shading uses their
-    /// directions alone.
+    /// Density gradients in the world at the nodes of the grid, all scaled by one factor: shading uses
+    /// their directions alone.
     pub(super) gradients: Grid<[f32; 3]>,
 }
 
@@ -112,6 +112,7 @@ impl RayCaster<'_> {
     fn cast(&self, ray: &Ray) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
+        // Its direction is not of unit length: `t` stays the distance in the world. Spans begin at the eye.
         let inside = placement::in_volume(scene, ray);
         let Some(span) = lattice.bounds().span_of(&inside) else {
             return seen;
