@@ -26,6 +26,8 @@ pub struct DepthDifference {
     pub outside: usize,
     /// Pixels that have a depth.
     pub seen: usize,
+    /// Those at edges that agree by having none in the image.
+    pub without: usize,
     /// Mean distance from the right depth, of pixels that have both.
     pub mean: f64,
     /// The worst of them: its index, its depth and the right one.
@@ -39,6 +41,7 @@ impl DepthDifference {
         let mut found = DepthDifference {
             outside: 0,
             seen: 0,
+            without: 0,
             mean: 0.0,
             worst: None,
         };
@@ -72,7 +75,9 @@ impl DepthDifference {
             let off = (f64::from(low) - depth).max(depth - f64::from(high));
             let is_nothing = ends && (!depth.is_finite() || depth <= 0.0);
             // NaN is off, too.
-            let agrees = off <= tolerance || is_nothing;
+            let is_near = off <= tolerance;
+            let agrees = is_near || is_nothing;
+            found.without += usize::from(is_nothing && !is_near);
             if !agrees {
                 found.outside += 1;
                 let excess = if off.is_nan() {
@@ -92,6 +97,11 @@ impl DepthDifference {
     /// True if no more pixels are off than rays that graze an edge.
     pub fn agrees(&self) -> bool {
         self.outside as f64 <= OUTLIERS * self.seen as f64
+    }
+
+    /// True if most pixels have a depth in the image, too.
+    pub fn shows_depth(&self) -> bool {
+        2 * self.without < self.seen
     }
 
     /// The difference as a sentence, of an image of this `width`.

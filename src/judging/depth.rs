@@ -44,7 +44,7 @@ impl DepthComparison<'_> {
     /// True if nothing of the difference between the two is left.
     fn explains(&self, right: &[f32], test: &[f32]) -> bool {
         let found = self.of(right, test);
-        found.seen > 0 && found.outside == 0
+        found.shows_depth() && found.outside == 0
     }
 }
 
@@ -61,7 +61,7 @@ pub(super) fn cause(
     let others = Depth::ALL.into_iter().map(|(_, other)| other);
     let others = others.filter(|&other| other != asked).filter_map(|other| {
         let found = compared.of(&compared.right(other).ok()?, test);
-        (found.seen > 0 && found.agrees()).then_some((found.mean, other))
+        (found.shows_depth() && found.agrees()).then_some((found.mean, other))
     });
     if let Some((_, other)) = others.min_by(|(a, _), (b, _)| a.total_cmp(b)) {
         return Some(format!(
@@ -128,7 +128,7 @@ fn changed_unit_or_origin(
     ];
     let explaining = changes.into_iter().filter_map(|(restored, words)| {
         let found = compared.of(right, &restored);
-        (found.seen > 0 && found.outside == 0).then_some((found.mean, words))
+        (found.shows_depth() && found.outside == 0).then_some((found.mean, words))
     });
     let nearest = explaining.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
     Some(nearest.1)

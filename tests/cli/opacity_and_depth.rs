@@ -249,7 +249,7 @@ fn wrong_depths_have_their_cause() {
     };
     // Planes so far away that clip space goes below 0.
     let clip = |index: usize, _: f64| match f64::from(seen[index]) {
-        z if z.is_finite() => (42.0 - 160.0 / z) / 38.0,
+        z if z.is_finite() => (41.5 - 120.0 / z) / 38.5,
         _ => 1.0,
     };
     let share = |index: usize, _: f64| match f64::from(seen[index]) {
@@ -275,7 +275,7 @@ fn wrong_depths_have_their_cause() {
         ),
         (
             mapped(&clip),
-            "it is the depth of clip space, −1 at the near plane, about 2.000, and 1 at the far one, about ",
+            "it is the depth of clip space, −1 at the near plane, about 1.500, and 1 at the far one, about ",
         ),
         (
             mapped(&|_, at| 1.2 * at),
