@@ -168,11 +168,36 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     values.get((last * share) as usize).copied().unwrap_or(0.0)
 }
 
-/// A share in whole per cent; never 100 for less than all.
+/// A share in per cent, rounded; never 0 for some, nor 100 for less than all.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share {
         all if all >= 99.95 => "all".to_owned(),
         most if most >= 99.0 => format!("{most:.1} %"),
+        0.0 => "0 %".to_owned(),
+        least if least < 0.05 => "less than 0.1 %".to_owned(),
+        little if little < 0.95 => format!("{little:.1} %"),
         part => format!("{part:.0} %"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_share_is_none_or_all_by_rounding() {
+        let shares = [0.0, 1e-4, 0.0039, 0.0095, 0.5, 0.989, 0.996, 1.0];
+        let words = shares.map(percent);
+        let right = [
+            "0 %",
+            "less than 0.1 %",
+            "0.4 %",
+            "1 %",
+            "50 %",
+            "99 %",
+            "99.6 %",
+            "all",
+        ];
+        assert_eq!(words, right);
     }
 }
