@@ -8,7 +8,7 @@ use crate::compare::{
     Conditions, Exact, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
     precision_in_words, recognised,
 };
-use crate::film::{Bits, Film};
+use crate::film::{Bits, Film, FilmFormat};
 use crate::judging::{CaseFinding, CaseResult, radiance};
 use crate::report;
 use crate::suite::MEAN_RESOLUTION;
@@ -176,8 +176,7 @@ impl Arguments {
 }
 
 fn check_heatmap(path: &Path) -> Result<(), Failure> {
-    let extension = path.extension();
-    if !extension.is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+    if FilmFormat::of(path) != Some(FilmFormat::Png) {
         let message = format!("--heatmap writes a .png, not {}", path.display());
         return Err(bad_input(message));
     }

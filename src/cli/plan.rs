@@ -106,7 +106,7 @@ struct PanelJson<'s> {
 impl<'s> PanelJson<'s> {
     fn of(
         plan: &'s Plan<'s>,
-        expected: &PredictedWork,
+        expected: PredictedWork,
         counters: Option<Counters>,
     ) -> PanelJson<'s> {
         let panel = plan.panel;
@@ -128,7 +128,7 @@ impl<'s> PanelJson<'s> {
             defaults: defaults(panel).collect(),
             rays: expected.rays,
             expected: Event::ALL.into_iter().map(amount).collect(),
-            memory: expected.memory.clone(),
+            memory: expected.memory,
             counters,
         }
     }
@@ -237,7 +237,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
         text.push_str(&describe(plan, &expected, work.as_ref()));
-        panels.push(PanelJson::of(plan, &expected, *work));
+        panels.push(PanelJson::of(plan, expected, *work));
     }
     let value = PlanJson {
         schema: "volref/plan/1",

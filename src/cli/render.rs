@@ -121,7 +121,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         ));
     }
     let warnings = warnings_of_all(&plans);
-    text.push_str(&arguments.notes(&film, format, &plans, is_sampled));
+    text.push_str(&arguments.notes(&film, format, &plans, &warnings, is_sampled));
     let mut value = json!({
         "schema": "volref/render/1",
         "scene": arguments.scene,
@@ -219,10 +219,17 @@ impl Arguments {
         film
     }
 
-    /// Notes on the image of these `plans`, a line each.
-    fn notes(&self, film: &Film, format: FilmFormat, plans: &[Plan], is_sampled: bool) -> String {
+    /// Notes on the image of these `plans`, with their `warnings`, a line each.
+    fn notes(
+        &self,
+        film: &Film,
+        format: FilmFormat,
+        plans: &[Plan],
+        warnings: &[&Reason],
+        is_sampled: bool,
+    ) -> String {
         let mut notes = brightness_note(film, format, self.exposure, plans).unwrap_or_default();
-        for warning in warnings_of_all(plans) {
+        for warning in warnings {
             notes.push_str(&format!("note: {warning}\n"));
         }
         if !is_sampled && (self.spp.is_some() || self.seed.is_some()) {

@@ -26,7 +26,7 @@ pub struct DepthDifference {
     pub outside: usize,
     /// Pixels that have a depth.
     pub seen: usize,
-    /// Those at edges that agree by having none in the image.
+    /// Pixels at edges that agree without a depth in the image.
     pub without: usize,
     /// Mean distance from the right depth, of pixels that have both.
     pub mean: f64,
@@ -73,12 +73,13 @@ impl DepthDifference {
                 both += 1;
             }
             let off = (f64::from(low) - depth).max(depth - f64::from(high));
-            let is_nothing = ends && (!depth.is_finite() || depth <= 0.0);
             // NaN is off, too.
-            let is_near = off <= tolerance;
-            let agrees = is_near || is_nothing;
-            found.without += usize::from(is_nothing && !is_near);
-            if !agrees {
+            if off <= tolerance {
+                continue;
+            }
+            if ends && (!depth.is_finite() || depth <= 0.0) {
+                found.without += 1;
+            } else {
                 found.outside += 1;
                 let excess = if off.is_nan() {
                     f64::INFINITY

@@ -21,10 +21,10 @@ impl Conventions {
     pub(super) fn check(&self, reader: &Reader) -> SceneResult<()> {
         let states_first_sample = reader.has("first_sample");
         let contradictions = [
-            &self.of_steps(states_first_sample)[..],
-            &self.of_boxes(),
-            &self.of_entries(),
-            &self.of_normals(),
+            self.of_steps(states_first_sample),
+            self.of_boxes(),
+            self.of_entries(),
+            self.of_normals(),
         ]
         .concat();
         let mut stated = contradictions
@@ -36,9 +36,9 @@ impl Conventions {
         }
     }
 
-    fn of_steps(&self, states_first_sample: bool) -> [Contradiction; 10] {
+    fn of_steps(&self, states_first_sample: bool) -> Vec<Contradiction> {
         let fitted = self.fitted_steps != FittedSteps::None;
-        [
+        vec![
             (
                 "first_sample",
                 self.jitter,
@@ -88,8 +88,8 @@ impl Conventions {
         ]
     }
 
-    fn of_boxes(&self) -> [Contradiction; 4] {
-        [
+    fn of_boxes(&self) -> Vec<Contradiction> {
+        vec![
             ("box", self.voxel_box && self.cell_centred, BOX_OF_NODES),
             (
                 "volume_steps",
@@ -112,8 +112,8 @@ impl Conventions {
     }
 
     /// Of stored opacities and colours.
-    fn of_entries(&self) -> [Contradiction; 12] {
-        [
+    fn of_entries(&self) -> Vec<Contradiction> {
+        vec![
             (
                 "table_lookup",
                 self.nearest_entry && self.table_size.is_none(),
@@ -153,9 +153,9 @@ impl Conventions {
         ]
     }
 
-    fn of_normals(&self) -> [Contradiction; 2] {
+    fn of_normals(&self) -> Vec<Contradiction> {
         let stored = self.gradient.is_stored();
-        [
+        vec![
             (
                 "normals",
                 self.normalised_at_nodes && !stored,

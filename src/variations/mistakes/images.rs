@@ -136,7 +136,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
         advice: "the whole image, with its background, is multiplied by opacity: write it as it is, or the colours of the volume alone",
         edit: Edit::Pixels(|film| {
             if background(film) == [0.0; 3] {
-                return film.clone(); // as where colours alone are
+                return film.clone(); // Before black it is `premultiplied-twice`.
             }
             by_opacity(film, |colour, opacity, _| colour * opacity)
         }),
