@@ -72,8 +72,8 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
 
 pub(super) struct RayCaster<'s> {
     pub(super) scene: &'s Classified,
-    /// Density gradients in the world at the nodes of the grid, all scaled by one factor: shading uses
-    /// their directions alone.
+    /// Density gradients in the world at the nodes, per length of about a voxel, so that those of no volume are
+    /// too large or too small for `f32`: shading uses their directions alone.
     pub(super) gradients: Grid<[f32; 3]>,
 }
 
@@ -100,7 +100,8 @@ impl Layer {
         let sum = self.opacity + back.opacity * self.transparency;
         Layer {
             colour: self.colour + back.colour * self.transparency,
-            // The sum is more accurate while it is small; near 1, rounding could carry it above 1.
+            // The sum is more accurate while it is small; near 1, rounding could carry it above 1. At a half
+            // both are equally good.
             opacity: if passed < 0.5 { 1.0 - passed } else { sum },
             transparency: passed,
         }
@@ -112,7 +113,8 @@ impl RayCaster<'_> {
     fn cast(&self, ray: &Ray) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
-        // Its direction is not of unit length: `t` stays the distance in the world. Spans begin at the eye.
+        // Its direction is not of unit length: `t` stays the distance in the world. An eye inside the volume
+        // begins the span, at 0.
         let inside = placement::in_volume(scene, ray);
         let Some(span) = lattice.bounds().span_of(&inside) else {
             return seen;
@@ -163,7 +165,8 @@ impl RayCaster<'_> {
         phong.shade(colour, gradient, to_light, -ray.direction)
     }
 
-    /// Visibility of the light from `point`; 1 where the scene has no shadow.
+    /// Visibility of the light from `point`; 1 where the scene has no shadow, and at the light itself, to which
+    /// there is no ray.
     fn visibility(&self, point: DVec3, node_point: NodePoint) -> f64 {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let to_light = scene.light - point;
@@ -174,6 +177,7 @@ impl RayCaster<'_> {
         let Some(span) = lattice.bounds().span_of(&inside) else {
             return 1.0;
         };
+        // The ray begins at a sample, inside but for rounding, and ends at the light.
         let span = Span::new(0.0, span.far.min(length_of(to_light)));
         // Not from `point`: far from the world's origin its node coordinates have lost digits.
         let line = NodeLine::from(node_point, inside.direction, lattice);
@@ -191,7 +195,7 @@ impl RayCaster<'_> {
         match &scene.transfer_function.appearance {
             Appearance::Formula { .. } => {
                 let sum: f64 = samples.map(|(density, length)| density * length).sum();
-                exp(-(sum / shadow.reference_step) / 100.0).min(1.0)
+                exp(-(sum / shadow.reference_step) / 100.0).min(1.0) // densities may be negative
             }
             Appearance::Points(points) => samples
                 .map(|(density, length)| {
@@ -206,11 +210,7 @@ impl RayCaster<'_> {
 /// the span has a length, even if the quotient underflows.
 pub(super) fn step_count(span: Span, step: f64) -> usize {
     let count = (span.length() / step).ceil() as usize;
-    if span.length() > 0.0 {
-        count.max(1)
-    } else {
-        count
-    }
+    if span.length() > 0.0 { count.max(1) } else { 0 }
 }
 
 /// Distance of the midpoint of step `index` of `count`, and the length of the step. Computed from the
