@@ -211,6 +211,11 @@ impl<'s> RayCaster<'s> {
         } else {
             colour
         };
+        let colour = if scene.conventions.own_opacity {
+            colour * opacity
+        } else {
+            colour
+        };
         Some(Layer {
             colour: colour * opacity,
             opacity,

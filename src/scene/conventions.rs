@@ -722,6 +722,16 @@ conventions! {
         .beside_others(),
     ];
 
+    "own_opacity" = own_opacity: bool = flag(false),
+    "Multiplies the colour of each sample by its own opacity once more, as where a table of colours that contain their opacity is multiplied by it again.",
+    [
+        other(
+            "multiplies the colour of each sample by its opacity twice",
+            |it| it.own_opacity = true,
+        )
+        .beside_others(),
+    ];
+
     "clamped_samples" = clamped_samples: bool = flag(false),
     "Clamps the radiance of each sample, shaded, to 1 before it is composited.",
     [

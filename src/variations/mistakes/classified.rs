@@ -149,6 +149,13 @@ pub(super) const MISTAKES: &[Mistake] = &[
         }),
     },
     Mistake {
+        name: "samples-premultiplied-twice",
+        advice: "the colour of each sample is multiplied by its opacity twice: do so in the table or in the loop, not in both",
+        edit: Edit::Classified(|scene| {
+            !scene.is_continuous() && set(&mut scene.conventions.own_opacity, true)
+        }),
+    },
+    Mistake {
         name: "light-at-the-eye",
         advice: "the light is at the eye: its position is given by the scene",
         edit: Edit::Classified(|scene| {
