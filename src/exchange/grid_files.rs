@@ -5,7 +5,7 @@
 
 use super::{Export, Format, Refusal};
 use crate::film::npy_header;
-use crate::scene::{Panel, Scene};
+use crate::scene::Scene;
 use crate::volume::{Centring, Grid};
 use std::fmt::Display;
 use std::sync::Arc;
@@ -35,21 +35,21 @@ pub(super) fn grid_files(scene: &Scene, format: Format, name: &str) -> Result<Ex
     Ok(Export { main, files })
 }
 
-/// The grid that all panels show.
+/// The grid of all volumes of all panels.
 fn only_grid(scene: &Scene, format: Format) -> Result<&Grid<f32>, Refusal> {
-    let grids: Option<Vec<&Arc<Grid<f32>>>> = scene
-        .panels
-        .iter()
-        .map(|panel: &Panel| panel.classified().map(|volume| &volume.grid))
-        .collect();
-    let Some(grids) = grids else {
-        let what = "one without a classified volume: media go to `bundle`, `mitsuba` or `pbrt`";
-        return Err(Refusal::of(format, "panel", what));
-    };
+    let refusal = |what| Refusal::of(format, "panel", what);
+    let mut grids: Vec<&Arc<Grid<f32>>> = Vec::new();
+    for panel in &scene.panels {
+        let Some(volume) = panel.classified() else {
+            let what = "one without a classified volume: media go to `bundle`, `mitsuba` or `pbrt`";
+            return Err(refusal(what));
+        };
+        grids.push(&volume.grid);
+        grids.extend(volume.objects.volumes.iter().map(|volume| &volume.grid));
+    }
     let first = grids[0];
     if grids.iter().any(|grid| !Arc::ptr_eq(grid, first)) {
-        let what = "panels of several volumes; write a scene of each";
-        return Err(Refusal::of(format, "panel", what));
+        return Err(refusal("several volumes; write a scene of each"));
     }
     Ok(first)
 }

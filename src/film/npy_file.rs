@@ -329,8 +329,8 @@ fn unsuited_type(descr: &str) -> FilmError {
     {
         Some('u' | 'i' | 'b') => (
             "whole numbers",
-            "radiance is linear float: save what was there before it was rounded and gamma \
-             encoded, with image.astype(np.float32); or 8-bit sRGB as .png",
+            "radiance and depths are floating-point numbers: save what was there before it was rounded \
+             and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png",
         ),
         Some('O') => (
             "pickled Python objects",

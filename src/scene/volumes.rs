@@ -22,7 +22,7 @@ pub struct SceneVolume {
 }
 
 impl Scene {
-    /// The first volume of each classified panel of the scene file at `path`. Nothing else of it is read: transfer
+    /// The volumes of all classified panels of the scene file at `path`. Nothing else of it is read: transfer
     /// functions need not go with the values.
     pub fn load_volumes(path: &Path) -> SceneResult<Vec<SceneVolume>> {
         let (name, text) = (path.display().to_string(), Scene::text(path)?);
@@ -38,14 +38,15 @@ impl Scene {
             let Some(classified) = root.table("classified")? else {
                 continue;
             };
-            let volume = &classified.one_or_more("volume")?[0];
-            let PlacedGrid { grid, to_world } = files.placed_values(volume)?;
-            let inputs = files.take_used();
-            volumes.push(SceneVolume {
-                grid,
-                to_world,
-                inputs,
-            });
+            for volume in &classified.one_or_more("volume")? {
+                let PlacedGrid { grid, to_world } = files.placed_values(volume)?;
+                let inputs = files.take_used();
+                volumes.push(SceneVolume {
+                    grid,
+                    to_world,
+                    inputs,
+                });
+            }
         }
         Ok(volumes)
     }

@@ -209,11 +209,12 @@ fn grids_alone() {
         "both.toml",
         scene.to_owned() + "[[panel]]\n[[panel]]\nclassified.volume.slope = [1, 0, 0]\n",
     );
-    let run = folder.volref("export both.toml --to npy -o out");
-    run.expect(
-        2,
-        &["npy cannot represent panel: panels of several volumes"],
-    );
+    for scene in ["both.toml", "scenes/rings-in-waves"] {
+        let run = folder.volref(&["export", scene, "--to", "npy", "-o", "out"]);
+        run.expect(2, &["npy cannot represent panel: several volumes"]);
+        let run = folder.volref(&["info", scene]);
+        run.expect(2, &["more than one classified volume"]);
+    }
     folder.remove("both.toml");
     assert_eq!(folder.files(), before);
 }

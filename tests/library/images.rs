@@ -188,8 +188,8 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-deep.exr: this EXR has deep data, many samples along each ray; write a flat image, one radiance a pixel
     bad-dwaa.exr: this EXR is compressed with DWA, which loses digits; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
     bad-dwab.exr: this EXR is compressed with DWA, which loses digits; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
-    bad-uint8.npy: an array of whole numbers (dtype "|u1"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
-    bad-int64.npy: an array of whole numbers (dtype "<i8"); radiance is linear float: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or 8-bit sRGB as .png
+    bad-uint8.npy: an array of whole numbers (dtype "|u1"); radiance and depths are floating-point numbers: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png
+    bad-int64.npy: an array of whole numbers (dtype "<i8"); radiance and depths are floating-point numbers: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png
     bad-complex.npy: an array of numbers of an unsupported type (dtype "<c8"); save image.astype(np.float32)
     bad-planes.npy: an array of shape (3, 6, 8); channels come last: save np.moveaxis(image, 0, -1), of shape (height, width, 3)
     bad-stack.npy: an array of shape (1, 6, 8, 3); it is a stack of one image: save image[0]
