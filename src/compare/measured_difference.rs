@@ -12,7 +12,7 @@
 //! Sources: Efron & Stein 1981, Annals of Statistics 9, 586–596 (jackknife); Lucas & Kanade 1981,
 //! "An iterative image registration technique" (shift below a pixel).
 
-use super::parts::{MOST_PARTS, Part, Seen, percent};
+use super::parts::{MOST_PARTS, Part, Seen, lines, percent};
 use super::pixels::Pixels;
 use super::seams::seams;
 use super::stochastic::BLOCK;
@@ -93,7 +93,8 @@ pub(crate) fn measured(
     let mut sentences: Vec<String> = sentences.into_iter().flatten().collect();
     sentences.extend(in_parts(&sums, &parts));
     sentences.extend(seams(&pixels, seen));
-    sentences.extend(in_a_box(&pixels, &sums));
+    // Noise of single lines would decide where the box ends.
+    sentences.extend(in_a_box(&pixels, &sums, if has_noise { BLOCK } else { 1 }));
     Some(sentences)
 }
 
@@ -453,19 +454,18 @@ fn is_clearly_in(part: &Part, share: &Jackknife) -> bool {
     part.holds(share.value) && share.is_beyond(part.due)
 }
 
-/// The box of blocks that holds all but a few per cent of the squared difference.
-fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
+/// The box that holds all but a few per cent of the squared difference; its sides lie at multiples of `unit` pixels.
+fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS], unit: usize) -> Option<String> {
     let [width, height] = [pixels.golden.width(), pixels.golden.height()];
     let whole: f64 = sums.iter().map(PartSums::squares).sum();
-    let counts = [width, height].map(|length| length.div_ceil(BLOCK));
+    let counts = [width, height].map(|length| length.div_ceil(unit));
     let mut along = counts.map(|count| vec![0.0; count]);
     for i in 0..width * height {
-        let block = pixels.block(i);
         for c in 0..3 {
             let difference = pixels.difference(i, c);
             let square = pixels.weight(i, c) * (difference * difference - pixels.variance(i, c));
-            along[0][block[0]] += square;
-            along[1][block[1]] += square;
+            along[0][i % width / unit] += square;
+            along[1][i / width / unit] += square;
         }
     }
     let [columns, rows] = [(0, width), (1, height)].map(|(axis, length)| {
@@ -479,7 +479,7 @@ fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
         };
         let first = within(&mut along[axis].iter());
         let last = counts[axis] - within(&mut along[axis].iter().rev());
-        first * BLOCK..(last * BLOCK).clamp(first * BLOCK, length)
+        first * unit..(last * unit).clamp(first * unit, length)
     });
     let is_inside = |i: &usize| columns.contains(&(i % width)) && rows.contains(&(i / width));
     let lit: Vec<usize> = (0..width * height).filter(|&i| pixels.is_lit(i)).collect();
@@ -487,11 +487,9 @@ fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS]) -> Option<String> {
     let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
     (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
         format!(
-            "nearly all of the relative difference lies in columns {} to {} and rows {} to {}, {} of the image",
-            columns.start,
-            columns.end - 1,
-            rows.start,
-            rows.end - 1,
+            "nearly all of the relative difference lies in {} and {}, {} of the image",
+            lines("column", [columns.start, columns.end - 1]),
+            lines("row", [rows.start, rows.end - 1]),
             percent(area)
         )
     })

@@ -168,6 +168,15 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     values.get((last * share) as usize).copied().unwrap_or(0.0)
 }
 
+/// Columns or rows, from the first to the last: `columns 8 to 15`, `row 79`.
+pub(super) fn lines(name: &str, [first, last]: [usize; 2]) -> String {
+    if first == last {
+        format!("{name} {first}")
+    } else {
+        format!("{name}s {first} to {last}")
+    }
+}
+
 /// A share in per cent, rounded; never 0 for some, nor 100 for less than all.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share {

@@ -278,7 +278,12 @@ impl CheckedGolden {
     pub fn omissions(&self) -> String {
         match self.without() {
             without if without.is_empty() => without,
-            without => format!("; the scene leaves out {without} (declared)"),
+            without => {
+                let profile = self.profile.as_ref();
+                let under =
+                    profile.map_or(String::new(), |name| format!(" under the profile {name}"));
+                format!("; the scene{under} leaves out {without} (declared)")
+            }
         }
     }
 

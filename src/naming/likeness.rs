@@ -49,8 +49,8 @@ pub const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less ac
     and it is in no channel, box or part that is looked for";
 
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.
-const UNDECIDABLE: &str = "no single mistake that was tried is shown to be the cause; at this noise two together cannot be \
-    told apart: more samples would tell";
+const UNDECIDABLE: &str = "no single mistake that was tried is shown to be the cause; pairs are not tried, because noise would \
+    hide what they leave of the difference";
 
 /// Sentence for right colours with an opacity that no mistake makes.
 const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opacity alone, and no mistake of opacity that \
@@ -88,7 +88,12 @@ impl Likenesses {
     /// Words on `case`, or on all, that nothing known explains.
     pub fn nothing_known(&self, case: Option<&str>) -> &'static str {
         let mut open = self.with_open_conventions.iter();
-        if self.under_a_profile {
+        let is_asked = |(name, _): &&(String, Vec<String>)| case.is_none_or(|case| case == name);
+        let mut asked = self.unexplained.iter().filter(is_asked).peekable();
+        let is_hidden = |(_, said): &(String, Vec<String>)| said.iter().any(|it| it == UNDECIDABLE);
+        if asked.peek().is_some() && asked.all(is_hidden) {
+            "noise leaves the cause open"
+        } else if self.under_a_profile {
             "no known mistake explains it under this profile"
         } else if open.any(|open| case.is_none_or(|case| case == open)) {
             "no known mistake explains it, and not all conventions were tried"

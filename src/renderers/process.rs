@@ -134,7 +134,7 @@ fn run_kept(words: &[String], log: PipeWriter, timeout: Duration, keeper: &Keepe
     let by_itself = kept.code.is_some() || matches!(in_time, Ok(true));
     let failure = match in_time {
         Ok(_) if by_itself => failure_of(kept.code, kept.signal),
-        Ok(_) => Some(time_is_over(timeout, SEES_DAEMONS)),
+        Ok(_) => Some(why_ended(timeout, SEES_DAEMONS)),
         Err(error) => Some(format!("the renderer could not be waited for: {error}")),
     };
     Ok((failure, remnants(&kept, by_itself)))
@@ -195,7 +195,7 @@ fn run_in_group(words: &[String], log: PipeWriter, timeout: Duration) -> Ended {
         (Ok(_), None) => {
             let _ = child.wait();
             // A job of Windows has all in it, a process group what did not leave.
-            Some(time_is_over(timeout, cfg!(windows)))
+            Some(why_ended(timeout, cfg!(windows)))
         }
         (Err(error), _) => Some(format!("the renderer could not be waited for: {error}")),
     };
@@ -240,12 +240,15 @@ pub(super) fn has_ended(
     }
 }
 
-fn time_is_over(timeout: Duration, with_daemons: bool) -> String {
-    let seconds = timeout.as_secs_f64();
-    format!(
-        "the renderer did not end within {seconds} s and was ended, {}",
-        reach(with_daemons)
-    )
+/// Why the renderer was ended: for volref was, or at the end of its time.
+fn why_ended(timeout: Duration, with_daemons: bool) -> String {
+    let why = if STOPPED.load(Ordering::SeqCst) {
+        "volref was told to end, and ended the renderer".to_owned()
+    } else {
+        let seconds = timeout.as_secs_f64();
+        format!("the renderer did not end within {seconds} s and was ended")
+    };
+    format!("{why}, {}", reach(with_daemons))
 }
 
 /// The processes that were ended with a renderer, in words.

@@ -430,6 +430,12 @@ fn reasons_in_noise() {
             black(|x, y| x < 8 && y < 8),
         ),
         row("pixels are black", black(|x, y| x < 8 && y < 8), honest()),
+        row(
+            ", all in columns 16 to 23 and rows 0 to 7",
+            black(|x, y| x / 8 == 2 && y < 8),
+            // Two corners of it are open.
+            black(|x, y| x / 8 == 2 && y < 8 && x + y != 16 && x + y != 30),
+        ),
         row("it is the same image", copied(SIDE), copied(50)),
         row("part of it is copied", copied(50), honest()),
         row(

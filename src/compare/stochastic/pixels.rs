@@ -1,6 +1,7 @@
 //! Tests of single pixels: too many outliers, differences without noise, black without cause,
 //! copied values.
 
+use super::super::parts::lines;
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
 use super::blocks::{DARK, Difference};
@@ -104,6 +105,7 @@ impl PixelDifferences {
             considered,
             first,
             together,
+            ends,
         } = self.black;
         metrics.push(("black_pixels", count as f64));
         // Half of that for the one that is least likely, half for their number; of both bounds on a probability
@@ -112,11 +114,12 @@ impl PixelDifferences {
         let are_many = many_by_chance(count, expected) <= 0.125 * level;
         (count > 0 && (is_unlikely || are_many)).then(|| {
             format!(
-                "{}, such as ({}, {}): {}{}",
+                "{}{}, such as ({}, {}): {}{}",
                 match count {
                     1 => "a pixel is black".to_owned(),
                     many => format!("{many} pixels are black"),
                 },
+                rectangle(count, ends).unwrap_or_default(),
                 first[0],
                 first[1],
                 if is_unlikely && least < RARE {
@@ -187,6 +190,18 @@ struct BlackPixels {
     first: [usize; 2],
     /// True if one of them has a black neighbour in its row and one in its column.
     together: bool,
+    /// The least and the greatest column and row of them.
+    ends: [[usize; 2]; 2],
+}
+
+/// Where `count` pixels between two columns and rows lie, if they fill the rectangle between them.
+fn rectangle(count: u64, [least, greatest]: [[usize; 2]; 2]) -> Option<String> {
+    let [columns, rows] = [0, 1].map(|axis| greatest[axis] + 1 - least[axis]);
+    (count > 1 && (columns * rows) as u64 == count).then(|| {
+        let [columns, rows] = [("column", 0), ("row", 1)]
+            .map(|(name, axis)| lines(name, [least[axis], greatest[axis]]));
+        format!(", all in {columns} and {rows}")
+    })
 }
 
 /// Causes of single black pixels, and of single rows and columns.
@@ -253,7 +268,11 @@ impl BlackPixels {
             if test.radiance()[index] == [0.0; 3] {
                 if black.count == 0 {
                     black.least = 1.0;
+                    black.ends = [[x, y]; 2];
                 }
+                let [least, greatest] = &mut black.ends;
+                *least = [least[0].min(x), least[1].min(y)];
+                *greatest = [greatest[0].max(x), greatest[1].max(y)];
                 if likeliest < black.least {
                     (black.least, black.first) = (likeliest, [x, y]);
                 }

@@ -49,7 +49,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "srgb-encoded",
-        advice: "the image is encoded for a display: write linear radiance, without the sRGB curve; set the output to raw or linear",
+        advice: "the image is encoded for a display once too often: write radiance linear, set to raw or linear; codes of a .png are encoded once",
         edit: Edit::Pixels(|film| {
             mapped(film, |x, _| {
                 (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
@@ -66,7 +66,7 @@ pub(super) const MISTAKES: &[Mistake] = &[
     },
     Mistake {
         name: "srgb-decoded",
-        advice: "the image is decoded as though it had been encoded for a display: write linear radiance unchanged",
+        advice: "the image is decoded as though it had been encoded for a display: write radiance as it is; encode it for a .png, or declare linear codes by --bits 8-linear",
         edit: Edit::Pixels(|film| {
             mapped(film, |x, _| {
                 (math::srgb_to_linear(x), slope(math::srgb_to_linear, x))
