@@ -1185,17 +1185,18 @@ fn how_often_conventions_are_named() {
     }
 }
 
-/// How often a mistake is called a convention, of images of 32 and of 8 bits.
+/// How often a mistake is called a convention, of images of 32 and of 8 bits, with the work that `validate` gives to
+/// an image. Each mistake is made in one or two of the cases, others than the one before it.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "half an hour"]
 fn how_often_mistakes_are_called_conventions() {
     let suite = Suite::bundled().unwrap();
     let selected = suite.select(&["sampled".to_owned(), "figures/figure-1".to_owned()]);
     let (mut wrong, mut made) = (0, 0);
-    for case in selected.unwrap() {
+    for (number, case) in selected.unwrap().into_iter().enumerate() {
         let scene = case.load_scene().unwrap();
         let right = film(&scene);
-        for mistake in mistakes::catalogue() {
+        for mistake in mistakes::catalogue().skip(number % 12).step_by(12) {
             let of_the_scene = mistake.in_scene(&scene).map(|scene| film(&scene));
             let Some(film) = of_the_scene.or_else(|| mistake.in_image(&right)) else {
                 continue;
@@ -1208,7 +1209,7 @@ fn how_often_mistakes_are_called_conventions() {
                 }
                 made += 1;
                 let search = ConventionSearch::default();
-                search.explain_mismatch(case, &suite.store(), &mut judged, 1e4, false);
+                search.explain_mismatch(case, &suite.store(), &mut judged, 10.0, false);
                 if judged.result.verdict == Verdict::Convention {
                     println!("{}: {}: {}", case.name, mistake.name, judged.result.reason);
                     wrong += 1;
