@@ -240,7 +240,7 @@ pub(super) fn has_ended(
     }
 }
 
-/// Why the renderer was ended: for volref was, or at the end of its time.
+/// Reason for which the renderer was ended: volref is ending, or the time is over.
 fn why_ended(timeout: Duration, with_daemons: bool) -> String {
     let why = if STOPPED.load(Ordering::SeqCst) {
         "volref was told to end, and ended the renderer".to_owned()
