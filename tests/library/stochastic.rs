@@ -473,6 +473,76 @@ fn a_lost_line_is_seen() {
     assert_test_rejected("a column", &reference, &column, "a region of 1 × 48 pixels");
 }
 
+/// Where the noise is not stated, a black row is seen at the border and inside, in rare light and in few samples;
+/// rows that get less light than chance makes black are not.
+#[test]
+fn a_black_line_is_seen_without_stated_noise() {
+    let lit = |_: usize| [0.5; 3];
+    let lost = |test: &Film, row: usize| {
+        silent(&edited(test, |i, pixel| {
+            if i / SIDE == row { [0.0; 3] } else { pixel }
+        }))
+    };
+    for (shape, samples) in [(even as SampleShape, 2), (exponential, 4), (rare, 64)] {
+        let reference = sampled(1, 4096, shape, lit);
+        let test = sampled(2, samples, shape, lit);
+        let judgement = judged(&reference, &silent(&test));
+        assert!(!judgement.reason.contains("black"), "{}", judgement.reason);
+        for row in [0, 20, SIDE - 1] {
+            let name = format!("row {row} is black");
+            assert_test_rejected("a row", &reference, &lost(&test, row), &name);
+        }
+    }
+    // Of two samples in each pixel, a twentieth of them lit, rows are black by chance: (19/20)⁹⁶ is one in 138.
+    let reference = sampled(1, 8192, rare, lit);
+    let mut rows = 0;
+    for seed in 2..42 {
+        let test = sampled(seed, 2, rare, lit);
+        let mut pixels = test.radiance().chunks(SIDE);
+        rows += usize::from(pixels.any(|row| row.iter().all(|pixel| *pixel == [0.0; 3])));
+        let judgement = judged(&reference, &silent(&test));
+        assert!(
+            !judgement.reason.contains("is black"),
+            "{}",
+            judgement.reason
+        );
+    }
+    assert!(rows > 5, "{rows}");
+    // A dim row between bright ones: of its light no sample in a thousand arrives.
+    let dim = |index: usize| {
+        if index / SIDE == 20 {
+            [1e-3; 3]
+        } else {
+            [0.5; 3]
+        }
+    };
+    let glints = |seed: u64, samples: u32| {
+        let bright = sampled(seed, samples, even, dim);
+        let rare = |u: f64| if u < 1e-3 { 1e3 } else { 0.0 };
+        let row = sampled(seed, samples, rare, dim);
+        let pick = |of: fn(&Film) -> Vec<[f32; 3]>| {
+            let pixels = of(&bright).into_iter().zip(of(&row)).enumerate();
+            let pixels = pixels.map(|(i, (a, b))| if i / SIDE == 20 { b } else { a });
+            pixels.collect::<Vec<_>>()
+        };
+        let [means, variances] = [
+            pick(|film| film.radiance().to_vec()),
+            pick(|film| film.noise().unwrap().variance().to_vec()),
+        ];
+        Film::with_noise(SIDE, SIDE, means, variances, samples)
+    };
+    let reference = glints(1, 65536);
+    let test = glints(2, 4);
+    let row = &test.radiance()[20 * SIDE..21 * SIDE];
+    assert!(row.iter().all(|pixel| *pixel == [0.0; 3]));
+    let judgement = judged(&reference, &silent(&test));
+    assert!(
+        !judgement.reason.contains("is black"),
+        "{}",
+        judgement.reason
+    );
+}
+
 /// Columns that repeat the one before are no independent means; those of light that is either on or off are
 /// equal by chance.
 #[test]

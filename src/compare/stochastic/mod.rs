@@ -116,6 +116,7 @@
 //! Such images need more samples, not a wider gate.
 
 mod amount;
+mod black_lines;
 mod blocks;
 mod comparison;
 mod cut_off;
@@ -148,6 +149,7 @@ use super::significance::{deviation, holm, two_sided, two_sided_estimated};
 use crate::film::{CHANNELS, Film};
 use crate::math;
 use amount::judge_amount;
+use black_lines::judge_black_lines;
 use blocks::{Block, Channel};
 use comparison::Comparison;
 use cut_off::WithinCodes;
@@ -414,6 +416,7 @@ fn judgement(
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
         faults.extend(pixels.judge_black(level, &mut metrics));
     }
+    faults.extend(judge_black_lines(comparison, level));
     faults.extend(judge_one_variance(comparison));
     let copied = pixels.judge_copied(level, &mut metrics);
     // A copy has too little noise, which goes without saying.

@@ -122,16 +122,8 @@ impl PixelDifferences {
                 rectangle(count, ends).unwrap_or_default(),
                 first[0],
                 first[1],
-                if is_unlikely && least < RARE {
-                    format!(
-                        "by the light around it, chance makes that one black less than once in {:.0e} images",
-                        1.0 / RARE
-                    )
-                } else if is_unlikely {
-                    format!(
-                        "by the light around it, chance makes that one black once in {:.0e} images",
-                        1.0 / least
-                    )
+                if is_unlikely {
+                    format!("by the light around it, {}", chance(least))
                 } else {
                     format!("chance would make some {expected:.0} black")
                 },
@@ -205,10 +197,20 @@ fn rectangle(count: u64, [least, greatest]: [[usize; 2]; 2]) -> Option<String> {
 }
 
 /// Causes of single black pixels, and of single rows and columns.
-const CAUSES: &str = "; possible causes are a NaN replaced by 0, or a pixel that was never written";
+pub(super) const CAUSES: &str =
+    "; possible causes are a NaN replaced by 0, or a pixel that was never written";
 
 /// Probability below which no digit of it means anything.
 const RARE: f64 = 1e-12;
+
+/// How often chance makes black what it makes so with a `probability`, in words.
+pub(super) fn chance(probability: f64) -> String {
+    let seldom = if probability < RARE { "less than " } else { "" };
+    format!(
+        "chance makes that one black {seldom}once in {:.0e} images",
+        1.0 / probability.max(RARE)
+    )
+}
 
 /// Radius in pixels of the neighbourhood whose variance a black pixel may have.
 const REACH: usize = 2;
