@@ -43,7 +43,25 @@ pub(crate) struct Misfit {
     pub test_from_black: SquaredDistance,
     /// Standard error of the distance, were the images the same but for their noise.
     pub least_error: f64,
+    /// That of the [`Amount`] by which the prediction changes the golden; 0 where it was not asked for.
+    pub gain: f64,
 }
+
+/// How much of a change an image has: the coefficient of its difference from the golden on that change, by least
+/// squares over all tiles with noise together. What is small in every cell shows in their sum.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Amount {
+    /// 0 for none of it, and 1 for all.
+    pub value: f64,
+    /// Standard error of that.
+    pub error: f64,
+    /// Decrease of the squared difference by the change, in variances.
+    pub gain: f64,
+}
+
+/// Edges in cells of the tiles in which a change is looked for: what is all over the image shows best in large ones,
+/// of which a few tens are left for its shape.
+const TILES: [usize; 3] = [1, 2, 4];
 
 /// Largest squared difference that counts for one cell, in variances, so that a few cells of rare
 /// bright paths do not decide.
@@ -289,6 +307,83 @@ impl Cells {
         }
     }
 
+    /// [`Amount`] of the change from `golden` to these cells that `test` has, in tiles of the edge that tells it best.
+    /// `None` where the change is lost in noise.
+    pub fn amount_in(&self, test: &Cells, golden: &Cells) -> Option<Amount> {
+        let terms = |cell: usize, c: usize| {
+            let base = golden.means[cell][c];
+            let [change, difference] = [self, test].map(|it| it.means[cell][c] - base);
+            let shared = golden.variances[cell][c];
+            let own = golden.variance_with(self, cell, c) - shared;
+            let noise = golden.variance_with(test, cell, c) + own;
+            [change, difference, own, shared, noise]
+        };
+        let amounts = TILES.map(|edge| golden.amount_by_tiles(edge, terms));
+        let amounts = amounts.into_iter().flatten();
+        amounts.min_by(|a, b| a.error.total_cmp(&b.error))
+    }
+
+    /// Gain of the change from `before` to these cells, rendered with the same random numbers: where these are used
+    /// alike, the change is known much better than either. Its noise counts as a change.
+    pub fn gain_over(&self, before: &Cells, test: &Cells, golden: &Cells) -> f64 {
+        let terms = |cell: usize, c: usize| {
+            let change = self.means[cell][c] - before.means[cell][c];
+            let difference = test.means[cell][c] - golden.means[cell][c];
+            let noise = golden.variance_with(test, cell, c);
+            [change, difference, 0.0, 0.0, noise]
+        };
+        let amount = golden.amount_by_tiles(TILES[TILES.len() - 1], terms);
+        amount.map_or(0.0, |amount| amount.gain)
+    }
+
+    /// [`Amount`] of a change by its terms, by cell and channel: change, difference, the variances of the prediction and
+    /// of the golden, which both share, and that of all.
+    fn amount_by_tiles(
+        &self,
+        edge: usize,
+        terms: impl Fn(usize, usize) -> [f64; 5],
+    ) -> Option<Amount> {
+        let (mut in_test, mut in_change) = (Sum::default(), Sum::default());
+        let (mut error_in_test, mut error_in_change) = (Sum::default(), Sum::default());
+        let columns = self.columns.div_ceil(edge);
+        for tile in 0..columns * self.rows.div_ceil(edge) {
+            let corner = [tile % columns * edge, tile / columns * edge];
+            let [width, height] = [self.columns, self.rows];
+            let cells = (corner[1]..(corner[1] + edge).min(height))
+                .flat_map(|y| (corner[0]..(corner[0] + edge).min(width)).map(move |x| (x, y)))
+                .map(|(x, y)| x + width * y)
+                .filter(|&cell| !self.silent[cell]);
+            let mut sums = [[0.0; 5]; 3];
+            for cell in cells {
+                for (c, sums) in sums.iter_mut().enumerate() {
+                    let terms = terms(cell, c);
+                    sums.iter_mut().zip(terms).for_each(|(sum, it)| *sum += it);
+                }
+            }
+            let (mut of_test, mut of_change) = (0.0, 0.0);
+            for [change, difference, own, shared, noise] in sums {
+                if noise <= 0.0 {
+                    continue;
+                }
+                in_test.add((change * difference - shared) / noise);
+                in_change.add((change * change - shared - own) / noise);
+                // The channels may share their noise: their errors add up.
+                of_test += change.abs() / noise.sqrt();
+                let of_both = own + shared;
+                of_change += (of_both * (2.0 * of_both + 4.0 * change * change)).sqrt() / noise;
+            }
+            error_in_test.add(of_test * of_test);
+            error_in_change.add(of_change * of_change);
+        }
+        let [size, error] = [in_change.value(), error_in_change.value().sqrt()];
+        let value = in_test.value() / size;
+        (size > 0.0).then(|| Amount {
+            value,
+            error: (error_in_test.value() + value * value * error * error).sqrt() / size,
+            gain: 2.0 * in_test.value() - size,
+        })
+    }
+
     /// These cells as noisy as `other` ones.
     pub fn with_noise_of(&self, other: &Cells) -> Cells {
         Cells {
@@ -447,6 +542,7 @@ impl Cells {
             by_other_weights: by_other_weights.map(|sums| sums.distance(cells, has_noise)),
             test_from_black: test_from_black.distance(cells, has_noise),
             least_error: least_squares.value().sqrt() / (3.0 * cells),
+            gain: 0.0,
         }
     }
 

@@ -22,7 +22,7 @@ pub(crate) const UNEXPLAINED: f64 = 0.02;
 pub(crate) const UNEXPLAINED_IN_NOISE: f64 = 0.05;
 
 /// Standard errors of a bound: beyond it is one chance in forty.
-const BOUND: f64 = 2.0;
+pub(crate) const BOUND: f64 = 2.0;
 
 /// A squared distance of two images, noise taken out: an estimate without bias, which may fall below
 /// 0 where there is none.

@@ -10,7 +10,7 @@ use super::prediction::{
 use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
 use crate::compare::stochastic::{BLOCK, judge_at};
-use crate::compare::unexplained::{SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
+use crate::compare::unexplained::{BOUND, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
 use crate::compare::{
     Conditions, Deterministic, Gate as _, NumberChange, Perceptual, Picture, Refinement, Seen,
     WITHIN_A_PIXEL, change_with_step, judge, measured, place_of_rest,
@@ -23,6 +23,7 @@ use crate::render::Detail;
 use crate::scene::{Mode, Panel, Scene};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
+use std::sync::OnceLock;
 
 /// An 8-bit image is rounded, which leaves a share of a small difference unexplained: there the
 /// perceptual gate may say that prediction and image are the same, if no more than this share is
@@ -92,6 +93,8 @@ pub(super) struct ComparedCase {
     first: (Detail, u32),
     /// Pixels of a second look, and samples in each.
     second: (Detail, u32),
+    /// The scene itself as a first and as a second look shows it.
+    unchanged: [OnceLock<Option<Cells>>; 2],
     /// Work of a ray from the eye, in events.
     work_of_a_ray: f64,
     /// Without noise: golden and image as a first look sees them.
@@ -210,6 +213,7 @@ impl ComparedCase {
             test_cells,
             first,
             second,
+            unchanged: Default::default(),
             glimpse,
         })
     }
@@ -221,6 +225,33 @@ impl ComparedCase {
             Picture::Radiance(_) => self.leaves(misfit, self.may_leave()),
             Picture::Codes(_) => misfit.is_noise(),
         }
+    }
+
+    /// Misfit of `film`, a `look` at a hypothesis, to a noisy image, with what the hypothesis gains.
+    fn misfit_with_gain(
+        &self,
+        film: &Film,
+        look: (Detail, u32),
+        clock: &SearchClock<'_>,
+    ) -> Option<Misfit> {
+        let misfit = self.misfit(film)?;
+        let (test, golden) = (&self.test_cells, &self.golden_cells);
+        let predicted = in_cells(&self.kept.film(film), golden)?;
+        let by_itself = predicted
+            .amount_in(test, golden)
+            .map_or(0.0, |amount| amount.gain);
+        let unchanged = &self.unchanged[usize::from(look == self.second)];
+        let unchanged = unchanged.get_or_init(|| {
+            let film = self.rendered(&self.scene, ("", 0), look, clock)?;
+            in_cells(&self.kept.film(&film), golden)
+        });
+        let beside = unchanged
+            .as_ref()
+            .map_or(0.0, |it| predicted.gain_over(it, test, golden));
+        Some(Misfit {
+            gain: by_itself.max(beside),
+            ..misfit
+        })
     }
 
     /// Misfit of `film` to the image: a prediction of the whole image or in blocks.
@@ -420,7 +451,8 @@ impl ComparedCase {
             let excess = self.in_noise(&noisy) - 1.0;
             let is_nearer = self.leaves(misfit, MOST_IN_NOISE)
                 || excess > LEAST_EXCESS && misfit.in_noise - 1.0 <= MOST_IN_NOISE * excess
-                || self.leaves_where_it_shows(&prediction);
+                || self.leaves_where_it_shows(&prediction)
+                || self.has_amount_of(&prediction);
             is_nearer && !self.agrees(&noisy) && self.agrees(&prediction)
         })
     }
@@ -436,6 +468,13 @@ impl ComparedCase {
             && prediction
                 .misfit(&test, &golden)
                 .explains(&whole, MOST_IN_NOISE)
+    }
+
+    /// True if the image has what `prediction` changes, and as much of it, so that at most [`MOST_IN_NOISE`] of its
+    /// square is left, beyond doubt: of what is small in every block, noise hides how much is left but of the sum.
+    fn has_amount_of(&self, prediction: &Cells) -> bool {
+        let amount = prediction.amount_in(&self.test_cells, &self.golden_cells);
+        amount.is_some_and(|it| (it.value - 1.0).abs() + BOUND * it.error <= MOST_IN_NOISE.sqrt())
     }
 
     /// The image of `edited`, a change known as `label`, with so many samples that noise hides little;
@@ -557,10 +596,10 @@ impl ComparedCase {
 
     /// Misfit of `look`, as [`ComparedCase::look`] returns it, to the image, if a closer look may
     /// find that they agree.
-    pub fn promise(&self, look: &Film) -> Option<Misfit> {
+    pub fn promise(&self, look: &Film, clock: &SearchClock<'_>) -> Option<Misfit> {
         if self.is_sampled {
             return self
-                .misfit(look)
+                .misfit_with_gain(look, self.first, clock)
                 .filter(|misfit| self.may_be_explained_by(misfit));
         }
         if self.sees_all_at_once() {
@@ -645,7 +684,8 @@ impl ComparedCase {
         // What leaves more than noise does not agree, and what leaves much does not explain.
         let most = self.may_leave() * self.whole_distance();
         let is_near = |misfit: &Misfit| misfit.is_noise() || misfit.distance().value <= most;
-        self.looked_at(hypothesis, self.second, clock)
+        let film = self.predict(hypothesis, self.second, clock)?;
+        self.misfit_with_gain(&film, self.second, clock)
             .filter(|misfit| self.may_be_explained_by(misfit) && is_near(misfit))
     }
 

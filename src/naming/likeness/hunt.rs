@@ -19,7 +19,7 @@ const MOST_SECOND_LOOKS: usize = 8;
 
 /// Likewise where there is noise, of which a first look has so much that the right mistake may seem far: half as
 /// much work again as that of the second looks and the third ones at eight of them.
-const MOST_NOISY_LOOKS: usize = 32;
+const MOST_NOISY_LOOKS: usize = 24;
 
 /// Largest number of rendered pairs of mistakes of the scene: the most promising by the effect of
 /// each mistake alone. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
@@ -58,6 +58,22 @@ pub(super) type FirstLooks = BTreeMap<usize, Film>;
 /// Order of misfits: the one that leaves less first.
 fn nearer(a: &Misfit, b: &Misfit) -> Ordering {
     a.distance().at_most().total_cmp(&b.distance().at_most())
+}
+
+/// Sorts hypotheses on a noisy image, by turns the one that explains most of it in large tiles and the one that is least
+/// different from it in its cells: the one is sure of what is small in all of them, the other of what is large in few.
+fn likeliest_first(promising: &mut Explaining) {
+    let ranks = |of: &dyn Fn(&Misfit) -> f64| {
+        let mut order: Vec<usize> = (0..promising.len()).collect();
+        order.sort_by(|&a, &b| of(&promising[a].1).total_cmp(&of(&promising[b].1)));
+        let mut ranks = vec![0; order.len()];
+        (order.into_iter().enumerate()).for_each(|(rank, index)| ranks[index] = rank);
+        ranks
+    };
+    let [in_cells, in_tiles] = [ranks(&|it| it.in_noise), ranks(&|it| -it.gain)];
+    let mut order: Vec<usize> = (0..promising.len()).collect();
+    order.sort_by_key(|&index| (in_cells[index].min(in_tiles[index]), in_tiles[index]));
+    *promising = order.into_iter().map(|index| promising[index]).collect();
 }
 
 /// Places in the catalogue of the mistakes that may explain colours.
@@ -106,7 +122,7 @@ impl ComparedCase {
                 break;
             }
             if let Some(film) = look {
-                let promise = self.promise(&film);
+                let promise = self.promise(&film, clock);
                 promising.extend(promise.map(|misfit| (Hypothesis::One(index), misfit)));
                 looks.insert(index, film);
             }
@@ -151,7 +167,7 @@ impl ComparedCase {
             let both_occur = looks.contains_key(&first) && looks.contains_key(&second);
             let pair = both_occur.then_some(Hypothesis::Two(first, second))?;
             let look = self.look(&pair, clock)?;
-            self.promise(&look).map(|misfit| (pair, misfit))
+            self.promise(&look, clock).map(|misfit| (pair, misfit))
         });
         pairs.collect()
     }
@@ -185,7 +201,7 @@ impl ComparedCase {
             if clock.is_late() {
                 return self.look_closer(promising, clock);
             }
-            let promise = look.and_then(|film| self.promise(&film));
+            let promise = look.and_then(|film| self.promise(&film, clock));
             promising.extend(promise.map(|misfit| (hypothesis, misfit)));
             clock.decided();
         }
@@ -231,7 +247,8 @@ impl ComparedCase {
                     return None;
                 }
                 let edited = mistake(second).in_image(film);
-                let promise = edited.and_then(|film| self.promise(&self.as_first_seen(&film)));
+                let promise =
+                    edited.and_then(|film| self.promise(&self.as_first_seen(&film), clock));
                 clock.decided();
                 Some((Hypothesis::Two(*first, second), promise?))
             })
@@ -293,17 +310,15 @@ impl ComparedCase {
         promising
     }
 
-    /// Hypotheses that may explain a noisy image on a second look, the least different from it first.
+    /// Hypotheses that may explain a noisy image on a second look, the likeliest first.
     fn second_looks(&self, mut promising: Explaining, clock: &SearchClock<'_>) -> Explaining {
-        let by_noise =
-            |(_, a): &(_, Misfit), (_, b): &(_, Misfit)| a.in_noise.total_cmp(&b.in_noise);
-        promising.sort_by(by_noise);
+        likeliest_first(&mut promising);
         promising.truncate(MOST_NOISY_LOOKS);
         let closer = promising.into_iter().filter_map(|(hypothesis, _)| {
             Some((hypothesis, self.second_look(&hypothesis, clock)?))
         });
         let mut promising: Explaining = closer.collect();
-        promising.sort_by(by_noise);
+        likeliest_first(&mut promising);
         promising
     }
 
