@@ -270,10 +270,11 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
             judgement.is_ok_and(|judgement| judgement.passed)
         };
         // Colours that are right are no map of themselves, and a few pixels that are off none of all.
-        let whole = squared_difference(&colours, test);
+        let left = |prediction: &Film| squared_difference(prediction, test, &colours);
+        let whole = left(&colours);
         let holds = |map: &Map| {
             let mapped = map.of(&colours);
-            squared_difference(&mapped, test) <= UNEXPLAINED * whole && agrees(mapped)
+            left(&mapped) <= UNEXPLAINED * whole && agrees(mapped)
         };
         let found = maps.find(holds).filter(|_| !agrees(colours.clone()))?;
         // Rounding leaves factors open that are 1.
@@ -301,17 +302,23 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
     })
 }
 
-/// Sum of the squared differences of `test` from `golden`, relative to the golden plus its mean, beyond rounding.
-fn squared_difference(golden: &Film, test: &Film) -> f64 {
+/// Sum of the squared differences of `test` from `prediction`, relative to the golden, beyond rounding.
+fn squared_difference(prediction: &Film, test: &Film, golden: &Film) -> f64 {
     let mean = golden.mean_magnitude().unwrap_or_default();
-    let nearest = test.nearest_to(golden);
-    let values = golden.radiance().as_flattened().iter();
-    let squares = values.zip(nearest.radiance().as_flattened()).map(|(a, b)| {
-        let (a, b) = (f64::from(*a), f64::from(*b));
-        let relative = (b - a) / (a.abs() + mean);
-        relative * relative
+    let nearest = test.nearest_to(prediction);
+    let [golden, predicted, nearest] =
+        [golden, prediction, &nearest].map(|film| film.radiance().as_flattened());
+    let values = golden.iter().zip(predicted).zip(nearest);
+    let squares = values.map(|((golden, a), b)| {
+        let difference = f64::from(*b) - f64::from(*a);
+        relative_weight(f64::from(*golden), mean) * difference * difference
     });
     squares.sum()
+}
+
+/// The weight of a square where the golden is `value` and `mean` on average: relative, but not to what is next to black.
+fn relative_weight(value: f64, mean: f64) -> f64 {
+    1.0 / ((value.abs() + mean) * (value.abs() + mean))
 }
 
 /// Weighted sums over an image, by channel: of the weights, of the golden `a`, the image `b`, a²
@@ -341,8 +348,7 @@ impl Fits {
                     continue;
                 }
                 let (a, b) = (f64::from(golden[c]), f64::from(test[c]));
-                // By relative differences, but not those of what is next to black.
-                let weight = 1.0 / ((a.abs() + mean) * (a.abs() + mean));
+                let weight = relative_weight(a, mean);
                 for (sum, value) in sums.iter_mut().zip([1.0, a, b, a * a, a * b]) {
                     *sum += weight * value;
                 }
@@ -452,6 +458,26 @@ mod tests {
         );
         assert_eq!(said(|x, _| 0.0 * x), "");
         assert_eq!(said(|x, _| if x > 0.4 { 1.3 * x } else { x }), "");
+    }
+
+    /// Rounding to 8 bits leaves factors open that are 1, and those that are not are not made so.
+    #[test]
+    fn a_channel_that_is_right_has_the_factor_1() {
+        let case = case("figures/figure-1");
+        let colours = golden();
+        let quantisation = Bits::UNKNOWN.of_png(case.exposure);
+        let tint = [1.02, 1.0, 1.0];
+        let edited = |pixel: &[f32; 3]| -> [f32; 3] {
+            std::array::from_fn(|c| (tint[c] * f64::from(pixel[c])) as f32)
+        };
+        let pixels = colours.radiance().iter().map(edited).collect();
+        let test = quantisation.rounded(&Film::new(32, 24, pixels));
+        let said = measured(&case, &colours, &Picture::Radiance(test)).join("; ");
+        assert!(
+            said.ends_with(", 1.000, 1.000 in red, green and blue"),
+            "{said}"
+        );
+        assert!(said.starts_with("the image is the golden × 1.0"), "{said}");
     }
 
     /// Beside black nothing is a factor, and one number says all.

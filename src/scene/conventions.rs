@@ -212,7 +212,7 @@ conventions! {
         "whole" = LastStep::Whole,
         "dropped" = LastStep::Dropped
     ),
-    "Step cut off by the back face: counted over its true length, counted as a whole step, or dropped.",
+    "Step cut off by the back face: counted over its true length, counted as a whole step if its sample lies in front of that face, or dropped.",
     [
         other("counts the last step of a ray as a whole one", |it| it.last_step = LastStep::Whole),
         other(
@@ -465,7 +465,7 @@ conventions! {
     ];
 
     "bit_rounding" = rounded_down: bool = words("nearest" of "nearest" = false, "down" = true),
-    "Rounding of colours and opacities to the bits of `colour_bits` and `opacity_bits`: to the nearest number, or down.",
+    "Rounding of colours and opacities to the bits of `colour_bits` and `opacity_bits`: to the nearest number, a half upwards, or down.",
     [
         other(
             "rounds the colours and opacities of its table down, to 8 bits",
