@@ -51,14 +51,6 @@ pub fn critical_estimated(level: f64, degrees: f64) -> f64 {
     -student.inverse_cdf(0.5 * level)
 }
 
-/// The level of each of `tests` independent tests that gives all of them together `level`:
-/// `1 − (1 − level)^(1/tests)`.
-///
-/// Source: Šidák 1967, JASA 62, 626–633.
-pub fn sidak(level: f64, tests: f64) -> f64 {
-    -math::exp_m1(math::ln_1p(-level) / tests)
-}
-
 /// Number of hypotheses with these probabilities to reject, such that a true one is rejected with
 /// probability `level` at most, for any dependence between them: the k-th smallest of n is rejected
 /// if all before it are and it is at most `level/(n + 1 − k)`.

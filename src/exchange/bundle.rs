@@ -24,16 +24,8 @@ use inline_arrays::{Entries, Json, to_json};
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
 /// `NAME.backdrop-1.raw` for each plot, `NAME.vertices-1.raw` and `NAME.triangles-1.raw` for each mesh of a
 /// radiative scene. The same scene gives the same bytes. Refused are other conventions than volref's.
-pub fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
-    bundle_at(scene, name, None)
-}
-
-/// [`bundle`], with the exposure of 8-bit images, in stops, where it is known.
-pub(super) fn bundle_at(
-    scene: &Scene,
-    name: &str,
-    exposure: Option<f64>,
-) -> Result<Export, Refusal> {
+/// The exposure is that of 8-bit images, in stops, where it is known.
+pub(super) fn bundle(scene: &Scene, name: &str, exposure: Option<f64>) -> Result<Export, Refusal> {
     let mut raw = RawFiles::new(name);
     let mut panels = Vec::new();
     let mut first_column = 0;

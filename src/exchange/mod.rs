@@ -27,7 +27,6 @@ mod pbrt;
 mod refusal;
 mod view;
 
-pub use bundle::bundle;
 pub use export_files::Export;
 pub use refusal::{ExportFault, Refusal};
 
@@ -115,7 +114,7 @@ pub fn export_at(
     let write = match format {
         Format::Mitsuba => mitsuba::scene,
         Format::Pbrt => pbrt::scene,
-        Format::Bundle => return bundle::bundle_at(scene, name, exposure),
+        Format::Bundle => return bundle::bundle(scene, name, exposure),
         Format::Raw | Format::Nrrd | Format::Npy => {
             return grid_files::grid_files(scene, format, name);
         }

@@ -1,7 +1,7 @@
 //! Meshes that enclose a volume.
 
 use super::forward::forward;
-use super::{Aabb, Crossing, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface, Transform};
+use super::{Aabb, Crossing, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface};
 use crate::math::Sum;
 use std::sync::Arc;
 
@@ -44,11 +44,6 @@ impl ClosedMesh {
     /// True if `mesh` is closed and its normals point inward.
     pub fn is_inside_out(mesh: &Mesh) -> bool {
         volume(mesh) < 0.0 && check_edges(mesh).is_ok()
-    }
-
-    /// The solid with every vertex moved by `transform`.
-    pub fn transformed(&self, transform: &Transform) -> Result<ClosedMesh, MeshError> {
-        ClosedMesh::new(self.0.transformed(transform)?)
     }
 }
 

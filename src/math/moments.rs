@@ -5,8 +5,7 @@
 /// Deviations are taken from the running mean: the difference of sum of squares and squared sum
 /// loses all digits where the spread is small compared with the mean.
 ///
-/// Sources: Welford 1962, Technometrics 4, 419–420; merging: Chan, Golub & LeVeque 1983,
-/// The American Statistician 37, 242–247.
+/// Source: Welford 1962, Technometrics 4, 419–420.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     count: u64,
@@ -21,24 +20,6 @@ impl Moments {
         let deviation = sample - self.mean;
         self.mean += deviation / self.count as f64;
         self.squared_deviations += deviation * (sample - self.mean);
-    }
-
-    /// The moments of both series together. The last bits depend on the partition of a series, so
-    /// callers fix the parts and their order independently of the number of threads.
-    pub fn merged(self, other: Moments) -> Moments {
-        if self.count == 0 || other.count == 0 {
-            return if self.count == 0 { other } else { self };
-        }
-        let (here, there) = (self.count as f64, other.count as f64);
-        let share = there / (here + there);
-        let distance = other.mean - self.mean;
-        Moments {
-            count: self.count + other.count,
-            mean: self.mean + distance * share,
-            squared_deviations: self.squared_deviations
-                + other.squared_deviations
-                + distance * distance * (here * share),
-        }
     }
 
     /// Number of samples.
@@ -97,22 +78,5 @@ mod tests {
             (two.mean(), two.variance(), two.variance_of_mean()),
             (2.0, Some(2.0), Some(1.0))
         );
-    }
-
-    #[test]
-    fn merging_with_nothing_changes_nothing() {
-        let some = Moments::from_iter([0.1, 0.7, 0.3]);
-        assert_eq!(some.merged(Moments::default()), some);
-        assert_eq!(Moments::default().merged(some), some);
-    }
-
-    #[test]
-    fn parts_merge_to_the_whole() {
-        let whole = Moments::from_iter([1.0, 2.0, 3.0, 4.0, 5.0, 9.0]);
-        let parts = Moments::from_iter([1.0, 2.0]).merged(Moments::from_iter([3.0, 4.0, 5.0, 9.0]));
-        assert_eq!((whole.count(), whole.mean()), (6, 4.0));
-        assert_eq!((parts.count(), parts.mean()), (6, 4.0));
-        assert_eq!(parts.squared_deviations, 40.0);
-        assert!((whole.squared_deviations - 40.0).abs() <= 40.0 * 8.0 * f64::EPSILON);
     }
 }

@@ -44,11 +44,6 @@ impl Droplets {
         })
     }
 
-    /// Diameter of the droplets, micrometres.
-    pub fn diameter(&self) -> f64 {
-        self.diameter
-    }
-
     /// The narrow lobe, the wide one, and the weight of the wide one.
     pub fn lobes(&self) -> (HenyeyGreenstein, Draine, f64) {
         (self.narrow, self.wide, self.weight)

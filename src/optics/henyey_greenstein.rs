@@ -1,7 +1,7 @@
 //! The Henyey–Greenstein phase function.
 
 use super::deflection::{Asymmetry, Deflection};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// The phase function `p = (1 − g²) / (4π (1 + g² − 2g cos θ)^(3/2))`, per steradian.
 ///
@@ -21,11 +21,6 @@ impl HenyeyGreenstein {
         let g = self.0.g();
         let squared = self.squared_distance(deflection);
         ((1.0 - g) * (1.0 + g) / squared) / (4.0 * PI * squared.sqrt())
-    }
-
-    /// Density of the cosine on [−1, 1]: `2π p`.
-    pub fn pdf(&self, deflection: &Deflection) -> f64 {
-        TAU * self.per_steradian(deflection)
     }
 
     /// Probability that the cosine is at most that of `deflection`:

@@ -20,7 +20,7 @@ use crate::optics::Field;
 use crate::volume::{Grid, volume_format};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -68,8 +68,6 @@ const MOST_BYTES: u64 = 1 << 24;
 /// A scene: one image, or several side by side.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The file it was read from.
-    pub path: PathBuf,
     /// The images from left to right, at least one, all of the same height.
     pub panels: Vec<Panel>,
 }
@@ -175,7 +173,6 @@ impl Scene {
     /// A scene of one image without a file.
     pub fn of(panel: Panel) -> Scene {
         Scene {
-            path: PathBuf::new(),
             panels: vec![panel],
         }
     }
@@ -261,10 +258,7 @@ impl Scene {
                 format!("{pixels} pixels are too many; at most {MOST_PIXELS} are rendered");
             return Err(document.error(Some(whole), message, None));
         }
-        Ok(Scene {
-            path: path.to_owned(),
-            panels,
-        })
+        Ok(Scene { panels })
     }
 
     /// Bytes of the values of all volumes; one that several panels or media share counts once.

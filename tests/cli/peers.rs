@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use volref::compare::{Conditions, Deterministic, Judgement, Picture, judge};
-use volref::exchange::{Export, Format, bundle, export};
+use volref::exchange::{Export, Format, Refusal, export};
 use volref::film::Film;
 use volref::math::{exp, ln_1p};
 use volref::render::{Sampling, plans, render};
@@ -81,6 +81,10 @@ fn film(scene: &Scene) -> Film {
 fn deterministic(reference: &Film, test: &Film) -> Judgement {
     let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
     judge(&Deterministic, &reference, &test, &Conditions::default()).unwrap()
+}
+
+fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
+    export(scene, Format::Bundle, name)
 }
 
 /// The bundle as its reader sees it: a volume with everything on.

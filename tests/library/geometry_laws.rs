@@ -336,9 +336,9 @@ fn the_smoke_boxes_of_the_source() {
         along,
     )
     .unwrap();
-    let as_mesh = closed(meshes::cuboid(cuboid.min, cuboid.max))
-        .transformed(placed.to_world())
-        .unwrap();
+    let as_mesh = closed(meshes::cuboid(cuboid.min, cuboid.max));
+    let as_mesh = as_mesh.mesh().transformed(placed.to_world()).unwrap();
+    let as_mesh = ClosedMesh::new(as_mesh).unwrap();
     for span in [placed.spans(&ray)[0], as_mesh.spans(&ray)[0]] {
         assert!((span.near - 10.0).abs() < 1e-12 && (span.far - 175.0).abs() < 1e-12);
     }

@@ -33,15 +33,25 @@ fn mean_square_code_difference(reference: &SrgbImage, test: &SrgbImage) -> f64 {
     squares.sum::<f64>() / reference.len() as f64
 }
 
+/// The error that `percent` of the pixels do not exceed: linear between order statistics.
+fn percentile(errors: &ErrorMap, percent: f64) -> f64 {
+    let mut sorted = errors.values().to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let position = percent / 100.0 * (sorted.len() - 1) as f64;
+    let below = position.floor() as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
+}
+
 fn statistic(name: &str, errors: &ErrorMap) -> f64 {
     match name {
         "mean" => errors.mean(),
-        "min" => errors.min(),
+        "min" => percentile(errors, 0.0),
         "max" => errors.max(),
-        "p50" => errors.percentile(50.0),
-        "p75" => errors.percentile(75.0),
-        "p95" => errors.percentile(95.0),
-        "p99" => errors.percentile(99.0),
+        "p50" => percentile(errors, 50.0),
+        "p75" => percentile(errors, 75.0),
+        "p95" => percentile(errors, 95.0),
+        "p99" => percentile(errors, 99.0),
         "weighted_median" => errors.weighted_percentile(50.0),
         "weighted_p99" => errors.weighted_percentile(99.0),
         _ => panic!("unknown statistic {name}"),

@@ -46,7 +46,8 @@ fn phase_values_and_distribution() {
     for (entry, phase) in phase_entries() {
         let turns = || entry.inputs("mu").into_iter().map(Deflection::from_cos);
         entry.are("pdf_sr", turns().map(|turn| phase.per_steradian(&turn)));
-        entry.are("pdf_mu", turns().map(|turn| phase.pdf(&turn)));
+        let of_cosine = |turn| TAU * phase.per_steradian(&turn);
+        entry.are("pdf_mu", turns().map(of_cosine));
         entry.are("cdf", turns().map(|turn| phase.cdf(&turn)));
     }
 }

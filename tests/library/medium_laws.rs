@@ -352,24 +352,3 @@ proptest! {
         }
     }
 }
-
-// Accumulation.
-
-proptest! {
-    #![proptest_config(config())]
-
-    #[test]
-    fn a3_merged_moments_are_those_of_the_whole(
-        samples in prop::collection::vec(-10.0..10.0_f64, 2..200), cut in 0.0..1.0_f64,
-    ) {
-        let (head, tail) = samples.split_at((cut * samples.len() as f64) as usize);
-        let moments = |part: &[f64]| Moments::from_iter(part.iter().copied());
-        let (whole, merged) = (moments(&samples), moments(head).merged(moments(tail)));
-        prop_assert_eq!(whole.count(), merged.count());
-        // A few roundings of values up to 10 in each of up to 200 updates.
-        let bound = 200.0 * 4.0 * U * 10.0;
-        prop_assert!((whole.mean() - merged.mean()).abs() <= bound);
-        let (whole, merged) = (whole.variance().unwrap(), merged.variance().unwrap());
-        prop_assert!((whole - merged).abs() <= bound * 20.0);
-    }
-}

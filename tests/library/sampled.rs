@@ -2,7 +2,7 @@
 
 use glam::{DVec3, dvec3};
 use std::path::{Path, PathBuf};
-use volref::exchange::bundle;
+use volref::exchange::{Format, export};
 use volref::film::Film;
 use volref::math::{pow, tan};
 use volref::suite::{Case, Suite};
@@ -83,7 +83,8 @@ fn every_case_can_be_met() {
                 "{name}"
             );
         }
-        bundle(&loaded, "scene").unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
+        export(&loaded, Format::Bundle, "scene")
+            .unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
         let film = golden(name.trim_start_matches("sampled/"));
         assert!([film.width(), film.height()].iter().all(|&side| side <= 96));
         let mut values = film.radiance().as_flattened().iter();

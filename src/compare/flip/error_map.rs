@@ -42,25 +42,9 @@ impl ErrorMap {
         sum.value() / self.values.len() as f64
     }
 
-    /// Smallest error.
-    pub fn min(&self) -> f64 {
-        self.values.iter().copied().fold(f64::INFINITY, f64::min)
-    }
-
     /// Largest error.
     pub fn max(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max)
-    }
-
-    /// The error that `percent` of the pixels do not exceed, `percent` in [0, 100]: linear
-    /// interpolation between order statistics, with 0 the smallest and 100 the largest error.
-    pub fn percentile(&self, percent: f64) -> f64 {
-        let sorted = self.sorted();
-        let last = sorted.len() - 1;
-        let position = percent.clamp(0.0, 100.0) / 100.0 * last as f64;
-        let below = (position.floor() as usize).min(last);
-        let above = (below + 1).min(last);
-        sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
     }
 
     /// The smallest error v such that the pixels with errors up to v carry at least `percent`
@@ -97,22 +81,11 @@ mod tests {
     }
 
     #[test]
-    fn percentiles_interpolate_between_order_statistics() {
-        let errors = map(&[0.4, 0.1, 0.2, 0.3]);
-        assert_eq!(errors.percentile(0.0), 0.1);
-        assert!((errors.percentile(50.0) - 0.25).abs() < 1e-15);
-        assert!((errors.percentile(75.0) - 0.325).abs() < 1e-15);
-        assert_eq!(errors.percentile(100.0), 0.4);
-        assert_eq!(map(&[0.7]).percentile(99.0), 0.7);
-    }
-
-    #[test]
     fn weighted_percentiles_count_error_and_not_pixels() {
         // 96 good pixels, four bad ones that carry all the error.
         let mut values = vec![0.0; 96];
         values.extend([0.125, 0.125, 0.25, 0.5]);
         let errors = map(&values);
-        assert_eq!(errors.percentile(90.0), 0.0);
         assert_eq!(errors.weighted_percentile(25.0), 0.125);
         assert_eq!(errors.weighted_percentile(50.0), 0.25);
         assert_eq!(errors.weighted_percentile(51.0), 0.5);
@@ -122,11 +95,8 @@ mod tests {
     }
 
     #[test]
-    fn mean_min_max() {
+    fn mean_and_max() {
         let errors = map(&[0.25, 0.0, 0.5, 0.25]);
-        assert_eq!(
-            (errors.mean(), errors.min(), errors.max()),
-            (0.25, 0.0, 0.5)
-        );
+        assert_eq!((errors.mean(), errors.max()), (0.25, 0.5));
     }
 }

@@ -8,7 +8,6 @@ use super::exact::U;
 use super::exact::shapes::SECOND_ORDER;
 use super::{config, octaves, share};
 use proptest::prelude::*;
-use std::f64::consts::TAU;
 use volref::optics::{Asymmetry, Deflection, HenyeyGreenstein};
 
 fn phase(g: f64) -> HenyeyGreenstein {
@@ -95,7 +94,6 @@ proptest! {
         let slack = 1.0 + 48.0 * U * SECOND_ORDER;
         prop_assert!(least > 0.0 && most.is_finite());
         prop_assert!(least <= value * slack && value <= most * slack, "{value:e}");
-        prop_assert_eq!(phase(g).pdf(&turn), TAU * value);
     }
 
     /// The same bits from both sides; and both distributions are 1 together, with 12 of either and
