@@ -8,40 +8,27 @@ use crate::scene::Classified;
 use crate::volume::{Grid, Interpolation};
 use std::sync::Arc;
 
-macro_rules! mistakes {
-    ($($edge:literal)+) => { &[
-        $(Mistake {
-            name: concat!("brick-borders-doubled-", $edge),
-            advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and the last layer of each is there twice: a layer that two bricks share counts once in the position of what follows"),
-            edit: Edit::Grid(|grid| doubled(grid, $edge)),
-        },
-        Mistake {
-            name: concat!("brick-borders-dropped-", $edge),
-            advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and a layer between any two is missing: bricks follow each other without a gap"),
-            edit: Edit::Grid(|grid| dropped(grid, $edge)),
-        },
-        Mistake {
-            name: concat!("brick-borders-clamped-", $edge),
-            advice: concat!("the volume is stored in bricks of ", $edge, " nodes, and values are not interpolated across their borders: a brick needs the first layer of the next"),
-            edit: Edit::Classified(|scene| clamped(scene, $edge)),
-        },
-        Mistake {
-            name: concat!("samples-counted-from-bricks-of-", $edge),
-            advice: concat!("samples are counted anew from the face of each brick of ", $edge, " cells: they lie at whole steps from where the ray enters the volume, whatever it is stored in"),
-            edit: Edit::Classified(|scene| {
-                let occurs = !scene.is_continuous() && has_borders(scene, $edge);
-                occurs && set(&mut scene.conventions.brick_steps, Some($edge))
-            }),
-        },)+
-        Mistake {
-            name: "atlas-width-wrong",
-            advice: "slices of the volume are taken from the wrong places of their atlas: of an atlas of nx by ny slices, slice k is in column k mod nx and row floor(k / nx), not floor(k / ny); a square one hides it",
-            edit: Edit::Grid(of_a_wrong_atlas),
-        },
-    ] };
+macro_rules! of_bricks {
+    ($($edge:literal)+) => { mistakes! {
+        $(
+        concat!("brick-borders-doubled-", $edge) => Grid(|grid| doubled(grid, $edge)),
+            concat!("the volume is stored in bricks of ", $edge, " nodes, and the last layer of each is there twice: a layer that two bricks share counts once in the position of what follows");
+        concat!("brick-borders-dropped-", $edge) => Grid(|grid| dropped(grid, $edge)),
+            concat!("the volume is stored in bricks of ", $edge, " nodes, and a layer between any two is missing: bricks follow each other without a gap");
+        concat!("brick-borders-clamped-", $edge) => Classified(|scene| clamped(scene, $edge)),
+            concat!("the volume is stored in bricks of ", $edge, " nodes, and values are not interpolated across their borders: a brick needs the first layer of the next");
+        concat!("samples-counted-from-bricks-of-", $edge) => Classified(|scene| {
+            let occurs = !scene.is_continuous() && has_borders(scene, $edge);
+            occurs && set(&mut scene.conventions.brick_steps, Some($edge))
+        }),
+            concat!("samples are counted anew from the face of each brick of ", $edge, " cells: they lie at whole steps from where the ray enters the volume, whatever it is stored in");
+        )+
+        "atlas-width-wrong" => Grid(of_a_wrong_atlas),
+            "slices of the volume are taken from the wrong places of their atlas: of an atlas of nx by ny slices, slice k is in column k mod nx and row floor(k / nx), not floor(k / ny); a square one hides it";
+    } };
 }
 
-pub(super) const MISTAKES: &[Mistake] = mistakes!(8 16 32 64 128);
+pub(super) const MISTAKES: &[Mistake] = of_bricks!(8 16 32 64 128);
 
 /// True if bricks of so many nodes to an edge have borders within the volume.
 fn has_borders(scene: &Classified, edge: usize) -> bool {

@@ -7,63 +7,36 @@ use crate::scene::Radiative;
 use crate::volume::{FractalDensity, FractalParameters, GridDensity, Interpolation};
 use glam::DVec3;
 
-pub(super) const MISTAKES: &[Mistake] = &[
-    Mistake {
-        name: "interpolation-nearest",
-        advice: "densities are those of the nearest node: interpolate between the eight nodes around the sample",
-        edit: Edit::Radiative(|scene| {
-            grids(scene, |grid, old| {
-                (old == Interpolation::Trilinear).then(|| (grid.clone(), Interpolation::Nearest))
-            })
-        }),
-    },
-    Mistake {
-        name: "density-uniform",
-        advice: "the density is the same everywhere: look it up at each place and multiply the coefficients by it",
-        edit: Edit::Radiative(|scene| {
-            let mut occurs = false;
-            for body in &mut scene.media {
-                occurs |= body.density.take().is_some();
-            }
-            occurs
-        }),
-    },
-    Mistake {
-        name: "density-squared",
-        advice: "the density counts twice: it multiplies the coefficients once",
-        edit: Edit::MediumGrids(|grid| mapped(grid, |value| value * value)),
-    },
-    Mistake {
-        name: "noise-of-one-octave",
-        advice: "the noise has one octave only: the sum runs over all of them, each of another frequency and amplitude",
-        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.octaves = 1)),
-    },
-    Mistake {
-        name: "noise-gain-from-lacunarity",
-        advice: "the weights of octaves are 1 / lacunarity in place of gain: both are given",
-        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.gain = 1.0 / noise.lacunarity)),
-    },
-    Mistake {
-        name: "noise-lacunarity-two",
-        advice: "frequencies of octaves double: they grow by the lacunarity that is given",
-        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.lacunarity = 2.0)),
-    },
-    Mistake {
-        name: "noise-scale-inverted",
-        advice: "the noise is stretched where it should be squeezed: places are multiplied by the scale, not divided",
-        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.scale = noise.scale.recip())),
-    },
-    Mistake {
-        name: "noise-threshold-left-out",
-        advice: "the noise is not cut: densities up to the threshold count as 0",
-        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.threshold = 0.0)),
-    },
-    Mistake {
-        name: "noise-half-a-cell-off",
-        advice: "the noise is shifted by half a cell: its lattice points lie at whole numbers",
-        edit: Edit::Radiative(|scene| noises(scene, |noise| noise.offset += 0.5)),
-    },
-];
+pub(super) const MISTAKES: &[Mistake] = mistakes! {
+    "interpolation-nearest" => Radiative(|scene| {
+        grids(scene, |grid, old| {
+            (old == Interpolation::Trilinear).then(|| (grid.clone(), Interpolation::Nearest))
+        })
+    }),
+        "densities are those of the nearest node: interpolate between the eight nodes around the sample";
+    "density-uniform" => Radiative(|scene| {
+        let mut occurs = false;
+        for body in &mut scene.media {
+            occurs |= body.density.take().is_some();
+        }
+        occurs
+    }),
+        "the density is the same everywhere: look it up at each place and multiply the coefficients by it";
+    "density-squared" => MediumGrids(|grid| mapped(grid, |value| value * value)),
+        "the density counts twice: it multiplies the coefficients once";
+    "noise-of-one-octave" => Radiative(|scene| noises(scene, |noise| noise.octaves = 1)),
+        "the noise has one octave only: the sum runs over all of them, each of another frequency and amplitude";
+    "noise-gain-from-lacunarity" => Radiative(|scene| noises(scene, |noise| noise.gain = 1.0 / noise.lacunarity)),
+        "the weights of octaves are 1 / lacunarity in place of gain: both are given";
+    "noise-lacunarity-two" => Radiative(|scene| noises(scene, |noise| noise.lacunarity = 2.0)),
+        "frequencies of octaves double: they grow by the lacunarity that is given";
+    "noise-scale-inverted" => Radiative(|scene| noises(scene, |noise| noise.scale = noise.scale.recip())),
+        "the noise is stretched where it should be squeezed: places are multiplied by the scale, not divided";
+    "noise-threshold-left-out" => Radiative(|scene| noises(scene, |noise| noise.threshold = 0.0)),
+        "the noise is not cut: densities up to the threshold count as 0";
+    "noise-half-a-cell-off" => Radiative(|scene| noises(scene, |noise| noise.offset += 0.5)),
+        "the noise is shifted by half a cell: its lattice points lie at whole numbers";
+};
 
 /// Edits the grids of media; whether any changed.
 pub(super) fn grids(

@@ -7,125 +7,65 @@ use crate::volume::{Centring, Grid, Lattice};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Half a voxel off along one axis.
-macro_rules! half_a_voxel_along {
-    ($axis:literal, $grid:literal, $edit:path, $name:literal, $side:literal, $direction:expr) => {
-        Mistake {
-            name: concat!($grid, "-half-voxel", $name, "-along-", $axis),
-            advice: concat!("the ", $grid, " is half a voxel off along ", $axis, " alone, towards ", $side, " coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?"),
-            edit: $edit(|grid| moved_by_voxels(grid, $direction * 0.5)),
-        }
+/// Of all grids; the rows of half a voxel along one axis by axis, suffix, side and direction.
+macro_rules! of_grids {
+    ($grid:literal, $kind:ident) => {
+        of_grids!(
+            $grid, $kind, "x" "" "larger" X, "x" "-back" "smaller" NEG_X, "y" "" "larger" Y,
+            "y" "-back" "smaller" NEG_Y, "z" "" "larger" Z, "z" "-back" "smaller" NEG_Z
+        )
     };
-}
-
-macro_rules! mistakes {
-    ($grid:literal, $edit:path) => { &[
-        Mistake {
-            name: concat!($grid, "-half-voxel-off"),
-            advice: concat!("the ", $grid, " is half a voxel off, towards larger coordinates: values belong to nodes, the first of which lies at the corner of the box"),
-            edit: $edit(|grid| moved_by_voxels(grid, DVec3::splat(0.5))),
-        },
-        Mistake {
-            name: concat!($grid, "-half-voxel-back"),
-            advice: concat!("the ", $grid, " is half a voxel off, towards smaller coordinates: values belong to nodes, the first of which lies at the corner of the box"),
-            edit: $edit(|grid| moved_by_voxels(grid, DVec3::splat(-0.5))),
-        },
-        half_a_voxel_along!("x", $grid, $edit, "", "larger", DVec3::X),
-        half_a_voxel_along!("x", $grid, $edit, "-back", "smaller", DVec3::NEG_X),
-        half_a_voxel_along!("y", $grid, $edit, "", "larger", DVec3::Y),
-        half_a_voxel_along!("y", $grid, $edit, "-back", "smaller", DVec3::NEG_Y),
-        half_a_voxel_along!("z", $grid, $edit, "", "larger", DVec3::Z),
-        half_a_voxel_along!("z", $grid, $edit, "-back", "smaller", DVec3::NEG_Z),
-        Mistake {
-            name: concat!($grid, "-cells-for-nodes"),
-            advice: concat!("the values of the ", $grid, " are placed at the centres of cells, as in textures: the outermost lie on the faces of the box"),
-            edit: $edit(cells_for_nodes),
-        },
-        Mistake {
-            name: concat!($grid, "-axes-exchanged"),
-            advice: concat!("x and z of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)"),
-            edit: $edit(x_and_z_exchanged),
-        },
-        Mistake {
-            name: concat!($grid, "-x-and-y-exchanged"),
-            advice: concat!("x and y of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)"),
-            edit: $edit(x_and_y_exchanged),
-        },
-        Mistake {
-            name: concat!($grid, "-y-and-z-exchanged"),
-            advice: concat!("y and z of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)"),
-            edit: $edit(y_and_z_exchanged),
-        },
-        Mistake {
-            name: concat!($grid, "-rows-of-another-length"),
-            advice: concat!("rows of the ", $grid, " are taken for as long as its columns: the index is x + nx (y + ny z), with nx where y is multiplied, not ny"),
-            edit: $edit(rows_as_long_as_columns),
-        },
-        Mistake {
-            name: concat!($grid, "-upside-down"),
-            advice: concat!("the ", $grid, " is upside down: y must grow upwards"),
-            edit: $edit(|grid| reversed_along(grid, 1)),
-        },
-        Mistake {
-            name: concat!($grid, "-reversed-along-x"),
-            advice: concat!("the ", $grid, " is mirrored along its own x: values are stored from the first node on, in the direction of the axis"),
-            edit: $edit(|grid| reversed_along(grid, 0)),
-        },
-        Mistake {
-            name: concat!($grid, "-reversed-along-z"),
-            advice: concat!("the ", $grid, " is mirrored along its own z: slices are stored from the first node on, in the direction of the axis"),
-            edit: $edit(|grid| reversed_along(grid, 2)),
-        },
-    ] };
+    ($grid:literal, $kind:ident, $($axis:literal $suffix:literal $side:literal $direction:ident),+) => { mistakes! {
+        concat!($grid, "-half-voxel-off") => $kind(|grid| moved_by_voxels(grid, DVec3::splat(0.5))),
+            concat!("the ", $grid, " is half a voxel off, towards larger coordinates: values belong to nodes, the first of which lies at the corner of the box");
+        concat!($grid, "-half-voxel-back") => $kind(|grid| moved_by_voxels(grid, DVec3::splat(-0.5))),
+            concat!("the ", $grid, " is half a voxel off, towards smaller coordinates: values belong to nodes, the first of which lies at the corner of the box");
+        $(
+        concat!($grid, "-half-voxel", $suffix, "-along-", $axis) => $kind(|grid| moved_by_voxels(grid, DVec3::$direction * 0.5)),
+            concat!("the ", $grid, " is half a voxel off along ", $axis, " alone, towards ", $side, " coordinates: is the centre of a cell taken for its node on this axis, or its count of nodes for that of cells?");
+        )+
+        concat!($grid, "-cells-for-nodes") => $kind(cells_for_nodes),
+            concat!("the values of the ", $grid, " are placed at the centres of cells, as in textures: the outermost lie on the faces of the box");
+        concat!($grid, "-axes-exchanged") => $kind(x_and_z_exchanged),
+            concat!("x and z of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)");
+        concat!($grid, "-x-and-y-exchanged") => $kind(x_and_y_exchanged),
+            concat!("x and y of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)");
+        concat!($grid, "-y-and-z-exchanged") => $kind(y_and_z_exchanged),
+            concat!("y and z of the ", $grid, " are swapped: x runs fastest in memory, at index x + nx (y + ny z)");
+        concat!($grid, "-rows-of-another-length") => $kind(rows_as_long_as_columns),
+            concat!("rows of the ", $grid, " are taken for as long as its columns: the index is x + nx (y + ny z), with nx where y is multiplied, not ny");
+        concat!($grid, "-upside-down") => $kind(|grid| reversed_along(grid, 1)),
+            concat!("the ", $grid, " is upside down: y must grow upwards");
+        concat!($grid, "-reversed-along-x") => $kind(|grid| reversed_along(grid, 0)),
+            concat!("the ", $grid, " is mirrored along its own x: values are stored from the first node on, in the direction of the axis");
+        concat!($grid, "-reversed-along-z") => $kind(|grid| reversed_along(grid, 2)),
+            concat!("the ", $grid, " is mirrored along its own z: slices are stored from the first node on, in the direction of the axis");
+    } };
 }
 
 /// Of classified volumes and of media.
-pub(super) const OF_VOLUMES: &[Mistake] = mistakes!("volume", Edit::Grid);
-pub(super) const OF_MEDIA: &[Mistake] = mistakes!("grid", Edit::MediumGrids);
+pub(super) const OF_VOLUMES: &[Mistake] = of_grids!("volume", Grid);
+pub(super) const OF_MEDIA: &[Mistake] = of_grids!("grid", MediumGrids);
 
 /// Of classified volumes alone.
-pub(super) const OF_VOLUMES_ALONE: &[Mistake] = &[
-    Mistake {
-        name: "voxels-taken-for-cubes",
-        advice: "voxels are cubes: the spacing along each axis is that of the file",
-        edit: Edit::Grid(as_cubes),
-    },
-    Mistake {
-        name: "last-slices-missing",
-        advice: "the last slice along each axis is missing: n nodes have n - 1 cells between them, and all are seen",
-        edit: Edit::Grid(|grid| part(grid, [0; 3], [1; 3])),
-    },
-    Mistake {
-        name: "last-slice-missing-along-z",
-        advice: "the last slice along z is missing: n nodes have n - 1 cells between them, and all are seen",
-        edit: Edit::Grid(|grid| part(grid, [0; 3], [0, 0, 1])),
-    },
-    Mistake {
-        name: "outermost-slices-missing",
-        advice: "the first and the last slice along each axis are missing: the volume ends at its outermost nodes",
-        edit: Edit::Grid(|grid| part(grid, [1; 3], [1; 3])),
-    },
-    Mistake {
-        name: "volume-transposed",
-        advice: "coordinates between 0 and 1 are given in the order x, y, z to an array whose axes are z, y, x: the volume is turned over, and stretched to its box",
-        edit: Edit::Grid(transposed),
-    },
-    Mistake {
-        name: "volume-indices-reversed",
-        advice: "indices of nodes are given in the order x, y, z to an array whose axes are z, y, x, and clamped to its ends: it is array[z, y, x]",
-        edit: Edit::Grid(indices_reversed),
-    },
-    Mistake {
-        name: "signed-read-as-unsigned",
-        advice: "values below 0 are read as large ones: they are stored as signed numbers, and read as unsigned ones of as many bits",
-        edit: Edit::Grid(signed_as_unsigned),
-    },
-    Mistake {
-        name: "low-byte-left-out",
-        advice: "of values of 16 bits the lower 8 are left out, so that values are in steps of 256: keep 16 bits, or scale the range of the volume to 8",
-        edit: Edit::Grid(without_low_byte),
-    },
-];
+pub(super) const OF_VOLUMES_ALONE: &[Mistake] = mistakes! {
+    "voxels-taken-for-cubes" => Grid(as_cubes),
+        "voxels are cubes: the spacing along each axis is that of the file";
+    "last-slices-missing" => Grid(|grid| part(grid, [0; 3], [1; 3])),
+        "the last slice along each axis is missing: n nodes have n - 1 cells between them, and all are seen";
+    "last-slice-missing-along-z" => Grid(|grid| part(grid, [0; 3], [0, 0, 1])),
+        "the last slice along z is missing: n nodes have n - 1 cells between them, and all are seen";
+    "outermost-slices-missing" => Grid(|grid| part(grid, [1; 3], [1; 3])),
+        "the first and the last slice along each axis are missing: the volume ends at its outermost nodes";
+    "volume-transposed" => Grid(transposed),
+        "coordinates between 0 and 1 are given in the order x, y, z to an array whose axes are z, y, x: the volume is turned over, and stretched to its box";
+    "volume-indices-reversed" => Grid(indices_reversed),
+        "indices of nodes are given in the order x, y, z to an array whose axes are z, y, x, and clamped to its ends: it is array[z, y, x]";
+    "signed-read-as-unsigned" => Grid(signed_as_unsigned),
+        "values below 0 are read as large ones: they are stored as signed numbers, and read as unsigned ones of as many bits";
+    "low-byte-left-out" => Grid(without_low_byte),
+        "of values of 16 bits the lower 8 are left out, so that values are in steps of 256: keep 16 bits, or scale the range of the volume to 8";
+};
 
 /// A grid as scenes share it.
 pub(super) type GridValues = Arc<Grid<f32>>;

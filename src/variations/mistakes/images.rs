@@ -6,247 +6,134 @@ use crate::math;
 use crate::variations::edited_film::{mapped, rebuilt, value};
 use std::f64::consts::PI;
 
-pub(super) const MISTAKES: &[Mistake] = &[
-    Mistake {
-        name: "mirrored",
-        advice: "left and right are swapped: looking along +z with y up, +x points left in the image",
-        edit: Edit::Image(|film| rearranged(film, |film, [x, y]| [film.width() - 1 - x, y])),
-    },
-    Mistake {
-        name: "upside-down",
-        advice: "the image is upside down: the top row is written first (PFM alone begins with the bottom row)",
-        edit: Edit::Image(|film| rearranged(film, |film, [x, y]| [x, film.height() - 1 - y])),
-    },
-    Mistake {
-        name: "turned-half",
-        advice: "the image is rotated by 180 degrees: both axes are reversed",
-        edit: Edit::Image(|film| {
-            rearranged(film, |film, [x, y]| {
-                [film.width() - 1 - x, film.height() - 1 - y]
-            })
-        }),
-    },
-    Mistake {
-        name: "transposed",
-        advice: "rows and columns are swapped: pixel (x, y) is number x + width y of the file",
-        edit: Edit::Image(|film| {
-            if film.width() == film.height() {
-                rearranged(film, |_, [x, y]| [y, x])
+pub(super) const MISTAKES: &[Mistake] = mistakes! {
+    "mirrored" => Image(|film| rearranged(film, |film, [x, y]| [film.width() - 1 - x, y])),
+        "left and right are swapped: looking along +z with y up, +x points left in the image";
+    "upside-down" => Image(|film| rearranged(film, |film, [x, y]| [x, film.height() - 1 - y])),
+        "the image is upside down: the top row is written first (PFM alone begins with the bottom row)";
+    "turned-half" => Image(|film| rearranged(film, |film, [x, y]| [film.width() - 1 - x, film.height() - 1 - y])),
+        "the image is rotated by 180 degrees: both axes are reversed";
+    "transposed" => Image(|film| {
+        if film.width() == film.height() {
+            rearranged(film, |_, [x, y]| [y, x])
+        } else {
+            film.clone()
+        }
+    }),
+        "rows and columns are swapped: pixel (x, y) is number x + width y of the file";
+    "red-and-blue-exchanged" => Pixels(|film| mixed(film, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])),
+        "red and blue are swapped: channels are red, green, blue, in this order";
+    "grey" => Pixels(|film| mixed(film, [LUMINANCE; 3])),
+        "the image has no colour: write three channels, not luminance";
+    "srgb-encoded" => Pixels(|film| mapped(film, |x, _| (math::linear_to_srgb(x), slope(math::linear_to_srgb, x)))),
+        "the image is encoded for a display once too often: write radiance linear, set to raw or linear; codes of a .png are encoded once";
+    "gamma-encoded" => Pixels(|film| {
+        let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
+        mapped(film, |x, _| (encode(x), slope(encode, x)))
+    }),
+        "the image is encoded with a gamma of 2.2: write linear radiance";
+    "srgb-decoded" => Pixels(|film| mapped(film, |x, _| (math::srgb_to_linear(x), slope(math::srgb_to_linear, x)))),
+        "the image is decoded as though it had been encoded for a display: write radiance as it is; encode it for a .png, or declare linear codes by --bits 8-linear";
+    "clamped" => Pixels(|film| mapped(film, |x, _| if x > 1.0 { (1.0, 0.0) } else { (x, 1.0) })),
+        "radiance above 1 is cut off: keep it, the file holds floating-point numbers";
+    "tone-mapped" => Pixels(|film| mapped(film, |x, _| (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x))))),
+        "the image is tone mapped, x / (1 + x) or similar: write radiance unchanged";
+    "bright-times-pi" => Pixels(|film| scaled(film, PI)),
+        "the whole image is too bright by a factor of pi: is irradiance written in place of radiance, or the 1/pi of Lambert's reflection missing?";
+    "bright-over-pi" => Pixels(|film| scaled(film, 1.0 / PI)),
+        "the whole image is too dark by a factor of pi: is something divided by pi twice?";
+    "bright-times-4pi" => Pixels(|film| scaled(film, 4.0 * PI)),
+        "the whole image is too bright by a factor of 4 pi: is the phase function without its 1/(4 pi)?";
+    "bright-over-4pi" => Pixels(|film| scaled(film, 1.0 / (4.0 * PI))),
+        "the whole image is too dark by a factor of 4 pi: is the phase function divided by 4 pi twice, or intensity taken for power?";
+    "bright-doubled" => Pixels(|film| scaled(film, 2.0)),
+        "the whole image is twice as bright as it should be: is something counted twice, such as a light that rays hit and that is sampled as well, without weights?";
+    "bright-halved" => Pixels(|film| scaled(film, 0.5)),
+        "the whole image is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?";
+    "black" => Pixels(|film| scaled(film, 0.0)),
+        "the image is black: nothing was rendered, or nothing was written";
+    "premultiplied-twice" => Pixels(|film| {
+        let behind = background(film);
+        by_opacity(film, |colour, opacity, channel| {
+            let background = (1.0 - opacity) * behind[channel];
+            (colour - background) * opacity + background
+        })
+    }),
+        "colours are multiplied by opacity twice: compositing has done so already";
+    "background-multiplied-by-opacity" => Pixels(|film| {
+        if background(film) == [0.0; 3] {
+            return film.clone(); // Before black it is `premultiplied-twice`.
+        }
+        by_opacity(film, |colour, opacity, _| colour * opacity)
+    }),
+        "the whole image, with its background, is multiplied by opacity: write it as it is, or the colours of the volume alone";
+    "unpremultiplied" => Pixels(|film| {
+        by_opacity(film, |colour, opacity, _| {
+            if opacity > 0.0 {
+                colour / opacity
             } else {
-                film.clone()
+                colour
             }
-        }),
-    },
-    Mistake {
-        name: "red-and-blue-exchanged",
-        advice: "red and blue are swapped: channels are red, green, blue, in this order",
-        edit: Edit::Pixels(|film| mixed(film, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])),
-    },
-    Mistake {
-        name: "grey",
-        advice: "the image has no colour: write three channels, not luminance",
-        edit: Edit::Pixels(|film| mixed(film, [LUMINANCE; 3])),
-    },
-    Mistake {
-        name: "srgb-encoded",
-        advice: "the image is encoded for a display once too often: write radiance linear, set to raw or linear; codes of a .png are encoded once",
-        edit: Edit::Pixels(|film| {
-            mapped(film, |x, _| {
-                (math::linear_to_srgb(x), slope(math::linear_to_srgb, x))
+        })
+    }),
+        "colours are divided by opacity: write the radiance that arrives, multiplied by opacity, in front of the background";
+    "opaque-background" => Alpha(|_| 1.0),
+        "opacity is 1 everywhere: the background counts as opaque; write the opacity of the volume alone, 1 minus the light from behind that passes";
+    "opacity-not-written" => Alpha(|_| 0.0),
+        "opacity is 0 everywhere: the fourth channel is cleared and never written";
+    "transmittance-for-opacity" => Alpha(|opacity| 1.0 - opacity),
+        "the fourth channel holds the light from behind that passes: write 1 minus that";
+    "opacity-blended-by-itself" => Alpha(|opacity| opacity * opacity),
+        "opacity is multiplied by itself: in the fourth channel, source and destination are blended with the factors 1 and 1 - a, not a and 1 - a (glBlendFuncSeparate)";
+    "one-pixel-right" => Image(|film| shifted(film, [1, 0])),
+        "the image is a pixel too far to the right: count pixels from 0";
+    "one-pixel-left" => Image(|film| shifted(film, [-1, 0])),
+        "the image is a pixel too far to the left: count pixels from 0";
+    "one-pixel-down" => Image(|film| shifted(film, [0, 1])),
+        "the image is a pixel too low: count rows from 0";
+    "one-pixel-up" => Image(|film| shifted(film, [0, -1])),
+        "the image is a pixel too high: count rows from 0";
+    "half-a-pixel-off" => Image(|film| {
+        let corners = [
+            ([0, 0], 0.25),
+            ([-1, 0], 0.25),
+            ([0, -1], 0.25),
+            ([-1, -1], 0.25),
+        ];
+        convolved(film, &corners)
+    }),
+        "the image is half a pixel off: rays go through the centres of pixels, (x + 1/2, y + 1/2), not through their corners";
+    "filtered" => Image(|film| {
+        let weights = [0.25, 0.5, 0.25];
+        let taps: Vec<_> = (0..9)
+            .map(|i| {
+                (
+                    [i % 3 - 1, i / 3 - 1],
+                    weights[i as usize % 3] * weights[i as usize / 3],
+                )
             })
-        }),
-    },
-    Mistake {
-        name: "gamma-encoded",
-        advice: "the image is encoded with a gamma of 2.2: write linear radiance",
-        edit: Edit::Pixels(|film| {
-            let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
-            mapped(film, |x, _| (encode(x), slope(encode, x)))
-        }),
-    },
-    Mistake {
-        name: "srgb-decoded",
-        advice: "the image is decoded as though it had been encoded for a display: write radiance as it is; encode it for a .png, or declare linear codes by --bits 8-linear",
-        edit: Edit::Pixels(|film| {
-            mapped(film, |x, _| {
-                (math::srgb_to_linear(x), slope(math::srgb_to_linear, x))
-            })
-        }),
-    },
-    Mistake {
-        name: "clamped",
-        advice: "radiance above 1 is cut off: keep it, the file holds floating-point numbers",
-        edit: Edit::Pixels(|film| mapped(film, |x, _| if x > 1.0 { (1.0, 0.0) } else { (x, 1.0) })),
-    },
-    Mistake {
-        name: "tone-mapped",
-        advice: "the image is tone mapped, x / (1 + x) or similar: write radiance unchanged",
-        edit: Edit::Pixels(|film| {
-            mapped(film, |x, _| (x / (1.0 + x), 1.0 / ((1.0 + x) * (1.0 + x))))
-        }),
-    },
-    Mistake {
-        name: "bright-times-pi",
-        advice: "the whole image is too bright by a factor of pi: is irradiance written in place of radiance, or the 1/pi of Lambert's reflection missing?",
-        edit: Edit::Pixels(|film| scaled(film, PI)),
-    },
-    Mistake {
-        name: "bright-over-pi",
-        advice: "the whole image is too dark by a factor of pi: is something divided by pi twice?",
-        edit: Edit::Pixels(|film| scaled(film, 1.0 / PI)),
-    },
-    Mistake {
-        name: "bright-times-4pi",
-        advice: "the whole image is too bright by a factor of 4 pi: is the phase function without its 1/(4 pi)?",
-        edit: Edit::Pixels(|film| scaled(film, 4.0 * PI)),
-    },
-    Mistake {
-        name: "bright-over-4pi",
-        advice: "the whole image is too dark by a factor of 4 pi: is the phase function divided by 4 pi twice, or intensity taken for power?",
-        edit: Edit::Pixels(|film| scaled(film, 1.0 / (4.0 * PI))),
-    },
-    Mistake {
-        name: "bright-doubled",
-        advice: "the whole image is twice as bright as it should be: is something counted twice, such as a light that rays hit and that is sampled as well, without weights?",
-        edit: Edit::Pixels(|film| scaled(film, 2.0)),
-    },
-    Mistake {
-        name: "bright-halved",
-        advice: "the whole image is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?",
-        edit: Edit::Pixels(|film| scaled(film, 0.5)),
-    },
-    Mistake {
-        name: "black",
-        advice: "the image is black: nothing was rendered, or nothing was written",
-        edit: Edit::Pixels(|film| scaled(film, 0.0)),
-    },
-    Mistake {
-        name: "premultiplied-twice",
-        advice: "colours are multiplied by opacity twice: compositing has done so already",
-        edit: Edit::Pixels(|film| {
-            let behind = background(film);
-            by_opacity(film, |colour, opacity, channel| {
-                let background = (1.0 - opacity) * behind[channel];
-                (colour - background) * opacity + background
-            })
-        }),
-    },
-    Mistake {
-        name: "background-multiplied-by-opacity",
-        advice: "the whole image, with its background, is multiplied by opacity: write it as it is, or the colours of the volume alone",
-        edit: Edit::Pixels(|film| {
-            if background(film) == [0.0; 3] {
-                return film.clone(); // Before black it is `premultiplied-twice`.
+            .collect();
+        convolved(film, &taps)
+    }),
+        "pixels are blurred into each other by a reconstruction filter: each is the mean over its own square (a box filter), or its centre where nothing is sampled";
+    "half-resolution" => Image(coarsened),
+        "the image was rendered with half the pixels each way and enlarged";
+    "tile-missing" => Image(|film| {
+        let black = [
+            film.width() / 2..film.width() * 3 / 4,
+            film.height() / 2..film.height() * 3 / 4,
+        ];
+        let inside = |[x, y]: [usize; 2]| black[0].contains(&x) && black[1].contains(&y);
+        rebuilt(film, |film, at| {
+            if inside(at) {
+                ([0.0; 3], [0.0; 3])
+            } else {
+                value(film, at)
             }
-            by_opacity(film, |colour, opacity, _| colour * opacity)
-        }),
-    },
-    Mistake {
-        name: "unpremultiplied",
-        advice: "colours are divided by opacity: write the radiance that arrives, multiplied by opacity, in front of the background",
-        edit: Edit::Pixels(|film| {
-            by_opacity(film, |colour, opacity, _| {
-                if opacity > 0.0 {
-                    colour / opacity
-                } else {
-                    colour
-                }
-            })
-        }),
-    },
-    Mistake {
-        name: "opaque-background",
-        advice: "opacity is 1 everywhere: the background counts as opaque; write the opacity of the volume alone, 1 minus the light from behind that passes",
-        edit: Edit::Alpha(|_| 1.0),
-    },
-    Mistake {
-        name: "opacity-not-written",
-        advice: "opacity is 0 everywhere: the fourth channel is cleared and never written",
-        edit: Edit::Alpha(|_| 0.0),
-    },
-    Mistake {
-        name: "transmittance-for-opacity",
-        advice: "the fourth channel holds the light from behind that passes: write 1 minus that",
-        edit: Edit::Alpha(|opacity| 1.0 - opacity),
-    },
-    Mistake {
-        name: "opacity-blended-by-itself",
-        advice: "opacity is multiplied by itself: in the fourth channel, source and destination are blended with the factors 1 and 1 - a, not a and 1 - a (glBlendFuncSeparate)",
-        edit: Edit::Alpha(|opacity| opacity * opacity),
-    },
-    Mistake {
-        name: "one-pixel-right",
-        advice: "the image is a pixel too far to the right: count pixels from 0",
-        edit: Edit::Image(|film| shifted(film, [1, 0])),
-    },
-    Mistake {
-        name: "one-pixel-left",
-        advice: "the image is a pixel too far to the left: count pixels from 0",
-        edit: Edit::Image(|film| shifted(film, [-1, 0])),
-    },
-    Mistake {
-        name: "one-pixel-down",
-        advice: "the image is a pixel too low: count rows from 0",
-        edit: Edit::Image(|film| shifted(film, [0, 1])),
-    },
-    Mistake {
-        name: "one-pixel-up",
-        advice: "the image is a pixel too high: count rows from 0",
-        edit: Edit::Image(|film| shifted(film, [0, -1])),
-    },
-    Mistake {
-        name: "half-a-pixel-off",
-        advice: "the image is half a pixel off: rays go through the centres of pixels, (x + 1/2, y + 1/2), not through their corners",
-        edit: Edit::Image(|film| {
-            let corners = [
-                ([0, 0], 0.25),
-                ([-1, 0], 0.25),
-                ([0, -1], 0.25),
-                ([-1, -1], 0.25),
-            ];
-            convolved(film, &corners)
-        }),
-    },
-    Mistake {
-        name: "filtered",
-        advice: "pixels are blurred into each other by a reconstruction filter: each is the mean over its own square (a box filter), or its centre where nothing is sampled",
-        edit: Edit::Image(|film| {
-            let weights = [0.25, 0.5, 0.25];
-            let taps: Vec<_> = (0..9)
-                .map(|i| {
-                    (
-                        [i % 3 - 1, i / 3 - 1],
-                        weights[i as usize % 3] * weights[i as usize / 3],
-                    )
-                })
-                .collect();
-            convolved(film, &taps)
-        }),
-    },
-    Mistake {
-        name: "half-resolution",
-        advice: "the image was rendered with half the pixels each way and enlarged",
-        edit: Edit::Image(coarsened),
-    },
-    Mistake {
-        name: "tile-missing",
-        advice: "a part of the image is black: a tile or strip was not rendered, or not written",
-        edit: Edit::Image(|film| {
-            let black = [
-                film.width() / 2..film.width() * 3 / 4,
-                film.height() / 2..film.height() * 3 / 4,
-            ];
-            let inside = |[x, y]: [usize; 2]| black[0].contains(&x) && black[1].contains(&y);
-            rebuilt(film, |film, at| {
-                if inside(at) {
-                    ([0.0; 3], [0.0; 3])
-                } else {
-                    value(film, at)
-                }
-            })
-        }),
-    },
-];
+        })
+    }),
+        "a part of the image is black: a tile or strip was not rendered, or not written";
+};
 
 /// Weights of red, green and blue in the luminance of linear sRGB.
 /// Source: ITU-R BT.709.

@@ -7,145 +7,78 @@ use crate::scene::Radiative;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-pub(super) const MISTAKES: &[Mistake] = &[
-    Mistake {
-        name: "point-lights-over-4pi",
-        advice: "point and spot lights are too dark by a factor of 4 pi: their intensity is power per steradian, not power; do not divide it by 4 pi",
-        edit: Edit::Light(|light| intensity(light, 1.0 / (4.0 * PI))),
-    },
-    Mistake {
-        name: "point-lights-times-4pi",
-        advice: "point and spot lights are too bright by a factor of 4 pi: is the phase function missing its 1/(4 pi), or was intensity converted to power?",
-        edit: Edit::Light(|light| intensity(light, 4.0 * PI)),
-    },
-    Mistake {
-        name: "point-lights-left-out",
-        advice: "point and spot lights are missing: rays do not hit them by chance, so each vertex of a path needs a shadow ray to them",
-        edit: Edit::Light(|light| intensity(light, 0.0)),
-    },
-    Mistake {
-        name: "lights-after-the-first-left-out",
-        advice: "only the first light shines: each vertex of a path is connected to all of them, or to one chosen at random, divided by its probability",
-        edit: Edit::Radiative(|scene| {
-            let occurs = scene.lights.len() > 1;
-            scene.lights.truncate(1);
-            occurs
-        }),
-    },
-    Mistake {
-        name: "sun-over-pi",
-        advice: "directional light is too dark by a factor of pi: irradiance is measured on a plane perpendicular to it; do not divide it by anything",
-        edit: Edit::Light(|light| irradiance(light, 1.0 / PI)),
-    },
-    Mistake {
-        name: "sun-left-out",
-        advice: "directional light is missing: rays do not hit it by chance, so each vertex of a path needs a shadow ray towards it",
-        edit: Edit::Light(|light| irradiance(light, 0.0)),
-    },
-    Mistake {
-        name: "sun-reversed",
-        advice: "directional light comes from the opposite side: `direction` is the direction the light travels",
-        edit: Edit::Light(|light| {
-            if let Light::Directional(sun) = light {
-                sun.direction = -sun.direction;
-            }
-        }),
-    },
-    Mistake {
-        name: "spot-angles-halved",
-        advice: "spotlight cones are half as wide as they should be: angles are measured from the axis to the edge, not from edge to edge",
-        edit: Edit::Light(|light| cone(light, |[inner, outer]| [inner / 2.0, outer / 2.0])),
-    },
-    Mistake {
-        name: "spot-angles-doubled",
-        advice: "spotlight cones are twice as wide as they should be: angles are measured from the axis to the edge",
-        edit: Edit::Light(|light| {
-            cone(light, |[inner, outer]| {
-                [inner * 2.0, (outer * 2.0).min(180.0)]
-            })
-        }),
-    },
-    Mistake {
-        name: "spot-without-fall-off",
-        advice: "spotlights end with a hard edge: their intensity falls linearly in the angle from inner_angle to outer_angle",
-        edit: Edit::Light(|light| cone(light, |[_, outer]| [outer, outer])),
-    },
-    Mistake {
-        name: "environment-left-out",
-        advice: "the environment is missing: rays that leave the scene bring its radiance back",
-        edit: Edit::Radiative(|scene| set(&mut scene.environment, DVec3::ZERO)),
-    },
-    Mistake {
-        name: "environment-doubled",
-        advice: "the environment is twice as bright as it should be: is it both hit by rays and sampled as a light, without weights?",
-        edit: Edit::Radiative(|scene| {
-            let doubled = 2.0 * scene.environment;
-            set(&mut scene.environment, doubled)
-        }),
-    },
-    Mistake {
-        name: "emitter-sides-exchanged",
-        advice: "emitters emit from both sides instead of one, or the reverse: the front of a rectangle is where edge_u x edge_v points",
-        edit: Edit::Radiative(|scene| {
-            for lamp in &mut scene.area_lights {
-                lamp.sides = match lamp.sides {
-                    Sides::Front => Sides::Both,
-                    Sides::Both => Sides::Front,
-                };
-            }
-            !scene.area_lights.is_empty()
-        }),
-    },
-    Mistake {
-        name: "emitter-over-pi",
-        advice: "emitters are too dark by a factor of pi: the scene gives their radiance, not the power that leaves a unit of area",
-        edit: Edit::Radiative(|scene| lamps(scene, 1.0 / PI)),
-    },
-    Mistake {
-        name: "emitter-times-pi",
-        advice: "emitters are too bright by a factor of pi: the scene gives their radiance; is the 1/pi of Lambert's reflection missing?",
-        edit: Edit::Radiative(|scene| lamps(scene, PI)),
-    },
-    Mistake {
-        name: "field-of-view-doubled",
-        advice: "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)",
-        edit: Edit::Radiative(|scene| {
-            // The angle whose half is the full one; wider than that there is no image.
-            let angle = (2.0 * scene.camera.vertical_fov()).min(0.9 * PI);
-            scene.camera = scene.camera.with_vertical_fov(angle);
-            !scene.camera.is_orthographic()
-        }),
-    },
-    Mistake {
-        name: "field-of-view-halved",
-        advice: "the field of view is about half of what it should be: vertical_fov is in degrees, the full angle from the top to the bottom edge",
-        edit: Edit::Radiative(|scene| {
-            let angle = 0.5 * scene.camera.vertical_fov();
-            scene.camera = scene.camera.with_vertical_fov(angle);
-            !scene.camera.is_orthographic()
-        }),
-    },
-    Mistake {
-        name: "half-a-pixel-right",
-        advice: "the image is half a pixel too far to the right, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
-        edit: Edit::View(|camera, pixel| moved(camera, pixel, [0.5, 0.0])),
-    },
-    Mistake {
-        name: "half-a-pixel-left",
-        advice: "the image is half a pixel too far to the left, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
-        edit: Edit::View(|camera, pixel| moved(camera, pixel, [-0.5, 0.0])),
-    },
-    Mistake {
-        name: "half-a-pixel-down",
-        advice: "the image is half a pixel too far down, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
-        edit: Edit::View(|camera, pixel| moved(camera, pixel, [0.0, 0.5])),
-    },
-    Mistake {
-        name: "half-a-pixel-up",
-        advice: "the image is half a pixel too far up, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?",
-        edit: Edit::View(|camera, pixel| moved(camera, pixel, [0.0, -0.5])),
-    },
-];
+pub(super) const MISTAKES: &[Mistake] = mistakes! {
+    "point-lights-over-4pi" => Light(|light| intensity(light, 1.0 / (4.0 * PI))),
+        "point and spot lights are too dark by a factor of 4 pi: their intensity is power per steradian, not power; do not divide it by 4 pi";
+    "point-lights-times-4pi" => Light(|light| intensity(light, 4.0 * PI)),
+        "point and spot lights are too bright by a factor of 4 pi: is the phase function missing its 1/(4 pi), or was intensity converted to power?";
+    "point-lights-left-out" => Light(|light| intensity(light, 0.0)),
+        "point and spot lights are missing: rays do not hit them by chance, so each vertex of a path needs a shadow ray to them";
+    "lights-after-the-first-left-out" => Radiative(|scene| {
+        let occurs = scene.lights.len() > 1;
+        scene.lights.truncate(1);
+        occurs
+    }),
+        "only the first light shines: each vertex of a path is connected to all of them, or to one chosen at random, divided by its probability";
+    "sun-over-pi" => Light(|light| irradiance(light, 1.0 / PI)),
+        "directional light is too dark by a factor of pi: irradiance is measured on a plane perpendicular to it; do not divide it by anything";
+    "sun-left-out" => Light(|light| irradiance(light, 0.0)),
+        "directional light is missing: rays do not hit it by chance, so each vertex of a path needs a shadow ray towards it";
+    "sun-reversed" => Light(|light| {
+        if let Light::Directional(sun) = light {
+            sun.direction = -sun.direction;
+        }
+    }),
+        "directional light comes from the opposite side: `direction` is the direction the light travels";
+    "spot-angles-halved" => Light(|light| cone(light, |[inner, outer]| [inner / 2.0, outer / 2.0])),
+        "spotlight cones are half as wide as they should be: angles are measured from the axis to the edge, not from edge to edge";
+    "spot-angles-doubled" => Light(|light| cone(light, |[inner, outer]| [inner * 2.0, (outer * 2.0).min(180.0)])),
+        "spotlight cones are twice as wide as they should be: angles are measured from the axis to the edge";
+    "spot-without-fall-off" => Light(|light| cone(light, |[_, outer]| [outer, outer])),
+        "spotlights end with a hard edge: their intensity falls linearly in the angle from inner_angle to outer_angle";
+    "environment-left-out" => Radiative(|scene| set(&mut scene.environment, DVec3::ZERO)),
+        "the environment is missing: rays that leave the scene bring its radiance back";
+    "environment-doubled" => Radiative(|scene| {
+        let doubled = 2.0 * scene.environment;
+        set(&mut scene.environment, doubled)
+    }),
+        "the environment is twice as bright as it should be: is it both hit by rays and sampled as a light, without weights?";
+    "emitter-sides-exchanged" => Radiative(|scene| {
+        for lamp in &mut scene.area_lights {
+            lamp.sides = match lamp.sides {
+                Sides::Front => Sides::Both,
+                Sides::Both => Sides::Front,
+            };
+        }
+        !scene.area_lights.is_empty()
+    }),
+        "emitters emit from both sides instead of one, or the reverse: the front of a rectangle is where edge_u x edge_v points";
+    "emitter-over-pi" => Radiative(|scene| lamps(scene, 1.0 / PI)),
+        "emitters are too dark by a factor of pi: the scene gives their radiance, not the power that leaves a unit of area";
+    "emitter-times-pi" => Radiative(|scene| lamps(scene, PI)),
+        "emitters are too bright by a factor of pi: the scene gives their radiance; is the 1/pi of Lambert's reflection missing?";
+    "field-of-view-doubled" => Radiative(|scene| {
+        // The angle whose half is the full one; wider than that there is no image.
+        let angle = (2.0 * scene.camera.vertical_fov()).min(0.9 * PI);
+        scene.camera = scene.camera.with_vertical_fov(angle);
+        !scene.camera.is_orthographic()
+    }),
+        "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)";
+    "field-of-view-halved" => Radiative(|scene| {
+        let angle = 0.5 * scene.camera.vertical_fov();
+        scene.camera = scene.camera.with_vertical_fov(angle);
+        !scene.camera.is_orthographic()
+    }),
+        "the field of view is about half of what it should be: vertical_fov is in degrees, the full angle from the top to the bottom edge";
+    "half-a-pixel-right" => View(|camera, pixel| moved(camera, pixel, [0.5, 0.0])),
+        "the image is half a pixel too far to the right, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
+    "half-a-pixel-left" => View(|camera, pixel| moved(camera, pixel, [-0.5, 0.0])),
+        "the image is half a pixel too far to the left, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
+    "half-a-pixel-down" => View(|camera, pixel| moved(camera, pixel, [0.0, 0.5])),
+        "the image is half a pixel too far down, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
+    "half-a-pixel-up" => View(|camera, pixel| moved(camera, pixel, [0.0, -0.5])),
+        "the image is half a pixel too far up, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
+};
 
 /// All that is seen moved by parts of a pixel, to the right and down.
 fn moved(camera: &Camera, pixel: f64, [right, down]: [f64; 2]) -> Camera {

@@ -5,6 +5,13 @@
 //! the suite rejects every mistake, and failing images are [compared with it](crate::naming::likeness) to
 //! name the mistake.
 
+/// Rows of the catalogue: the name of a mistake, its edit by kind, and its advice.
+macro_rules! mistakes {
+    ($($name:expr => $kind:ident($edit:expr), $advice:expr;)+) => {
+        &[$(Mistake { name: $name, advice: $advice, edit: Edit::$kind($edit) }),+]
+    };
+}
+
 mod bricks;
 mod classified;
 mod densities;

@@ -7,164 +7,104 @@ use crate::scene::{
     ProjectionFault, Window,
 };
 
-pub(super) const MISTAKES: &[Mistake] = &[
-    Mistake {
-        name: "mode-maximum",
-        advice: "each pixel shows the largest value of its ray: the scene asks for another number",
-        edit: Edit::Classified(|scene| shown_as(scene, Projected::Maximum)),
-    },
-    Mistake {
-        name: "mode-minimum",
-        advice: "each pixel shows the smallest value of its ray: the scene asks for another number",
-        edit: Edit::Classified(|scene| shown_as(scene, Projected::Minimum)),
-    },
-    Mistake {
-        name: "mode-mean",
-        advice: "each pixel shows the mean of its ray: the scene asks for another number",
-        edit: Edit::Classified(|scene| shown_as(scene, Projected::Mean)),
-    },
-    Mistake {
-        name: "mode-sum",
-        advice: "each pixel shows the integral along its ray: the scene asks for another number",
-        edit: Edit::Classified(|scene| shown_as(scene, Projected::Sum)),
-    },
-    Mistake {
-        name: "extremum-from-zero",
-        advice: "the largest or smallest value begins at 0, and is never on the other side of it: begin with the first value of the ray",
-        edit: Edit::Classified(|scene| {
-            // Where all values are on the side of 0 from which it is approached, nothing changes.
-            let (least, most) = scene.grid.range();
-            faulty(scene, ProjectionFault::BeginsAtZero, |of| match of {
-                Projected::Maximum => least < 0.0,
-                Projected::Minimum => most > 0.0,
-                _ => false,
+pub(super) const MISTAKES: &[Mistake] = mistakes! {
+    "mode-maximum" => Classified(|scene| shown_as(scene, Projected::Maximum)),
+        "each pixel shows the largest value of its ray: the scene asks for another number";
+    "mode-minimum" => Classified(|scene| shown_as(scene, Projected::Minimum)),
+        "each pixel shows the smallest value of its ray: the scene asks for another number";
+    "mode-mean" => Classified(|scene| shown_as(scene, Projected::Mean)),
+        "each pixel shows the mean of its ray: the scene asks for another number";
+    "mode-sum" => Classified(|scene| shown_as(scene, Projected::Sum)),
+        "each pixel shows the integral along its ray: the scene asks for another number";
+    "extremum-from-zero" => Classified(|scene| {
+        // Where all values are on the side of 0 from which it is approached, nothing changes.
+        let (least, most) = scene.grid.range();
+        faulty(scene, ProjectionFault::BeginsAtZero, |of| match of {
+            Projected::Maximum => least < 0.0,
+            Projected::Minimum => most > 0.0,
+            _ => false,
+        })
+    }),
+        "the largest or smallest value begins at 0, and is never on the other side of it: begin with the first value of the ray";
+    "maximum-of-the-front" => Classified(|scene| {
+        faulty(scene, ProjectionFault::RefinedAtTheFront, |of| {
+            of == Projected::Maximum
+        })
+    }),
+        "the front of the volume is shown: the maximum is looked for again about the place where it was found, but that place is still its start";
+    "projection-sampled-too-coarsely" => Classified(|scene| {
+        scene.step *= 8.0;
+        scene.sample();
+        matches!(scene.mode, Mode::Projection(_))
+    }),
+        "thin and small things are missing from the projection, or broken into stripes: samples are several voxels apart";
+    "mean-not-divided" => Classified(|scene| {
+        projected(scene, |projection| {
+            projection.of == Projected::Mean && set(&mut projection.of, Projected::Sum)
+        })
+    }),
+        "the mean is a sum: divide the integral by the length of the ray's way in the volume";
+    "mean-over-a-constant" => Classified(mean_over_the_diagonal),
+        "short ways through the volume are too dark: the integral is divided by one length for all rays, where each has its own";
+    "mean-without-zeros" => Classified(|scene| {
+        faulty(scene, ProjectionFault::WithoutZeros, |of| {
+            of == Projected::Mean
+        })
+    }),
+        "the mean is over the samples that are not 0: empty parts of the way count, too";
+    "sum-divided" => Classified(|scene| {
+        projected(scene, |projection| {
+            projection.of == Projected::Sum && set(&mut projection.of, Projected::Mean)
+        })
+    }),
+        "the sum is a mean: it is not divided by the length of the ray's way in the volume";
+    "attenuation-by-distance" => Classified(|scene| {
+        faulty(scene, ProjectionFault::AttenuatedByDistance, |of| {
+            matches!(of, Projected::AttenuatedMaximum(_))
+        })
+    }),
+        "values fade with the way from the entry into the box, whatever lies on it: what attenuates are the values passed";
+    "attenuation-left-out" => Classified(|scene| attenuated(scene, |_, _| 0.0)),
+        "nothing is attenuated: each value is multiplied by exp(-attenuation * integral of the values before it)";
+    "attenuation-per-sample" => Classified(|scene| attenuated(scene, |attenuation, step| attenuation / step)),
+        "attenuation depends on the step: the sum of the values before counts each times the length of its step";
+    "window-of-the-data" => Classified(|scene| {
+        let (low, high) = scene.grid.range();
+        projected(scene, |projection| {
+            low < high
+                && projection.window.is_some()
+                && set(&mut projection.window, Some(Window { low, high }))
+        })
+    }),
+        "the window is that of the data, from the smallest value to the largest: the scene gives one";
+    "isosurface-first-alone" => Classified(|scene| {
+        let is_seen_through = |surface: &Isosurface| surface.opacity < 1.0;
+        surfaced(scene, |surfaces| {
+            surfaces.surfaces.iter().any(is_seen_through)
+                && makes(surfaces, IsosurfaceFault::FirstAlone)
+        })
+    }),
+        "a ray ends at its first isosurface: what lies behind it is seen through it, as far as it is not opaque";
+    "isosurface-opaque" => Classified(|scene| {
+        surfaced(scene, |surfaces| {
+            let surfaces = surfaces.surfaces.iter_mut();
+            surfaces.fold(false, |occurs, surface| {
+                set(&mut surface.opacity, 1.0) | occurs
             })
-        }),
-    },
-    Mistake {
-        name: "maximum-of-the-front",
-        advice: "the front of the volume is shown: the maximum is looked for again about the place where it was found, but that place is still its start",
-        edit: Edit::Classified(|scene| {
-            faulty(scene, ProjectionFault::RefinedAtTheFront, |of| {
-                of == Projected::Maximum
-            })
-        }),
-    },
-    Mistake {
-        name: "projection-sampled-too-coarsely",
-        advice: "thin and small things are missing from the projection, or broken into stripes: samples are several voxels apart",
-        edit: Edit::Classified(|scene| {
-            scene.step *= 8.0;
-            scene.sample();
-            matches!(scene.mode, Mode::Projection(_))
-        }),
-    },
-    Mistake {
-        name: "mean-not-divided",
-        advice: "the mean is a sum: divide the integral by the length of the ray's way in the volume",
-        edit: Edit::Classified(|scene| {
-            projected(scene, |projection| {
-                projection.of == Projected::Mean && set(&mut projection.of, Projected::Sum)
-            })
-        }),
-    },
-    Mistake {
-        name: "mean-over-a-constant",
-        advice: "short ways through the volume are too dark: the integral is divided by one length for all rays, where each has its own",
-        edit: Edit::Classified(mean_over_the_diagonal),
-    },
-    Mistake {
-        name: "mean-without-zeros",
-        advice: "the mean is over the samples that are not 0: empty parts of the way count, too",
-        edit: Edit::Classified(|scene| {
-            faulty(scene, ProjectionFault::WithoutZeros, |of| {
-                of == Projected::Mean
-            })
-        }),
-    },
-    Mistake {
-        name: "sum-divided",
-        advice: "the sum is a mean: it is not divided by the length of the ray's way in the volume",
-        edit: Edit::Classified(|scene| {
-            projected(scene, |projection| {
-                projection.of == Projected::Sum && set(&mut projection.of, Projected::Mean)
-            })
-        }),
-    },
-    Mistake {
-        name: "attenuation-by-distance",
-        advice: "values fade with the way from the entry into the box, whatever lies on it: what attenuates are the values passed",
-        edit: Edit::Classified(|scene| {
-            faulty(scene, ProjectionFault::AttenuatedByDistance, |of| {
-                matches!(of, Projected::AttenuatedMaximum(_))
-            })
-        }),
-    },
-    Mistake {
-        name: "attenuation-left-out",
-        advice: "nothing is attenuated: each value is multiplied by exp(-attenuation * integral of the values before it)",
-        edit: Edit::Classified(|scene| attenuated(scene, |_, _| 0.0)),
-    },
-    Mistake {
-        name: "attenuation-per-sample",
-        advice: "attenuation depends on the step: the sum of the values before counts each times the length of its step",
-        edit: Edit::Classified(|scene| attenuated(scene, |attenuation, step| attenuation / step)),
-    },
-    Mistake {
-        name: "window-of-the-data",
-        advice: "the window is that of the data, from the smallest value to the largest: the scene gives one",
-        edit: Edit::Classified(|scene| {
-            let (low, high) = scene.grid.range();
-            projected(scene, |projection| {
-                low < high
-                    && projection.window.is_some()
-                    && set(&mut projection.window, Some(Window { low, high }))
-            })
-        }),
-    },
-    Mistake {
-        name: "isosurface-first-alone",
-        advice: "a ray ends at its first isosurface: what lies behind it is seen through it, as far as it is not opaque",
-        edit: Edit::Classified(|scene| {
-            let is_seen_through = |surface: &Isosurface| surface.opacity < 1.0;
-            surfaced(scene, |surfaces| {
-                surfaces.surfaces.iter().any(is_seen_through)
-                    && makes(surfaces, IsosurfaceFault::FirstAlone)
-            })
-        }),
-    },
-    Mistake {
-        name: "isosurface-opaque",
-        advice: "isosurfaces are opaque: each has the opacity that the scene gives",
-        edit: Edit::Classified(|scene| {
-            surfaced(scene, |surfaces| {
-                let surfaces = surfaces.surfaces.iter_mut();
-                surfaces.fold(false, |occurs, surface| {
-                    set(&mut surface.opacity, 1.0) | occurs
-                })
-            })
-        }),
-    },
-    Mistake {
-        name: "isosurface-at-samples",
-        advice: "isosurfaces are stairs: they lie between the two samples on either side, where the line between them has the value",
-        edit: Edit::Classified(|scene| {
-            surfaced(scene, |surfaces| {
-                makes(surfaces, IsosurfaceFault::AtSamples)
-            })
-        }),
-    },
-    Mistake {
-        name: "isosurface-normals-not-turned",
-        advice: "isosurfaces are dark where their inside is seen: turn the normal to the side of the eye",
-        edit: Edit::Classified(|scene| shaded_by(scene, IsosurfaceFault::NotTurned)),
-    },
-    Mistake {
-        name: "isosurface-normals-inwards",
-        advice: "isosurfaces are lit from behind: the normal points away from the eye; turn it to the eye's side",
-        edit: Edit::Classified(|scene| shaded_by(scene, IsosurfaceFault::TurnedAway)),
-    },
-];
+        })
+    }),
+        "isosurfaces are opaque: each has the opacity that the scene gives";
+    "isosurface-at-samples" => Classified(|scene| {
+        surfaced(scene, |surfaces| {
+            makes(surfaces, IsosurfaceFault::AtSamples)
+        })
+    }),
+        "isosurfaces are stairs: they lie between the two samples on either side, where the line between them has the value";
+    "isosurface-normals-not-turned" => Classified(|scene| shaded_by(scene, IsosurfaceFault::NotTurned)),
+        "isosurfaces are dark where their inside is seen: turn the normal to the side of the eye";
+    "isosurface-normals-inwards" => Classified(|scene| shaded_by(scene, IsosurfaceFault::TurnedAway)),
+        "isosurfaces are lit from behind: the normal points away from the eye; turn it to the eye's side";
+};
 
 fn projected(scene: &mut Classified, edit: impl Fn(&mut Projection) -> bool) -> bool {
     match &mut scene.mode {
