@@ -124,14 +124,10 @@ conventions! {
     "first_sample" = first_sample: f64 = number(0.5),
     "Position of a sample within its step, in steps: 0 at its beginning, 0.5 in the middle, 1 at its end. So the first sample of a ray lies that far behind the front face.",
     [
-        other(
-            "takes the first sample of a ray a whole step behind the front face, not half a step",
-            |it| it.first_sample = 1.0,
-        ),
-        other(
-            "takes the first sample of a ray on the front face, not half a step behind it",
-            |it| it.first_sample = 0.0,
-        ),
+        other("takes the first sample of a ray a whole step behind the front face, not half a step",
+            |it| it.first_sample = 1.0),
+        other("takes the first sample of a ray on the front face, not half a step behind it",
+            |it| it.first_sample = 0.0),
     ];
 
     "jitter" = jitter: bool = flag(false),
@@ -159,18 +155,10 @@ conventions! {
     ),
     "Length of a step: that of the scene in the world; as many spacings of the grid as it has voxels, along the ray in node coordinates (voxels), or along the axis on which the ray passes nodes fastest (main-axis); or the part of the cube of texture coordinates that it is of the longest side of the volume (texture); or as long in the coordinates of the volume, before a map places it, as stated in the world (volume).",
     [
-        other(
-            "takes steps of a length in voxels, not in the world",
-            |it| it.step_length = StepLength::Voxels,
-        ),
-        other(
-            "takes steps of a length in voxels along the main axis of the ray",
-            |it| it.step_length = StepLength::MainAxis,
-        ),
-        other(
-            "takes steps of a length in texture coordinates",
-            |it| it.step_length = StepLength::Texture,
-        ),
+        other("takes steps of a length in voxels, not in the world", |it| it.step_length = StepLength::Voxels),
+        other("takes steps of a length in voxels along the main axis of the ray",
+            |it| it.step_length = StepLength::MainAxis),
+        other("takes steps of a length in texture coordinates", |it| it.step_length = StepLength::Texture),
     ];
 
     "fitted_steps" = fitted_steps: FittedSteps = words("none" of
@@ -181,30 +169,19 @@ conventions! {
     ),
     "Number of steps of a ray: what its length and that of a step give, the last one cut off (none); or a whole number, the quotient rounded, rounded up or rounded down, of steps that are stretched to fill the ray.",
     [
-        other(
-            "fits a whole number of steps to each ray, the nearest",
-            |it| it.fitted_steps = FittedSteps::Rounded,
-        )
-        .instead_of("last_step"),
-        other(
-            "fits a whole number of steps to each ray, rounded up",
-            |it| it.fitted_steps = FittedSteps::Up,
-        )
-        .instead_of("last_step"),
-        other(
-            "fits a whole number of steps to each ray, rounded down",
-            |it| it.fitted_steps = FittedSteps::Down,
-        )
-        .instead_of("last_step"),
+        other("fits a whole number of steps to each ray, the nearest", |it| it.fitted_steps = FittedSteps::Rounded)
+            .instead_of("last_step"),
+        other("fits a whole number of steps to each ray, rounded up", |it| it.fitted_steps = FittedSteps::Up)
+            .instead_of("last_step"),
+        other("fits a whole number of steps to each ray, rounded down", |it| it.fitted_steps = FittedSteps::Down)
+            .instead_of("last_step"),
     ];
 
     "step_opacity" = nominal_opacity: bool = words("true" of "true" = false, "nominal" = true),
     "Length for which the opacity of a whole step is taken: its own (true), or that stated in the scene, whatever became of it by `step_length` or `fitted_steps` (nominal).",
     [
-        other(
-            "takes opacities for the stated step, not for the true one",
-            |it| it.nominal_opacity = !it.has_stated_steps(),
-        ),
+        other("takes opacities for the stated step, not for the true one",
+            |it| it.nominal_opacity = !it.has_stated_steps()),
     ];
 
     "last_step" = last_step: LastStep = words("exact" of
@@ -215,29 +192,20 @@ conventions! {
     "Step cut off by the back face: counted over its true length, counted as a whole step if its sample lies in front of that face, or dropped.",
     [
         other("counts the last step of a ray as a whole one", |it| it.last_step = LastStep::Whole),
-        other(
-            "drops the last step of a ray where it is not a whole one",
-            |it| it.last_step = LastStep::Dropped,
-        ),
+        other("drops the last step of a ray where it is not a whole one", |it| it.last_step = LastStep::Dropped),
     ];
 
     "last_sample" = last_sample_on_face: bool = words("step" of "step" = false, "face" = true),
     "Place of the last sample of a ray: as in its other steps, or on the back face, where it is not the first one (face).",
     [
-        other(
-            "takes the last sample of a ray on the back face",
-            |it| it.last_sample_on_face = true,
-        )
-        .instead_of("last_step"),
+        other("takes the last sample of a ray on the back face", |it| it.last_sample_on_face = true)
+            .instead_of("last_step"),
     ];
 
     "one_sample" = one_sample: bool = flag(false),
     "Takes the first sample of a ray even if it lies behind the back face, where the values of the outermost nodes are continued.",
     [
-        other(
-            "takes one sample of rays that leave the volume before it, too",
-            |it| it.one_sample = true,
-        ),
+        other("takes one sample of rays that leave the volume before it, too", |it| it.one_sample = true),
     ];
 
     "ended_rays" = ended_rays_opaque: bool = words("left" of "left" = false, "opaque" = true),
@@ -249,21 +217,14 @@ conventions! {
     "box" = voxel_box: bool = words("nodes" of "nodes" = false, "voxels" = true),
     "Faces of the volume: on the outermost nodes; or half a spacing beyond them, where the values of the outermost nodes are continued (voxels). A volume of cells has them there.",
     [
-        other(
-            "fills half a voxel beyond the outermost nodes, too",
-            |it| it.voxel_box = !it.cell_centred,
-        )
-        .instead_of("centring"),
+        other("fills half a voxel beyond the outermost nodes, too", |it| it.voxel_box = !it.cell_centred)
+            .instead_of("centring"),
     ];
 
     "centring" = cell_centred: bool = words("nodes" of "nodes" = false, "cells" = true),
     "Place of the values: the outermost nodes lie on the faces of the volume (nodes); or the values lie at the centres of n cells that divide each side of it, n the nodes of the axis, and those of the outermost cells reach to the faces (cells), as in textures. A volume of cells stays one.",
     [
-        other(
-            "places values at the centres of cells, as in textures",
-            |it| it.cell_centred = true,
-        )
-        .beside_others(),
+        other("places values at the centres of cells, as in textures", |it| it.cell_centred = true).beside_others(),
     ];
 
     "stored_values" = stored_values: StoredValues = words("f32" of
@@ -275,23 +236,14 @@ conventions! {
     "Numbers in which values are stored at the nodes: floating point of 32 or 16 bits; or whole numbers of 16 or 8 bits, which stand for the range from the smallest value of the volume to the largest.",
     [
         other("stores values in half precision", |it| it.stored_values = StoredValues::F16),
-        other(
-            "stores values in 16 bits, over their range",
-            |it| it.stored_values = StoredValues::U16,
-        ),
-        other(
-            "stores values in 8 bits, over their range",
-            |it| it.stored_values = StoredValues::U8,
-        ),
+        other("stores values in 16 bits, over their range", |it| it.stored_values = StoredValues::U16),
+        other("stores values in 8 bits, over their range", |it| it.stored_values = StoredValues::U8),
     ];
 
     "fraction_bits" = fraction_bits: Option<u32> = count(2..=16),
     "Bits of the fractions of a voxel by which values are interpolated between nodes: 8 in the units of graphics processors that filter textures. If left out, they are not rounded.",
     [
-        other(
-            "interpolates values by fractions of 8 bits",
-            |it| it.fraction_bits = Some(8),
-        ),
+        other("interpolates values by fractions of 8 bits", |it| it.fraction_bits = Some(8)),
     ];
 
     "lookup" = lookup: Lookup = words("exact" of
@@ -335,10 +287,7 @@ conventions! {
     "uncorrected_opacity" = uncorrected_opacity: f64 = number(0.0),
     "Opacities stated up to this are taken for those of a step, uncorrected.",
     [
-        other(
-            "does not correct opacities up to 0.0001 for the step",
-            |it| it.uncorrected_opacity = 1e-4,
-        ),
+        other("does not correct opacities up to 0.0001 for the step", |it| it.uncorrected_opacity = 1e-4),
     ];
 
     "most_opacity" = most_opacity: f64 = number(1.0),
@@ -350,37 +299,23 @@ conventions! {
     "least_stated_opacity" = least_stated_opacity: f64 = number(0.0),
     "Opacities stated below this count as 0.",
     [
-        other(
-            "drops samples of a stated opacity below 0.01",
-            |it| it.least_stated_opacity = 0.01,
-        ),
-        other(
-            "drops samples of a stated opacity below 0.0001",
-            |it| it.least_stated_opacity = 1e-4,
-        ),
+        other("drops samples of a stated opacity below 0.01", |it| it.least_stated_opacity = 0.01),
+        other("drops samples of a stated opacity below 0.0001", |it| it.least_stated_opacity = 1e-4),
     ];
 
     "least_opacity" = least_opacity: f64 = number(0.0),
     "Samples with an opacity below this over a whole step are dropped.",
     [
-        other(
-            "drops samples of an opacity below 0.001 over a step",
-            |it| it.least_opacity = 0.001,
-        ),
-        other(
-            "drops samples of an opacity below 0.01 over a step",
-            |it| it.least_opacity = 0.01,
-        ),
+        other("drops samples of an opacity below 0.001 over a step", |it| it.least_opacity = 0.001),
+        other("drops samples of an opacity below 0.01 over a step", |it| it.least_opacity = 0.01),
     ];
 
     "classification" = preclassified: bool = words("post" of "post" = false, "pre" = true),
     "Values are interpolated, then classified (post); or nodes are classified, and opacity and colour interpolated (pre).",
     [
         other("classifies nodes before it interpolates", |it| it.preclassified = true),
-        other(
-            "classifies nodes, and interpolates their colours without their opacities",
-            |it| (it.preclassified, it.separate_colours) = (true, true),
-        ),
+        other("classifies nodes, and interpolates their colours without their opacities",
+            |it| (it.preclassified, it.separate_colours) = (true, true)),
     ];
 
     "node_colours" = separate_colours: bool = words("associated" of "associated" = false, "separate" = true),
@@ -390,26 +325,14 @@ conventions! {
     "table_size" = table_size: Option<u32> = count(2..=65_536),
     "Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value.",
     [
-        other(
-            "looks colours and opacities up in a table of 256 entries, the nearest one",
-            |it| (it.table_size, it.nearest_entry) = (Some(256), true),
-        )
-        .instead_of("classification"),
-        other(
-            "looks colours and opacities up in a table of 256 entries, interpolated",
-            |it| (it.table_size, it.nearest_entry) = (Some(256), false),
-        )
-        .instead_of("classification"),
-        other(
-            "looks colours and opacities up in a table of 1024 entries, the nearest one",
-            |it| (it.table_size, it.nearest_entry) = (Some(1024), true),
-        )
-        .instead_of("classification"),
-        other(
-            "looks colours and opacities up in a table of 64 entries, interpolated",
-            |it| (it.table_size, it.nearest_entry) = (Some(64), false),
-        )
-        .instead_of("classification"),
+        other("looks colours and opacities up in a table of 256 entries, the nearest one",
+            |it| (it.table_size, it.nearest_entry) = (Some(256), true)).instead_of("classification"),
+        other("looks colours and opacities up in a table of 256 entries, interpolated",
+            |it| (it.table_size, it.nearest_entry) = (Some(256), false)).instead_of("classification"),
+        other("looks colours and opacities up in a table of 1024 entries, the nearest one",
+            |it| (it.table_size, it.nearest_entry) = (Some(1024), true)).instead_of("classification"),
+        other("looks colours and opacities up in a table of 64 entries, interpolated",
+            |it| (it.table_size, it.nearest_entry) = (Some(64), false)).instead_of("classification"),
     ];
 
     "table_lookup" = nearest_entry: bool = words("linear" of "linear" = false, "nearest" = true),
@@ -419,10 +342,8 @@ conventions! {
     "table_place" = texture_place: bool = words("ends" of "ends" = false, "texture" = true),
     "Place of a value in a table of n entries, from the share s of the range of the table that lies below it: s (n - 1), so that the outermost entries lie at both ends (ends), or s n - 1/2 as in textures, within the outermost entries (texture).",
     [
-        other(
-            "looks values up in its table as coordinates of a texture",
-            |it| (*it, it.texture_place) = (it.with_table(), true),
-        ),
+        other("looks values up in its table as coordinates of a texture",
+            |it| (*it, it.texture_place) = (it.with_table(), true)),
     ];
 
     "texture_size" = texture_size: Option<u32> = count(2..=65_536),
@@ -440,28 +361,20 @@ conventions! {
     "opacity_correction" = corrected_entries: bool = words("samples" of "samples" = false, "entries" = true),
     "Opacities are corrected for the length of a step at each sample; or once, for that of the scene, in the entries of the table or at classified nodes, which are interpolated then (entries).",
     [
-        other(
-            "corrects opacities for the step in its table, before interpolation",
-            |it| (*it, it.corrected_entries) = (it.with_entries(), true),
-        ),
+        other("corrects opacities for the step in its table, before interpolation",
+            |it| (*it, it.corrected_entries) = (it.with_entries(), true)),
     ];
 
     "colour_bits" = colour_bits: Option<u32> = count(2..=16),
     "Bits of colours in the table or at classified nodes, for [0, 1]. If left out, they are not rounded.",
     [
-        other(
-            "keeps the colours of its table in 8 bits",
-            |it| (*it, it.colour_bits) = (it.with_entries(), Some(8)),
-        ),
+        other("keeps the colours of its table in 8 bits", |it| (*it, it.colour_bits) = (it.with_entries(), Some(8))),
     ];
 
     "opacity_bits" = opacity_bits: Option<u32> = count(2..=16),
     "Bits of opacities in the table or at classified nodes, after what `opacity_correction` does there. If left out, they are not rounded.",
     [
-        other(
-            "keeps the opacities of its table in 8 bits",
-            |it| (*it, it.opacity_bits) = (it.with_entries(), Some(8)),
-        ),
+        other("keeps the opacities of its table in 8 bits", |it| (*it, it.opacity_bits) = (it.with_entries(), Some(8))),
     ];
 
     "bit_rounding" = rounded_down: bool = words("nearest" of "nearest" = false, "down" = true),
@@ -490,28 +403,19 @@ conventions! {
         other("takes forward differences for gradients", |it| it.gradient = Gradient::Forward),
         other("takes backward differences for gradients", |it| it.gradient = Gradient::Backward),
         other("takes gradients by Sobel's filter", |it| it.gradient = Gradient::Sobel),
-        other(
-            "takes the derivative of the trilinear interpolant for the gradient",
-            |it| it.gradient = Gradient::Interpolant,
-        ),
-        other(
-            "takes differences over n/(n - 1) spacings at the sample for the gradient",
-            |it| it.gradient = Gradient::Texture,
-        ),
-        other(
-            "takes differences over the step of the ray for the gradient",
-            |it| it.gradient = Gradient::RayStep,
-        )
-        .beside_others(),
+        other("takes the derivative of the trilinear interpolant for the gradient",
+            |it| it.gradient = Gradient::Interpolant),
+        other("takes differences over n/(n - 1) spacings at the sample for the gradient",
+            |it| it.gradient = Gradient::Texture),
+        other("takes differences over the step of the ray for the gradient", |it| it.gradient = Gradient::RayStep)
+            .beside_others(),
     ];
 
     "normals" = normalised_at_nodes: bool = words("interpolated" of "interpolated" = false, "normalised" = true),
     "Gradients at the nodes are interpolated as they are, or normalised before that.",
     [
-        other(
-            "normalises gradients at the nodes, before it interpolates them",
-            |it| it.normalised_at_nodes = it.gradient.is_stored(),
-        ),
+        other("normalises gradients at the nodes, before it interpolates them",
+            |it| it.normalised_at_nodes = it.gradient.is_stored()),
     ];
 
     "normal_bits" = normal_bits: Option<u32> = count(2..=16),
@@ -528,14 +432,9 @@ conventions! {
     ),
     "Space in which the gradient is normalised: the world; one in which its components are multiplied by the size of the volume along each of its axes, before a map places it (box); or one of which the matrices are multiplied in reverse order: components along the axes of the eye, right, up and backwards, mapped by the transposed map of the volume, then multiplied by its size (eye-box).",
     [
-        other(
-            "stretches normals by the proportions of the volume",
-            |it| it.normal_space = NormalSpace::Box,
-        ),
-        other(
-            "stretches normals by the proportions of the volume, along the axes of the eye",
-            |it| it.normal_space = NormalSpace::EyeBox,
-        ),
+        other("stretches normals by the proportions of the volume", |it| it.normal_space = NormalSpace::Box),
+        other("stretches normals by the proportions of the volume, along the axes of the eye",
+            |it| it.normal_space = NormalSpace::EyeBox),
     ];
 
     "normal_transform" = normal_transform: NormalTransform = words("gradient" of
@@ -549,19 +448,14 @@ conventions! {
     "shading_point" = texture_shading_point: bool = words("sample" of "sample" = false, "texture" = true),
     "Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis.",
     [
-        other(
-            "sees light and eye from texture coordinates, as fractions of the volume",
-            |it| it.texture_shading_point = true,
-        ),
+        other("sees light and eye from texture coordinates, as fractions of the volume",
+            |it| it.texture_shading_point = true),
     ];
 
     "flat_samples" = flat_samples_ambient: bool = words("unshaded" of "unshaded" = false, "ambient" = true),
     "Samples without a gradient: their unshaded colour, or the ambient term alone.",
     [
-        other(
-            "gives samples without a gradient ambient light only",
-            |it| it.flat_samples_ambient = true,
-        ),
+        other("gives samples without a gradient ambient light only", |it| it.flat_samples_ambient = true),
     ];
 
     "ambient_colour" = ambient_colour: LightColour = words("material" of
@@ -571,15 +465,9 @@ conventions! {
     ),
     "Colour that the weight of the ambient term applies to: that of the material, white, or black.",
     [
-        other(
-            "gives ambient light a colour of its own, white",
-            |it| it.ambient_colour = LightColour::White,
-        ),
-        other(
-            "gives ambient light a colour of its own, black",
-            |it| it.ambient_colour = LightColour::Black,
-        )
-        .beside_others(),
+        other("gives ambient light a colour of its own, white", |it| it.ambient_colour = LightColour::White),
+        other("gives ambient light a colour of its own, black", |it| it.ambient_colour = LightColour::Black)
+            .beside_others(),
     ];
 
     "highlight_colour" = highlight_colour: LightColour = words("white" of
@@ -589,21 +477,14 @@ conventions! {
     ),
     "Colour that the weight of the highlight applies to.",
     [
-        other(
-            "gives highlights the colour of the material",
-            |it| it.highlight_colour = LightColour::Material,
-        ),
-        other("has no highlights", |it| it.highlight_colour = LightColour::Black)
-            .beside_others(),
+        other("gives highlights the colour of the material", |it| it.highlight_colour = LightColour::Material),
+        other("has no highlights", |it| it.highlight_colour = LightColour::Black).beside_others(),
     ];
 
     "highlight_emission" = highlight_emission: bool = flag(true),
     "Multiplies the highlight by the emission of the sample, d^2 by the formula, like the rest of its colour.",
     [
-        other(
-            "leaves the emission of a sample out of its highlight",
-            |it| it.highlight_emission = false,
-        ),
+        other("leaves the emission of a sample out of its highlight", |it| it.highlight_emission = false),
     ];
 
     "highlight" = half_vector: bool = words("reflected" of "reflected" = false, "half-vector" = true),
@@ -615,24 +496,14 @@ conventions! {
     "shadow_sample" = shadow_sample: f64 = number(0.5),
     "Position of a sample within its step on the way to the light, in steps from the point that is lit.",
     [
-        other(
-            "takes the first sample of a shadow at the point that is lit",
-            |it| it.shadow_sample = 0.0,
-        )
-        .in_shadow(),
-        other(
-            "takes the first sample of a shadow a whole step on",
-            |it| it.shadow_sample = 1.0,
-        )
-        .in_shadow(),
+        other("takes the first sample of a shadow at the point that is lit", |it| it.shadow_sample = 0.0).in_shadow(),
+        other("takes the first sample of a shadow a whole step on", |it| it.shadow_sample = 1.0).in_shadow(),
     ];
 
     "shadowed_ambient" = shadowed_ambient: bool = flag(true),
     "Volume shadow dims the ambient term like the rest of the light.",
     [
-        other("leaves ambient light out of the shadow", |it| it.shadowed_ambient = false)
-            .in_shadow()
-            .shaded(),
+        other("leaves ambient light out of the shadow", |it| it.shadowed_ambient = false).in_shadow().shaded(),
     ];
 
     "head_light" = head_light: bool = flag(false),
@@ -656,8 +527,7 @@ conventions! {
     "normals_to_eye" = normals_to_eye: bool = flag(false),
     "Turns normals towards the eye.",
     [
-        other("turns normals towards the eye", |it| it.normals_to_eye = true)
-            .instead_of("two_sided"),
+        other("turns normals towards the eye", |it| it.normals_to_eye = true).instead_of("two_sided"),
     ];
 
     "composition" = composition: Composition = words("merged" of
@@ -715,21 +585,13 @@ conventions! {
     "own_transmittance" = own_transmittance: bool = flag(false),
     "Dims the colour of each sample by its own transmittance, too, as where the transmittance is updated before the colour is added.",
     [
-        other(
-            "dims each sample by its own transmittance",
-            |it| it.own_transmittance = true,
-        )
-        .beside_others(),
+        other("dims each sample by its own transmittance", |it| it.own_transmittance = true).beside_others(),
     ];
 
     "own_opacity" = own_opacity: bool = flag(false),
     "Multiplies the colour of each sample by its own opacity once more, as where a table of colours that contain their opacity is multiplied by it again.",
     [
-        other(
-            "multiplies the colour of each sample by its opacity twice",
-            |it| it.own_opacity = true,
-        )
-        .beside_others(),
+        other("multiplies the colour of each sample by its opacity twice", |it| it.own_opacity = true).beside_others(),
     ];
 
     "clamped_samples" = clamped_samples: bool = flag(false),
