@@ -94,7 +94,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .filter(|case| runs.iter().any(|run| has(run, case)))
         .collect();
     let store = suite.store();
-    let bar = progress::cases(cases.len());
+    let bar = progress::counted("cases", cases.len());
     let row = |case: &&Case| {
         let row = row(case, &store, &runs);
         bar.inc(1);

@@ -105,11 +105,6 @@ pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
     Bar::begin(0, said)
 }
 
-/// Progress of that many `cases`.
-pub fn cases(cases: usize) -> Bar {
-    counted("cases", cases)
-}
-
 /// Progress of that many `parts`, which have this name.
 pub fn counted(name: &'static str, parts: usize) -> Bar {
     let said = ProgressText {
@@ -209,11 +204,11 @@ impl Bar {
     }
 
     /// Ends the display, and clears it on a terminal.
-    pub fn finish_and_clear(mut self) {
-        self.end();
-    }
+    pub fn finish_and_clear(self) {}
+}
 
-    fn end(&mut self) {
+impl Drop for Bar {
+    fn drop(&mut self) {
         let Some(ticker) = self.ticker.take() else {
             return;
         };
@@ -221,12 +216,6 @@ impl Bar {
         self.shared.changed.notify_all();
         let _ = ticker.join();
         self.shared.bar.finish_and_clear();
-    }
-}
-
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.end();
     }
 }
 

@@ -60,7 +60,7 @@ impl ResultFiles {
     /// Fails if a file cannot be written or is in the folder of the goldens; called before long
     /// work.
     pub fn check(&self, suite: &Suite) -> Result<(), Failure> {
-        let page = self.report.as_deref().map(page_in);
+        let page = self.report.as_deref().map(|folder| folder.join(PAGE));
         if let Some(folder) = &self.report {
             output::make_folder(folder)?;
         }
@@ -110,10 +110,6 @@ impl ResultFiles {
         }
         self.json.instead_of(text, &json)
     }
-}
-
-fn page_in(folder: &Path) -> PathBuf {
-    folder.join(PAGE)
 }
 
 /// Name of the page within the folder of a report.

@@ -131,7 +131,7 @@ fn measure_naming(
     made: &[(Vec<&'static Mistake>, u64)],
     json: &Json,
 ) -> Result<Outcome, Failure> {
-    let bar = progress::cases(made.len());
+    let bar = progress::counted("cases", made.len());
     let namings: Vec<Naming> = naming(cases, store, made, &Predictions::of_the_user(), &|| {
         bar.inc(1)
     });

@@ -382,7 +382,7 @@ impl Judge<'_> {
     /// and printed as soon as those before them are. With `--only-present`, cases without an image are
     /// skipped.
     fn all(&self, cases: &[&Case], said: &PrintedVerdicts) -> Vec<Judged> {
-        let bar = progress::cases(cases.len());
+        let bar = progress::counted("cases", cases.len());
         let mut in_order_of_cases = Vec::new();
         let jobs = self.arguments.renderer.jobs.into();
         let judge = |index: usize| {

@@ -83,7 +83,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .retain(&mut selected, "cases", Selected::name)?;
     let store = suite.store();
     let mut judged = render::with_threads(arguments.threads, || {
-        let bar = progress::cases(selected.len());
+        let bar = progress::counted("cases", selected.len());
         let verified = selected.iter().map(|selected| {
             bar.set_message(selected.name());
             let judged = match selected {
