@@ -1,5 +1,6 @@
 //! Conventions of other ray casters.
 
+use crate::effects::scenes::{as_predicted, plan, rendered};
 use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::ops::Range;
@@ -830,20 +831,11 @@ fn opaque_scene(conventions: &str) -> Scene {
 /// Work under conventions is counted as without, and what is predicted of it holds.
 #[test]
 fn work_under_conventions_is_counted() {
-    use volref::render::{Bound, Counters, Event, render_counted};
+    use volref::render::{Counters, Event};
     let counted = |scene: &Scene| -> Counters {
-        let plans = plans(scene);
-        let work = render_counted(&plans, Sampling::default(), &|| ())
-            .unwrap()
-            .work[0];
-        for (event, amount) in plans[0].predicted_work(Sampling::default()).work {
-            let holds = match amount.bound {
-                Bound::Exactly => work[event] == amount.count,
-                Bound::AtMost => work[event] <= amount.count,
-                _ => true,
-            };
-            assert!(holds, "{event:?}: {amount:?}, counted {}", work[event]);
-        }
+        let plan = plan(scene);
+        let (_, work) = rendered(&plan);
+        as_predicted("opaque", &plan, &work);
         work
     };
     let fast = counted(&opaque_scene(""));

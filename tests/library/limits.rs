@@ -1,6 +1,7 @@
 //! Integrals without samples: against closed forms, against quadrature by another method, and
 //! against what the ray caster's samples converge to.
 
+use crate::effects::scenes::as_predicted;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use volref::conventions::Profile;
@@ -423,15 +424,7 @@ fn work_of_an_integral() {
     assert!(work[Event::Attenuation] >= 21 * work[Event::CellWalked]);
     assert_eq!(work[Event::GradientLookup], 0);
     assert_eq!(work[Event::RandomDraw], 0);
-    for (event, amount) in plans[0].predicted_work(Sampling::default()).work {
-        use volref::render::predicted_work::Bound;
-        let holds = match amount.bound {
-            Bound::Exactly => work[event] == amount.count,
-            Bound::AtMost => work[event] <= amount.count,
-            _ => true,
-        };
-        assert!(holds, "{event:?}: {amount:?}, counted {}", work[event]);
-    }
+    as_predicted("linear-ramp", &plans[0], &work);
 }
 
 /// The goldens of the family state how well they are known.

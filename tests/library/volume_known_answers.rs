@@ -86,6 +86,18 @@ fn inner_queries(entry: &Value) -> Vec<(usize, DVec3)> {
     queries.filter(|&(_, query)| inner(query)).collect()
 }
 
+/// Interpolated gradients are those of the entry, at its two inner queries.
+#[track_caller]
+fn assert_gradients_close(entry: &Value, gradients: &Grid<[f64; 3]>) {
+    let expected = vectors(&entry["expected"]["gradient"]);
+    let queries = inner_queries(entry);
+    assert_eq!(queries.len(), 2);
+    for (index, query) in queries {
+        let found = cell(gradients.lattice(), query).trilinear(gradients);
+        assert_vectors_close(entry, found, expected[index]);
+    }
+}
+
 #[test]
 fn p001_a_trilinear_field_is_reproduced() {
     let entry = entry("interpolation-p001");
@@ -108,14 +120,7 @@ fn p001_a_trilinear_field_is_reproduced() {
     assert_close(&entry, grid.values()[0], first);
     assert_close(&entry, grid.values()[lattice.node_count() - 1], last);
 
-    let gradients = gradients(&grid);
-    let expected = vectors(&entry["expected"]["gradient"]);
-    let queries = inner_queries(&entry);
-    assert_eq!(queries.len(), 2);
-    for (index, query) in queries {
-        let found = cell(&lattice, query).trilinear(&gradients);
-        assert_vectors_close(&entry, found, expected[index]);
-    }
+    assert_gradients_close(&entry, &gradients(&grid));
 }
 
 #[test]
@@ -139,13 +144,7 @@ fn p002_a_quadratic_field_is_interpolated_and_its_gradient_exact() {
     }
 
     let gradients = gradients(&grid);
-    let expected = vectors(&entry["expected"]["gradient"]);
-    let queries = inner_queries(&entry);
-    assert_eq!(queries.len(), 2);
-    for (index, query) in queries {
-        let found = cell(&lattice, query).trilinear(&gradients);
-        assert_vectors_close(&entry, found, expected[index]);
-    }
+    assert_gradients_close(&entry, &gradients);
     // The corner takes the gradient of node (1, 1, 1), one step along the Hessian from its own.
     let corner = vector(&entry["expected"]["gradient_at_min_corner"]);
     let found = DVec3::from_array(gradients.values()[0]);

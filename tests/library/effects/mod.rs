@@ -9,6 +9,6 @@
 mod closed_forms;
 mod continuity;
 mod memory;
-mod scenes;
+pub mod scenes;
 mod subsets;
 mod suite;
