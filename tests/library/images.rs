@@ -1,6 +1,7 @@
 //! Images of other programs: what is read from them, and what is refused and why.
 
 use crate::common;
+use crate::comparators;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -887,7 +888,11 @@ static VALID_FILES: LazyLock<Vec<(FilmFormat, Vec<u8>)>> = LazyLock::new(|| {
         let path = fixture(name);
         (FilmFormat::of(&path).unwrap(), std::fs::read(path).unwrap())
     };
-    names.map(file).into()
+    names
+        .into_iter()
+        .map(file)
+        .chain(comparators::valid_files())
+        .collect()
 });
 
 /// Every byte of the headers of the small formats, replaced by each of the values that break
