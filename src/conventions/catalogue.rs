@@ -18,14 +18,16 @@ pub struct Convention {
 #[derive(Clone, Copy, Debug)]
 enum Edit {
     Convention(&'static Alternative),
-    Samples(fn(&mut Classified)),
+    EndRaysAt(f64),
+    StepTimes(f64),
 }
 
 impl Convention {
     /// Makes it the convention of `volume`, if it is about anything there.
     pub fn apply(&self, volume: &mut Classified) {
         match self.edit {
-            Edit::Samples(edit) => edit(volume),
+            Edit::EndRaysAt(transmittance) => volume.end_rays_at(transmittance),
+            Edit::StepTimes(factor) => volume.step *= factor,
             Edit::Convention(other) => {
                 let has_shadow = volume.shadow.is_some() || !other.in_shadow;
                 let has_shading = volume.phong.is_some() || !other.shaded;
@@ -43,51 +45,35 @@ pub const FIRST_SAMPLE: &str = "first_sample";
 pub const STEP: &str = "step";
 const EARLY_END: &str = "early_termination";
 
-const fn of_samples(
-    choice: &'static str,
-    words: &'static str,
-    edit: fn(&mut Classified),
-) -> Convention {
+const fn of_samples(choice: &'static str, words: &'static str, edit: Edit) -> Convention {
     Convention {
         words,
         choice,
         stands_alone: true,
-        edit: Edit::Samples(edit),
+        edit,
     }
+}
+
+const fn ends_rays(words: &'static str, transmittance: f64) -> Convention {
+    of_samples(EARLY_END, words, Edit::EndRaysAt(transmittance))
+}
+
+const fn steps(words: &'static str, factor: f64) -> Convention {
+    of_samples(STEP, words, Edit::StepTimes(factor))
 }
 
 /// Ends and steps of rays, which scenes state beside the table of conventions.
 const SAMPLES: [Convention; 8] = [
-    of_samples(
-        EARLY_END,
-        "ends rays at a transmittance of 0.001",
-        |scene| scene.end_rays_at(0.001),
-    ),
-    of_samples(
-        EARLY_END,
-        "ends rays at a transmittance of 1/255",
-        |scene| scene.end_rays_at(1.0 / 255.0),
-    ),
-    of_samples(EARLY_END, "ends rays at a transmittance of 0.01", |scene| {
-        scene.end_rays_at(0.01)
-    }),
-    of_samples(EARLY_END, "ends rays at a transmittance of 0.05", |scene| {
-        scene.end_rays_at(0.05)
-    }),
-    of_samples(STEP, "takes steps of half the length", |scene| {
-        scene.step *= 0.5
-    }),
-    of_samples(STEP, "takes steps of a quarter of the length", |scene| {
-        scene.step *= 0.25
-    }),
-    of_samples(STEP, "takes steps of an eighth of the length", |scene| {
-        scene.step *= 0.125
-    }),
+    ends_rays("ends rays at a transmittance of 0.001", 0.001),
+    ends_rays("ends rays at a transmittance of 1/255", 1.0 / 255.0),
+    ends_rays("ends rays at a transmittance of 0.01", 0.01),
+    ends_rays("ends rays at a transmittance of 0.05", 0.05),
+    steps("takes steps of half the length", 0.5),
+    steps("takes steps of a quarter of the length", 0.25),
+    steps("takes steps of an eighth of the length", 0.125),
     Convention {
         stands_alone: false,
-        ..of_samples(STEP, "takes steps of twice the length", |scene| {
-            scene.step *= 2.0
-        })
+        ..steps("takes steps of twice the length", 2.0)
     },
 ];
 
