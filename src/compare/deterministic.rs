@@ -7,7 +7,7 @@
 //! between one and twelve, this rule all.
 
 use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
+use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
 use super::opacity;
@@ -60,43 +60,22 @@ impl Gate for Deterministic {
     }
 
     fn metrics(&self) -> &'static [Metric] {
-        &[
-            (
-                "outlier_pixels",
-                "Pixels that are off by more than the tolerance.",
-            ),
-            (
-                "outlier_share",
-                "The same as a fraction of all pixels; at most 0.0002 are allowed.",
-            ),
-            (
-                "max_abs_error",
-                "Largest difference of any channel, in radiance.",
-            ),
-            (
-                "worst_in_tolerances",
-                "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above \
-                20 the image fails.",
-            ),
-            (
-                "worst_column",
-                "Column of the worst pixel, from the left, from 0.",
-            ),
-            ("worst_row", "Row of the worst pixel, from the top, from 0."),
-            (
-                "lost_pixels",
-                "Pixels that are exactly 0 in all channels, among neighbours that agree and are \
-                not; none are allowed.",
-            ),
-            MEAN_DIFFERENCES[0],
-            MEAN_DIFFERENCES[1],
-            MEAN_DIFFERENCES[2],
-            OUTLIERS_OF_OPACITY,
-            (
-                "mean_difference_opacity",
-                "Mean of test minus golden: above 0, the volume is too opaque.",
-            ),
-        ]
+        &metrics! {
+            "outlier_pixels" => "Pixels that are off by more than the tolerance.";
+            "outlier_share" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
+            "max_abs_error" => "Largest difference of any channel, in radiance.";
+            "worst_in_tolerances" =>
+                "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above 20 the image fails.";
+            "worst_column" => "Column of the worst pixel, from the left, from 0.";
+            "worst_row" => "Row of the worst pixel, from the top, from 0.";
+            "lost_pixels" =>
+                "Pixels that are exactly 0 in all channels, among neighbours that agree and are not; none are allowed.";
+            MEAN_DIFFERENCES[0];
+            MEAN_DIFFERENCES[1];
+            MEAN_DIFFERENCES[2];
+            OUTLIERS_OF_OPACITY;
+            "mean_difference_opacity" => "Mean of test minus golden: above 0, the volume is too opaque.";
+        }
     }
 
     fn difference_scale(&self, _golden: &Film, _test: &Film) -> DifferenceScale {

@@ -1,6 +1,6 @@
 //! The exact gate: every bit of every pixel.
 
-use super::gate::{Gate, Metric};
+use super::gate::{Gate, Metric, metrics};
 use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
@@ -20,17 +20,11 @@ impl Gate for Exact {
     }
 
     fn metrics(&self) -> &'static [Metric] {
-        &[
-            ("moved_pixels", "Pixels whose colour differs in any bit."),
-            (
-                "moved_opacities",
-                "Pixels whose opacity differs in any bit.",
-            ),
-            (
-                "max_abs_error",
-                "Largest difference of any channel, in radiance.",
-            ),
-        ]
+        &metrics! {
+            "moved_pixels" => "Pixels whose colour differs in any bit.";
+            "moved_opacities" => "Pixels whose opacity differs in any bit.";
+            "max_abs_error" => "Largest difference of any channel, in radiance.";
+        }
     }
 }
 

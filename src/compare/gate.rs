@@ -28,21 +28,20 @@ pub trait Gate: Send + Sync {
     }
 }
 
+/// Metrics by name and meaning, or as they stand elsewhere.
+macro_rules! metrics {
+    (@row $name:expr, $meaning:expr) => { ($name, $meaning) };
+    (@row $metric:expr) => { $metric };
+    ($($name:expr $(=> $meaning:expr)?;)+) => { [$(metrics!(@row $name $(, $meaning)?)),+] };
+}
+pub(super) use metrics;
+
 /// Means of the channels, test minus golden: metrics of several gates.
-pub(super) const MEAN_DIFFERENCES: [Metric; 3] = [
-    (
-        "mean_difference_red",
-        "Mean of test minus golden: above 0, red is too bright.",
-    ),
-    (
-        "mean_difference_green",
-        "Mean of test minus golden: above 0, green is too bright.",
-    ),
-    (
-        "mean_difference_blue",
-        "Mean of test minus golden: above 0, blue is too bright.",
-    ),
-];
+pub(super) const MEAN_DIFFERENCES: [Metric; 3] = metrics! {
+    "mean_difference_red" => "Mean of test minus golden: above 0, red is too bright.";
+    "mean_difference_green" => "Mean of test minus golden: above 0, green is too bright.";
+    "mean_difference_blue" => "Mean of test minus golden: above 0, blue is too bright.";
+};
 
 impl PartialEq for dyn Gate {
     fn eq(&self, other: &dyn Gate) -> bool {

@@ -1,7 +1,7 @@
 //! The perceptual gate: 8-bit images that look the same.
 
 use super::flip::{DEFAULT_PIXELS_PER_DEGREE, SrgbImage, flip};
-use super::gate::{Gate, Metric};
+use super::gate::{Gate, Metric, metrics};
 use super::image_gate::{Conditions, ImageGate};
 use super::judgement::Judgement;
 use super::picture::{Picture, PictureError};
@@ -32,14 +32,11 @@ impl Gate for Perceptual {
     }
 
     fn metrics(&self) -> &'static [Metric] {
-        &[
-            ("flip_mean", "Mean of FLIP; passes up to 0.06."),
-            (
-                "flip_weighted_p99",
-                "Weighted 99th percentile of FLIP; passes up to 0.065.",
-            ),
-            ("flip_max", "FLIP of the worst pixel."),
-        ]
+        &metrics! {
+            "flip_mean" => "Mean of FLIP; passes up to 0.06.";
+            "flip_weighted_p99" => "Weighted 99th percentile of FLIP; passes up to 0.065.";
+            "flip_max" => "FLIP of the worst pixel.";
+        }
     }
 }
 

@@ -24,7 +24,7 @@
 use super::advice::Undecided;
 use super::deterministic::{BIAS, OUTLIERS, in_tolerances, tolerance};
 use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
+use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::judgement::Judgement;
 use super::{Deterministic, incomparable};
 use crate::film::{CHANNELS, Film};
@@ -82,50 +82,24 @@ impl Gate for Refinement {
     }
 
     fn metrics(&self) -> &'static [Metric] {
-        &[
-            (
-                "observed_order",
-                "Order of convergence: 1 where half the step halves the error, 2 where it quarters it.",
-            ),
-            (
-                "error_at_step",
-                "Root mean square error of the image at the step asked for, relative to that of the \
-                 golden's radiance.",
-            ),
-            (
-                "error_at_finest_step",
-                "The same of the image with the smallest step.",
-            ),
-            (
-                "error_of_limit",
-                "The same of the limit to which the images are extrapolated.",
-            ),
-            (
-                "error_allowed",
-                "Mean of what a pixel may be off by because of the step, relative to the mean of the \
-                 golden; above 0.02 nothing is decided.",
-            ),
-            (
-                "pixels_off_limit",
-                "Pixels whose interval does not hold the golden.",
-            ),
-            (
-                "share_off_limit",
-                "The same as a fraction of all pixels; at most 0.0002 are allowed.",
-            ),
-            (
-                "worst_off_limit",
-                "The distance of the worst pixel from the golden, in what it may be off by.",
-            ),
-            (
-                "worst_column",
-                "Column of the worst pixel, from the left, from 0.",
-            ),
-            ("worst_row", "Row of the worst pixel, from the top, from 0."),
-            MEAN_DIFFERENCES[0],
-            MEAN_DIFFERENCES[1],
-            MEAN_DIFFERENCES[2],
-        ]
+        &metrics! {
+            "observed_order" =>
+                "Order of convergence: 1 where half the step halves the error, 2 where it quarters it.";
+            "error_at_step" =>
+                "Root mean square error of the image at the step asked for, relative to that of the golden's radiance.";
+            "error_at_finest_step" => "The same of the image with the smallest step.";
+            "error_of_limit" => "The same of the limit to which the images are extrapolated.";
+            "error_allowed" =>
+                "Mean of what a pixel may be off by because of the step, relative to the mean of the golden; above 0.02 nothing is decided.";
+            "pixels_off_limit" => "Pixels whose interval does not hold the golden.";
+            "share_off_limit" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
+            "worst_off_limit" => "The distance of the worst pixel from the golden, in what it may be off by.";
+            "worst_column" => "Column of the worst pixel, from the left, from 0.";
+            "worst_row" => "Row of the worst pixel, from the top, from 0.";
+            MEAN_DIFFERENCES[0];
+            MEAN_DIFFERENCES[1];
+            MEAN_DIFFERENCES[2];
+        }
     }
 
     fn difference_scale(&self, golden: &Film, test: &Film) -> DifferenceScale {
