@@ -45,28 +45,6 @@ pub enum Purpose {
     Caustic = 15,
 }
 
-impl Purpose {
-    /// All purposes, by ascending discriminant.
-    pub const ALL: [Purpose; 16] = [
-        Purpose::Camera,
-        Purpose::FreeFlight,
-        Purpose::Collision,
-        Purpose::Tracking,
-        Purpose::PhaseDirection,
-        Purpose::LightChoice,
-        Purpose::LightPoint,
-        Purpose::LightDistance,
-        Purpose::Surface,
-        Purpose::Roulette,
-        Purpose::Channel,
-        Purpose::LightVertex,
-        Purpose::Emission,
-        Purpose::Reference,
-        Purpose::AreaLightAlong,
-        Purpose::Caustic,
-    ];
-}
-
 /// The random numbers of one sample of one pixel.
 ///
 /// The generator is Philox4x32-10, a keyed bijection of 128-bit counters. The key is the seed;
@@ -141,7 +119,8 @@ impl Stream {
 
 const PURPOSE_BITS: u32 = 6;
 const BOUNCE_BITS: u32 = 32 - PURPOSE_BITS;
-const _: () = assert!(Purpose::ALL.len() <= 1 << PURPOSE_BITS);
+// The last one.
+const _: () = assert!((Purpose::Caustic as u32) < 1 << PURPOSE_BITS);
 
 /// The upper 53 of 64 bits, as a fraction. Exact: 53 bits fill a significand.
 fn unit_interval(low: u32, high: u32) -> f64 {
@@ -212,19 +191,19 @@ mod tests {
     fn every_field_can_be_read_back_from_the_counter() {
         let extremes = [0, 1, 0x5555_5555, u32::MAX - 1, u32::MAX];
         let bounces = [0, 1, (1 << 20) + 1, Stream::BOUNCES - 1];
+        let purposes = [Purpose::Camera, Purpose::Channel, Purpose::Caustic];
         for pixel in extremes {
             for sample in extremes {
                 let stream = Stream::new(7, pixel, sample);
                 for (bounce, purpose, pair) in bounces.into_iter().flat_map(|bounce| {
-                    Purpose::ALL
+                    purposes
                         .into_iter()
                         .flat_map(move |purpose| extremes.map(|pair| (bounce, purpose, pair)))
                 }) {
                     let [first, second, third, fourth] = stream.counter(bounce, purpose, pair);
                     assert_eq!((first, third, fourth), (pair, sample, pixel));
                     assert_eq!(second >> PURPOSE_BITS, bounce);
-                    let read = Purpose::ALL[(second % (1 << PURPOSE_BITS)) as usize];
-                    assert_eq!(read, purpose);
+                    assert_eq!(second % (1 << PURPOSE_BITS), purpose as u32);
                 }
             }
         }
