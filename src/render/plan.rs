@@ -79,19 +79,14 @@ pub struct Plan<'s> {
     pub kernel: Kernel<'s>,
 }
 
-/// Error in making a plan.
+/// An effect to be forced that the scene does not request: forcing it would change the image.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PlanError {
-    /// The scene does not request the effect; forcing it would change the image.
-    #[error(
-        "{effect} is not part of this scene, and forcing it would change the picture: {reason}"
-    )]
-    NotAsked {
-        /// The effect to be forced.
-        effect: Effect,
-        /// Why it is off.
-        reason: String,
-    },
+#[error("{effect} is not part of this scene, and forcing it would change the picture: {reason}")]
+pub struct PlanError {
+    /// The effect to be forced.
+    pub effect: Effect,
+    /// Why it is off.
+    pub reason: String,
 }
 
 /// The plans for the panels of `scene`: everything provably null is elided.
@@ -120,7 +115,7 @@ impl<'s> Plan<'s> {
         for decision in &plan.decisions {
             if forced.contains(&decision.effect) && decision.state != State::On {
                 let reason = decision.why.reason.clone();
-                return Err(PlanError::NotAsked {
+                return Err(PlanError {
                     effect: decision.effect,
                     reason,
                 });
