@@ -88,40 +88,32 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
         }
     }
     text.push('\n');
+    let mut below: Vec<String> = Vec::new();
     if result.verdict != Verdict::Pass {
-        for line in result.reason.lines() {
-            text.push_str(&format!("              {line}\n"));
-        }
-    }
-    // The first number is the one that matters most.
-    if result.verdict == Verdict::Pass
-        && let Some(first) = result.detectable.first()
+        below.extend(result.reason.lines().map(str::to_owned));
+    } else if let Some(first) = result.detectable.first()
         && first.words.ends_with('%')
         && first.change > UNSEEN
     {
-        text.push_str(&format!(
-            "              an error below {} would not be seen: --decide beside --run takes more samples\n",
+        below.push(format!(
+            "an error below {} would not be seen: --decide beside --run takes more samples",
             first.words
         ));
     }
-    if result.verdict == Verdict::Convention && result.profile.is_none() {
-        text.push_str("              --accept-conventions accepts it\n");
-    }
-    let shipped = result.profile.as_deref().and_then(Profile::shipped_name);
-    if let Some(name) = shipped {
-        text.push_str(&format!(
-            "              --accept-conventions accepts it; --as {name} judges by that profile\n"
-        ));
-    } else if let Some(profile) = &result.profile {
-        text.push_str(
-            "              --accept-conventions accepts it; --as FILE judges by this file:\n",
-        );
-        for line in profile.lines() {
-            text.push_str(&format!("                  {line}\n"));
+    let accepts = "--accept-conventions accepts it";
+    let profile = result.profile.as_deref();
+    match (profile, profile.and_then(Profile::shipped_name)) {
+        (_, Some(name)) => below.push(format!("{accepts}; --as {name} judges by that profile")),
+        (Some(profile), None) => {
+            below.push(format!("{accepts}; --as FILE judges by this file:"));
+            below.extend(profile.lines().map(|line| format!("    {line}")));
         }
+        (None, None) if result.verdict == Verdict::Convention => below.push(accepts.to_owned()),
+        (None, None) => {}
     }
-    for note in &result.notes {
-        text.push_str(&format!("              note: {note}\n"));
+    below.extend(result.notes.iter().map(|note| format!("note: {note}")));
+    for line in below {
+        text.push_str(&format!("              {line}\n"));
     }
     text
 }

@@ -1,6 +1,6 @@
 //! Sentences of a report.
 
-use crate::judging::{CaseResult, Likeness, Summary, Verdict};
+use crate::judging::{CaseResult, Summary, Verdict};
 use crate::naming::{Likenesses, is_number_found};
 
 /// The result of the suite in a sentence.
@@ -40,26 +40,9 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
                 "; a change of a number explains it".to_owned()
             }
             None => format!("; {}", found.nothing_known(None)),
-            Some(Likeness {
-                mistake,
-                explains,
-                of,
-                ..
-            }) if explains == of => {
-                format!(": it looks like “{mistake}”")
-            }
-            Some(Likeness {
-                mistake,
-                explains: 1,
-                ..
-            }) => {
-                format!("; one of them looks like “{mistake}”")
-            }
-            Some(Likeness {
-                mistake, explains, ..
-            }) => {
-                format!("; {explains} of them look like “{mistake}”")
-            }
+            Some(it) if it.explains == it.of => format!(": it looks like “{}”", it.mistake),
+            Some(it) if it.explains == 1 => format!("; one of them looks like “{}”", it.mistake),
+            Some(it) => format!("; {} of them look like “{}”", it.explains, it.mistake),
         };
         return format!("{} of {of} {cases} {verb}{guess}.{rest}", summary.fail);
     }
