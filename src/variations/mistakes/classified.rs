@@ -19,9 +19,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "opacity-corrected-twice" => Classified(|scene| referred(scene, |reference, step| reference * reference / step)),
         "opacities are corrected for the step once more after they were: the exponent is step / reference length, once";
     "unit-distance-of-zero" => Classified(|scene| {
-        referred(scene, |reference, _| {
-            reference * f64::EPSILON * f64::EPSILON
-        })
+        referred(scene, |reference, _| reference * f64::EPSILON * f64::EPSILON)
     }),
         "all that is not transparent is opaque, as though opacities were stated over no length: the unit distance is not 0";
     "colours-added" => Classified(|scene| !scene.is_continuous() && set(&mut scene.conventions.added_colours, true)),
@@ -39,9 +37,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "rays end after as many steps as the longest edge of the volume takes: a diagonal takes up to 1.7 times as many";
     "samples-behind-the-eye" => Classified(|scene| {
-        !scene.is_continuous()
-            && eye_is_inside(scene)
-            && set(&mut scene.conventions.starts_behind_eye, true)
+        !scene.is_continuous() && eye_is_inside(scene) && set(&mut scene.conventions.starts_behind_eye, true)
     }),
         "with the eye inside the volume rays begin behind it, where their line enters the box: they begin at the eye, at t = 0";
     "transparency-not-normalised" => Opacity(|opacity| set(&mut opacity.floor, 0.0)),
@@ -116,27 +112,18 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "the volume is placed by the inverse of its map: points go to the world by the matrix, rays into the volume by its inverse; is it stored by rows or by columns?";
     "normals-not-inverse-transposed" => Classified(|scene| {
-        scene.to_world.is_some()
-            && scene.phong.is_some()
-            && set(
-                &mut scene.conventions.normal_transform,
-                NormalTransform::Vector,
-            )
+        scene.to_world.is_some() && scene.phong.is_some()
+            && set(&mut scene.conventions.normal_transform, NormalTransform::Vector)
     }),
         "normals are mapped as vectors are: gradients go to the world by the transpose of the inverse matrix";
     "normals-not-turned" => Classified(|scene| {
-        scene.to_world.is_some()
-            && scene.phong.is_some()
-            && set(
-                &mut scene.conventions.normal_transform,
-                NormalTransform::None,
-            )
+        scene.to_world.is_some() && scene.phong.is_some()
+            && set(&mut scene.conventions.normal_transform, NormalTransform::None)
     }),
         "normals stay as they are in the volume while it turns: gradients go to the world by the transpose of the inverse matrix";
     "step-in-volume-space" => Classified(|scene| {
         scene.conventions.nominal_opacity = true;
-        scene.to_world.is_some()
-            && !scene.is_continuous()
+        scene.to_world.is_some() && !scene.is_continuous()
             && set(&mut scene.conventions.step_length, StepLength::Volume)
     }),
         "steps are measured in the volume's own coordinates: distances along a ray, and with them opacities, are those of the world, whatever the map does to them";

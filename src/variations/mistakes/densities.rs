@@ -9,9 +9,7 @@ use glam::DVec3;
 
 pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "interpolation-nearest" => Radiative(|scene| {
-        grids(scene, |grid, old| {
-            (old == Interpolation::Trilinear).then(|| (grid.clone(), Interpolation::Nearest))
-        })
+        grids(scene, |grid, old| (old == Interpolation::Trilinear).then(|| (grid.clone(), Interpolation::Nearest)))
     }),
         "densities are those of the nearest node: interpolate between the eight nodes around the sample";
     "density-uniform" => Radiative(|scene| {

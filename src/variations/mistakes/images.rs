@@ -106,12 +106,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "filtered" => Image(|film| {
         let weights = [0.25, 0.5, 0.25];
         let taps: Vec<_> = (0..9)
-            .map(|i| {
-                (
-                    [i % 3 - 1, i / 3 - 1],
-                    weights[i as usize % 3] * weights[i as usize / 3],
-                )
-            })
+            .map(|i| ([i % 3 - 1, i / 3 - 1], weights[i as usize % 3] * weights[i as usize / 3]))
             .collect();
         convolved(film, &taps)
     }),

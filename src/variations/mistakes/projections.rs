@@ -27,9 +27,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "the largest or smallest value begins at 0, and is never on the other side of it: begin with the first value of the ray";
     "maximum-of-the-front" => Classified(|scene| {
-        faulty(scene, ProjectionFault::RefinedAtTheFront, |of| {
-            of == Projected::Maximum
-        })
+        faulty(scene, ProjectionFault::RefinedAtTheFront, |of| of == Projected::Maximum)
     }),
         "the front of the volume is shown: the maximum is looked for again about the place where it was found, but that place is still its start";
     "projection-sampled-too-coarsely" => Classified(|scene| {
@@ -39,29 +37,21 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "thin and small things are missing from the projection, or broken into stripes: samples are several voxels apart";
     "mean-not-divided" => Classified(|scene| {
-        projected(scene, |projection| {
-            projection.of == Projected::Mean && set(&mut projection.of, Projected::Sum)
-        })
+        projected(scene, |projection| projection.of == Projected::Mean && set(&mut projection.of, Projected::Sum))
     }),
         "the mean is a sum: divide the integral by the length of the ray's way in the volume";
     "mean-over-a-constant" => Classified(mean_over_the_diagonal),
         "short ways through the volume are too dark: the integral is divided by one length for all rays, where each has its own";
     "mean-without-zeros" => Classified(|scene| {
-        faulty(scene, ProjectionFault::WithoutZeros, |of| {
-            of == Projected::Mean
-        })
+        faulty(scene, ProjectionFault::WithoutZeros, |of| of == Projected::Mean)
     }),
         "the mean is over the samples that are not 0: empty parts of the way count, too";
     "sum-divided" => Classified(|scene| {
-        projected(scene, |projection| {
-            projection.of == Projected::Sum && set(&mut projection.of, Projected::Mean)
-        })
+        projected(scene, |projection| projection.of == Projected::Sum && set(&mut projection.of, Projected::Mean))
     }),
         "the sum is a mean: it is not divided by the length of the ray's way in the volume";
     "attenuation-by-distance" => Classified(|scene| {
-        faulty(scene, ProjectionFault::AttenuatedByDistance, |of| {
-            matches!(of, Projected::AttenuatedMaximum(_))
-        })
+        faulty(scene, ProjectionFault::AttenuatedByDistance, |of| matches!(of, Projected::AttenuatedMaximum(_)))
     }),
         "values fade with the way from the entry into the box, whatever lies on it: what attenuates are the values passed";
     "attenuation-left-out" => Classified(|scene| attenuated(scene, |_, _| 0.0)),
@@ -71,33 +61,26 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "window-of-the-data" => Classified(|scene| {
         let (low, high) = scene.grid.range();
         projected(scene, |projection| {
-            low < high
-                && projection.window.is_some()
-                && set(&mut projection.window, Some(Window { low, high }))
+            low < high && projection.window.is_some() && set(&mut projection.window, Some(Window { low, high }))
         })
     }),
         "the window is that of the data, from the smallest value to the largest: the scene gives one";
     "isosurface-first-alone" => Classified(|scene| {
         let is_seen_through = |surface: &Isosurface| surface.opacity < 1.0;
         surfaced(scene, |surfaces| {
-            surfaces.surfaces.iter().any(is_seen_through)
-                && makes(surfaces, IsosurfaceFault::FirstAlone)
+            surfaces.surfaces.iter().any(is_seen_through) && makes(surfaces, IsosurfaceFault::FirstAlone)
         })
     }),
         "a ray ends at its first isosurface: what lies behind it is seen through it, as far as it is not opaque";
     "isosurface-opaque" => Classified(|scene| {
         surfaced(scene, |surfaces| {
             let surfaces = surfaces.surfaces.iter_mut();
-            surfaces.fold(false, |occurs, surface| {
-                set(&mut surface.opacity, 1.0) | occurs
-            })
+            surfaces.fold(false, |occurs, surface| set(&mut surface.opacity, 1.0) | occurs)
         })
     }),
         "isosurfaces are opaque: each has the opacity that the scene gives";
     "isosurface-at-samples" => Classified(|scene| {
-        surfaced(scene, |surfaces| {
-            makes(surfaces, IsosurfaceFault::AtSamples)
-        })
+        surfaced(scene, |surfaces| makes(surfaces, IsosurfaceFault::AtSamples))
     }),
         "isosurfaces are stairs: they lie between the two samples on either side, where the line between them has the value";
     "isosurface-normals-not-turned" => Classified(|scene| shaded_by(scene, IsosurfaceFault::NotTurned)),
