@@ -19,7 +19,8 @@
 //! - *Black pixels*: a mean of samples that are not negative is 0 only if all are, which by Cantelli's
 //!   inequality has a small probability where light is steady, and by its neighbours where their samples are
 //!   seldom 0 (see the file `hits.rs`). This finds a NaN that was replaced by
-//!   0, of 64 samples even a single one. It has one share together with the pixels without noise. A
+//!   0, of 64 samples even a single one. Where the test image does not count its samples, whole rows and columns
+//!   are asked about (see the file `black_lines.rs`). It has one share together with the pixels without noise. A
 //!   single pixel that is too bright is another matter: noise makes those.
 //! - *Copies*: more than half of the pixels that have noise are the same bit for bit as in the reference, or
 //!   as those of the row or column before. Both have one share.
