@@ -3,10 +3,10 @@
 use super::clock::SearchClock;
 use super::distances::distances;
 use super::hypothesis::Hypothesis;
-use super::prediction::{
-    FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, indices_of, pixels_of, predicted,
-    rays, work_of_a_ray,
-};
+use super::kept_values::KeptValues;
+use super::noisy_pixels::NoisyPixels;
+use super::prediction::{indices_of, pixels_of};
+use super::predictor::{Look, Predictor};
 use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
 use crate::compare::stochastic::{BLOCK, judge_at};
@@ -15,14 +15,13 @@ use crate::compare::{
     Conditions, Deterministic, Gate as _, NumberChange, Perceptual, Picture, Refinement, Seen,
     WITHIN_A_PIXEL, change_with_step, judge, measured, place_of_rest,
 };
-use crate::film::{Film, Noise, Quantisation};
+use crate::film::{Film, Noise};
 use crate::judging::Judged;
 use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, nothing_drawn, simple};
 use crate::math;
 use crate::render::Detail;
 use crate::scene::{Mode, Panel, Scene};
 use crate::suite::Case;
-use crate::variations::edited_film::mapped;
 use std::sync::OnceLock;
 
 /// An 8-bit image is rounded, which leaves a share of a small difference unexplained: there the
@@ -47,7 +46,7 @@ const DISAGREES: f64 = 0.01;
 /// Largest share of the squared difference that a mistake with which the scene agrees with the image may leave,
 /// beyond doubt: what is as far from the image as from the golden says nothing of the difference. Less than the
 /// half that a wrong one in the right direction, of a random size, leaves.
-const MOST_IN_NOISE: f64 = 0.4;
+pub(super) const MOST_IN_NOISE: f64 = 0.4;
 
 /// Smallest mean squared difference, in variances and beyond the one that noise makes, of which a share is known:
 /// in 200 cells noise moves the mean by a tenth, √(2/200).
@@ -77,26 +76,18 @@ pub(super) struct ComparedCase {
     /// The image with the step of the scene, with half of it and so on, if they are judged by their
     /// limit.
     refined: Vec<Film>,
-    scene: Scene,
-    /// Widths of its panels.
-    widths: Vec<usize>,
+    predictor: Predictor,
     exposure: f64,
     /// Values that the file of the image can hold.
-    kept: Kept,
+    kept: KeptValues,
     /// The image as it was given, for the gates without noise.
     picture: Picture,
     golden_cells: Cells,
     test_cells: Cells,
     /// Misfit of the golden to the image: a mistake has to do better.
     from_golden: Misfit,
-    /// Pixels of a first look, and samples in each.
-    first: (Detail, u32),
-    /// Pixels of a second look, and samples in each.
-    second: (Detail, u32),
     /// The scene itself as a first and as a second look shows it.
     unchanged: [OnceLock<Option<Cells>>; 2],
-    /// Work of a ray from the eye, in events.
-    work_of_a_ray: f64,
     /// Without noise: golden and image as a first look sees them.
     glimpse: Option<Glimpse>,
 }
@@ -107,32 +98,6 @@ struct Glimpse {
     test: Cells,
     test_film: Film,
     from_golden: Misfit,
-}
-
-/// Golden and image with noise, pixel by pixel.
-pub(super) struct NoisyPixels {
-    golden: Cells,
-    test: Cells,
-    from_golden: Misfit,
-    kept: Kept,
-}
-
-impl NoisyPixels {
-    /// Misfit of a `film` made of the golden to the image, if it leaves no more than `share` of the pixels with noise,
-    /// beyond doubt, and is not contradicted elsewhere. By the brighter of golden and test, pixels that noise made dark
-    /// weigh most: these weights may leave as much as noise makes of them.
-    pub fn explained_by(&self, film: &Film, share: f64) -> Option<Misfit> {
-        let predicted = Cells::of_pixels(&self.kept.film(film));
-        let fits = predicted.has_size_of(&self.golden);
-        let misfit = fits.then(|| predicted.misfit(&self.test, &self.golden))?;
-        let whole = &self.from_golden;
-        let mut others = misfit.by_other_weights.iter().zip(&whole.by_other_weights);
-        let explains = whole.parts[0].at_least() > 0.0
-            && misfit.parts[0].is_explained(&whole.parts[0], share)
-            && misfit.may_explain(whole, share)
-            && others.all(|(left, whole)| left.may_be_explained(whole, MOST_IN_NOISE));
-        explains.then_some(misfit)
-    }
 }
 
 /// The part of the largest score from which a number is suspected: far from the golden, where
@@ -153,10 +118,10 @@ impl ComparedCase {
         let size = (golden.width(), golden.height());
         let is_sampled = case.sampling.is_some();
         let (test, kept) = match &picture {
-            Picture::Radiance(film) => (film.clone(), Kept::by(film, is_sampled)),
+            Picture::Radiance(film) => (film.clone(), KeptValues::by(film, is_sampled)),
             Picture::Codes(codes) => {
                 let ceiling = math::exp2(-case.exposure);
-                (decoded(codes, case.exposure), Kept::UpTo(ceiling))
+                (decoded(codes, case.exposure), KeptValues::UpTo(ceiling))
             }
         };
         if !golden.is_comparable(&test) {
@@ -175,23 +140,18 @@ impl ComparedCase {
         if is_sampled && test.noise().is_none() {
             test_cells.spread_noise_like(&golden_cells);
         }
-        let scene = scenes(case)?;
-        let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
-        let (first, second) = match (is_sampled, blocks(&scene)) {
-            (true, Some(blocks)) => ((blocks, FIRST_LOOK), (blocks, SECOND_LOOK)),
-            (true, None) => (whole(FIRST_LOOK), whole(SECOND_LOOK)),
-            (false, _) => {
-                let (_, samples) = whole(SECOND_LOOK);
-                let lattice = first_lattice(size.0 * size.1);
-                ((lattice, samples), (Detail::Whole, samples))
-            }
-        };
-        let glimpse = (!is_sampled).then(|| Glimpse::new(&bounded, &test, &widths, first.0));
+        let predictor = Predictor::new(scenes(case)?, size.0 * size.1, is_sampled);
+        let glimpse = (!is_sampled)
+            .then(|| Glimpse::new(&bounded, &test, &predictor.widths, predictor.first.0));
         Some(ComparedCase {
             index,
             name: case.name.clone(),
-            simple: simple(case, &golden, &picture)
-                .or(nothing_drawn(case, &scene, &picture).map(|_| SimpleMap::Other)),
+            simple: simple(case, &golden, &picture).or(nothing_drawn(
+                case,
+                &predictor.scene,
+                &picture,
+            )
+            .map(|_| SimpleMap::Other)),
             effective_cells: golden_cells.effective_cells(&test_cells),
             is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,
@@ -203,16 +163,12 @@ impl ComparedCase {
             },
             from_golden: golden_cells.misfit(&test_cells, &golden_cells),
             golden,
-            work_of_a_ray: work_of_a_ray(&scene, first),
-            scene,
-            widths,
+            predictor,
             exposure: case.exposure,
             kept,
             picture,
             golden_cells,
             test_cells,
-            first,
-            second,
             unchanged: Default::default(),
             glimpse,
         })
@@ -228,21 +184,18 @@ impl ComparedCase {
     }
 
     /// Misfit of `film`, a `look` at a hypothesis, to a noisy image, with what the hypothesis gains.
-    fn misfit_with_gain(
-        &self,
-        film: &Film,
-        look: (Detail, u32),
-        clock: &SearchClock<'_>,
-    ) -> Option<Misfit> {
+    fn misfit_with_gain(&self, film: &Film, look: Look, clock: &SearchClock<'_>) -> Option<Misfit> {
         let misfit = self.misfit(film)?;
         let (test, golden) = (&self.test_cells, &self.golden_cells);
         let predicted = in_cells(&self.kept.film(film), golden)?;
         let by_itself = predicted
             .amount_in(test, golden)
             .map_or(0.0, |amount| amount.gain);
-        let unchanged = &self.unchanged[usize::from(look == self.second)];
+        let unchanged = &self.unchanged[usize::from(look == self.predictor.second)];
         let unchanged = unchanged.get_or_init(|| {
-            let film = self.rendered(&self.scene, ("", 0), look, clock)?;
+            let film = self
+                .predictor
+                .rendered(&self.predictor.scene, ("", 0), look, clock)?;
             in_cells(&self.kept.film(&film), golden)
         });
         let beside = unchanged
@@ -301,14 +254,7 @@ impl ComparedCase {
             .picture
             .radiance()
             .filter(|film| self.is_sampled && film.noise().is_some())?;
-        let golden = Cells::of_pixels(&self.kept.film(&self.golden));
-        let test = Cells::of_pixels(test);
-        Some(NoisyPixels {
-            from_golden: golden.misfit(&test, &golden),
-            kept: self.kept,
-            golden,
-            test,
-        })
+        Some(NoisyPixels::of(&self.golden, test, self.kept))
     }
 
     /// The share of the squared difference that a hypothesis may leave unexplained.
@@ -369,12 +315,12 @@ impl ComparedCase {
             let volume = panel.classified();
             volume.is_some_and(|volume| matches!(volume.mode, Mode::Projection(_)))
         };
-        self.scene.panels.iter().any(shows_number)
+        self.predictor.scene.panels.iter().any(shows_number)
     }
 
     fn seen(&self) -> Seen {
-        let volume = VolumeInView::of(&self.scene);
-        let distances = distances(&self.scene);
+        let volume = VolumeInView::of(&self.predictor.scene);
+        let distances = distances(&self.predictor.scene);
         Seen {
             nodes: volume
                 .as_ref()
@@ -405,7 +351,11 @@ impl ComparedCase {
                 }
             }
         } else {
-            let pixels = indices_of([width, height], &self.widths, self.first.0);
+            let pixels = indices_of(
+                [width, height],
+                &self.predictor.widths,
+                self.predictor.first.0,
+            );
             for (i, square) in pixels.into_iter().zip(squares) {
                 of_pixels[i] = square;
             }
@@ -485,16 +435,10 @@ impl ComparedCase {
         label: &str,
         clock: &SearchClock<'_>,
     ) -> Option<Cells> {
-        let film = self.rendered(edited, (label, CLOSE_SEED), self.third(), clock)?;
+        let film =
+            self.predictor
+                .rendered(edited, (label, CLOSE_SEED), self.predictor.third(), clock)?;
         in_cells(&self.kept.film(&film), &self.golden_cells)
-    }
-
-    /// Pixels of a third look, and samples in each.
-    fn third(&self) -> (Detail, u32) {
-        match self.second.0 {
-            Detail::Whole => whole(THIRD_LOOK),
-            blocks => (blocks, THIRD_LOOK),
-        }
     }
 
     /// True if the shift that the verdict names may come of positions that all renderings of a mean
@@ -510,7 +454,7 @@ impl ComparedCase {
 
     /// The scene of the case.
     pub fn scene(&self) -> &Scene {
-        &self.scene
+        &self.predictor.scene
     }
 
     /// Pixels of the `edited` scene, a change known as `label`, in one look: a lattice where there
@@ -532,11 +476,13 @@ impl ComparedCase {
         clock: &SearchClock<'_>,
     ) -> Option<Cells> {
         let look = if self.is_sampled {
-            self.second
+            self.predictor.second
         } else {
-            self.first
+            self.predictor.first
         };
-        let film = self.rendered(edited, (label, seed), look, clock)?;
+        let film = self
+            .predictor
+            .rendered(edited, (label, seed), look, clock)?;
         let film = self.kept.film(&film);
         if self.is_sampled {
             return in_cells(&film, &self.golden_cells);
@@ -599,7 +545,7 @@ impl ComparedCase {
     pub fn promise(&self, look: &Film, clock: &SearchClock<'_>) -> Option<Misfit> {
         if self.is_sampled {
             return self
-                .misfit_with_gain(look, self.first, clock)
+                .misfit_with_gain(look, self.predictor.first, clock)
                 .filter(|misfit| self.may_be_explained_by(misfit));
         }
         if self.sees_all_at_once() {
@@ -646,25 +592,33 @@ impl ComparedCase {
 
     /// True if the first look sees all of the image, so that there is no closer one.
     pub fn sees_all_at_once(&self) -> bool {
-        !self.is_sampled && self.first.0 == Detail::Whole
+        !self.is_sampled && self.predictor.first.0 == Detail::Whole
     }
 
     /// The first look at a scene with `hypothesis`; `None` where it has no occasion,
     /// cannot be rendered, or the time is over.
     pub fn look(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
-        self.predict(hypothesis, self.first, clock)
+        self.predictor
+            .predict(&self.golden, hypothesis, self.predictor.first, clock)
     }
 
     /// The whole image that `hypothesis` would make.
     pub fn whole(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Film> {
-        self.predict(hypothesis, (Detail::Whole, self.second.1), clock)
+        self.predictor.predict(
+            &self.golden,
+            hypothesis,
+            (Detail::Whole, self.predictor.second.1),
+            clock,
+        )
     }
 
     /// Of `film`, the whole image or what a first look sees of it, what a first look sees.
     pub fn as_first_seen(&self, film: &Film) -> Film {
         let is_whole = (film.width(), film.height()) == self.picture.size();
-        match self.first.0 {
-            Detail::Lattice(_) if is_whole => pixels_of(film, &self.widths, self.first.0),
+        match self.predictor.first.0 {
+            Detail::Lattice(_) if is_whole => {
+                pixels_of(film, &self.predictor.widths, self.predictor.first.0)
+            }
             _ => film.clone(),
         }
     }
@@ -673,10 +627,14 @@ impl ComparedCase {
     fn looked_at(
         &self,
         hypothesis: &Hypothesis,
-        look: (Detail, u32),
+        look: Look,
         clock: &SearchClock<'_>,
     ) -> Option<Misfit> {
-        self.misfit(&self.predict(hypothesis, look, clock)?)
+        self.misfit(
+            &self
+                .predictor
+                .predict(&self.golden, hypothesis, look, clock)?,
+        )
     }
 
     /// Misfit of `hypothesis` on a second look at a noisy image, if a third one may show that it explains the image.
@@ -684,8 +642,10 @@ impl ComparedCase {
         // What leaves more than noise does not agree, and what leaves much does not explain.
         let most = self.may_leave() * self.whole_distance();
         let is_near = |misfit: &Misfit| misfit.is_noise() || misfit.distance().value <= most;
-        let film = self.predict(hypothesis, self.second, clock)?;
-        self.misfit_with_gain(&film, self.second, clock)
+        let film =
+            self.predictor
+                .predict(&self.golden, hypothesis, self.predictor.second, clock)?;
+        self.misfit_with_gain(&film, self.predictor.second, clock)
             .filter(|misfit| self.may_be_explained_by(misfit) && is_near(misfit))
     }
 
@@ -711,14 +671,16 @@ impl ComparedCase {
         second: Option<Misfit>,
         clock: &SearchClock<'_>,
     ) -> Option<Misfit> {
-        let second = second.or_else(|| self.looked_at(hypothesis, self.second, clock))?;
+        let second = second.or_else(|| self.looked_at(hypothesis, self.predictor.second, clock))?;
         if self.explained_by(&second) {
             return Some(second);
         }
         if !(self.is_sampled && self.may_be_explained_by(&second)) {
             return None;
         }
-        let film = self.predict(hypothesis, self.third(), clock)?;
+        let film =
+            self.predictor
+                .predict(&self.golden, hypothesis, self.predictor.third(), clock)?;
         let third = self.misfit(&film)?;
         let explains = self.explained_by(&third) || self.agrees_with(hypothesis, &film, &third);
         explains.then_some(third)
@@ -727,21 +689,23 @@ impl ComparedCase {
     /// Misfit of `hypothesis` to the image, closely looked at: once more where noise leaves open
     /// whether it explains the image.
     pub fn test(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<Misfit> {
-        let second = self.looked_at(hypothesis, self.second, clock)?;
+        let second = self.looked_at(hypothesis, self.predictor.second, clock)?;
         let is_open = self.may_be_explained_by(&second) && !self.explained_by(&second);
         let third = (self.is_sampled && is_open)
-            .then(|| self.looked_at(hypothesis, self.third(), clock))
+            .then(|| self.looked_at(hypothesis, self.predictor.third(), clock))
             .flatten();
         third.or(Some(second))
     }
 
     /// True if this image, which passed, would have failed with the mistakes of `hypothesis`.
     pub fn speaks_against(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<bool> {
-        let is_glimpsed = matches!(self.first.0, Detail::Lattice(_))
+        let is_glimpsed = matches!(self.predictor.first.0, Detail::Lattice(_))
             && matches!(self.picture, Picture::Radiance(_))
             && !hypothesis.mistakes().iter().any(|m| m.is_of_the_image());
         if is_glimpsed && let Some(glimpse) = &self.glimpse {
-            let film = self.predict(hypothesis, self.first, clock)?;
+            let film =
+                self.predictor
+                    .predict(&self.golden, hypothesis, self.predictor.first, clock)?;
             let test = Picture::Radiance(glimpse.test_film.clone());
             let judgement = judge(
                 &Deterministic,
@@ -752,63 +716,19 @@ impl ComparedCase {
             return Some(judgement.is_ok_and(|judgement| !judgement.passed));
         }
         let look = if self.is_sampled {
-            self.first
+            self.predictor.first
         } else {
-            self.second
+            self.predictor.second
         };
-        let film = self.predict(hypothesis, look, clock)?;
+        let film = self
+            .predictor
+            .predict(&self.golden, hypothesis, look, clock)?;
         if self.is_sampled || matches!(self.picture, Picture::Codes(_)) {
             return Some(!self.misfit(&film)?.is_noise());
         }
         let film = Picture::Radiance(self.kept.film(&film));
         let judgement = judge(&Deterministic, &film, &self.picture, &Conditions::default());
         Some(judgement.is_ok_and(|judgement| !judgement.passed))
-    }
-
-    /// The [predicted] image of `edited`, if the search is to go on. Work is counted as if nothing were kept from
-    /// other runs, so that the same search always gets as far.
-    fn rendered(
-        &self,
-        edited: &Scene,
-        label: (&str, u64),
-        look: (Detail, u32),
-        clock: &SearchClock<'_>,
-    ) -> Option<Film> {
-        let work = self.work_of_a_ray * rays(&self.scene, look) as f64;
-        clock.spend(work as u64).then_some(())?;
-        predicted(&self.scene, edited, label, look, clock)
-    }
-
-    /// The image that `hypothesis` would make, or nothing where it has no occasion, or where the
-    /// search is to end.
-    fn predict(
-        &self,
-        hypothesis: &Hypothesis,
-        mut look: (Detail, u32),
-        clock: &SearchClock<'_>,
-    ) -> Option<Film> {
-        let mistakes = hypothesis.mistakes();
-        let mut scene = None;
-        for mistake in mistakes.iter().filter(|m| !m.is_of_the_image()) {
-            scene = Some(mistake.in_scene(scene.as_ref().unwrap_or(&self.scene))?);
-        }
-        let of_the_image: Vec<_> = mistakes.iter().filter(|m| m.is_of_the_image()).collect();
-        if !of_the_image.is_empty() && matches!(look.0, Detail::Blocks(_)) {
-            // Blocks are as they are only where no mistake moves pixels about.
-            look = whole(look.1);
-        }
-        let mut film = match scene {
-            Some(scene) => {
-                let of_the_scene = mistakes.iter().filter(|m| !m.is_of_the_image());
-                let names: Vec<&str> = of_the_scene.map(|mistake| mistake.name).collect();
-                self.rendered(&scene, (&names.join(" + "), 0), look, clock)?
-            }
-            None => self.golden.clone(),
-        };
-        for mistake in of_the_image {
-            film = mistake.in_image(&film)?;
-        }
-        Some(film)
     }
 }
 
@@ -838,46 +758,10 @@ fn suspects(judged: &Judged) -> Vec<String> {
     named.map(|change| change.name.clone()).collect()
 }
 
-/// The whole image, with the samples of its blocks.
-fn whole(samples: u32) -> (Detail, u32) {
-    (Detail::Whole, (samples / (BLOCK * BLOCK) as u32).max(2))
-}
-
 /// `film`, predicted in blocks or not, in the cells of an image of the size of `like`.
 fn in_cells(film: &Film, like: &Cells) -> Option<Cells> {
     [Cells::of_pixels, Cells::of_blocks]
         .into_iter()
         .map(|cells| cells(film))
         .find(|cells| cells.has_size_of(like))
-}
-
-/// Values that a file can hold.
-#[derive(Clone, Copy)]
-enum Kept {
-    /// All.
-    All,
-    /// None above this.
-    UpTo(f64),
-    /// Codes. A right prediction has the same, but for a few that lie between two.
-    Codes(Quantisation),
-}
-
-impl Kept {
-    /// Values that the file of `test` can hold. Means of few samples are not predicted to a code.
-    fn by(test: &Film, is_sampled: bool) -> Kept {
-        match test.quantisation() {
-            None => Kept::All,
-            Some(quantisation) if is_sampled => Kept::UpTo(quantisation.largest()),
-            Some(quantisation) => Kept::Codes(quantisation),
-        }
-    }
-
-    /// `film` as such a file keeps it.
-    fn film(self, film: &Film) -> Film {
-        match self {
-            Kept::All => film.clone(),
-            Kept::UpTo(ceiling) => mapped(film, |value, _| (value.min(ceiling), 1.0)),
-            Kept::Codes(quantisation) => quantisation.rounded(film),
-        }
-    }
 }
