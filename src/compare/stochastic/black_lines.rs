@@ -100,7 +100,7 @@ pub(super) fn judge_black_lines(comparison: &Comparison<'_>, level: f64) -> Opti
         format!(
             "{} is black: by the light of the reference there and the {name}s beside it, {}{CAUSES}",
             in_words(name, [least.line; 2]),
-            chance(probability)
+            chance("it", probability)
         )
     })
 }

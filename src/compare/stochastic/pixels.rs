@@ -123,7 +123,7 @@ impl PixelDifferences {
                 first[0],
                 first[1],
                 if is_unlikely {
-                    format!("by the light around it, {}", chance(least))
+                    format!("by the light around it, {}", chance("that one", least))
                 } else {
                     format!("chance would make some {expected:.0} black")
                 },
@@ -203,11 +203,11 @@ pub(super) const CAUSES: &str =
 /// Probability below which no digit of it means anything.
 const RARE: f64 = 1e-12;
 
-/// How often chance makes black what it makes so with a `probability`, in words.
-pub(super) fn chance(probability: f64) -> String {
+/// How often chance makes `what` black, of this `probability`.
+pub(super) fn chance(what: &str, probability: f64) -> String {
     let seldom = if probability < RARE { "less than " } else { "" };
     format!(
-        "chance makes that one black {seldom}once in {:.0e} images",
+        "chance makes {what} black {seldom}once in {:.0e} images",
         1.0 / probability.max(RARE)
     )
 }
