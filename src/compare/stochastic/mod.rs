@@ -138,7 +138,7 @@ pub use map::{block_error, block_map};
 
 use super::advice::Undecided;
 use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric};
+use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::image_gate::{Conditions, ImageGate};
 use super::incomparable;
 use super::judgement::Judgement;
@@ -231,107 +231,34 @@ impl ImageGate for Stochastic {
     }
 }
 
-const METRICS: [Metric; 26] = [
-    (
-        "blocks",
-        "Number of tests: blocks of 8 × 8 pixels times three channels.",
-    ),
-    (
-        "rejected_blocks",
-        "Blocks and channels that differ beyond noise; 0 passes.",
-    ),
-    (
-        "worst_block_z",
-        "Test minus golden of the worst block, in standard errors: above 0 it is too bright.",
-    ),
-    ("worst_block_column", "First column of the worst block."),
-    ("worst_block_row", "First row of the worst block."),
-    MEAN_DIFFERENCES[0],
-    MEAN_DIFFERENCES[1],
-    MEAN_DIFFERENCES[2],
-    (
-        "mean_z_red",
-        "Mean of red over the image, test minus golden, in standard errors.",
-    ),
-    (
-        "mean_z_green",
-        "Mean of green over the image, test minus golden, in standard errors.",
-    ),
-    (
-        "mean_z_blue",
-        "Mean of blue over the image, test minus golden, in standard errors.",
-    ),
-    (
-        "scores",
-        "Numbers of the scene of which it was tested whether an error in them looks like the difference.",
-    ),
-    (
-        "largest_score",
-        "How much the difference looks like the change that an error of one of these numbers makes, in \
-         standard errors: above 0 as if it were larger.",
-    ),
-    (
-        "smallest_visible_bias",
-        "Detectable bias of the mean, as a share of the brightness of the image: a larger one is \
-         rejected.",
-    ),
-    (
-        "smallest_visible_block_bias",
-        "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger \
-         one is rejected.",
-    ),
-    (
-        "times_the_samples_that_would_decide",
-        "How many times more samples per pixel would make the required bias detectable.",
-    ),
-    (
-        "samples_that_would_decide",
-        "Samples per pixel, summed over all renderings, at which it becomes detectable.",
-    ),
-    (
-        "far_pixels",
-        "Single pixels off by more than 5 standard errors, in the channel with most; many mean \
-         fireflies, or differences that cancel within blocks.",
-    ),
-    (
-        "contrary_pixels",
-        "Pixels and channels that differ although neither image has any noise there.",
-    ),
-    (
-        "black_pixels",
-        "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make \
-        some, in images of few samples.",
-    ),
-    (
-        "amount_of_noise",
-        "Squared differences relative to the variance given in the images: 1 is expected, far \
-        below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.",
-    ),
-    (
-        "noise_over_that_stated",
-        "Squared differences relative to the variance of the one image that includes it: 1 or more \
-        is expected.",
-    ),
-    (
-        "chi_square_probability",
-        "Probability of at least this much deviation from noise alone; near 0 means a real \
-         difference.",
-    ),
-    (
-        "copied_pixels",
-        "Noisy pixels that are bit-identical to the golden; independent renderings share none.",
-    ),
-    (
-        "correlation_across",
-        "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole \
-        regions are off, or the image was filtered or denoised, or its pixels share random \
-        numbers.",
-    ),
-    (
-        "correlation_down",
-        "The same for vertically adjacent pixels.",
-    ),
-];
+const METRICS: [Metric; 26] = metrics! {
+    "blocks" => "Number of tests: blocks of 8 × 8 pixels times three channels.";
+    "rejected_blocks" => "Blocks and channels that differ beyond noise; 0 passes.";
+    "worst_block_z" => "Test minus golden of the worst block, in standard errors: above 0 it is too bright.";
+    "worst_block_column" => "First column of the worst block.";
+    "worst_block_row" => "First row of the worst block.";
+    MEAN_DIFFERENCES[0];
+    MEAN_DIFFERENCES[1];
+    MEAN_DIFFERENCES[2];
+    "mean_z_red" => "Mean of red over the image, test minus golden, in standard errors.";
+    "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.";
+    "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.";
+    "scores" => "Numbers of the scene of which it was tested whether an error in them looks like the difference.";
+    "largest_score" => "How much the difference looks like the change that an error of one of these numbers makes, in standard errors: above 0 as if it were larger.";
+    "smallest_visible_bias" => "Detectable bias of the mean, as a share of the brightness of the image: a larger one is rejected.";
+    "smallest_visible_block_bias" => "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger one is rejected.";
+    "times_the_samples_that_would_decide" => "How many times more samples per pixel would make the required bias detectable.";
+    "samples_that_would_decide" => "Samples per pixel, summed over all renderings, at which it becomes detectable.";
+    "far_pixels" => "Single pixels off by more than 5 standard errors, in the channel with most; many mean fireflies, or differences that cancel within blocks.";
+    "contrary_pixels" => "Pixels and channels that differ although neither image has any noise there.";
+    "black_pixels" => "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make some, in images of few samples.";
+    "amount_of_noise" => "Squared differences relative to the variance given in the images: 1 is expected, far below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.";
+    "noise_over_that_stated" => "Squared differences relative to the variance of the one image that includes it: 1 or more is expected.";
+    "chi_square_probability" => "Probability of at least this much deviation from noise alone; near 0 means a real difference.";
+    "copied_pixels" => "Noisy pixels that are bit-identical to the golden; independent renderings share none.";
+    "correlation_across" => "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole regions are off, or the image was filtered or denoised, or its pixels share random numbers.";
+    "correlation_down" => "The same for vertically adjacent pixels.";
+};
 
 /// Judges `test` by `reference`, one of `cases` comparisons that raise a false alarm with
 /// probability [`FALSE_ALARM`] together. At least one must state its noise.
