@@ -12,5 +12,4 @@ pub(crate) mod program_hash;
 pub(crate) mod proptest_failures;
 pub(crate) mod regular_file;
 
-pub use kept_file::KeepError;
 pub use program_hash::program_hash;

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Along the view, a distance is multiplied by the cosine of the angle between the ray and the direction in which
-//! the camera looks. Where [several volumes](super::several_volumes) are merged, a piece takes the place of a step, and
+//! the camera looks. Where several volumes are merged, a piece takes the place of a step, and
 //! the surface that ends the ray adds the rest. A ray that meets no opacity has no depth, nor has one a half depth whose opacity stays below one
 //! half: these are infinite.
 //!

@@ -1,7 +1,7 @@
 //! The two reference renderers, to be read first, from top to bottom.
 //!
 //! [`ray_caster`] renders classified volumes, in one file, with short ones beside it: for those that a map
-//! places, for [`several_volumes`] among surfaces, for the modes that composite no samples ([`projection`] and
+//! places, for `several_volumes` among surfaces, for the modes that composite no samples ([`projection`] and
 //! [`isosurface`]), and for [`depth`]; [`path_tracer`] surfaces, media and lights,
 //! with three short files beside it: media along a ray, vertices, random numbers. They are
 //! the most direct implementation, following the method line by line with no optimisations:
@@ -17,7 +17,7 @@ mod placement;
 pub mod projection;
 pub(crate) mod random;
 pub mod ray_caster;
-pub mod several_volumes;
+mod several_volumes;
 pub(crate) mod vertex;
 
 use crate::film::Film;

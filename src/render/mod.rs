@@ -3,7 +3,7 @@
 //! [`classified`] casts rays through a grid with a transfer function, [`radiative`] follows light
 //! among surfaces, media and lights: a folder for each model. [`plan`] decides which effects a
 //! scene calls for. `image` renders the panels of a scene according to their plans, `pixels` is the loop over
-//! the pixels of one; [`counters`] counts the work and [`predicted_work`] predicts it.
+//! the pixels of one; [`counters`] counts the work and `predicted_work` predicts it.
 //!
 //! # The kernels
 //!
@@ -34,7 +34,7 @@ mod forecast;
 mod image;
 mod pixels;
 pub mod plan;
-pub mod predicted_work;
+mod predicted_work;
 mod progress;
 pub mod radiative;
 

@@ -12,7 +12,7 @@ pub(crate) mod process;
 pub(crate) mod staying;
 
 pub use call::CallSettings;
-pub use command_template::{CommandTemplate, TemplateError, hashes_of_files};
+pub use command_template::{CommandTemplate, hashes_of_files};
 pub use image_source::ImageSource;
 pub use jobs::in_order;
 pub use keeper::{Keeper, Kept, keep};

@@ -3,7 +3,7 @@
 //! [`RayCaster::layers`](ray_caster::RayCaster::layers) is the loop along one ray; its parts have a
 //! file each.
 
-pub mod batches;
+mod batches;
 pub mod compositing;
 pub(super) mod conventional;
 pub mod curve;

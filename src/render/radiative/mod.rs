@@ -9,17 +9,17 @@
 //! |---|---|
 //! | `kernels` | what a plan compiles |
 //! | [`path_tracer`], [`line_of_sight`] | the two renderers |
-//! | [`variance_reduction`] | samplers of light that paths find rarely |
-//! | [`single_scattering`], [`direct_light`], [`emission`], [`free_flight`], [`specular`] | their estimators |
-//! | [`visibility`], [`transmittance`], [`scattering_function`], [`shadow_edges`] |
+//! | `variance_reduction` | samplers of light that paths find rarely |
+//! | `single_scattering`, `direct_light`, [`emission`], [`free_flight`], [`specular`] | their estimators |
+//! | [`visibility`], [`transmittance`], `scattering_function`, `shadow_edges` |
 //! queries of estimators to a scene |
 //! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
-//! | [`scene_context`], [`segments`], [`ray_majorants`], [`vertex`] | a scene and its media along a ray |
+//! | [`scene_context`], [`segments`], `ray_majorants`, [`vertex`] | a scene and its media along a ray |
 //! | [`media`], [`medium`], [`majorants`], [`surfaces`] | the media, surfaces and lights of a scene |
 //! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
 
 pub mod context;
-pub mod direct_light;
+mod direct_light;
 pub mod effects;
 pub mod emission;
 pub(super) mod faulty_paths;
@@ -29,20 +29,20 @@ pub mod line_of_sight;
 pub mod majorants;
 pub mod media;
 pub mod medium;
-pub mod occluders;
+mod occluders;
 pub mod path_tracer;
-pub mod ray_majorants;
+pub(crate) mod ray_majorants;
 pub mod sampler;
-pub mod scattering_function;
+mod scattering_function;
 pub mod scene_context;
 pub mod segments;
-pub mod shadow_edges;
-pub mod single_scattering;
+mod shadow_edges;
+mod single_scattering;
 pub mod specular;
 pub mod surfaces;
 pub mod tracker;
 pub mod tracking;
 pub mod transmittance;
-pub mod variance_reduction;
+mod variance_reduction;
 pub mod vertex;
 pub mod visibility;
