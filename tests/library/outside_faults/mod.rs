@@ -394,7 +394,7 @@ const CLOSELY: u32 = 1024;
 
 /// Each mistake of the catalogue that fails in these cases, with four seeds and two numbers of samples: its name
 /// comes first, or that of a mistake with the same image. `VOLREF_FAULTS` picks mistakes and cases by words of
-/// their names.
+/// their names, `VOLREF_SEEDS` takes fewer or more seeds.
 #[test]
 #[ignore = "hours: scripts/nightly.sh runs it"]
 fn mistakes_of_the_catalogue_are_named_first() {
@@ -408,6 +408,7 @@ fn mistakes_of_the_catalogue_are_named_first() {
         progress: &|_| (),
     };
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
+    let seeds = u64::from(given("VOLREF_SEEDS").unwrap_or(4));
     let (mut named_in_all, mut failed_in_all) = (0, 0);
     println!(
         "| case | samples | mistakes | images that fail | named first | not |\n| --- | --- | --- | --- | --- | --- |"
@@ -425,7 +426,7 @@ fn mistakes_of_the_catalogue_are_named_first() {
         for samples in [16, 64] {
             let trials: Vec<(&str, u64)> = tried
                 .iter()
-                .flat_map(|name| (1..=4).map(|seed| (*name, seed)))
+                .flat_map(|name| (1..=seeds).map(|seed| (*name, seed)))
                 .collect();
             let trial = |&(name, seed): &(&'static str, u64)| {
                 let result = result_of_mistake(&suite, case, name, (samples, seed), &search)?;
