@@ -101,7 +101,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let bytes = match format {
         FilmFormat::Png => film.to_png(arguments.exposure),
         FilmFormat::Npy => film.to_npy(),
-        _ => film.to_exr().map_err(bad_input)?,
+        FilmFormat::Exr | FilmFormat::Pfm => film.to_exr().map_err(bad_input)?,
     };
     output::write(&arguments.output, &bytes)?;
     if let (Some(file), Some(bytes)) = (&depth_file, film.depth_to_npy()) {

@@ -110,7 +110,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let bytes = match format {
         FilmFormat::Png => in_red_and_blue(&found.film),
         FilmFormat::Npy => found.film.to_npy(),
-        _ => found.film.to_exr().map_err(bad_input)?,
+        FilmFormat::Exr | FilmFormat::Pfm => found.film.to_exr().map_err(bad_input)?,
     };
     output::write(path, &bytes)?;
     let is_sampled = render::plans(&scene).iter().any(Plan::is_sampled);

@@ -22,7 +22,8 @@
 //! a node of the border takes the gradient of the nearest inner one, and a sample without a gradient keeps
 //! its colour. `emission` is a factor on that, the highlight and the ambient term included. `visibility` is
 //! the transmittance from the light to the sample; it dims the ambient term, too. Transfer functions come
-//! in two forms:
+//! in two forms. A shadow has a step `h′` and a reference length `h₀′` of its own, and `a′` follows from `a₀` by
+//! them: `a′ = 1 − (1 − a₀)^(h′/h₀′)`.
 //!
 //! ```text
 //!                       a₀(d)                                 emission(d)   visibility
@@ -31,10 +32,11 @@
 //! ```
 //!
 //! The formula is that of a ray-casting assignment: the scene gives `f`, the value of `exp(−d²)` at
-//! which the volume becomes fully opaque, and `S = Σ d h′/h₀′` is not the optical depth of `σ`. The
-//! shadow has a step `h′` and a reference length `h₀′` of its own, and `a′` is the opacity over them.
+//! which the volume becomes fully opaque. The assignment defines `S = Σ d h′/h₀′`, which is not the optical
+//! depth of `σ`.
 //!
-//! A volume may be placed in the world by an affine map (`placement.rs`): what follows is as without one.
+//! A volume may be placed in the world by an affine map. The formulas are those of a volume without one; where a
+//! map matters the code calls `placement.rs`.
 //! Several volumes, surfaces and clips in one picture are the matter of `several_volumes.rs`.
 //!
 //! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
@@ -72,8 +74,8 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
 
 pub(super) struct RayCaster<'s> {
     pub(super) scene: &'s Classified,
-    /// Density gradients in the world at the nodes, per length of about a voxel, so that those of no volume are
-    /// too large or too small for `f32`: shading uses their directions alone.
+    /// Density gradients in the world at the nodes, all times one factor, about a voxel, so that they fit into `f32`
+    /// whatever the size of the volume: shading uses their directions alone.
     pub(super) gradients: Grid<[f32; 3]>,
 }
 
@@ -113,12 +115,13 @@ impl RayCaster<'_> {
     fn cast(&self, ray: &Ray) -> Layer {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let mut seen = Layer::EMPTY;
-        // Its direction is not of unit length: `t` stays the distance in the world. An eye inside the volume
-        // begins the span, at 0.
+        // The ray in volume coordinates. Its direction is not normalised, so that `t` stays the distance in the
+        // world. A span is what lies ahead: with the eye inside the volume it begins at 0.
         let inside = placement::in_volume(scene, ray);
         let Some(span) = lattice.bounds().span_of(&inside) else {
             return seen;
         };
+        // In node coordinates: 1 from one node to the next.
         let line = NodeLine::new(inside, lattice);
         let count = step_count(span, scene.step);
         let reversed = scene.compositing == Compositing::BackToFront;
@@ -165,8 +168,8 @@ impl RayCaster<'_> {
         phong.shade(colour, gradient, to_light, -ray.direction)
     }
 
-    /// Visibility of the light from `point`; 1 where the scene has no shadow, and at the light itself, to which
-    /// there is no ray.
+    /// Visibility of the light from `point`; 1 where the scene has no shadow, at the light itself, to which there is
+    /// no ray, and where rounding puts the sample outside the volume.
     fn visibility(&self, point: DVec3, node_point: NodePoint) -> f64 {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let to_light = scene.light - point;
@@ -179,7 +182,7 @@ impl RayCaster<'_> {
         };
         // The ray begins at a sample, inside but for rounding, and ends at the light.
         let span = Span::new(0.0, span.far.min(length_of(to_light)));
-        // Not from `point`: far from the world's origin its node coordinates have lost digits.
+        // Node coordinates of `point`, computed again, would lose digits far from the world's origin.
         let line = NodeLine::from(node_point, inside.direction, lattice);
         self.transmittance(&line, span, shadow)
     }
@@ -195,7 +198,7 @@ impl RayCaster<'_> {
         match &scene.transfer_function.appearance {
             Appearance::Formula { .. } => {
                 let sum: f64 = samples.map(|(density, length)| density * length).sum();
-                exp(-(sum / shadow.reference_step) / 100.0).min(1.0) // densities may be negative
+                exp(-(sum / shadow.reference_step) / 100.0).min(1.0) // negative densities would make light
             }
             Appearance::Points(points) => samples
                 .map(|(density, length)| {
@@ -220,6 +223,7 @@ pub(super) fn midpoint(span: Span, step: f64, count: usize, index: usize) -> (f6
         return (span.near + (index as f64 + 0.5) * step, step);
     }
     let begin = index as f64 * step;
+    // `ceil` may have rounded up to one step too many.
     let rest = (span.length() - begin).max(0.0);
     (span.near + (begin + 0.5 * rest), rest)
 }

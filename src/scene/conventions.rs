@@ -5,7 +5,7 @@
 //! ([`crate::conventions::ray_caster`]), so that another renderer can be compared with the right
 //! image *under its own conventions*.
 //!
-//! Each convention is one row below, and one place of that ray caster.
+//! Each convention is one row below, and one place of `conventions/`.
 
 mod alternative;
 mod choices;
@@ -72,8 +72,8 @@ macro_rules! conventions {
     };
 }
 
-/// A value of a convention, by its kind: `number`, in [0, 1]; `flag`; `count`, optional; `words`, the
-/// default of all.
+/// A value of a convention, by its kind: `number`, in [0, 1]; `flag`; `count`, optional; `words`, of which
+/// the one before `of` is the default.
 macro_rules! value {
     (default number $default:literal) => { $default };
     (default flag $default:literal) => { $default };

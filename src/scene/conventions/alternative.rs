@@ -11,9 +11,9 @@ pub struct Alternative {
     pub instead_of: Option<&'static str>,
     /// It is claimed by itself; one that is also a mistake of the catalogue is not.
     pub stands_alone: bool,
-    /// It is about the shadow of a volume.
+    /// It is tried in scenes with the shadow of a volume alone.
     pub in_shadow: bool,
-    /// It is about shading.
+    /// It is tried in scenes with shading alone.
     pub shaded: bool,
     /// Makes it the convention.
     pub set: fn(&mut Conventions),
