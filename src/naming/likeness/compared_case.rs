@@ -10,7 +10,9 @@ use super::predictor::{Look, Predictor};
 use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
 use crate::compare::stochastic::{BLOCK, judge_at};
-use crate::compare::unexplained::{BOUND, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE};
+use crate::compare::unexplained::{
+    BOUND, MOST_IN_NOISE, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE,
+};
 use crate::compare::{
     Conditions, Deterministic, Gate as _, NumberChange, Perceptual, Picture, Refinement, Seen,
     WITHIN_A_PIXEL, change_with_step, judge, measured, place_of_rest,
@@ -42,11 +44,6 @@ const FAR_OFF_ON_LATTICE: f64 = 0.75;
 /// Probability with which an image is said to disagree with a rendering with a changed number, though it
 /// has that change.
 const DISAGREES: f64 = 0.01;
-
-/// Largest share of the squared difference that a mistake with which the scene agrees with the image may leave,
-/// beyond doubt: what is as far from the image as from the golden says nothing of the difference. Less than the
-/// half that a wrong one in the right direction, of a random size, leaves.
-pub(super) const MOST_IN_NOISE: f64 = 0.4;
 
 /// Smallest mean squared difference, in variances and beyond the one that noise makes, of which a share is known:
 /// in 200 cells noise moves the mean by a tenth, √(2/200).

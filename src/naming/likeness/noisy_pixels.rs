@@ -1,8 +1,8 @@
 //! Mistakes of the image in the pixels of an image with noise: what moves light within a block shows in no block.
 
-use super::compared_case::MOST_IN_NOISE;
 use super::kept_values::KeptValues;
 use crate::compare::cells::{Cells, Misfit};
+use crate::compare::unexplained::MOST_IN_NOISE;
 use crate::film::Film;
 
 /// Golden and image with noise, pixel by pixel.
