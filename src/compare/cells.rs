@@ -47,7 +47,7 @@ pub(crate) struct Misfit {
     pub gain: f64,
 }
 
-/// How much of a change an image has: the coefficient of its difference from the golden on that change, by least
+/// Part of a change that an image has: the coefficient of its difference from the golden on that change, by least
 /// squares over all tiles with noise together. What is small in every cell shows in their sum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Amount {

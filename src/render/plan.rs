@@ -85,7 +85,7 @@ pub struct Plan<'s> {
 pub struct PlanError {
     /// The effect to be forced.
     pub effect: Effect,
-    /// Why it is off.
+    /// Reason why it is off.
     pub reason: String,
 }
 

@@ -12,6 +12,7 @@
 use super::super::parts::lines as in_words;
 use super::blocks::DARK;
 use super::comparison::{Axis, Comparison};
+use super::hits::all_zero;
 use super::pixels::{CAUSES, chance};
 use super::variance::Stated;
 use crate::math;
@@ -47,10 +48,7 @@ pub(super) fn judge_black_lines(comparison: &Comparison<'_>, level: f64) -> Opti
         let of_channel = |c: usize| {
             let mean = f64::from(golden.radiance()[index][c]);
             // What is next to black may be rounded to it.
-            (mean > DARK).then(|| {
-                let variance = golden.variance_at(index, c) * samples;
-                math::exp(number * math::ln(variance / (variance + mean * mean)))
-            })
+            (mean > DARK).then(|| all_zero(number, mean, golden.variance_at(index, c) * samples))
         };
         // All channels have to be 0, which is no likelier than that one is.
         (0..3).filter_map(of_channel).reduce(f64::min)
@@ -59,12 +57,10 @@ pub(super) fn judge_black_lines(comparison: &Comparison<'_>, level: f64) -> Opti
     let bounds: Vec<Option<f64>> = (0..width * height).map(bound).collect();
     let is_black = |index: usize| test.radiance()[index] == [0.0; 3];
     let mut black = Vec::new();
-    for (axis, lines, length) in [(Axis::Rows, height, width), (Axis::Columns, width, height)] {
+    for axis in Axis::BOTH {
+        let [lines, length] = axis.lines([width, height]);
         let lit = |line: usize| {
-            let indices = (0..length).map(move |at| match axis {
-                Axis::Rows => line * width + at,
-                Axis::Columns => at * width + line,
-            });
+            let indices = (0..length).map(move |at| axis.index(width, line, at));
             indices.filter(|&index| bounds[index].is_some())
         };
         let share_beside = |side: std::ops::Range<usize>| {
@@ -93,10 +89,7 @@ pub(super) fn judge_black_lines(comparison: &Comparison<'_>, level: f64) -> Opti
         .min_by(|a, b| a.log_probability.total_cmp(&b.log_probability))?;
     let probability = math::exp(least.log_probability);
     (probability <= level).then(|| {
-        let name = match least.axis {
-            Axis::Rows => "row",
-            Axis::Columns => "column",
-        };
+        let name = least.axis.name();
         format!(
             "{} is black: by the light of the reference there and the {name}s beside it, {}{CAUSES}",
             in_words(name, [least.line; 2]),

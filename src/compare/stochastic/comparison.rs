@@ -33,6 +33,34 @@ pub(super) enum Axis {
     Columns,
 }
 
+impl Axis {
+    pub const BOTH: [Axis; 2] = [Axis::Rows, Axis::Columns];
+
+    /// Name of one line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Axis::Rows => "row",
+            Axis::Columns => "column",
+        }
+    }
+
+    /// Number of lines of an image, and of pixels in each.
+    pub fn lines(self, [width, height]: [usize; 2]) -> [usize; 2] {
+        match self {
+            Axis::Rows => [height, width],
+            Axis::Columns => [width, height],
+        }
+    }
+
+    /// Index of the pixel `at` a place in a `line`.
+    pub fn index(self, width: usize, line: usize, at: usize) -> usize {
+        match self {
+            Axis::Rows => line * width + at,
+            Axis::Columns => at * width + line,
+        }
+    }
+}
+
 /// Variance of a channel of a block by both estimates.
 fn variance(stated: [Stated; 2], shape: &NoiseShape, channel: &Channel) -> Variance {
     Variance {

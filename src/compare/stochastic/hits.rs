@@ -20,6 +20,12 @@ use crate::math;
 /// Pixels on a side of a square next to a pixel.
 const SIDE: usize = 3;
 
+/// Upper bound on the probability that all of so many `samples` that are not negative are 0, of this mean and
+/// variance of one, by Cantelli's inequality.
+pub(super) fn all_zero(samples: f64, mean: f64, variance: f64) -> f64 {
+    math::exp(samples * math::ln(variance / (variance + mean * mean)))
+}
+
 /// Bounds on the samples of the pixels of two images that are not 0.
 pub(super) struct Hits {
     width: usize,

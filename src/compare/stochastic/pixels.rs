@@ -6,7 +6,7 @@ use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
 use super::blocks::{DARK, Difference};
 use super::comparison::{Axis, Comparison};
-use super::hits::Hits;
+use super::hits::{Hits, all_zero};
 use super::variance::Stated;
 use crate::math;
 
@@ -203,7 +203,7 @@ pub(super) const CAUSES: &str =
 /// Probability below which no digit of it means anything.
 const RARE: f64 = 1e-12;
 
-/// How often chance makes `what` black, of this `probability`.
+/// Frequency with which chance makes `what` black, of this `probability`, in words.
 pub(super) fn chance(what: &str, probability: f64) -> String {
     let seldom = if probability < RARE { "less than " } else { "" };
     format!(
@@ -258,8 +258,7 @@ impl BlackPixels {
                     }
                 }
                 // All channels have to be 0, which is no likelier than that one is.
-                let of_sample = variance / (variance + mean * mean);
-                likeliest = likeliest.min(math::exp(of_test * math::ln(of_sample)));
+                likeliest = likeliest.min(all_zero(of_test, mean, variance));
             }
             if likeliest == 1.0 {
                 continue;
@@ -329,11 +328,9 @@ impl Repeated {
         };
         let (width, height) = (test.width(), test.height());
         let mut all = Vec::new();
-        for (axis, lines, length) in [(Axis::Rows, height, width), (Axis::Columns, width, height)] {
-            let index = |line: usize, at: usize| match axis {
-                Axis::Rows => line * width + at,
-                Axis::Columns => at * width + line,
-            };
+        for axis in Axis::BOTH {
+            let [lines, length] = axis.lines([width, height]);
+            let index = |line: usize, at: usize| axis.index(width, line, at);
             for line in 1..lines {
                 let beside = [line.checked_sub(2), (line + 1 < lines).then_some(line + 1)];
                 let is_asked = |at: &usize| {
@@ -365,10 +362,7 @@ impl Repeated {
     }
 
     fn in_words(&self) -> String {
-        let what = match self.axis {
-            Axis::Rows => "row",
-            Axis::Columns => "column",
-        };
+        let what = self.axis.name();
         format!(
             "{} of {} noisy pixels of {what} {} are bit-identical to those of {what} {}: part of the image is \
              repeated",

@@ -28,7 +28,7 @@ pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<St
         return None;
     }
     let mut regions = squares(comparison);
-    for axis in [Axis::Rows, Axis::Columns] {
+    for axis in Axis::BOTH {
         regions.extend(bands(comparison, axis));
     }
     let probabilities: Vec<f64> = regions.iter().map(|region| region.probability).collect();

@@ -6,7 +6,7 @@ use super::hypothesis::Hypothesis;
 use super::kept_values::KeptValues;
 use super::noisy_pixels::NoisyPixels;
 use super::prediction::{indices_of, pixels_of};
-use super::predictor::{Look, Predictor};
+use super::predictor::{Look, Predictor, UNCHANGED};
 use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
 use crate::compare::stochastic::{BLOCK, judge_at};
@@ -180,26 +180,41 @@ impl ComparedCase {
         }
     }
 
-    /// Misfit of `film`, a `look` at a hypothesis, to a noisy image, with what the hypothesis gains.
-    fn misfit_with_gain(&self, film: &Film, look: Look, clock: &SearchClock<'_>) -> Option<Misfit> {
-        let misfit = self.misfit(film)?;
-        let (test, golden) = (&self.test_cells, &self.golden_cells);
-        let predicted = in_cells(&self.kept.film(film), golden)?;
-        let by_itself = predicted
-            .amount_in(test, golden)
-            .map_or(0.0, |amount| amount.gain);
+    /// Renders the scene itself for a first look. Pairs are looked at in parallel: there threads would wait for the one
+    /// that renders it, and that one for them.
+    pub fn render_unchanged(&self, clock: &SearchClock<'_>) {
+        if self.is_sampled {
+            self.unchanged(self.predictor.first, clock);
+        }
+    }
+
+    /// The scene itself as a first or second `look` shows it, if the search is to go on.
+    fn unchanged(&self, look: Look, clock: &SearchClock<'_>) -> Option<&Cells> {
         let unchanged = &self.unchanged[usize::from(look == self.predictor.second)];
-        let unchanged = unchanged.get_or_init(|| {
+        let rendered = || {
+            let scene = &self.predictor.scene;
             let film = self
                 .predictor
-                .rendered(&self.predictor.scene, ("", 0), look, clock)?;
-            in_cells(&self.kept.film(&film), golden)
-        });
-        let beside = unchanged
-            .as_ref()
-            .map_or(0.0, |it| predicted.gain_over(it, test, golden));
+                .rendered(scene, (UNCHANGED, 0), look, clock)?;
+            in_cells(&self.kept.film(&film), &self.golden_cells)
+        };
+        unchanged.get_or_init(rendered).as_ref()
+    }
+
+    /// Misfit of `film`, a `look` at a hypothesis, to a noisy image, with what the hypothesis gains, if a closer look may
+    /// show that it explains the image.
+    fn promise_in_noise(&self, film: &Film, look: Look, clock: &SearchClock<'_>) -> Option<Misfit> {
+        let (test, golden) = (&self.test_cells, &self.golden_cells);
+        let predicted = in_cells(&self.kept.film(film), golden)?;
+        let misfit = predicted.misfit(test, golden);
+        if !self.may_be_explained_by(&misfit) {
+            return None;
+        }
+        let by_itself = predicted.amount_in(test, golden).map(|amount| amount.gain);
+        let unchanged = self.unchanged(look, clock);
+        let beside = unchanged.map(|it| predicted.gain_over(it, test, golden));
         Some(Misfit {
-            gain: by_itself.max(beside),
+            gain: by_itself.unwrap_or(0.0).max(beside.unwrap_or(0.0)),
             ..misfit
         })
     }
@@ -541,9 +556,7 @@ impl ComparedCase {
     /// find that they agree.
     pub fn promise(&self, look: &Film, clock: &SearchClock<'_>) -> Option<Misfit> {
         if self.is_sampled {
-            return self
-                .misfit_with_gain(look, self.predictor.first, clock)
-                .filter(|misfit| self.may_be_explained_by(misfit));
+            return self.promise_in_noise(look, self.predictor.first, clock);
         }
         if self.sees_all_at_once() {
             return self.misfit(look).filter(|misfit| self.explained_by(misfit));
@@ -642,8 +655,8 @@ impl ComparedCase {
         let film =
             self.predictor
                 .predict(&self.golden, hypothesis, self.predictor.second, clock)?;
-        self.misfit_with_gain(&film, self.predictor.second, clock)
-            .filter(|misfit| self.may_be_explained_by(misfit) && is_near(misfit))
+        self.promise_in_noise(&film, self.predictor.second, clock)
+            .filter(is_near)
     }
 
     /// True if a mistake with this misfit is not contradicted in any part or by any weights.

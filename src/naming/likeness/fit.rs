@@ -21,6 +21,7 @@
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
+use super::predictor::UNCHANGED;
 use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
 use crate::compare::{Seen, change_in_words, left};
@@ -215,7 +216,7 @@ impl<'f> Fitting<'f> {
         if !case.suspects.is_empty() {
             numbers.retain(|number| case.suspects.contains(&number.name()));
         }
-        let unchanged = case.predicted_for_fit(case.scene(), "unchanged", clock)?;
+        let unchanged = case.predicted_for_fit(case.scene(), UNCHANGED, clock)?;
         let [golden, test] = case.in_fit();
         let scale = golden.beside_noise_of(&unchanged);
         let guarded_test = test.guarded_by(golden);

@@ -116,6 +116,7 @@ impl ComparedCase {
             }
             clock.decided();
         }
+        self.render_unchanged(clock);
         for index in of_the_scene {
             let look = self.look(&Hypothesis::One(index), clock);
             if clock.is_late() {

@@ -10,6 +10,9 @@ use crate::film::Film;
 use crate::render::Detail;
 use crate::scene::Scene;
 
+/// Label of the scene as it is.
+pub(super) const UNCHANGED: &str = "unchanged";
+
 /// Pixels of a look, and samples in each.
 pub(super) type Look = (Detail, u32);
 
