@@ -43,6 +43,8 @@ pub(crate) struct Misfit {
     pub test_from_black: SquaredDistance,
     /// Standard error of the distance, were the images the same but for their noise.
     pub least_error: f64,
+    /// True if one of the images has noise.
+    pub has_noise: bool,
     /// That of the [`Amount`] by which the prediction changes the golden; 0 where it was not asked for.
     pub gain: f64,
 }
@@ -87,6 +89,16 @@ impl Misfit {
     /// Mean squared relative difference, noise taken out: about 0 if the mistake is the one.
     pub fn distance(&self) -> SquaredDistance {
         self.parts[0].plus(&self.parts[1])
+    }
+
+    /// What hypotheses that explain an image are ordered by, the nearest first: the distance, and where noise hides it
+    /// the squares in variances, by which the image is less likely.
+    pub fn remoteness(&self) -> f64 {
+        if self.has_noise {
+            self.in_noise
+        } else {
+            self.distance().at_most()
+        }
     }
 
     /// True if a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
@@ -542,6 +554,7 @@ impl Cells {
             by_other_weights: by_other_weights.map(|sums| sums.distance(cells, has_noise)),
             test_from_black: test_from_black.distance(cells, has_noise),
             least_error: least_squares.value().sqrt() / (3.0 * cells),
+            has_noise,
             gain: 0.0,
         }
     }

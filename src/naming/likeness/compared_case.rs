@@ -659,11 +659,6 @@ impl ComparedCase {
             .filter(is_near)
     }
 
-    /// True if a mistake with this misfit is not contradicted in any part or by any weights.
-    pub fn is_possible(&self, misfit: &Misfit) -> bool {
-        misfit.is_possible(&self.from_golden, self.may_leave())
-    }
-
     fn may_be_explained_by(&self, misfit: &Misfit) -> bool {
         misfit.may_explain(&self.from_golden, self.may_leave())
     }
@@ -692,8 +687,15 @@ impl ComparedCase {
             self.predictor
                 .predict(&self.golden, hypothesis, self.predictor.third(), clock)?;
         let third = self.misfit(&film)?;
-        let explains = self.explained_by(&third) || self.agrees_with(hypothesis, &film, &third);
-        explains.then_some(third)
+        self.is_explanation(hypothesis, &film, &third)
+            .then_some(third)
+    }
+
+    /// True if `hypothesis`, of which the image is `film` and that has this misfit, explains the image: beyond doubt, or
+    /// as far as noise tells.
+    pub fn is_explanation(&self, hypothesis: &Hypothesis, film: &Film, misfit: &Misfit) -> bool {
+        let may_agree = || self.is_sampled && self.may_be_explained_by(misfit);
+        self.explained_by(misfit) || may_agree() && self.agrees_with(hypothesis, film, misfit)
     }
 
     /// Misfit of `hypothesis` to the image, closely looked at: once more where noise leaves open

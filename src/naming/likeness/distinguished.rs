@@ -138,6 +138,7 @@ mod tests {
             by_other_weights: [SquaredDistance::default(); 2],
             test_from_black: SquaredDistance::default(),
             least_error: error,
+            has_noise: false,
             gain: 0.0,
         };
         Explanation {

@@ -88,9 +88,8 @@ impl<'c> Explanations<'c> {
         let in_pixels = failed.search_in_pixels(&clock);
         let (mut found, looks) = failed.search(&clock);
         let mut is_beyond_doubt = found.iter().any(|(_, misfit)| failed.explained_by(misfit));
-        if found.is_empty() {
-            found = in_pixels;
-            is_beyond_doubt = !found.is_empty();
+        if !is_beyond_doubt && !in_pixels.is_empty() {
+            (found, is_beyond_doubt) = (in_pixels, true);
         }
         let mut is_a_number = false;
         if !is_beyond_doubt && !failed.suspects.is_empty() {
@@ -205,7 +204,7 @@ impl Explanation {
             Reverse(self.fits.len()),
             self.hypothesis.mistakes().len(),
             // Positive numbers are ordered as their bits are.
-            self.mean(|misfit| misfit.distance().at_most()).to_bits(),
+            self.mean(Misfit::remoteness).to_bits(),
             self.hypothesis,
         )
     }

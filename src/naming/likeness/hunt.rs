@@ -57,7 +57,7 @@ pub(super) type FirstLooks = BTreeMap<usize, Film>;
 
 /// Order of misfits: the one that leaves less first.
 fn nearer(a: &Misfit, b: &Misfit) -> Ordering {
-    a.distance().at_most().total_cmp(&b.distance().at_most())
+    a.remoteness().total_cmp(&b.remoteness())
 }
 
 /// Sorts hypotheses on a noisy image, by turns the one that explains most of it in large tiles and the one that is least
@@ -110,7 +110,7 @@ impl ComparedCase {
             if !(self.is_gain() && mistake(index).is_curve())
                 && let Some(film) = mistake(index).in_image(&self.golden)
                 && let Some(misfit) = self.misfit(&film)
-                && self.explained_by(&misfit)
+                && self.is_explanation(&Hypothesis::One(index), &film, &misfit)
             {
                 found.push((Hypothesis::One(index), misfit));
             }
@@ -150,9 +150,7 @@ impl ComparedCase {
         let found = of_the_image.into_iter().filter_map(|index| {
             let film = mistake(index).in_image(&self.golden)?;
             let misfit = pixels.explained_by(&film, self.may_leave())?;
-            // Blocks have less noise, which tells what is left in dark parts and of dark images.
-            let is_possible = self.is_possible(&self.misfit(&film)?);
-            is_possible.then_some((Hypothesis::One(index), misfit))
+            Some((Hypothesis::One(index), misfit))
         });
         let mut found: Explaining = found.collect();
         found.sort_by(|(_, a), (_, b)| nearer(a, b));

@@ -465,6 +465,27 @@ fn mistakes_of_the_catalogue_are_named_first() {
     );
 }
 
+/// Filters hide in blocks and noise that neighbours share; a shift by a pixel and one of two mistakes with nearly the same
+/// image take the noise's measure of what is left.
+#[test]
+fn mistakes_that_noise_hides_are_named() {
+    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let predictions = Predictions::in_folder(folder.path());
+    let search = Search {
+        budget: Some(Duration::from_secs(10)),
+        predictions: &predictions,
+        interrupted: &|| false,
+        progress: &|_| (),
+    };
+    let hidden = ["half-resolution", "one-pixel-left", "lights-counted-twice"];
+    hidden.par_iter().for_each(|name| {
+        let result = result_of_mistake(&suite, "smoke/cornell", name, (16, 1), &search).unwrap();
+        let first = result.looks_like.first().map(String::as_str);
+        assert_eq!(first, Some(*name), "{}", result.difference.join("; "));
+    });
+}
+
 /// The verdict on an image with a mistake, if it fails.
 fn result_of_mistake(
     suite: &Suite,
