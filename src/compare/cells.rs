@@ -103,8 +103,7 @@ impl Misfit {
 
     /// True if a hypothesis with this misfit explains, beyond doubt, all but a `share` of `whole`, the
     /// misfit of the golden: in the cells with noise and in all together, and not contradicted in those without
-    /// noise or by other weights. A dark image is not explained by any other dark one: as little of what it is
-    /// more than black may be left. Where the golden has no noise the image may have some, and a prediction of it.
+    /// noise or by other weights. Where the golden has no noise the image may have some, and a prediction of it.
     pub fn explains(&self, whole: &Misfit, share: f64) -> bool {
         self.parts[0].is_explained(&whole.parts[0], share)
             && self.is_possible(whole, share)
@@ -116,7 +115,13 @@ impl Misfit {
         let mut others = self.by_other_weights.iter().zip(&whole.by_other_weights);
         self.may_explain(whole, share)
             && others.all(|(left, whole)| left.may_be_explained(whole, share))
-            && self.by_other_weights[1].may_be_explained(&self.test_from_black, share)
+            && self.is_nearer_than_black(share)
+    }
+
+    /// True if no more than a `share` of what the test image is more than black is left, beyond doubt: a dark image is
+    /// not explained by any other dark one.
+    pub fn is_nearer_than_black(&self, share: f64) -> bool {
+        self.by_other_weights[1].may_be_explained(&self.test_from_black, share)
     }
 
     /// [`explains`](Misfit::explains) by all cells together, where neither part contradicts: cells

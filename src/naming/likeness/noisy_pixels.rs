@@ -37,8 +37,8 @@ impl NoisyPixels {
     }
 
     /// Misfit of a `film` made of the golden to the image, if it leaves no more than `share` of the pixels with noise,
-    /// beyond doubt, and is not contradicted elsewhere or in blocks. By the brighter of golden and test, pixels that noise made dark
-    /// weigh most: these weights may leave as much as noise makes of them.
+    /// beyond doubt, and is not contradicted elsewhere or in blocks. By the brighter of golden and test, pixels that
+    /// noise made dark weigh most: these weights may leave as much as noise makes of them.
     pub fn explained_by(&self, film: &Film, share: f64) -> Option<Misfit> {
         let film = self.kept.film(film);
         let predicted = Cells::of_pixels(&film);
@@ -50,6 +50,7 @@ impl NoisyPixels {
             && misfit.parts[0].is_explained(&whole.parts[0], share)
             && misfit.may_explain(whole, share)
             && others.all(|(left, whole)| left.may_be_explained(whole, MOST_IN_NOISE))
+            && misfit.is_nearer_than_black(share)
             && (Cells::of_blocks(&film).misfit(&self.test_blocks, &self.golden_blocks))
                 .is_possible(&self.blocks_from_golden, share);
         explains.then_some(misfit)
