@@ -9,7 +9,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use tempfile::TempDir;
 
 /// The files of a suite, with their paths relative to its root.
-pub type SuiteFiles = fn() -> Vec<(PathBuf, &'static [u8])>;
+pub(crate) type SuiteFiles = fn() -> Vec<(PathBuf, &'static [u8])>;
 
 static FILES: OnceLock<SuiteFiles> = OnceLock::new();
 

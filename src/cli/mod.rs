@@ -41,7 +41,7 @@ mod visible_report;
 use clap::{CommandFactory as _, Parser, Subcommand};
 use std::process::ExitCode;
 
-pub use embedded::SuiteFiles;
+pub(crate) use embedded::SuiteFiles;
 pub use failure::Exit;
 
 /// A reference renderer for volumes, and a golden-image harness that tests other volume renderers

@@ -9,7 +9,7 @@ use super::deterministic::OUTLIERS;
 use super::gate::Metric;
 
 /// Where depth is compared.
-pub const OUTLIERS_OF_DEPTH: Metric = (
+pub(crate) const OUTLIERS_OF_DEPTH: Metric = (
     "outlier_depths",
     "Pixels whose depth is off by more than half a step and 0.1 %; where depth is compared.",
 );
@@ -21,7 +21,7 @@ const RELATIVE: f64 = 1e-3;
 const AT_AN_EDGE: f64 = 4.0;
 
 /// Comparison of the depths of two images of one size.
-pub struct DepthDifference {
+pub(crate) struct DepthDifference {
     /// Pixels outside the tolerance.
     pub outside: usize,
     /// Pixels that have a depth.
@@ -101,7 +101,7 @@ impl DepthDifference {
     }
 
     /// True if most pixels have a depth in the image, too.
-    pub fn shows_depth(&self) -> bool {
+    pub(crate) fn shows_depth(&self) -> bool {
         2 * self.without < self.seen
     }
 

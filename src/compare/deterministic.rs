@@ -16,9 +16,9 @@ use crate::film::{CHANNELS, Film};
 use crate::math::Sum;
 
 /// Absolute tolerance of a channel.
-pub const ABSOLUTE: f64 = 1e-3;
+pub(crate) const ABSOLUTE: f64 = 1e-3;
 /// Relative tolerance of a channel.
-pub const RELATIVE: f64 = 0.01;
+pub(crate) const RELATIVE: f64 = 0.01;
 /// Share of pixels that may lie outside: rays that graze a voxel face and fall, by a rounding,
 /// on its other side.
 pub(super) const OUTLIERS: f64 = 2e-4;
@@ -37,7 +37,7 @@ const HARD_CAP_OF_SINGLE_PRECISION: f64 = 100.0;
 pub(super) const BIAS: f64 = 0.1;
 
 /// Where opacity is compared.
-pub const OUTLIERS_OF_OPACITY: Metric = (
+pub(crate) const OUTLIERS_OF_OPACITY: Metric = (
     "outlier_opacities",
     "Pixels whose opacity is off by more than the tolerance; where opacity is compared.",
 );
@@ -118,12 +118,12 @@ pub fn tolerance(golden: f64) -> f64 {
 }
 
 /// Tolerance of the mean of a channel over an image, where it is `golden` in the right one.
-pub fn tolerance_of_mean(golden: f64) -> f64 {
+pub(crate) fn tolerance_of_mean(golden: f64) -> f64 {
     BIAS * tolerance(golden)
 }
 
 /// Difference of a pixel in tolerances: that of its worst channel.
-pub fn in_tolerances(golden: [f32; 3], test: [f32; 3]) -> f64 {
+pub(crate) fn in_tolerances(golden: [f32; 3], test: [f32; 3]) -> f64 {
     let channels = golden.into_iter().zip(test);
     channels.fold(0.0, |worst: f64, (golden, test)| {
         let [golden, test] = [golden, test].map(f64::from);

@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// Name and meaning of a metric.
-pub type Metric = (&'static str, &'static str);
+pub(crate) type Metric = (&'static str, &'static str);
 
 /// A rule behind a result.
 pub trait Gate: Send + Sync {

@@ -46,7 +46,7 @@ pub struct FitMap {
 
 impl FitMap {
     /// True if the map has whole rows, at least one, and both values of each block.
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         let blocks = self.difference.len();
         blocks > 0 && self.fitted.len() == blocks && blocks.checked_rem(self.columns) == Some(0)
     }
@@ -112,7 +112,7 @@ impl Judgement {
     }
 
     /// With the changes that `film`, the image called `name`, underwent on reading.
-    pub fn with_changes_of(mut self, name: &str, film: &Film) -> Judgement {
+    pub(crate) fn with_changes_of(mut self, name: &str, film: &Film) -> Judgement {
         for change in film.changes_on_reading() {
             self.reason.push_str(&format!("; the {name} {change}"));
         }

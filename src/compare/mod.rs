@@ -36,7 +36,8 @@ pub use change_with_step::change_with_step;
 pub use deterministic::Deterministic;
 pub use difference_scale::{BlockMap, DifferenceScale};
 pub use exact::Exact;
-pub use gate::{Gate, Metric};
+pub use gate::Gate;
+pub(crate) use gate::Metric;
 pub use image_gate::{Conditions, ImageGate};
 pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
 pub use measured_difference::measured_difference;
@@ -46,10 +47,13 @@ pub(crate) use measured_difference::{
 pub use parts::Seen;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
-pub use precision::{is_of_precision, precision_in_words, recognised};
+pub use precision::recognised;
+pub(crate) use precision::{is_of_precision, precision_in_words};
 pub use promise::Promise;
-pub use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
-pub use sensitivity::{Sensitivity, change_in_words};
+pub(crate) use refinement::{Limit, Refinement};
+pub(crate) use refinement::{judge_one_step, judge_refinement};
+pub use sensitivity::Sensitivity;
+pub(crate) use sensitivity::change_in_words;
 pub use stochastic::Stochastic;
 
 use crate::film::Film;
@@ -74,7 +78,10 @@ pub fn gate_named(name: &str) -> Result<&'static dyn ImageGate, String> {
 }
 
 /// The default gate for a pair, with the reason as the end of a sentence; empty if it is obvious.
-pub fn default_gate(reference: &Picture, test: &Picture) -> (&'static dyn ImageGate, &'static str) {
+pub(crate) fn default_gate(
+    reference: &Picture,
+    test: &Picture,
+) -> (&'static dyn ImageGate, &'static str) {
     let mut claims = GATES
         .into_iter()
         .filter_map(|gate| Some((gate, gate.default_reason(reference, test)?)));
@@ -82,7 +89,7 @@ pub fn default_gate(reference: &Picture, test: &Picture) -> (&'static dyn ImageG
 }
 
 /// Images of one size, with finite pixels and variances: the gates compare no others.
-pub fn are_comparable(reference: &Film, test: &Film) -> bool {
+pub(crate) fn are_comparable(reference: &Film, test: &Film) -> bool {
     incomparable::films(&Stochastic, reference, test).is_none()
 }
 

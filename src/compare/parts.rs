@@ -20,7 +20,7 @@ pub struct Seen {
 
 impl Seen {
     /// A shift by so many pixels, to the right and down, in voxels of the volume.
-    pub fn voxels_in_words(&self, pixels: [f64; 2]) -> Option<String> {
+    pub(crate) fn voxels_in_words(&self, pixels: [f64; 2]) -> Option<String> {
         let [right, down] = self.voxels?;
         let moved = [0, 1, 2].map(|k| pixels[0] * right[k] + pixels[1] * down[k]);
         let size = moved.iter().map(|x| x * x).sum::<f64>().sqrt();

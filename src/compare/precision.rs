@@ -33,13 +33,13 @@ pub fn recognised(golden: &Film, test: Film, exposure: f64) -> Film {
 }
 
 /// True of a sentence of [`precision_in_words`].
-pub fn is_of_precision(note: &str) -> bool {
+pub(crate) fn is_of_precision(note: &str) -> bool {
     note.starts_with("8 bits, ")
 }
 
 impl Judgement {
     /// With the share of the pixels that the precision of `test` cuts off; undecided where those are most.
-    pub fn with_precision_of(mut self, golden: &Film, test: &Film) -> Judgement {
+    pub(crate) fn with_precision_of(mut self, golden: &Film, test: &Film) -> Judgement {
         let Some(quantisation) = test.quantisation() else {
             return self;
         };
@@ -61,7 +61,7 @@ impl Judgement {
 }
 
 /// Sentence on what the precision of `test`, an image judged by `gate` with these metrics, hides.
-pub fn precision_in_words(
+pub(crate) fn precision_in_words(
     gate: &dyn Gate,
     metrics: &BTreeMap<String, f64>,
     test: &Film,

@@ -39,7 +39,7 @@ impl Promise {
     }
 
     /// This promise with a bias of blocks that is four times that of the mean.
-    pub fn with_blocks(self) -> Promise {
+    pub(crate) fn with_blocks(self) -> Promise {
         Promise {
             block: Some(4.0 * self.mean),
             ..self

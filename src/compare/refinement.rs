@@ -32,7 +32,7 @@ use crate::math::{Sum, exp2, log2};
 
 /// Images with steps `h`, `h/2`, `h/4` against their limit, or one against a bound of first order.
 #[derive(Clone, Copy, Debug)]
-pub struct Refinement;
+pub(crate) struct Refinement;
 
 /// Safety factor of the grid convergence index, where the order is observed (Roache 1994).
 const SAFETY: f64 = 1.25;
@@ -109,7 +109,7 @@ impl Gate for Refinement {
 
 /// A picture without steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Limit<'f> {
+pub(crate) struct Limit<'f> {
     /// The picture.
     pub golden: &'f Film,
     /// The image from values that are off as much as by look-up in a table, up and down.
@@ -122,7 +122,7 @@ pub struct Limit<'f> {
 /// # Panics
 ///
 /// With fewer than three images.
-pub fn judge_refinement(
+pub(crate) fn judge_refinement(
     truth: Limit<'_>,
     first_order: &dyn Fn() -> Vec<Film>,
     images: &[Film],
@@ -306,7 +306,7 @@ fn distances(a: &Film, b: &Film, factor: f64) -> Vec<[f64; 3]> {
 }
 
 /// Judges one image by `first_order`: images that rules of first order give at the same step.
-pub fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> Judgement {
+pub(crate) fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> Judgement {
     let golden = truth.golden;
     let others = first_order.iter().chain([image]);
     for other in others {

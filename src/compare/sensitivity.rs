@@ -33,18 +33,18 @@ impl Sensitivity {
     }
 
     /// True if an image hardly changes in proportion to a change of this size.
-    pub fn is_far(&self, change: f64) -> bool {
+    pub(crate) fn is_far(&self, change: f64) -> bool {
         change.abs() > self.step
     }
 
     /// Error by curvature of a change that is estimated by the derivative alone: a tenth of a whole
     /// step in most scenes.
-    pub fn curvature(&self, change: f64) -> f64 {
+    pub(crate) fn curvature(&self, change: f64) -> f64 {
         0.1 * change * change / self.step
     }
 
     /// True if the number can change in this direction.
-    pub fn can_change(&self, change: f64) -> bool {
+    pub(crate) fn can_change(&self, change: f64) -> bool {
         self.can_be[usize::from(change > 0.0)]
     }
 
@@ -54,12 +54,12 @@ impl Sensitivity {
     }
 
     /// True if the number stays positive, where the change is a share of it.
-    pub fn stays_positive(&self, change: f64) -> bool {
+    pub(crate) fn stays_positive(&self, change: f64) -> bool {
         self.unit.is_some() || change > -1.0
     }
 
     /// A size without a sign in words: `density 1.6 %`.
-    pub fn size_in_words(&self, size: f64) -> String {
+    pub(crate) fn size_in_words(&self, size: f64) -> String {
         match &self.unit {
             None => format!(
                 "{} {} %",
@@ -84,7 +84,12 @@ const LARGEST_ERROR: f64 = 0.5;
 /// A change of a number that is called `words`, in this unit, or in shares of itself: `density
 /// 2.1 ± 0.3 % too large`; in two digits where no error is known, and without a size where that is
 /// too uncertain.
-pub fn change_in_words(words: &str, unit: Option<&str>, change: f64, error: Option<f64>) -> String {
+pub(crate) fn change_in_words(
+    words: &str,
+    unit: Option<&str>,
+    change: f64,
+    error: Option<f64>,
+) -> String {
     let side = if change < 0.0 { "small" } else { "large" };
     let factor = if unit.is_none() { 100.0 } else { 1.0 };
     let size = factor * change.abs();

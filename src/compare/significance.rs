@@ -27,7 +27,7 @@ pub fn critical(level: f64) -> f64 {
 
 /// [`two_sided`] for a deviation in standard errors that were estimated with that many degrees
 /// of freedom.
-pub fn two_sided_estimated(t: f64, degrees: f64) -> f64 {
+pub(crate) fn two_sided_estimated(t: f64, degrees: f64) -> f64 {
     let student = StudentsT::new(0.0, 1.0, degrees).expect("degrees of freedom are positive");
     2.0 * student.sf(t.abs())
 }
@@ -39,7 +39,7 @@ const MANY_DEGREES: f64 = 1e3;
 /// The `t` at which [`two_sided_estimated`] is `level`.
 ///
 /// Source of the series: Abramowitz & Stegun 1964, 26.7.5.
-pub fn critical_estimated(level: f64, degrees: f64) -> f64 {
+pub(crate) fn critical_estimated(level: f64, degrees: f64) -> f64 {
     if degrees >= MANY_DEGREES {
         let z = critical(level);
         let square = z * z;
@@ -56,7 +56,7 @@ pub fn critical_estimated(level: f64, degrees: f64) -> f64 {
 /// if all before it are and it is at most `level/(n + 1 − k)`.
 ///
 /// Source: Holm 1979, Scandinavian Journal of Statistics 6, 65–70.
-pub fn holm(probabilities: &[f64], level: f64) -> usize {
+pub(crate) fn holm(probabilities: &[f64], level: f64) -> usize {
     let mut sorted = probabilities.to_vec();
     sorted.sort_by(f64::total_cmp);
     let mut left = sorted.len();
@@ -80,7 +80,7 @@ pub fn at_least(count: u64, trials: u64, each: f64) -> f64 {
 
 /// Probability that the sum of the squares of `count` standard normal numbers is at least as
 /// extreme as `sum`: twice that of the shorter tail.
-pub fn chi_square_two_sided(sum: f64, count: f64) -> f64 {
+pub(crate) fn chi_square_two_sided(sum: f64, count: f64) -> f64 {
     let distribution = ChiSquared::new(count).expect("at least one number");
     (2.0 * distribution.cdf(sum).min(distribution.sf(sum))).min(1.0)
 }

@@ -40,7 +40,7 @@ impl Convention {
 }
 
 /// The choice of the first sample of a ray.
-pub const FIRST_SAMPLE: &str = "first_sample";
+pub(crate) const FIRST_SAMPLE: &str = "first_sample";
 /// The choice of a step, which is no convention: a scene states it.
 pub const STEP: &str = "step";
 const EARLY_END: &str = "early_termination";
@@ -95,7 +95,7 @@ pub static CATALOGUE: LazyLock<Vec<Convention>> = LazyLock::new(|| {
 });
 
 /// Indices in the [`CATALOGUE`], rising.
-pub type ConventionSet = Vec<usize>;
+pub(crate) type ConventionSet = Vec<usize>;
 
 /// `scene` under the conventions of `set`.
 pub fn under(scene: &Scene, set: &[usize]) -> Scene {

@@ -21,7 +21,7 @@ use crate::volume::Cell;
 use glam::DVec3;
 
 /// Renders the rays of a scene whose mode is a projection or isosurfaces.
-pub struct FieldCaster<'s> {
+pub(crate) struct FieldCaster<'s> {
     scene: &'s Classified,
     caster: RayCaster<'s>,
     /// Greys of a mean, where they are those of the range of the grid.
@@ -111,7 +111,7 @@ impl<'s> FieldCaster<'s> {
     }
 
     /// The pixel of a ray that passes these surfaces, in the order of their distances.
-    pub fn of_surfaces(
+    pub(crate) fn of_surfaces(
         &self,
         ray: &Ray,
         passed: &[(f64, Isosurface)],

@@ -4,8 +4,8 @@
 //! ([`Conventions`](crate::scene::Conventions)). The [`ray_caster`] renders under any of them; under
 //! those of volref it gives the image of [`reference::ray_caster`](crate::reference::ray_caster), to
 //! the bit. A [`Profile`] is a file with the conventions of a renderer, the [`CATALOGUE`] what a search
-//! for the conventions behind an image tries. Projections and isosurfaces are sampled by the [`FieldCaster`], under
-//! those that they follow; several volumes, where their steps are common, by [`CommonSteps`].
+//! for the conventions behind an image tries. Projections and isosurfaces are sampled by the `FieldCaster`, under
+//! those that they follow; several volumes, where their steps are common, by `CommonSteps`.
 
 mod catalogue;
 mod classifier;
@@ -24,13 +24,17 @@ mod steps;
 mod stored_values;
 mod work;
 
-pub use catalogue::{CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, STEP, under};
-pub use field_caster::FieldCaster;
+pub(crate) use catalogue::ConventionSet;
+pub(crate) use catalogue::FIRST_SAMPLE;
+pub use catalogue::{CATALOGUE, Convention, STEP, under};
+pub(crate) use field_caster::FieldCaster;
 pub use first_samples::{FirstSamples, PLACES, images_of_first_samples};
 pub use image::render;
-pub use normals::NodeGradients;
-pub use profile::{PROFILE, Profile};
+pub(crate) use normals::NodeGradients;
+pub(crate) use profile::PROFILE;
+pub use profile::Profile;
 pub use rounded_places::bounds_of_rounded_places;
-pub use several::{CommonSteps, each_alone};
+pub(crate) use several::CommonSteps;
+pub(crate) use several::each_alone;
 pub use stored_values::as_stored;
 pub use work::RayWork;

@@ -101,7 +101,7 @@ impl Gradients {
 
 /// Gradients at the nodes of one volume under several sets of conventions, each kind computed once.
 #[derive(Debug, Default)]
-pub struct NodeGradients(Mutex<Vec<(Kind, Arc<GradientGrid>)>>);
+pub(crate) struct NodeGradients(Mutex<Vec<(Kind, Arc<GradientGrid>)>>);
 
 /// Gradients at nodes.
 type GradientGrid = Grid<[f32; 3]>;

@@ -10,7 +10,7 @@ use std::cell::RefCell;
 use std::path::Path;
 
 /// The declaration of a profile.
-pub const PROFILE: Table = Table::new("Conventions of another renderer of classified volumes.")
+pub(crate) const PROFILE: Table = Table::new("Conventions of another renderer of classified volumes.")
     .keys(&[
     Key::required("name", Kind::Text).doc("Renderer, with its version."),
     Key::optional("source", Kind::Text).doc("Document or code that states the conventions."),
@@ -67,7 +67,7 @@ impl Profile {
     }
 
     /// Name of the profile that volref brings with this `text`.
-    pub fn shipped_name(text: &str) -> Option<&'static str> {
+    pub(crate) fn shipped_name(text: &str) -> Option<&'static str> {
         let found = SHIPPED.iter().find(|(_, shipped)| *shipped == text);
         found.map(|(name, _)| *name)
     }

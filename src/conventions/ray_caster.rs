@@ -58,7 +58,7 @@ impl<'s> RayCaster<'s> {
     }
 
     /// The same, with gradients at nodes that are `known` from other sets of conventions for the volume.
-    pub fn with_gradients(scene: &'s Classified, known: &NodeGradients) -> RayCaster<'s> {
+    pub(crate) fn with_gradients(scene: &'s Classified, known: &NodeGradients) -> RayCaster<'s> {
         RayCaster {
             shading: scene
                 .phong

@@ -16,7 +16,7 @@ use crate::geometry::{Aabb, Ray};
 use crate::scene::{Classified, Clip};
 
 /// Renders rays through several volumes by common steps.
-pub struct CommonSteps<'s> {
+pub(crate) struct CommonSteps<'s> {
     scene: &'s Classified,
     /// Casters of the volumes, with the clips of each that are not of all.
     volumes: Vec<(RayCaster<'s>, Vec<&'s Clip>)>,
@@ -31,7 +31,7 @@ pub struct CommonSteps<'s> {
 }
 
 /// The scenes of the volumes of `scene`, each alone, as their casters take them.
-pub fn each_alone(scene: &Classified) -> Vec<Classified> {
+pub(crate) fn each_alone(scene: &Classified) -> Vec<Classified> {
     let (_, step) = scene.common_box_and_step();
     let volumes = scene.each_alone().map(|mut alone| {
         alone.step = step;

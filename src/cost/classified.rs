@@ -19,7 +19,7 @@ use glam::DVec3;
 
 /// Lighting of the samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shade {
+pub(crate) enum Shade {
     /// Shaded and shadowed as in the scene.
     AsGiven,
     /// Shadow rays with samples at this distance.
@@ -31,7 +31,7 @@ pub enum Shade {
 }
 
 /// A classified volume with all queries along a ray.
-pub struct ShadedVolume<'s> {
+pub(crate) struct ShadedVolume<'s> {
     scene: &'s Classified,
     caster: Caster<'s>,
     density: GridDensity,
@@ -59,7 +59,7 @@ impl<'s> ShadedVolume<'s> {
     }
 
     /// True if [`Shade::Exact`] is available.
-    pub fn has_exact_shadow(scene: &Classified) -> bool {
+    pub(crate) fn has_exact_shadow(scene: &Classified) -> bool {
         matches!(
             scene.transfer_function.appearance,
             Appearance::Formula { .. }
@@ -82,7 +82,7 @@ impl<'s> ShadedVolume<'s> {
     }
 
     /// Radiance along `ray` if `radiance` lies before an optical `depth`.
-    pub fn before_background(&self, radiance: DVec3, depth: f64) -> DVec3 {
+    pub(crate) fn before_background(&self, radiance: DVec3, depth: f64) -> DVec3 {
         radiance + self.scene.background * exp(-depth)
     }
 
@@ -160,7 +160,7 @@ impl<'s> ShadedVolume<'s> {
     /// Radiance along `ray` by the midpoint rule with the variables of a ray caster in single
     /// precision: positions, values, colours, opacities and their sums. Everything evaluated in
     /// between, as interpolation and exponentials, is rounded to single precision each time.
-    pub fn cast_single(&self, step: f64, ray: &Ray) -> DVec3 {
+    pub(crate) fn cast_single(&self, step: f64, ray: &Ray) -> DVec3 {
         let background = self.scene.background.as_vec3();
         let Some(span) = self.span(ray) else {
             return background.as_dvec3();
@@ -190,7 +190,7 @@ impl<'s> ShadedVolume<'s> {
 }
 
 /// True if the composited function has jumps: with the nearest node, or with a step in the table.
-pub fn has_jumps(scene: &Classified) -> bool {
+pub(crate) fn has_jumps(scene: &Classified) -> bool {
     scene.interpolation == Interpolation::Nearest
         || match &scene.transfer_function.appearance {
             Appearance::Formula { .. } => false,

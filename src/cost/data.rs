@@ -32,7 +32,7 @@ const TOLERANCE: f64 = 1e-9;
 
 /// `grid` with nodes `factor ≥ 1` times as far apart, over the same box: its interpolant, looked
 /// up at the nodes. None where an axis would have fewer than two.
-pub fn coarsened(grid: &Grid<f32>, factor: f64) -> Option<Grid<f32>> {
+pub(crate) fn coarsened(grid: &Grid<f32>, factor: f64) -> Option<Grid<f32>> {
     let lattice = grid.lattice();
     let fine = lattice.nodes();
     let nodes = fine.map(|nodes| match nodes {
@@ -101,7 +101,7 @@ fn sweep<'a>(
 /// The transmittance of the rays of `crossings` from coarser and coarser grids, by either
 /// interpolation, cell by cell; none where not all that varies is a grid, or one has too few
 /// nodes.
-pub fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
+pub(crate) fn of_grids(crossings: &Crossings<'_>, clock: &Clock) -> Option<Study> {
     if !crossings.rays.iter().all(RayThroughMedia::is_through_grids) {
         return None;
     }

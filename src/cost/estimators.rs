@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 /// An unbiased estimator of transmittance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TransmittanceEstimator {
+pub(crate) enum TransmittanceEstimator {
     /// 1 for a flight that gets through, 0 for one that does not.
     Delta,
     /// Product of the shares of tentative collisions that are null.
@@ -32,7 +32,7 @@ pub enum TransmittanceEstimator {
 
 /// One estimate and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EstimatorSample {
+pub(crate) struct EstimatorSample {
     /// The estimate.
     pub value: f64,
     /// Lookups.

@@ -262,7 +262,7 @@ fn preintegrated(
 /// The image of `scene`, of `size` pixels in full, without shading or shadow; none if it is
 /// neither. A highlight may be narrower than any step; emission and absorption are not, and show
 /// what order a rule has.
-pub fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {
+pub(crate) fn unlit_steps(scene: &Classified, size: [usize; 2], clock: &Clock) -> Option<Study> {
     if scene.phong.is_none() && scene.shadow.is_none() {
         return None;
     }
@@ -445,7 +445,7 @@ fn worst_ray(rays: &Rays<'_>) -> RayTrace {
 }
 
 /// A length in voxels, in words.
-pub fn in_voxels(length: f64, voxel: f64) -> String {
+pub(crate) fn in_voxels(length: f64, voxel: f64) -> String {
     // Six digits: the length was a product, and would show the rounding of it.
     in_words((length / voxel * 1e6).round() / 1e6)
 }

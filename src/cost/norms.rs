@@ -45,7 +45,11 @@ pub fn norms(errors: impl Iterator<Item = f64>, scale: f64) -> Norms {
 
 /// [`norms`] where consecutive errors, those of the channels of a ray, are correlated: there are
 /// fewer independent errors than numbers.
-pub fn norms_of_channels(errors: impl Iterator<Item = f64>, scale: f64, channels: usize) -> Norms {
+pub(crate) fn norms_of_channels(
+    errors: impl Iterator<Item = f64>,
+    scale: f64,
+    channels: usize,
+) -> Norms {
     let norms = norms(errors, scale);
     Norms {
         uncertainty: norms.uncertainty * (channels.max(1) as f64).sqrt(),
@@ -54,7 +58,7 @@ pub fn norms_of_channels(errors: impl Iterator<Item = f64>, scale: f64, channels
 }
 
 /// Root mean square of `values`: the unit of relative errors. 1 if all are 0.
-pub fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (mut squares, mut count) = (Sum::default(), 0.0);
     for value in values {
         squares.add(value * value);

@@ -48,7 +48,7 @@ impl ExpectedOrder {
     }
 
     /// The error of a mean of samples.
-    pub const OF_SAMPLES: ExpectedOrder = ExpectedOrder {
+    pub(crate) const OF_SAMPLES: ExpectedOrder = ExpectedOrder {
         order: Some(-0.5),
         tolerance: 0.05,
         by_chance: true,

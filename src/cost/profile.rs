@@ -45,7 +45,7 @@ impl Profile<'_> {
     }
 
     /// `∫ σ̄ dt`, the depth of the bounds.
-    pub fn majorant_depth(&self) -> f64 {
+    pub(crate) fn majorant_depth(&self) -> f64 {
         let segments = self.segments.iter();
         segments
             .map(|segment| segment.high * segment.span.length())
@@ -71,7 +71,7 @@ impl Profile<'_> {
     }
 
     /// The segment that holds `t`; of two that meet there, the first.
-    pub fn segment_at(&self, t: f64) -> Option<&BoundedSegment> {
+    pub(crate) fn segment_at(&self, t: f64) -> Option<&BoundedSegment> {
         let index = self
             .segments
             .partition_point(|segment| segment.span.far < t);

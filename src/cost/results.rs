@@ -131,7 +131,7 @@ impl MeanWork {
     ];
 
     /// The counts of `rays` rays, for each of them.
-    pub fn per_ray(counters: &Counters, rays: usize) -> MeanWork {
+    pub(crate) fn per_ray(counters: &Counters, rays: usize) -> MeanWork {
         counters.map(|count| count as f64 / rays as f64)
     }
 

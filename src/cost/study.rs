@@ -25,7 +25,7 @@ pub struct SettingOutcome {
 impl SettingOutcome {
     /// The outcome of `rays` rays: `error` returns the errors of one by channel, or nothing where
     /// it is left out, and counts its work.
-    pub fn of_rays<const CHANNELS: usize>(
+    pub(crate) fn of_rays<const CHANNELS: usize>(
         rays: usize,
         error: &(dyn Fn(usize, &mut Counters) -> Option<[f64; CHANNELS]> + Sync),
     ) -> SettingOutcome {
@@ -50,7 +50,7 @@ impl SettingOutcome {
 }
 
 /// Run of one setting: the same outcome on every call.
-pub type SettingRun<'a> = Box<dyn Fn() -> SettingOutcome + Send + Sync + 'a>;
+pub(crate) type SettingRun<'a> = Box<dyn Fn() -> SettingOutcome + Send + Sync + 'a>;
 
 /// One setting of a sweep.
 pub struct Setting<'a> {

@@ -42,7 +42,7 @@ impl Clock {
     /// rounds. Divided by `share`, the number of rays.
     ///
     /// On one thread: what is compared is work, not how well it is shared out.
-    pub fn by_turns(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {
+    pub(crate) fn by_turns(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {
         if self.runs == 0 || self.is_over() {
             return vec![None; tasks.len()];
         }

@@ -39,7 +39,7 @@ const STEPS: [f64; 10] = halved(4.0);
 const ESTIMATES: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
 /// Deepest bound along a ray through which flights are followed one by one.
-pub const MOST_DEPTHS: f64 = 1e4;
+pub(crate) const MOST_DEPTHS: f64 = 1e4;
 
 /// Accuracy of each element of the reference, where a density has no integral: fractal noise, for
 /// each digit of which a ray takes a multiple of elements.
@@ -78,7 +78,7 @@ pub struct MediumOnRay<'s> {
 
 impl RayThroughMedia<'_> {
     /// True if all that varies is a grid.
-    pub fn is_through_grids(&self) -> bool {
+    pub(crate) fn is_through_grids(&self) -> bool {
         let mut parts = self.parts.iter();
         parts.all(|part| matches!(part.density.field(), Field::Grid(_)))
     }
@@ -89,7 +89,7 @@ impl RayThroughMedia<'_> {
     /// # Panics
     ///
     /// If a density has no integral.
-    pub fn depth_by_integrals(&self, lookups: &mut u64) -> f64 {
+    pub(crate) fn depth_by_integrals(&self, lookups: &mut u64) -> f64 {
         let parts = self.parts.iter();
         parts
             .map(|part| part.sigma * part.density.integral(&part.line, part.span, lookups))

@@ -104,7 +104,7 @@ pub fn export(scene: &Scene, format: Format, name: &str) -> Result<Export, Refus
 /// # Errors
 ///
 /// As of [`export`].
-pub fn export_at(
+pub(crate) fn export_at(
     scene: &Scene,
     format: Format,
     name: &str,

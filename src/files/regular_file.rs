@@ -13,7 +13,7 @@ pub const MOST_BYTES: u64 = 1 << 32;
 
 /// Errors in opening a file.
 #[derive(Debug, Error)]
-pub enum OpenError {
+pub(crate) enum OpenError {
     /// Nothing is at the path.
     #[error("{0}")]
     Missing(io::Error),
@@ -27,7 +27,7 @@ pub enum OpenError {
 
 /// Errors in reading a file.
 #[derive(Debug, Error)]
-pub enum ReadError {
+pub(crate) enum ReadError {
     /// The file was not opened.
     #[error(transparent)]
     Open(#[from] OpenError),

@@ -91,7 +91,7 @@ impl Film {
     }
 
     /// As [`Film::from_exr`], of a file whose pixels, those of all its parts, take at most so many bytes.
-    pub fn from_exr_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
+    pub(crate) fn from_exr_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
         let file = read_file_within(bytes, most)?;
         picture(&file, &main_layer(&file)?)
     }

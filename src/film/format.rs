@@ -53,7 +53,7 @@ impl FilmFormat {
     }
 
     /// True if it holds codes of 8 bits in place of radiance.
-    pub fn is_of_codes(self) -> bool {
+    pub(crate) fn is_of_codes(self) -> bool {
         match self {
             FilmFormat::Exr | FilmFormat::Pfm | FilmFormat::Npy => false,
             FilmFormat::Png => true,

@@ -213,7 +213,7 @@ impl Film {
 
     /// The films below each other, from the top. All must have the same width, and all or none opacity.
     /// The noise is kept if all have noise from the same number of samples.
-    pub fn below_each_other(films: &[Film]) -> Film {
+    pub(crate) fn below_each_other(films: &[Film]) -> Film {
         let height = films.iter().map(|film| film.height).sum();
         let whole = films.iter().map(|film| (film, 0..film.radiance.len()));
         Film::of_pieces([films[0].width, height], whole)
@@ -269,7 +269,7 @@ impl Film {
     }
 
     /// Mean magnitude of all values; `None` if a value is NaN.
-    pub fn mean_magnitude(&self) -> Option<f64> {
+    pub(crate) fn mean_magnitude(&self) -> Option<f64> {
         let values = self.radiance.as_flattened();
         let sum: f64 = values.iter().map(|x| f64::from(x.abs())).sum();
         let mean = sum / values.len() as f64;
@@ -277,7 +277,7 @@ impl Film {
     }
 
     /// Films of one size, in which every value is a number.
-    pub fn is_comparable(&self, other: &Film) -> bool {
+    pub(crate) fn is_comparable(&self, other: &Film) -> bool {
         let size = |film: &Film| (film.width(), film.height());
         let is_number = |film: &Film| film.radiance.as_flattened().iter().all(|x| x.is_finite());
         size(self) == size(other) && is_number(self) && is_number(other)
@@ -318,7 +318,7 @@ impl Film {
     /// # Errors
     ///
     /// If sizes differ, or both state depths.
-    pub fn with_depth_of(self, depth: &Film) -> Result<Film, FilmError> {
+    pub(crate) fn with_depth_of(self, depth: &Film) -> Result<Film, FilmError> {
         if self.depth.is_some() {
             return Err(FilmError::Depth(
                 "both the image and the file beside it state depths: leave one out",
@@ -378,7 +378,7 @@ impl Film {
     }
 
     /// Variance of the mean of a channel of the pixel `index`, radiance squared; 0 where the image states none.
-    pub fn variance_at(&self, index: usize, channel: usize) -> f64 {
+    pub(crate) fn variance_at(&self, index: usize, channel: usize) -> f64 {
         let noise = self.noise.as_ref();
         noise.map_or(0.0, |noise| noise.variance()[index][channel].into())
     }

@@ -55,7 +55,7 @@ impl Noise {
     }
 
     /// Whether those values are whole renderings without a sample count.
-    pub fn is_of_renderings(&self) -> bool {
+    pub(crate) fn is_of_renderings(&self) -> bool {
         self.origin == NoiseOrigin::Renderings
     }
 
@@ -65,7 +65,7 @@ impl Noise {
     }
 
     /// The first pixel whose variance is negative or not finite.
-    pub fn first_without_variance(&self) -> Option<usize> {
+    pub(crate) fn first_without_variance(&self) -> Option<usize> {
         let broken = |pixel: &[f32; 3]| !pixel.iter().all(is_sound);
         self.variance.iter().position(broken)
     }

@@ -82,7 +82,7 @@ impl Film {
     }
 
     /// The depth as a NumPy array, float32, of shape (height, width), if there is any.
-    pub fn depth_to_npy(&self) -> Option<Vec<u8>> {
+    pub(crate) fn depth_to_npy(&self) -> Option<Vec<u8>> {
         let depth = self.depth.as_ref()?.iter().copied();
         Some(encode_values(&[self.height, self.width], depth))
     }

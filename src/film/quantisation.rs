@@ -74,7 +74,7 @@ impl fmt::Display for Bits {
 
 impl Bits {
     /// Codes of a curve that nobody stated.
-    pub const UNKNOWN: Bits = Bits {
+    pub(crate) const UNKNOWN: Bits = Bits {
         encoding: None,
         blended: false,
     };
@@ -238,7 +238,7 @@ impl Quantisation {
     }
 
     /// Half the width of the code of a radiance; of blended values one and a half times its width.
-    pub fn half_code(&self, radiance: f64) -> f64 {
+    pub(crate) fn half_code(&self, radiance: f64) -> f64 {
         let code = self.code(radiance).clamp(0.0, LARGEST);
         self.hidden() * (self.radiance(code + 0.5) - self.radiance(code - 0.5))
     }
@@ -263,7 +263,7 @@ impl Quantisation {
     }
 
     /// `film`, of these codes, with them taken for those of another curve.
-    pub fn read_as(self, encoding: Encoding, film: &Film) -> Film {
+    pub(crate) fn read_as(self, encoding: Encoding, film: &Film) -> Film {
         let other = Quantisation { encoding, ..self };
         other.decoded(film.width(), film.height(), &self.codes(film))
     }
@@ -274,14 +274,14 @@ impl Quantisation {
     }
 
     /// True of a pixel of which a channel is above the largest code.
-    pub fn cuts_off(&self, pixel: [f32; 3]) -> bool {
+    pub(crate) fn cuts_off(&self, pixel: [f32; 3]) -> bool {
         pixel
             .into_iter()
             .any(|value| f64::from(value) > self.largest() * (1.0 + 1e-6))
     }
 
     /// Half a code of the darkest and of the brightest radiance, in words.
-    pub fn width_in_words(&self) -> String {
+    pub(crate) fn width_in_words(&self) -> String {
         let [dark, bright] = [0.0, self.largest()].map(|at| number(self.half_code(at)));
         match self.encoding {
             Encoding::Linear => dark,
@@ -333,7 +333,7 @@ fn candidates(exposure: f64) -> impl Iterator<Item = Quantisation> {
 
 impl Film {
     /// This image as one whose values were rounded: the gates allow for that.
-    pub fn quantised(self, quantisation: Quantisation) -> Film {
+    pub(crate) fn quantised(self, quantisation: Quantisation) -> Film {
         Film {
             quantisation: Some(quantisation),
             ..self
@@ -341,13 +341,13 @@ impl Film {
     }
 
     /// The rounding of its values, if it is known to have one.
-    pub fn quantisation(&self) -> Option<Quantisation> {
+    pub(crate) fn quantisation(&self) -> Option<Quantisation> {
         self.quantisation
     }
 
     /// Of all images that round to this one, that nearest to `golden`, of the same size; this image where
     /// it is not quantised.
-    pub fn nearest_to(&self, golden: &Film) -> Cow<'_, Film> {
+    pub(crate) fn nearest_to(&self, golden: &Film) -> Cow<'_, Film> {
         let Some(quantisation) = self.quantisation else {
             return Cow::Borrowed(self);
         };

@@ -39,7 +39,7 @@ impl Aabb {
     }
 
     /// The smallest box around two boxes.
-    pub fn union(self, other: Aabb) -> Aabb {
+    pub(crate) fn union(self, other: Aabb) -> Aabb {
         Aabb {
             min: self.min.min(other.min),
             max: self.max.max(other.max),
@@ -66,7 +66,7 @@ impl Aabb {
     }
 
     /// The axis along which the box is longest, the first of several.
-    pub fn longest_axis(&self) -> usize {
+    pub(crate) fn longest_axis(&self) -> usize {
         longest_axis(self.size())
     }
 
@@ -91,7 +91,7 @@ impl Aabb {
     }
 
     /// As [`Aabb::span`], of a line with a direction of any length.
-    pub fn span_of(&self, line: &Line) -> Option<Span> {
+    pub(crate) fn span_of(&self, line: &Line) -> Option<Span> {
         let [near, far] = self.crossings_of(&line.origin, &line.direction)?;
         ahead(near.t, far.t)
     }
@@ -99,7 +99,7 @@ impl Aabb {
 
 /// The axis of the largest component of a vector without negative components, the first of several.
 #[inline]
-pub fn longest_axis(v: DVec3) -> usize {
+pub(crate) fn longest_axis(v: DVec3) -> usize {
     if v.x >= v.y && v.x >= v.z {
         0
     } else if v.y >= v.z {

@@ -39,7 +39,7 @@ const WAITING: usize = (WIDTH - 1) * (DEEPEST + 32) + 1;
 /// A bounding volume hierarchy: faces split where the surface area heuristic expects the fewest
 /// tests of a ray. A node holds four boxes, which are tested together.
 #[derive(Clone, Debug)]
-pub struct Bvh {
+pub(crate) struct Bvh {
     /// The box around all faces.
     bounds: Option<Aabb>,
     /// The root is the first.
@@ -154,7 +154,7 @@ impl Bvh {
 
     /// Calls `visit` with candidates for crossings `from ≤ t`, in no particular order: quicker than
     /// [`walk`](Bvh::walk), whose boxes wait in order.
-    pub fn walk_all(&self, ray: &Ray, from: f64, mut visit: impl FnMut(usize)) {
+    pub(crate) fn walk_all(&self, ray: &Ray, from: f64, mut visit: impl FnMut(usize)) {
         let Some(bounds) = &self.bounds else {
             return;
         };

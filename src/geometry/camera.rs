@@ -95,7 +95,7 @@ impl Camera {
     }
 
     /// Whether rays are parallel.
-    pub fn is_orthographic(&self) -> bool {
+    pub(crate) fn is_orthographic(&self) -> bool {
         self.projection == Projection::Orthographic
     }
 
@@ -114,7 +114,7 @@ impl Camera {
     }
 
     /// This camera with an image plane `factor` times as large.
-    pub fn with_image_scaled(&self, factor: f64) -> Camera {
+    pub(crate) fn with_image_scaled(&self, factor: f64) -> Camera {
         Camera {
             half_right: self.half_right * factor,
             half_up: self.half_up * factor,

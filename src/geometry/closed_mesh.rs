@@ -42,7 +42,7 @@ impl ClosedMesh {
     }
 
     /// True if `mesh` is closed and its normals point inward.
-    pub fn is_inside_out(mesh: &Mesh) -> bool {
+    pub(crate) fn is_inside_out(mesh: &Mesh) -> bool {
         volume(mesh) < 0.0 && check_edges(mesh).is_ok()
     }
 }

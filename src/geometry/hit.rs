@@ -129,7 +129,7 @@ impl SurfacePoint {
     }
 
     /// The ray from this point to a point in free space, and its distance.
-    pub fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
+    pub(crate) fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
         let from = self.origin_towards(target - self.position);
         let ray = Ray::new(from, target - from)?;
         Some((ray, (target - from).dot(*ray.direction)))

@@ -46,7 +46,7 @@ const PERPENDICULAR: f64 = 4.0 * f64::EPSILON;
 
 impl Rectangle {
     /// The corner and the two edges that start there, world units.
-    pub fn corner_and_edges(&self) -> [DVec3; 3] {
+    pub(crate) fn corner_and_edges(&self) -> [DVec3; 3] {
         [self.corner, self.edge_u, self.edge_v]
     }
 
@@ -123,7 +123,7 @@ impl Rectangle {
     /// All `points` and all `lights`, in world units, lie on one side of the plane of the rectangle.
     /// Points from which a ray would start as from the rectangle itself, 2^-44 of its largest coordinate away,
     /// are on both sides; of the lights those in the plane.
-    pub fn has_on_one_side(&self, points: &[DVec3], lights: &[DVec3]) -> bool {
+    pub(crate) fn has_on_one_side(&self, points: &[DVec3], lights: &[DVec3]) -> bool {
         let all_below = |normal: DVec3| {
             let height = |point: &DVec3| (*point - self.corner).dot(normal);
             points.iter().all(|point| height(point) <= self.clearance)

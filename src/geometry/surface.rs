@@ -71,7 +71,7 @@ pub trait Solid: Surface {
 }
 
 /// A convex closed shape: a ray has one segment inside at most.
-pub trait Convex: Solid {
+pub(crate) trait Convex: Solid {
     /// The only one of [`spans`](Solid::spans).
     fn span(&self, ray: &Ray) -> Option<Span>;
 }

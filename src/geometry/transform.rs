@@ -166,7 +166,7 @@ impl Transform {
     /// world.
     // Never, as the next two: of the loops along rays they would take registers.
     #[inline(never)]
-    pub fn line_to_object(&self, ray: &Ray) -> Line {
+    pub(crate) fn line_to_object(&self, ray: &Ray) -> Line {
         Line {
             origin: self.point_to_object(ray.origin),
             direction: self.vector_to_object(*ray.direction),
@@ -175,20 +175,20 @@ impl Transform {
 
     /// A difference of world points in object space.
     #[inline(never)]
-    pub fn vector_to_object(&self, v: DVec3) -> DVec3 {
+    pub(crate) fn vector_to_object(&self, v: DVec3) -> DVec3 {
         self.inverse_linear * v
     }
 
     /// A world point in object space. Relative to the offset first, so that an object far from the
     /// world's origin loses no digits.
     #[inline(never)]
-    pub fn point_to_object(&self, p: DVec3) -> DVec3 {
+    pub(crate) fn point_to_object(&self, p: DVec3) -> DVec3 {
         self.inverse_linear * (p - self.offset)
     }
 
     /// The map of gradients of a field, which is the inverse transpose, over a power of two that makes
     /// no component of an image larger than that of its gradient: for directions.
-    pub fn gradient_map(&self) -> DMat3 {
+    pub(crate) fn gradient_map(&self) -> DMat3 {
         let map = self.inverse_linear.transpose();
         map * (0.5 / math::power_of_two_below(norm(&map)))
     }
@@ -240,7 +240,7 @@ impl Transform {
     /// object distance `t` lies at world distance `t / factor`.
     ///
     /// `None` if the direction leaves the range of numbers on the way.
-    pub fn ray_to_object(&self, ray: &Ray) -> Option<(Ray, f64)> {
+    pub(crate) fn ray_to_object(&self, ray: &Ray) -> Option<(Ray, f64)> {
         let towards = self.inverse_linear * *ray.direction;
         // Relative to the ray's own length, 1 up to rounding: so a scaling by a power of two
         // gives back every digit of the direction.

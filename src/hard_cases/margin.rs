@@ -73,7 +73,7 @@ impl Margin {
     }
 
     /// Requires both images to exist and to be equal, by a hash of their bits.
-    pub fn same_picture(
+    pub(crate) fn same_picture(
         &mut self,
         what: impl Display,
         found: Option<String>,

@@ -110,7 +110,7 @@ pub fn rows() -> impl Iterator<Item = &'static Row> {
 }
 
 /// The file that the rows are from, in the sources of volref.
-pub const CATALOGUE_FILE: &str = "src/hard_cases/catalogue.toml";
+pub(crate) const CATALOGUE_FILE: &str = "src/hard_cases/catalogue.toml";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

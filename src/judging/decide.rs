@@ -151,7 +151,7 @@ impl Looks {
 
     /// Samples per pixel at which the next look may decide `result`, in all; `None` if it is decided, or
     /// if no number of samples would do.
-    pub fn samples_of_next(&self, result: &CaseResult) -> Option<f64> {
+    pub(crate) fn samples_of_next(&self, result: &CaseResult) -> Option<f64> {
         // Images with a step, which no number of samples decides, have no noise that could be seen.
         result.metrics.get("smallest_visible_bias")?;
         let [least, most] = GROWTH;
@@ -174,7 +174,7 @@ impl Looks {
     }
 
     /// Whether the variance is that of rare numbers, and not known.
-    pub fn is_heavy_tailed(&self) -> bool {
+    pub(crate) fn is_heavy_tailed(&self) -> bool {
         self.heavy_tail().is_some()
     }
 

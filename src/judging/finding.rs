@@ -40,7 +40,7 @@ impl Judged {
 
 /// The finding on a case, before time and names are added.
 #[derive(Debug)]
-pub struct CaseFinding {
+pub(crate) struct CaseFinding {
     /// Verdict.
     pub verdict: Verdict,
     /// Cause of the verdict.

@@ -18,14 +18,21 @@ pub(crate) mod verify;
 
 pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, Likeness};
-pub use finding::{CaseFinding, Judged};
-pub use more_samples::{MoreSamples, is_open};
-pub use precision::{before_background, declared, radiance};
-pub use results::{CaseResult, Cause, Summary, Verdict, metric_meaning};
-pub use rows::verify_row;
+pub(crate) use finding::CaseFinding;
+pub use finding::Judged;
+pub(crate) use more_samples::MoreSamples;
+pub use more_samples::is_open;
+pub(crate) use precision::before_background;
+pub use precision::{declared, radiance};
+pub(crate) use results::Summary;
+pub use results::{CaseResult, Cause, Verdict, metric_meaning};
+pub(crate) use rows::verify_row;
+pub(crate) use self_test::case_trials;
 pub use self_test::{
     BenignTrials, CaseTrials, MistakeTrials, Rejection, SelfTest, SelfTestCases, SelfTestExtent,
-    Step, Trial, case_trials, self_test, self_test_steps,
+    Step, Trial, self_test, self_test_steps,
 };
-pub use validate::{add_right_declaration, validate, validate_at};
-pub use verify::{verify, without_case};
+pub use validate::validate;
+pub(crate) use validate::{add_right_declaration, validate_at};
+pub use verify::verify;
+pub(crate) use verify::without_case;

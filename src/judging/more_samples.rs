@@ -30,7 +30,7 @@ const SMALLEST_BLOCK_BIAS: &str = "smallest_visible_block_bias";
 const SAFE: f64 = 1.0 / 3.0;
 
 /// Further calls of a renderer, and what judges its images.
-pub struct MoreSamples<'m> {
+pub(crate) struct MoreSamples<'m> {
     /// The renderer that is called.
     pub renderer: &'m OtherRenderer,
     /// Judges an output at the look of this number, from 1.

@@ -20,7 +20,7 @@ pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
 
 /// `output` for `case`, with its images declared to be colours without the background of their scene. An image of 8 bits
 /// is recognised before that.
-pub fn before_background(output: Output, alpha: Option<Alpha>, case: &Case) -> Output {
+pub(crate) fn before_background(output: Output, alpha: Option<Alpha>, case: &Case) -> Output {
     let Some(alpha) = alpha else {
         return output;
     };

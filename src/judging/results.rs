@@ -131,7 +131,7 @@ pub struct CaseResult {
 
 impl CaseResult {
     /// Takes out of the reason what says no more than "as if", beside a finding.
-    pub fn drop_as_if(&mut self) {
+    pub(crate) fn drop_as_if(&mut self) {
         drop_as_if(&mut self.reason, &mut self.as_if);
     }
 }
@@ -148,7 +148,7 @@ pub(super) fn drop_as_if(reason: &mut String, as_if: &mut Option<String>) {
 
 /// Number of cases by verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Compared, and right.
     pub pass: usize,
     /// Compared, and wrong.

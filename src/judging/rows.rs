@@ -19,7 +19,7 @@ impl Suite {
     }
 
     /// The cases and rows that any of the filters matches, as [`Suite::select`] has it.
-    pub fn select_with_rows(
+    pub(crate) fn select_with_rows(
         &self,
         filters: &[String],
     ) -> Result<(Vec<&Case>, Vec<&'static Row>), SuiteError> {
@@ -33,7 +33,7 @@ impl Suite {
 }
 
 /// Runs a row.
-pub fn verify_row(row: &Row) -> Judged {
+pub(crate) fn verify_row(row: &Row) -> Judged {
     let start = Instant::now();
     let margin = row.run();
     let share = margin.share();

@@ -163,7 +163,7 @@ impl SelfTest {
 
     /// True if every mistake is caught, every promise kept and every correct image accepted by the
     /// cases with trustworthy goldens.
-    pub fn judges_right(&self) -> bool {
+    pub(crate) fn judges_right(&self) -> bool {
         self.uncaught.is_empty()
             && self.broken_promises.is_empty()
             && self.benign.iter().all(|benign| benign.rejected.is_empty())
@@ -223,7 +223,7 @@ pub fn self_test(
 }
 
 /// Runs the self-test on `cases`: outcomes of every mistake and of correct images in each.
-pub fn case_trials(
+pub(crate) fn case_trials(
     cases: &[&Case],
     store: &Store,
     extent: SelfTestExtent,

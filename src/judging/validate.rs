@@ -28,7 +28,7 @@ pub fn validate(case: &Case, store: &Store, output: Output, profile: Option<&Pro
 
 /// [`validate`] at look `look`, from 1, where there may be several at one case: together they raise no more false
 /// alarms than one.
-pub fn validate_at(
+pub(crate) fn validate_at(
     look: Option<u32>,
     case: &Case,
     store: &Store,
@@ -76,7 +76,7 @@ pub fn validate_at(
 
 /// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
 /// otherwise: `output` is the image as it came.
-pub fn add_right_declaration(
+pub(crate) fn add_right_declaration(
     judged: &mut Judged,
     (output, alpha): (Output, Alpha),
     case: &Case,

@@ -108,7 +108,7 @@ fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseFinding) {
 
 /// A result for each golden that belongs to no case: a case that disappears must not go
 /// unnoticed.
-pub fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
+pub(crate) fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
     let names = suite.golden_names()?;
     let unknown = names.into_iter().filter(|name| !suite.has_manifest(name));
     let reason =

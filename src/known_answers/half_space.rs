@@ -40,7 +40,7 @@ const FADED: f64 = 1e-10;
 
 /// Chandrasekhar's H of isotropic scattering with the albedo of each channel, in [0, 1], at the cosine
 /// `mu`, in [0, 1]; with a bound on its error.
-pub fn h_function(albedo: DVec3, mu: f64) -> Integral {
+pub(crate) fn h_function(albedo: DVec3, mu: f64) -> Integral {
     let integrand = |phi: f64| {
         // φ cot φ, which is 1 − φ²/3 near 0: the difference from 1 has to keep its digits.
         let (sine, cosine) = (math::sin(phi), math::cos(phi));

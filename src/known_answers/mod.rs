@@ -28,6 +28,5 @@ mod slab;
 
 pub use catalogue::{CATALOGUE, NAMES};
 pub use formula::Formula;
-pub use half_space::h_function;
+pub(crate) use half_space::h_function;
 pub use image::{Footprint, KnownImage};
-pub use slab::Slab;

@@ -71,7 +71,7 @@ fn error(tau: f64) -> f64 {
 
 /// Reflection and transmission of a layer that scatters isotropically.
 #[derive(Clone, Debug)]
-pub struct Slab {
+pub(crate) struct Slab {
     tau: f64,
     /// Optical depths, and S there times the weight of the depth in an integral.
     sources: Vec<(f64, f64)>,

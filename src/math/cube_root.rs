@@ -7,7 +7,7 @@
 ///
 /// Halley's iteration `r ← r (r³ + 2x)/(2r³ + x)` cubes the relative error, times 2/3. It starts
 /// within 5 %: 0.05 → 8e-5 → 4e-13 → rounding.
-pub fn quick_cbrt(x: f64) -> f64 {
+pub(crate) fn quick_cbrt(x: f64) -> f64 {
     // A third of a float's bits, exponent and mantissa together, is about a third of its
     // logarithm. The constant restores two thirds of the exponent's bias and centres the error.
     const RESTORED_BIAS: u64 = ((1023.0 * 2.0 / 3.0 - 0.0331) * (1_u64 << 52) as f64) as u64;

@@ -15,13 +15,13 @@ mod several;
 mod srgb;
 mod sum;
 
-pub use cube_root::quick_cbrt;
+pub(crate) use cube_root::quick_cbrt;
 pub use direction::Direction;
 pub use elementary::*;
 pub use frame::Frame;
 pub use moments::Moments;
 pub use polynomial::{polynomial, sign_changes};
-pub use power_of_two::power_of_two_below;
-pub use several::{exp_m1_of_several, ln_1p_of_several};
+pub(crate) use power_of_two::power_of_two_below;
+pub(crate) use several::{exp_m1_of_several, ln_1p_of_several};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use sum::Sum;

@@ -33,7 +33,7 @@ impl Moments {
     }
 
     /// Variance of the samples themselves, `Σ(x − mean)²/n`; 0 of no samples.
-    pub fn population_variance(&self) -> f64 {
+    pub(crate) fn population_variance(&self) -> f64 {
         self.squared_deviations / self.count.max(1) as f64
     }
 

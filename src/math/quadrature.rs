@@ -123,11 +123,11 @@ const GAUSS: [f64; 4] = [
 ];
 
 /// Gauss's seven points on [−1, 1].
-pub const GAUSS_POINTS: [f64; 7] = [
+pub(crate) const GAUSS_POINTS: [f64; 7] = [
     -NODES[1], -NODES[3], -NODES[5], 0.0, NODES[5], NODES[3], NODES[1],
 ];
 /// Weights of [`GAUSS_POINTS`].
-pub const GAUSS_WEIGHTS: [f64; 7] = [
+pub(crate) const GAUSS_WEIGHTS: [f64; 7] = [
     GAUSS[0], GAUSS[1], GAUSS[2], GAUSS[3], GAUSS[2], GAUSS[1], GAUSS[0],
 ];
 
@@ -177,7 +177,7 @@ pub fn cubic_integral(mut function: impl FnMut(f64) -> f64, from: f64, to: f64) 
 /// Roots of the Legendre polynomial, each by Newton's method from `cos(π (i + 3/4)/(count + 1/2))`.
 ///
 /// Source: Davis & Rabinowitz 1984, *Methods of Numerical Integration*, §2.7.
-pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     let root = |i: usize| {
         let mut x = -math::cos(PI * (i as f64 + 0.75) / (n + 0.5));

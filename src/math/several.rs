@@ -23,7 +23,7 @@ const fn from_high(bits: u64) -> f64 {
 
 /// `ln(1 + x)` of numbers in [−1, 0].
 #[inline(always)]
-pub fn ln_1p_of_several<const N: usize>(x: [f64; N]) -> [f64; N] {
+pub(crate) fn ln_1p_of_several<const N: usize>(x: [f64; N]) -> [f64; N] {
     if x.iter().all(|&x| is_near_one(x)) {
         each(x, |x| polynomial_ln_1p(x, x, 0.0, 0.0))
     } else {
@@ -33,7 +33,7 @@ pub fn ln_1p_of_several<const N: usize>(x: [f64; N]) -> [f64; N] {
 
 /// `e^x − 1` of numbers `≤ 0`.
 #[inline(always)]
-pub fn exp_m1_of_several<const N: usize>(x: [f64; N]) -> [f64; N] {
+pub(crate) fn exp_m1_of_several<const N: usize>(x: [f64; N]) -> [f64; N] {
     if x.iter().all(|&x| is_near_zero(x)) {
         each(x, |x| {
             let [e, square] = polynomial_exp_m1(x);

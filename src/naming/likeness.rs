@@ -33,8 +33,9 @@ mod volume_in_view;
 use crate::compare::{NumberChange, SHARED_POSITIONS};
 pub use clock::{Search, SearchStep, Stage};
 pub(super) use clock::{WORK_PER_SECOND, latest_end};
-pub use fit::is_number_found;
-pub use kept::{CACHE_VARIABLE, Predictions, cache_of_the_user};
+pub(crate) use fit::is_number_found;
+pub use kept::Predictions;
+pub(crate) use kept::{CACHE_VARIABLE, cache_of_the_user};
 pub(crate) use prediction::{lattice_of, pixels_at, pixels_of};
 
 use crate::conventions::Profile;
@@ -48,7 +49,7 @@ use fit::Fitted;
 use opacity::OfOpacity;
 
 /// Sentence for a difference in which nothing stands out.
-pub const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
+pub(crate) const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
     and it is in no channel, box or part that is looked for";
 
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.
@@ -89,7 +90,7 @@ pub struct Likenesses {
 
 impl Likenesses {
     /// Words on `case`, or on all, that nothing known explains.
-    pub fn nothing_known(&self, case: Option<&str>) -> &'static str {
+    pub(crate) fn nothing_known(&self, case: Option<&str>) -> &'static str {
         let mut open = self.with_open_conventions.iter();
         let is_asked = |(name, _): &&(String, Vec<String>)| case.is_none_or(|case| case == name);
         let mut asked = self.unexplained.iter().filter(is_asked).peekable();

@@ -6,8 +6,6 @@ pub(crate) mod rate;
 mod shipped_profile;
 
 pub use convention_search::{Agreement, ConventionSearch, Explained, Unfinished};
-pub use likeness::{
-    CACHE_VARIABLE, Likenesses, NOTHING_STANDS_OUT, Predictions, Search, SearchStep, Stage,
-    cache_of_the_user, is_number_found, likeness,
-};
+pub(crate) use likeness::{CACHE_VARIABLE, NOTHING_STANDS_OUT, cache_of_the_user, is_number_found};
+pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, likeness};
 pub use rate::{Naming, naming};

@@ -21,7 +21,7 @@ pub struct Naming {
 impl Naming {
     /// Number of names, from 1, after which all mistakes made are named. Two mistakes that meet in
     /// no case are named one by one; a name with any other mistake does not count.
-    pub fn rank(&self) -> Option<usize> {
+    pub(crate) fn rank(&self) -> Option<usize> {
         let mut missing = self.made.clone();
         for (index, named) in self.named.iter().enumerate() {
             let parts: Vec<&str> = named.mistake.split(" + ").collect();

@@ -66,7 +66,7 @@ impl Coefficients {
 ///
 /// The shares are the throughput of a path. With equal shares in every flight its weights would
 /// multiply to 3^n, with a probability of 3^(−n), in the sampled channel.
-pub fn sampled_channel(shares: DVec3, u: f64) -> usize {
+pub(crate) fn sampled_channel(shares: DVec3, u: f64) -> usize {
     let share = u * (shares.x + shares.y + shares.z);
     if share < shares.x {
         0
@@ -77,7 +77,7 @@ pub fn sampled_channel(shares: DVec3, u: f64) -> usize {
     }
 }
 
-/// Weight, by channel, of a collision whose distance was sampled by [`sampled_channel`]: with
+/// Weight, by channel, of a collision whose distance was sampled by `sampled_channel`: with
 /// `p` the shares normalized to a sum of 1, `σ_c T_c / Σ_k p_k σ_k T_k`, between 0 and `1/p_c`; 0
 /// without a share. The albedo is not included.
 ///

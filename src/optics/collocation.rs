@@ -26,7 +26,7 @@ pub struct LocalProperties {
 
 impl LocalProperties {
     /// Properties where an opaque sample would have the radiance `source`.
-    pub fn with_source(extinction: f64, source: DVec3) -> LocalProperties {
+    pub(crate) fn with_source(extinction: f64, source: DVec3) -> LocalProperties {
         if extinction <= DENSEST {
             LocalProperties {
                 extinction,
@@ -41,7 +41,7 @@ impl LocalProperties {
     }
 
     /// Radiance of a segment of this `length`, with its own attenuation.
-    pub fn seen_over(&self, length: f64) -> DVec3 {
+    pub(crate) fn seen_over(&self, length: f64) -> DVec3 {
         if self.extinction.is_finite() || length == 0.0 {
             self.emission * (length * source_factor(self.extinction * length))
         } else {

@@ -130,7 +130,7 @@ impl Density {
     }
 
     /// Bytes that the bounds take, once they are made.
-    pub fn bytes_for_blocks(&self) -> usize {
+    pub(crate) fn bytes_for_blocks(&self) -> usize {
         let (counts, _) = self.division();
         counts.iter().product::<usize>() * size_of::<DensityRange>()
     }
@@ -157,7 +157,7 @@ impl Density {
     }
 
     /// A single number in place of the density: above 0 if any density is.
-    pub fn typical(&self) -> f64 {
+    pub(crate) fn typical(&self) -> f64 {
         self.blocks().typical()
     }
 
@@ -174,7 +174,7 @@ impl Density {
     }
 
     /// The same without a look at the blocks, which need not have been made.
-    pub fn looked_up_at(&self, point: DVec3, lookups: &mut u64) -> f64 {
+    pub(crate) fn looked_up_at(&self, point: DVec3, lookups: &mut u64) -> f64 {
         let Some(point) = self.inside(point) else {
             return 0.0;
         };
@@ -267,7 +267,7 @@ impl Density {
 
     /// Appends the points on `line`, over `span`, between which a rule of few points sees all of
     /// the density: at its kinks, and where it falls almost to 0.
-    pub fn append_kinks(&self, line: &DensityLine, span: Span, kinks: &mut Vec<f64>) {
+    pub(crate) fn append_kinks(&self, line: &DensityLine, span: Span, kinks: &mut Vec<f64>) {
         match &self.field {
             Field::Grid(grid) => {
                 let pieces = grid.smooth_segments(line.origin, line.direction, span);

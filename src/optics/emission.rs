@@ -11,12 +11,12 @@ pub fn constant_emission(j: f64, sigma_t: f64, length: f64) -> f64 {
 
 /// Radiance of the emission `j ≥ 0` per length over a [visible length](visible_length); nothing of
 /// no emission, however far it is seen.
-pub fn emission_over(j: f64, visible: f64) -> f64 {
+pub(crate) fn emission_over(j: f64, visible: f64) -> f64 {
     if j == 0.0 { 0.0 } else { j * visible }
 }
 
 /// `∫₀^L e^(−σt) dt`.
-pub fn visible_length(sigma_t: f64, length: f64) -> f64 {
+pub(crate) fn visible_length(sigma_t: f64, length: f64) -> f64 {
     if length.is_infinite() {
         return 1.0 / sigma_t;
     }

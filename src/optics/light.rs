@@ -37,7 +37,7 @@ impl Light {
 
     /// Intensity towards `point` by channel, per steradian; irradiance for a light infinitely far
     /// away.
-    pub fn strength_towards(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn strength_towards(&self, point: DVec3) -> DVec3 {
         match self {
             Light::Point(light) => light.intensity,
             Light::Spot(light) => {
@@ -141,13 +141,13 @@ impl Spot {
     }
 
     /// Cosine of the outer angle.
-    pub fn cos_outer(&self) -> f64 {
+    pub(crate) fn cos_outer(&self) -> f64 {
         self.cos_outer
     }
 
     /// Intensity in `direction` relative to that on the axis: 1 within the inner cone, 0 from its
     /// outer edge on.
-    pub fn falloff(&self, direction: Direction) -> f64 {
+    pub(crate) fn falloff(&self, direction: Direction) -> f64 {
         let cosine = direction.cosine_to(self.axis);
         // The edge itself is dark, also where both angles are one: no 0/0 there.
         if cosine <= self.cos_outer {

@@ -19,7 +19,7 @@ pub fn over_length(opacity: f64, ratio: f64) -> f64 {
 
 /// [`over_length`] of several opacities, each over its own ratio: the same bits, in less time.
 #[inline(always)]
-pub fn over_lengths<const N: usize>(opacities: [f64; N], ratios: [f64; N]) -> [f64; N] {
+pub(crate) fn over_lengths<const N: usize>(opacities: [f64; N], ratios: [f64; N]) -> [f64; N] {
     let mut depths = math::ln_1p_of_several(opacities.map(|opacity| -opacity));
     for (depth, ratio) in depths.iter_mut().zip(ratios) {
         *depth *= ratio;
@@ -50,7 +50,7 @@ impl TransferOpacity {
     }
 
     /// The density from which on all is opaque, `√(−ln f)`; `None` for `f = 0`, where none is.
-    pub fn opaque_from(&self) -> Option<f64> {
+    pub(crate) fn opaque_from(&self) -> Option<f64> {
         (self.floor > 0.0).then(|| (-math::ln(self.floor)).sqrt())
     }
 

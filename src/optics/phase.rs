@@ -49,7 +49,7 @@ impl Phase {
     }
 
     /// Scatters into every direction alike, to the bit.
-    pub fn is_isotropic(&self) -> bool {
+    pub(crate) fn is_isotropic(&self) -> bool {
         match self {
             Phase::HenyeyGreenstein(phase) => phase.0.g() == 0.0,
             Phase::Draine(phase) => phase.alpha() == 0.0 && phase.asymmetry().g() == 0.0,

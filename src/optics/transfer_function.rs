@@ -53,7 +53,7 @@ impl TransferFunction {
     }
 
     /// Extinction of an `opacity` over the reference length, per world unit.
-    pub fn extinction_of(&self, opacity: f64) -> f64 {
+    pub(crate) fn extinction_of(&self, opacity: f64) -> f64 {
         // Not −0 where it is transparent.
         (-ln_1p(-opacity)).abs() / self.reference_length
     }
@@ -79,7 +79,10 @@ impl TransferFunction {
 
     /// [`TransferFunction::look`] at several values: the same bits, in less time.
     #[inline(always)]
-    pub fn look_at_several<const N: usize>(&self, values: [f64; N]) -> ([f64; N], [DVec3; N]) {
+    pub(crate) fn look_at_several<const N: usize>(
+        &self,
+        values: [f64; N],
+    ) -> ([f64; N], [DVec3; N]) {
         match &self.appearance {
             Appearance::Formula { opacity, colormap } => (
                 values.map(|value| opacity.at(value)),
@@ -126,7 +129,7 @@ impl TransferFunction {
 
     /// Whether opacity is exactly 0 wherever the field lies between nodes with values from
     /// `least` to `most`, both finite and, for the formula, not negative.
-    pub fn is_transparent_between(&self, least: f64, most: f64) -> bool {
+    pub(crate) fn is_transparent_between(&self, least: f64, most: f64) -> bool {
         match &self.appearance {
             // Opacity rises with density, so the largest decides; it is 0 for density 0 only.
             Appearance::Formula { opacity, .. } => opacity.at(most) == 0.0,
@@ -139,7 +142,7 @@ impl TransferFunction {
 
     /// Whether any value from `least` to `most` has opacity 0: if not, no place in the volume is
     /// transparent.
-    pub fn may_be_transparent_between(&self, least: f64, most: f64) -> bool {
+    pub(crate) fn may_be_transparent_between(&self, least: f64, most: f64) -> bool {
         match &self.appearance {
             Appearance::Formula { opacity, .. } => opacity.at(least) == 0.0,
             Appearance::Points(points) => points.may_be_transparent_between(least, most),

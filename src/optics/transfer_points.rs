@@ -159,7 +159,10 @@ impl TransferPoints {
 
     /// [`TransferPoints::look`] at several values: the same bits, in less time.
     #[inline(always)]
-    pub fn look_at_several<const N: usize>(&self, values: [f64; N]) -> ([f64; N], [DVec3; N]) {
+    pub(crate) fn look_at_several<const N: usize>(
+        &self,
+        values: [f64; N],
+    ) -> ([f64; N], [DVec3; N]) {
         // Loops over arrays: a closure for each value would be a call.
         let mut lines = [&self.lines[0]; N];
         let (mut parts, mut opacities) = ([0.0; N], [0.0; N]);
@@ -183,7 +186,7 @@ impl TransferPoints {
 
     /// Whether every value from `least` to `most` has an opacity of exactly 0, rounding aside:
     /// both ends of every line that the interval touches have it.
-    pub fn is_transparent_between(&self, least: f64, most: f64) -> bool {
+    pub(crate) fn is_transparent_between(&self, least: f64, most: f64) -> bool {
         let first = self.points_up_to(least).saturating_sub(1);
         let last = match self.points_up_to(most) {
             after if after > 0 && self.points[after - 1].value == most => after - 1,
@@ -195,7 +198,7 @@ impl TransferPoints {
 
     /// Whether any value from `least` to `most` has opacity 0. Lines that do not fall below 0
     /// touch it at their ends, if at all.
-    pub fn may_be_transparent_between(&self, least: f64, most: f64) -> bool {
+    pub(crate) fn may_be_transparent_between(&self, least: f64, most: f64) -> bool {
         let inside = |point: &&TransferPoint| point.value >= least && point.value <= most;
         let mut inside = self.points.iter().filter(inside);
         self.opacity(least) == 0.0

@@ -54,7 +54,7 @@ pub fn render_counted(
 }
 
 /// [`render`] of a part of the image: the same bits as there.
-pub fn render_part(
+pub(crate) fn render_part(
     plans: &[Plan<'_>],
     sampling: Sampling,
     detail: Detail,
@@ -78,7 +78,7 @@ pub fn render_part(
 ///
 /// Those of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` returns
 /// true; it is called before every row, from any thread.
-pub fn render_coarse(
+pub(crate) fn render_coarse(
     plans: &[Plan<'_>],
     sampling: Sampling,
     detail: Detail,
@@ -94,7 +94,7 @@ pub fn render_coarse(
 }
 
 /// The work of a coarse image, by panel.
-pub fn render_coarse_counted(
+pub(crate) fn render_coarse_counted(
     plans: &[Plan<'_>],
     sampling: Sampling,
     detail: Detail,

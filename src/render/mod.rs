@@ -43,13 +43,13 @@ pub use classified::depth::{depth, first_opacity};
 pub use counters::{Counters, Event};
 pub use error::RenderError;
 pub use footprint::{Footprint, footprint};
-pub use image::{
-    Rendering, render, render_coarse, render_coarse_counted, render_counted, render_part,
-};
+pub use image::{Rendering, render, render_counted};
+pub(crate) use image::{render_coarse, render_coarse_counted, render_part};
 pub use pixels::Detail;
 pub use plan::{Effect, Plan, State, plans};
 pub use predicted_work::{Amount, Bound, Memory, PredictedWork};
-pub use progress::{Forecast, Progress, Watch};
+pub(crate) use progress::Progress;
+pub use progress::{Forecast, Watch};
 
 /// Number of kernels in a family, as listed in the table above.
 #[cfg(test)]

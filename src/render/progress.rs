@@ -27,7 +27,7 @@ impl<F: Fn() + Sync> Watch for F {
 }
 
 /// The observer of a rendering.
-pub type Progress<'p> = &'p dyn Watch;
+pub(crate) type Progress<'p> = &'p dyn Watch;
 
 /// Forecast of the time of a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]

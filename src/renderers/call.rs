@@ -17,7 +17,7 @@ const NUMBERS: [&str; 7] = ["width", "height", "spp", "seed", "step", "rate", "e
 
 /// Samples and seed of a call.
 #[derive(Clone, Copy, Debug)]
-pub struct CallSettings {
+pub(crate) struct CallSettings {
     /// Samples per pixel.
     pub spp: u32,
     /// Seed of its random numbers.

@@ -10,7 +10,7 @@ use thiserror::Error;
 
 /// A command with placeholders such as `{output}`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CommandTemplate {
+pub(crate) struct CommandTemplate {
     words: Vec<Vec<Part>>,
 }
 
@@ -25,7 +25,7 @@ enum Part {
 
 /// Error in a command.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum TemplateError {
+pub(crate) enum TemplateError {
     /// Unclosed quotes.
     #[error("unclosed quote in: {0}")]
     Quotes(String),

@@ -17,7 +17,7 @@ use std::time::Duration;
 /// The command line of a keeper, before the words of the renderer's command. The program must call
 /// [`keep`] and print the result as JSON.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Keeper {
+pub(crate) struct Keeper {
     /// The program.
     pub program: PathBuf,
     /// Its arguments before the command.

@@ -11,11 +11,13 @@ mod printed;
 pub(crate) mod process;
 pub(crate) mod staying;
 
-pub use call::CallSettings;
-pub use command_template::{CommandTemplate, hashes_of_files};
+pub(crate) use call::CallSettings;
+pub(crate) use command_template::CommandTemplate;
+pub use command_template::hashes_of_files;
 pub use image_source::ImageSource;
 pub use jobs::in_order;
-pub use keeper::{Keeper, Kept, keep};
-pub use other_renderer::{OtherRenderer, Rendered, RendererOptions};
+pub(crate) use keeper::Keeper;
+pub use keeper::{Kept, keep};
+pub(crate) use other_renderer::{OtherRenderer, Rendered, RendererOptions};
 pub use process::stop_all;
-pub use staying::StayingRenderers;
+pub(crate) use staying::StayingRenderers;

@@ -18,7 +18,7 @@ use tempfile::TempDir;
 
 /// Options of another renderer.
 #[derive(Debug)]
-pub struct RendererOptions {
+pub(crate) struct RendererOptions {
     /// Its command.
     pub template: CommandTemplate,
     /// It stays, and is asked for one image after the other; else it is called for each.
@@ -37,7 +37,7 @@ pub struct RendererOptions {
 
 /// Another renderer.
 #[derive(Debug)]
-pub struct OtherRenderer {
+pub(crate) struct OtherRenderer {
     /// Its options.
     pub options: RendererOptions,
     /// Its programs, if it stays.
@@ -50,7 +50,7 @@ pub struct OtherRenderer {
 
 /// Output for a case, and its origin.
 #[derive(Debug)]
-pub struct Rendered {
+pub(crate) struct Rendered {
     /// The image, or the reason why there is none.
     pub output: Output,
     /// Output of the renderer, if one was run.

@@ -28,7 +28,7 @@ const MOST_WAITING: usize = 16;
 
 /// Renderers of one command that stay, as many as are asked at a time.
 #[derive(Clone, Debug)]
-pub struct StayingRenderers {
+pub(crate) struct StayingRenderers {
     words: Vec<String>,
     timeout: Duration,
     keeper: Option<Keeper>,

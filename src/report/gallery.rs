@@ -22,7 +22,7 @@ const INTERVAL: f64 = 1.96;
 
 /// A renderer and its results.
 #[derive(Clone, Debug, Default)]
-pub struct GalleryRenderer {
+pub(crate) struct GalleryRenderer {
     /// Name.
     pub name: String,
     /// Version.
@@ -40,10 +40,10 @@ pub struct GalleryRenderer {
 }
 
 /// Row of a case.
-pub struct GalleryRow(Value);
+pub(crate) struct GalleryRow(Value);
 
 /// Golden of a case, and its name.
-pub struct GalleryCase<'c> {
+pub(crate) struct GalleryCase<'c> {
     /// `family/name`.
     pub name: &'c str,
     /// Exposure of the images, in stops.
@@ -53,7 +53,7 @@ pub struct GalleryCase<'c> {
 }
 
 /// Result of one renderer for a case.
-pub struct GalleryCell<'c> {
+pub(crate) struct GalleryCell<'c> {
     /// The result.
     pub result: &'c CaseResult,
     /// The image, if it is readable.
@@ -63,7 +63,7 @@ pub struct GalleryCell<'c> {
 }
 
 /// The row of a case: a cell for each renderer, in their order.
-pub fn gallery_row(case: &GalleryCase<'_>, cells: &[Option<GalleryCell<'_>>]) -> GalleryRow {
+pub(crate) fn gallery_row(case: &GalleryCase<'_>, cells: &[Option<GalleryCell<'_>>]) -> GalleryRow {
     let golden = case.golden.as_ref().ok();
     let codes = golden.and_then(|film| shown(&Picture::Radiance(film.clone()), case.exposure));
     let shown: Vec<Option<SrgbImage>> = cells
@@ -112,7 +112,7 @@ pub fn gallery_row(case: &GalleryCase<'_>, cells: &[Option<GalleryCell<'_>>]) ->
 }
 
 /// The page as a complete HTML file. It loads nothing else and works from `file://`.
-pub fn gallery_html(renderers: &[GalleryRenderer], rows: &[GalleryRow]) -> String {
+pub(crate) fn gallery_html(renderers: &[GalleryRenderer], rows: &[GalleryRow]) -> String {
     let renderer = |of: &GalleryRenderer| {
         let counts = Summary::of(&of.results).in_words();
         let counts = counts.into_iter().filter(|(count, _)| *count > 0);

@@ -4,7 +4,7 @@ use crate::judging::{CaseResult, Likeness, Summary};
 use serde_json::{Value, json};
 
 /// The results of the command `kind` (`verify`, `validate`, `compare`) as JSON.
-pub fn results_json(kind: &str, results: &[CaseResult]) -> Value {
+pub(crate) fn results_json(kind: &str, results: &[CaseResult]) -> Value {
     json!({
         "schema": format!("volref/{kind}/1"),
         "cases": results,
@@ -13,7 +13,7 @@ pub fn results_json(kind: &str, results: &[CaseResult]) -> Value {
 }
 
 /// [`results_json`] of `validate`, with the likely mistakes over all cases.
-pub fn validation_json(results: &[CaseResult], likely: &[Likeness]) -> Value {
+pub(crate) fn validation_json(results: &[CaseResult], likely: &[Likeness]) -> Value {
     let mut value = results_json("validate", results);
     value["looks_like"] = json!(likely);
     value

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// JUnit XML of the results, one test suite for each family.
-pub fn results_junit(results: &[CaseResult]) -> String {
+pub(crate) fn results_junit(results: &[CaseResult]) -> String {
     let mut families: BTreeMap<&str, Vec<&CaseResult>> = BTreeMap::new();
     for result in results {
         families.entry(&result.family).or_default().push(result);

@@ -11,15 +11,13 @@ mod terminal;
 mod visible;
 
 pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
-pub use gallery::{
-    GalleryCase, GalleryCell, GalleryRenderer, GalleryRow, gallery_html, gallery_row,
-};
+pub(crate) use gallery::{GalleryCase, GalleryCell, GalleryRenderer, GalleryRow};
+pub(crate) use gallery::{gallery_html, gallery_row};
 pub use html::{Page, results_html};
-pub use json::{results_json, validation_json};
-pub use junit::results_junit;
-pub use self_test::{naming_text, self_test_json, self_test_text};
-pub use terminal::{
-    families_text, likely_text, results_text, summary_text, verdict_text, widest,
-    without_image_text,
-};
-pub use visible::{visible, visible_char, visible_json, xml_text};
+pub(crate) use json::{results_json, validation_json};
+pub(crate) use junit::results_junit;
+pub(crate) use self_test::{naming_text, self_test_json, self_test_text};
+pub(crate) use terminal::{families_text, results_text, summary_text, without_image_text};
+pub use terminal::{likely_text, verdict_text, widest};
+pub use visible::visible;
+pub(crate) use visible::{visible_char, visible_json, xml_text};

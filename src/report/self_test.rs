@@ -7,7 +7,7 @@ use crate::variations::mistakes;
 use serde_json::{Value, json};
 
 /// The matrix of mistakes and cases, the results for correct images, and a verdict.
-pub fn self_test_text(test: &SelfTest) -> String {
+pub(crate) fn self_test_text(test: &SelfTest) -> String {
     let mut text = String::from("cases\n");
     for (index, case) in test.cases.iter().enumerate() {
         text.push_str(&format!("  {:>2}  {case}\n", index + 1));
@@ -82,7 +82,7 @@ fn mark(trial: Trial) -> char {
 }
 
 /// The self-test as JSON.
-pub fn self_test_json(test: &SelfTest) -> Value {
+pub(crate) fn self_test_json(test: &SelfTest) -> Value {
     let cases_where = |row: &MistakeTrials, wanted: Trial| -> Vec<&str> {
         let cases = test.cases.iter().zip(&row.trials);
         cases
@@ -122,7 +122,7 @@ pub fn self_test_json(test: &SelfTest) -> Value {
 }
 
 /// Share of the mistakes that were named, and the names given instead.
-pub fn naming_text(namings: &[Naming]) -> String {
+pub(crate) fn naming_text(namings: &[Naming]) -> String {
     let mut text = String::new();
     for (what, size, within) in [("mistakes", 1, 1), ("pairs of mistakes", 2, 3)] {
         let seen: Vec<&Naming> = namings

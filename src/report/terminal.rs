@@ -13,7 +13,7 @@ pub fn widest(names: impl IntoIterator<Item: AsRef<str>>) -> usize {
 }
 
 /// A line for each family with cases that passed, every other case with its reason, and a summary.
-pub fn families_text(results: &[CaseResult]) -> String {
+pub(crate) fn families_text(results: &[CaseResult]) -> String {
     let mut families: BTreeMap<&str, (Vec<&CaseResult>, usize)> = BTreeMap::new();
     let mut others = Vec::new();
     for result in results {
@@ -62,7 +62,7 @@ fn family_row((family, (passed, all)): (&str, (Vec<&CaseResult>, usize))) -> [St
 const UNSEEN: f64 = 0.02;
 
 /// A line for each case, the reason below each that did not pass, and a summary.
-pub fn results_text(results: &[CaseResult]) -> String {
+pub(crate) fn results_text(results: &[CaseResult]) -> String {
     verdicts_text(&results.iter().collect::<Vec<_>>()) + &summary_text(results)
 }
 
@@ -122,7 +122,7 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
 const MOST_MISSING: usize = 3;
 
 /// Number of cases without an image, for a list that leaves them out.
-pub fn without_image_text(names: &[&str]) -> String {
+pub(crate) fn without_image_text(names: &[&str]) -> String {
     match names {
         [] => String::new(),
         [name] => format!("1 case without an image: {name}\n"),
@@ -141,7 +141,7 @@ pub fn without_image_text(names: &[&str]) -> String {
 }
 
 /// Number of cases by verdict.
-pub fn summary_text(results: &[CaseResult]) -> String {
+pub(crate) fn summary_text(results: &[CaseResult]) -> String {
     let mut text = String::new();
     if results
         .iter()

@@ -10,7 +10,7 @@ pub fn visible(text: &str) -> String {
 }
 
 /// The symbol that [`visible`] writes for a character.
-pub fn visible_char(letter: char) -> char {
+pub(crate) fn visible_char(letter: char) -> char {
     let code = u32::from(letter);
     match letter {
         '\n' | '\t' => letter,
@@ -28,7 +28,7 @@ pub fn visible_char(letter: char) -> char {
 }
 
 /// [`visible`] text as XML 1.0 holds it, within an element or an attribute.
-pub fn xml_text(text: &str) -> String {
+pub(crate) fn xml_text(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -45,7 +45,7 @@ pub fn xml_text(text: &str) -> String {
 
 /// JSON `text` with the characters that [`visible`] replaces as escapes: the same data. JSON has
 /// them within strings alone; those below U+0020 it escapes anyway.
-pub fn visible_json(text: &str) -> String {
+pub(crate) fn visible_json(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         match visible_char(letter) {

@@ -152,7 +152,7 @@ pub trait AcceptWatch: Sync {
 }
 
 /// Turns the steps of a rendering into work.
-pub struct StepsOfWork<'w> {
+pub(crate) struct StepsOfWork<'w> {
     watch: &'w dyn AcceptWatch,
     work: u64,
     steps: AtomicU64,

@@ -268,7 +268,7 @@ impl ResultFolder {
     /// # Errors
     ///
     /// If it cannot be written.
-    pub fn keep_trials(&self, run: &str, found: &CaseTrials) -> Result<(), KeepError> {
+    pub(crate) fn keep_trials(&self, run: &str, found: &CaseTrials) -> Result<(), KeepError> {
         self.write_packed(run, &found.case, TRIALS, found)
     }
 

@@ -4,8 +4,8 @@ pub(crate) mod accept;
 pub(crate) mod kept_results;
 pub(crate) mod units;
 
-pub use accept::{
-    AcceptError, AcceptWatch, Accepted, Change, Request as AcceptRequest, StepsOfWork, accept,
-};
+pub(crate) use accept::StepsOfWork;
+pub use accept::{AcceptError, AcceptWatch, Accepted, Change, Request as AcceptRequest, accept};
 pub use kept_results::{KeptResult, RESULTS, ResultFolder, Run};
-pub use units::{AddError, Added, CaseUnits, Unit, UnitError, UnitFile, UnitFolder};
+pub use units::{AddError, Added, Unit, UnitFile, UnitFolder};
+pub(crate) use units::{CaseUnits, UnitError};

@@ -57,12 +57,12 @@ impl Unit {
     }
 
     /// The beginning of the identifier, for people.
-    pub fn short_id(&self) -> String {
+    pub(crate) fn short_id(&self) -> String {
         short(&self.id)
     }
 
     /// The first row and the last, for people.
-    pub fn rows_in_words(&self) -> String {
+    pub(crate) fn rows_in_words(&self) -> String {
         format!(
             "rows {:>4} to {:>4}",
             self.rows[0],
@@ -126,7 +126,7 @@ impl Unit {
 /// A case whose units cannot be computed.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{case}: {reason}")]
-pub struct UnitError {
+pub(crate) struct UnitError {
     /// `family/name`.
     pub case: String,
     /// The error.
@@ -143,7 +143,7 @@ impl UnitError {
 }
 
 /// A case, loaded, and the renderings of its golden.
-pub struct CaseUnits<'c> {
+pub(crate) struct CaseUnits<'c> {
     /// The case.
     pub case: &'c Case,
     pub(crate) scene: Scene,
@@ -251,7 +251,7 @@ impl<'c> CaseUnits<'c> {
     /// # Errors
     ///
     /// The difference: the end of a sentence.
-    pub fn matching(&self, other: &Unit) -> Result<&Unit, String> {
+    pub(crate) fn matching(&self, other: &Unit) -> Result<&Unit, String> {
         if let Some(unit) = self.units().find(|unit| *unit == other) {
             return Ok(unit);
         }
@@ -349,7 +349,7 @@ impl UnitFolder {
     }
 
     /// True if the rows of `unit` are kept, and undamaged.
-    pub fn is_intact(&self, unit: &Unit) -> bool {
+    pub(crate) fn is_intact(&self, unit: &Unit) -> bool {
         matches!(self.get(unit), Ok(Some(_)))
     }
 

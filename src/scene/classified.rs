@@ -325,7 +325,7 @@ impl Classified {
     }
 
     /// True if projections and isosurfaces are exact, not sampled. Mistakes in them are made by samples.
-    pub fn is_exact(&self) -> bool {
+    pub(crate) fn is_exact(&self) -> bool {
         self.continuous && !self.mode.has_fault()
     }
 
@@ -380,7 +380,7 @@ impl Classified {
     }
 
     /// Fails if rays would have too many samples, or none that can be told apart.
-    pub fn check_samples(&self) -> Result<(), String> {
+    pub(crate) fn check_samples(&self) -> Result<(), String> {
         for alone in self.each_alone().filter(|alone| !alone.continuous) {
             checked_step(Length::World(alone.step), [1.0, alone.diagonal()])?;
         }

@@ -623,7 +623,7 @@ conventions! {
 
 impl Conventions {
     /// Conventions that a mode follows; the others as volref has them.
-    pub fn of_mode(&self, mode: &Mode) -> Conventions {
+    pub(crate) fn of_mode(&self, mode: &Mode) -> Conventions {
         let own = Conventions::default();
         let places = Conventions {
             first_sample: self.first_sample,
@@ -684,17 +684,17 @@ impl Conventions {
     }
 
     /// Each ray has a random number.
-    pub fn is_random(&self) -> bool {
+    pub(crate) fn is_random(&self) -> bool {
         self.has_random_place() || self.first_step_jitter
     }
 
     /// The place of the samples of each ray is random.
-    pub fn has_random_place(&self) -> bool {
+    pub(crate) fn has_random_place(&self) -> bool {
         self.jitter || self.unstated_first_sample
     }
 
     /// Each ray has a random number of its own, so that all together are right on average.
-    pub fn is_jittered(&self) -> bool {
+    pub(crate) fn is_jittered(&self) -> bool {
         self.jitter || self.first_step_jitter
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 /// Contents of a file of volref's, or the mistake in it.
-pub type SceneResult<T> = Result<T, Box<SceneError>>;
+pub(crate) type SceneResult<T> = Result<T, Box<SceneError>>;
 
 /// An error in a TOML file of volref, with its position.
 ///

@@ -12,7 +12,7 @@ const BEGINNING: usize = 400;
 const END: usize = 300;
 
 /// `text`, without its middle if it is too long.
-pub fn shortened(text: String) -> String {
+pub(crate) fn shortened(text: String) -> String {
     if text.len() <= MOST_CHARACTERS {
         return text;
     }

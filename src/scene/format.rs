@@ -38,7 +38,7 @@ impl Table {
     }
 
     /// Keys of the tables in this one that have a key of this `name`.
-    pub fn tables_with(&self, name: &str) -> impl Iterator<Item = &'static str> {
+    pub(crate) fn tables_with(&self, name: &str) -> impl Iterator<Item = &'static str> {
         let has_it = move |key: &&Key| match key.kind {
             Kind::Table(table) | Kind::Tables(table) | Kind::OneOrMore(table) => {
                 table.keys.iter().any(|key| key.name == name)
@@ -98,7 +98,7 @@ impl Key {
     }
 
     /// A key whose absence means that nothing is asked for.
-    pub const fn optional(name: &'static str, kind: Kind) -> Key {
+    pub(crate) const fn optional(name: &'static str, kind: Kind) -> Key {
         Key::new(name, kind, Absent::Nothing)
     }
 
@@ -164,7 +164,7 @@ pub enum Kind {
 
 /// The whole number `text`, in base `radix`, as the value of `name`; fails outside of
 /// `[low, high]`.
-pub fn whole_number(
+pub(crate) fn whole_number(
     name: &str,
     text: &str,
     radix: u32,
@@ -225,7 +225,7 @@ impl Range {
     }
 
     /// `[low, high)`
-    pub const fn half_open(low: f64, high: f64) -> Range {
+    pub(crate) const fn half_open(low: f64, high: f64) -> Range {
         Range::new(low, false, high, true)
     }
 

@@ -15,7 +15,7 @@ pub enum Length {
 impl Length {
     /// The length in world units, for a voxel of `voxel` world units. Fails if the product leaves
     /// the range of positive finite numbers.
-    pub fn in_world_units(self, voxel: f64) -> Result<f64, String> {
+    pub(crate) fn in_world_units(self, voxel: f64) -> Result<f64, String> {
         let length = match self {
             Length::World(length) => length,
             Length::Voxels(count) => count * voxel,

@@ -157,7 +157,7 @@ impl Panel {
     }
 
     /// Edits the camera, with the height of a pixel over that of the image; false if there is none.
-    pub fn edit_view(&mut self, edit: impl Fn(&Camera, f64) -> Camera) -> bool {
+    pub(crate) fn edit_view(&mut self, edit: impl Fn(&Camera, f64) -> Camera) -> bool {
         let pixel = 1.0 / self.height as f64;
         let camera = match &mut self.model {
             Model::Classified(scene) => &mut scene.camera,

@@ -37,8 +37,9 @@ pub use conventions::{
     StepLength, StoredValues, SurfaceDepth,
 };
 pub use curve::Curve;
-pub use error::{SceneError, SceneResult};
-pub use excerpt::shortened;
+pub use error::SceneError;
+pub(crate) use error::SceneResult;
+pub(crate) use excerpt::shortened;
 pub use files::InputFile;
 pub use key_lines::KeyLines;
 pub use length::Length;
@@ -55,4 +56,4 @@ pub use requested_sampling::{Sampling, Seed};
 pub use sampling::samples;
 pub use shadow::Shadow;
 pub use transport_fault::TransportFault;
-pub use volumes::SceneVolume;
+pub(crate) use volumes::SceneVolume;

@@ -165,7 +165,7 @@ impl Projection {
 impl Isosurfaces {
     /// True if no ray passes a surface that is seen in a field with values from `least` to `most`: a
     /// surface parts what is below its value from what is not.
-    pub fn are_unseen_between(&self, least: f64, most: f64) -> bool {
+    pub(crate) fn are_unseen_between(&self, least: f64, most: f64) -> bool {
         let is_unseen = |surface: &Isosurface| {
             surface.opacity == 0.0 || surface.value <= least || surface.value > most
         };
@@ -238,7 +238,7 @@ impl Mode {
     }
 
     /// True if the colours of the transfer function are used.
-    pub fn uses_transfer_function(&self) -> bool {
+    pub(crate) fn uses_transfer_function(&self) -> bool {
         match self {
             Mode::Composited => true,
             Mode::Projection(projection) => projection.window.is_none(),

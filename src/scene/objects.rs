@@ -93,7 +93,7 @@ impl OpaqueSurface {
 
 impl Objects {
     /// The nearest surface that `ray` hits, and where.
-    pub fn nearest_surface(&self, ray: &Ray) -> Option<(Hit, &OpaqueSurface)> {
+    pub(crate) fn nearest_surface(&self, ray: &Ray) -> Option<(Hit, &OpaqueSurface)> {
         let mut nearest = None;
         let mut limit = f64::INFINITY;
         for surface in &self.surfaces {
@@ -112,7 +112,7 @@ impl Objects {
     }
 
     /// True if the opacity of the only volume is modulated, and there is nothing else.
-    pub fn are_modulation_alone(&self) -> bool {
+    pub(crate) fn are_modulation_alone(&self) -> bool {
         self.is_one_volume() && self.modulation.is_some()
     }
 

@@ -164,10 +164,10 @@ impl Radiative {
     pub const MOST_MEDIA: usize = 64;
 
     /// The keys of a medium that give it a density.
-    pub const DENSITY_KEYS: [&str; 6] = densities::KEYS;
+    pub(crate) const DENSITY_KEYS: [&str; 6] = densities::KEYS;
 
     /// The keys of a medium that give it a phase function, the procedural block last.
-    pub const PHASE_KEYS: [&str; 4] = phases::KEYS_AND_BLOCK;
+    pub(crate) const PHASE_KEYS: [&str; 4] = phases::KEYS_AND_BLOCK;
 
     /// Reads `[radiative]` and `[camera]`.
     pub(super) fn read(

@@ -176,7 +176,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// Records the value of a key that the file leaves out.
-    pub fn resolved(&self, name: &str, value: impl Display) {
+    pub(crate) fn resolved(&self, name: &str, value: impl Display) {
         let key = self.key_path(name);
         let mut log = self.log.borrow_mut();
         let reading = log.iter_mut().rev().find(|reading| reading.key == key);
@@ -193,7 +193,7 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// The text at `name` for a reader of another kind, and what to call it in messages. A text
     /// between three single quotes keeps its lines and columns: blanks stand for all before it.
-    pub fn text_in_place(&self, name: &str) -> SceneResult<Option<(String, String)>> {
+    pub(crate) fn text_in_place(&self, name: &str) -> SceneResult<Option<(String, String)>> {
         let (Some(text), Some(value)) = (self.optional_text(name)?, self.value(name)) else {
             return Ok(None);
         };
@@ -219,7 +219,11 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// The value made of `name`, or the mistake in it.
-    pub fn accepted_at<T>(&self, name: &str, made: Result<T, impl Display>) -> SceneResult<T> {
+    pub(crate) fn accepted_at<T>(
+        &self,
+        name: &str,
+        made: Result<T, impl Display>,
+    ) -> SceneResult<T> {
         made.map_err(|error| self.error(name, error.to_string()))
     }
 
@@ -242,7 +246,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// An error of the table as a whole, with its remedy.
-    pub fn mistake_here(
+    pub(crate) fn mistake_here(
         &self,
         message: impl Into<String>,
         help: impl Into<String>,
@@ -268,7 +272,7 @@ impl<'d, 's> Reader<'d, 's> {
 
 /// `base` with every key of `over` in place of its own, table by table; a list is one value, so
 /// that of `over` replaces that of `base` as a whole.
-pub fn overridden<'s>(base: &DeTable<'s>, over: &DeTable<'s>) -> DeTable<'s> {
+pub(crate) fn overridden<'s>(base: &DeTable<'s>, over: &DeTable<'s>) -> DeTable<'s> {
     let mut merged = base.clone();
     for (key, value) in over {
         let both = match (merged.get(key), value.get_ref()) {

@@ -35,12 +35,12 @@ impl Sampling {
     }
 
     /// Samples per pixel of a panel.
-    pub fn samples_of(self, scene: &Radiative) -> u32 {
+    pub(crate) fn samples_of(self, scene: &Radiative) -> u32 {
         self.samples.unwrap_or(scene.samples)
     }
 
     /// Seed of a panel.
-    pub fn seed_of(self, scene: &Radiative) -> u64 {
+    pub(crate) fn seed_of(self, scene: &Radiative) -> u64 {
         match self.seed {
             Seed::OfScene => scene.seed,
             Seed::Replicate(number) => scene.seed.wrapping_add(number),

@@ -18,28 +18,28 @@ impl Classified {
 
     /// True if a renderer has its conventions: of several objects, only those about them; of one volume among
     /// surfaces and clips, or of several that are sampled by common steps, all others.
-    pub fn has_conventions_that_are_rendered(&self) -> bool {
+    pub(crate) fn has_conventions_that_are_rendered(&self) -> bool {
         !self.has_objects()
             || self.is_merged()
             || self.is_sampled_by(&self.conventions) && !self.conventions.is_of_merged_objects()
     }
 
     /// True if it follows no conventions but those about several objects, and no ray ends early: these are merged.
-    pub fn is_merged(&self) -> bool {
+    pub(crate) fn is_merged(&self) -> bool {
         let ends_early = matches!(self.compositing, Compositing::EarlyTermination(_));
         self.conventions.is_of_objects_alone() && !ends_early
     }
 
     /// True if the samples of its volumes follow `conventions`: those of one, or of all by common steps, with
     /// opacities as they are, and nothing in shadow.
-    pub fn is_sampled_by(&self, conventions: &Conventions) -> bool {
+    pub(crate) fn is_sampled_by(&self, conventions: &Conventions) -> bool {
         (self.volume_count() == 1 || conventions.common_steps)
             && (0..self.volume_count()).all(|index| self.modulation_of(index).is_none())
             && self.shadow.is_none()
     }
 
     /// The box along the axes of the world around all volumes, and the shortest of their steps.
-    pub fn common_box_and_step(&self) -> (Aabb, f64) {
+    pub(crate) fn common_box_and_step(&self) -> (Aabb, f64) {
         let first = (self.extent().world_bounds(), self.step);
         let each = self.each_alone().skip(1);
         each.fold(first, |(bounds, step), alone| {
@@ -49,7 +49,7 @@ impl Classified {
     }
 
     /// Fails if rays would have too many common steps.
-    pub fn check_common_steps(&self) -> Result<(), String> {
+    pub(crate) fn check_common_steps(&self) -> Result<(), String> {
         if !self.conventions.common_steps {
             return Ok(());
         }
@@ -58,12 +58,12 @@ impl Classified {
     }
 
     /// Number of volumes.
-    pub fn volume_count(&self) -> usize {
+    pub(crate) fn volume_count(&self) -> usize {
         1 + self.objects.volumes.len()
     }
 
     /// Numbers of volumes, surfaces and clips, in words.
-    pub fn counted_objects(&self) -> String {
+    pub(crate) fn counted_objects(&self) -> String {
         let counts = [
             (self.volume_count(), "volume"),
             (self.objects.surfaces.len(), "surface"),
@@ -92,7 +92,7 @@ impl Classified {
     }
 
     /// The scenes of its volumes.
-    pub fn each_alone(&self) -> impl Iterator<Item = Classified> + '_ {
+    pub(crate) fn each_alone(&self) -> impl Iterator<Item = Classified> + '_ {
         (0..self.volume_count()).map(|index| self.alone(index))
     }
 
@@ -111,7 +111,7 @@ impl Classified {
 
     /// Edits the scene, then each volume after the first as though it were the only one, and the shading
     /// of surfaces; true if any edit was.
-    pub fn edit_volumes(&mut self, edit: impl Fn(&mut Classified) -> bool) -> bool {
+    pub(crate) fn edit_volumes(&mut self, edit: impl Fn(&mut Classified) -> bool) -> bool {
         let before = self.alone(0);
         let mut edited = edit(self);
         for index in 0..self.objects.volumes.len() {
@@ -141,7 +141,7 @@ impl Classified {
     }
 
     /// Modulation of the opacity of a volume.
-    pub fn modulation_of(&self, volume: usize) -> Option<&Modulation> {
+    pub(crate) fn modulation_of(&self, volume: usize) -> Option<&Modulation> {
         match volume.checked_sub(1) {
             None => self.objects.modulation.as_ref(),
             Some(index) => self.objects.volumes[index].modulation.as_ref(),
@@ -149,19 +149,19 @@ impl Classified {
     }
 
     /// Clips of a volume.
-    pub fn clips_of(&self, volume: usize) -> impl Iterator<Item = &Clip> {
+    pub(crate) fn clips_of(&self, volume: usize) -> impl Iterator<Item = &Clip> {
         let clips = self.objects.clips.iter();
         clips.filter(move |clip| clip.cuts(volume))
     }
 
     /// True if the clips leave something of each volume.
-    pub fn is_something_left(&self) -> bool {
+    pub(crate) fn is_something_left(&self) -> bool {
         let mut volumes = self.each_alone().enumerate();
         volumes.all(|(index, alone)| leave_something(&alone.extent(), self.clips_of(index)))
     }
 
     /// Numbers of the clips, from 0, that keep all of each volume that they are for.
-    pub fn clips_that_cut_nothing(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn clips_that_cut_nothing(&self) -> impl Iterator<Item = usize> + '_ {
         let extents: Vec<_> = self.each_alone().map(|alone| alone.extent()).collect();
         let clips = self.objects.clips.iter().enumerate();
         let idle = clips.filter(move |(_, clip)| {

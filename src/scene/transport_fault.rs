@@ -38,7 +38,7 @@ pub enum TransportFault {
 
 impl TransportFault {
     /// True if `scene` is path traced and has what the mistake is about.
-    pub fn has_occasion(self, scene: &Radiative) -> bool {
+    pub(crate) fn has_occasion(self, scene: &Radiative) -> bool {
         let is_diffuse = |material: &Material| matches!(material, Material::Diffuse(_));
         let has_diffuse = scene.objects.iter().any(|it| is_diffuse(&it.material));
         let has_medium = |is: fn(&Body) -> bool| scene.media.iter().any(is);

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A volume of a scene file.
-pub struct SceneVolume {
+pub(crate) struct SceneVolume {
     /// Its values.
     pub grid: Arc<Grid<f32>>,
     /// The map of the grid into the world; none where they are the same.
@@ -24,7 +24,7 @@ pub struct SceneVolume {
 impl Scene {
     /// The volumes of all classified panels of the scene file at `path`. Nothing else of it is read: transfer
     /// functions need not go with the values.
-    pub fn load_volumes(path: &Path) -> SceneResult<Vec<SceneVolume>> {
+    pub(crate) fn load_volumes(path: &Path) -> SceneResult<Vec<SceneVolume>> {
         let (name, text) = (path.display().to_string(), Scene::text(path)?);
         let document = Document {
             path: &name,

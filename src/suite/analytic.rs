@@ -3,14 +3,14 @@
 use crate::compare::{Gate, Metric};
 
 /// The class of rows in results.
-pub const ANALYTIC: &str = "analytic";
+pub(crate) const ANALYTIC: &str = "analytic";
 
 /// The metric for the error of a known answer relative to its tolerance.
-pub const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
+pub(crate) const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
 
 /// A known answer with a tolerance. It judges numbers, not pairs of images.
 #[derive(Clone, Copy, Debug)]
-pub struct Analytic;
+pub(crate) struct Analytic;
 
 impl Gate for Analytic {
     fn name(&self) -> &'static str {

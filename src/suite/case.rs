@@ -243,7 +243,10 @@ impl Suite {
 
     /// As [`open`](Self::open), of an embedded suite that was unpacked into `root`: other files there are no
     /// cases and no goldens.
-    pub fn open_unpacked(root: &Path, embedded: &EmbeddedSuite) -> Result<Suite, SuiteError> {
+    pub(crate) fn open_unpacked(
+        root: &Path,
+        embedded: &EmbeddedSuite,
+    ) -> Result<Suite, SuiteError> {
         let own = embedded.paths().map(Path::to_owned);
         Suite::open_with(root, Some(own.collect()))
     }
@@ -292,7 +295,7 @@ impl Suite {
     }
 
     /// True if there is a manifest of this case, with or without a mistake.
-    pub fn has_manifest(&self, name: &str) -> bool {
+    pub(crate) fn has_manifest(&self, name: &str) -> bool {
         let is_unreadable = self.unreadable.iter().any(|(other, _)| other == name);
         is_unreadable || self.case(name).is_some()
     }
@@ -350,12 +353,12 @@ impl Suite {
     }
 
     /// Folder for renderings until they are accepted, and for results until they are joined.
-    pub fn cache_folder(&self) -> PathBuf {
+    pub(crate) fn cache_folder(&self) -> PathBuf {
         self.root.join(CACHE)
     }
 
     /// `family/name` of every golden, by its provenance file.
-    pub fn golden_names(&self) -> Result<Vec<String>, SuiteError> {
+    pub(crate) fn golden_names(&self) -> Result<Vec<String>, SuiteError> {
         let root = self.golden_folder();
         if !root.is_dir() {
             return Ok(Vec::new());

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The files of a suite, held by the program.
 #[derive(Clone, Debug)]
-pub struct EmbeddedSuite {
+pub(crate) struct EmbeddedSuite {
     /// Paths relative to the root of the suite, with the contents.
     files: Vec<(PathBuf, &'static [u8])>,
 }
@@ -53,7 +53,7 @@ impl EmbeddedSuite {
     /// # Errors
     ///
     /// If others could change the folder, too: they could replace a file after it was compared.
-    pub fn unpack_privately(&self, root: &Path) -> io::Result<()> {
+    pub(crate) fn unpack_privately(&self, root: &Path) -> io::Result<()> {
         private_folder::make(root)?;
         self.unpack(root)
     }

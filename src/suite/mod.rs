@@ -13,17 +13,17 @@ pub(crate) mod sensitivities;
 pub(crate) mod store;
 pub(crate) mod suite_hash;
 
-pub use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
+pub(crate) use analytic::Analytic;
+pub(crate) use analytic::{ANALYTIC, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
 pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };
-pub use embedded::EmbeddedSuite;
+pub(crate) use embedded::EmbeddedSuite;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
-pub use name_hash::name_hash;
-pub use outputs::{
-    Found, NOT_RENDERED, Output, OutputError, Outputs, UnknownFile, image_path, step_name,
-};
-pub use row_name::{HARD, row_name};
-pub use sensitivities::{sensitivities_of, telling_case};
+pub(crate) use name_hash::name_hash;
+pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path};
+pub(crate) use outputs::{NOT_RENDERED, step_name};
+pub(crate) use row_name::row_name;
+pub(crate) use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};

@@ -30,7 +30,7 @@ pub struct Outputs {
 }
 
 /// Beginning of the reason where a renderer or a format has no words for a scene.
-pub const NOT_RENDERED: &str = "not rendered: ";
+pub(crate) const NOT_RENDERED: &str = "not rendered: ";
 
 /// The output of another renderer for a case.
 #[derive(Clone, Debug)]
@@ -149,7 +149,7 @@ enum Role {
 
 /// The name of the image of `case` with the step of the scene halved `halvings` times, without its
 /// extension.
-pub fn step_name(case: &str, halvings: u32) -> String {
+pub(crate) fn step_name(case: &str, halvings: u32) -> String {
     match halvings {
         0 => case.to_owned(),
         _ => format!("{case}@{}", math::exp2(-f64::from(halvings))),
@@ -469,7 +469,7 @@ impl Found {
     }
 
     /// Reads the images with smaller and smaller steps.
-    pub fn read_refined(&self) -> Result<Vec<Picture>, PictureError> {
+    pub(crate) fn read_refined(&self) -> Result<Vec<Picture>, PictureError> {
         self.files.iter().map(|file| Picture::read(file)).collect()
     }
 }

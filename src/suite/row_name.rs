@@ -3,9 +3,9 @@
 use crate::hard_cases::Row;
 
 /// The family of the catalogue. A suite with cases of it has the rows, too.
-pub const HARD: &str = "hard";
+pub(crate) const HARD: &str = "hard";
 
 /// `hard/G1`.
-pub fn row_name(row: &Row) -> String {
+pub(crate) fn row_name(row: &Row) -> String {
     format!("{HARD}/{}", row.id)
 }

@@ -39,7 +39,7 @@ const KNOWN: f64 = 2.0;
 /// # Errors
 ///
 /// If the scene cannot be rendered in blocks, or not at all; the reason in words.
-pub fn sensitivities_of(
+pub(crate) fn sensitivities_of(
     scene: &Scene,
     spp: u32,
     pairs: u32,
@@ -161,7 +161,11 @@ pub(crate) fn decoded(bytes: &[u8], scene: &Scene) -> Result<Vec<Sensitivity>, S
 
 /// The case whose image tells the numbers called `names` apart best, if any does: where their
 /// derivatives are least alike.
-pub fn telling_case<'c>(cases: &'c [Case], store: &Store, names: [&str; 2]) -> Option<&'c Case> {
+pub(crate) fn telling_case<'c>(
+    cases: &'c [Case],
+    store: &Store,
+    names: [&str; 2],
+) -> Option<&'c Case> {
     let likeness = |case: &Case| {
         case.sampling?;
         let golden = Golden::read(store, case).ok()?;

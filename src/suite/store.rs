@@ -164,7 +164,7 @@ impl<D: Disk> Store<D> {
 /// Writing.
 impl<D: Disk> Store<D> {
     /// As [`open`](Store::open), with other file operations.
-    pub fn on_disk(root: impl Into<PathBuf>, disk: D) -> Store<D> {
+    pub(crate) fn on_disk(root: impl Into<PathBuf>, disk: D) -> Store<D> {
         Store {
             root: root.into(),
             disk,

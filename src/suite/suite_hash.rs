@@ -11,7 +11,7 @@ const MOST_BYTES: u64 = 1 << 26;
 impl Suite {
     /// Hash of what a case is judged by: its manifest, its scene and the record of its golden, which has
     /// hashes of all other files.
-    pub fn hash_of(&self, case: &Case) -> String {
+    pub(crate) fn hash_of(&self, case: &Case) -> String {
         let [_, _, record] = golden::files(case);
         let record = self.golden_folder().join(record);
         let files = [self.manifest_of(case), case.scene.clone(), record];

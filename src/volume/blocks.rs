@@ -57,7 +57,7 @@ impl Blocks {
     }
 
     /// The mean over all blocks of the middle between their bounds.
-    pub fn typical(&self) -> f64 {
+    pub(crate) fn typical(&self) -> f64 {
         let middles = self
             .ranges
             .iter()
@@ -78,7 +78,7 @@ impl Blocks {
     }
 
     /// Bounds on the density in the block around `point`, or in the nearest.
-    pub fn range_at(&self, point: DVec3) -> DensityRange {
+    pub(crate) fn range_at(&self, point: DVec3) -> DensityRange {
         let cell = (point - self.bounds.min) / self.size;
         // Casts clamp at 0.
         let index = |axis: usize| (cell[axis] as usize).min(self.counts[axis] - 1);

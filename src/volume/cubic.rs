@@ -70,7 +70,7 @@ impl CubicSegment {
 
     /// Adds to `cuts` the two ends and, between them, the places where the field passes one of
     /// `values`, which rise; all in order.
-    pub fn cut_at(&self, values: &[f64], cuts: &mut Vec<f64>) {
+    pub(crate) fn cut_at(&self, values: &[f64], cuts: &mut Vec<f64>) {
         let turns = self.turns();
         let fields = turns.map(|u| self.at(u));
         cuts.push(-1.0);

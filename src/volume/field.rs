@@ -38,7 +38,7 @@ impl DensityRange {
     }
 
     /// Bounds on both of two densities.
-    pub fn union(self, other: DensityRange) -> DensityRange {
+    pub(crate) fn union(self, other: DensityRange) -> DensityRange {
         DensityRange::new(self.low.min(other.low), self.high.max(other.high))
     }
 }

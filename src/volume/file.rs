@@ -49,7 +49,7 @@ pub struct Loaded {
 }
 
 /// The format of the file at `path`, by its extension.
-pub fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
+pub(crate) fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
     VOLUME_FORMATS.into_iter().find(|format| {
         let mut extensions = format.extensions.iter();
         extensions.any(|extension| ends_in(path, extension))
@@ -78,7 +78,7 @@ fn known_format(path: &Path) -> Result<&'static VolumeFormat, VolumeFault> {
 }
 
 /// The supported formats with their extensions, as a list for people.
-pub fn volume_formats() -> String {
+pub(crate) fn volume_formats() -> String {
     VOLUME_FORMATS
         .map(|format| format!("{} ({})", format.extensions.join(" or "), format.name))
         .join(", ")

@@ -6,7 +6,7 @@ use super::source::VolumeSource;
 
 /// A format of volume files. A new one is a file that declares it, and a row of the table in
 /// `file.rs`.
-pub struct VolumeFormat {
+pub(crate) struct VolumeFormat {
     /// Name of the format.
     pub name: &'static str,
     /// Extensions of its files: a dot and lower-case letters. Upper case is recognised, too.

@@ -28,14 +28,14 @@ pub fn relative_gradients<T: Scalar>(grid: &Grid<T>) -> Grid<[T; 3]> {
 
 /// [`relative_gradients`] of a grid that `to_world` places, in the world: those of the grid by the
 /// [inverse transpose](Transform::gradient_map), before they are rounded.
-pub fn placed_gradients<T: Scalar>(grid: &Grid<T>, to_world: &Transform) -> Grid<[T; 3]> {
+pub(crate) fn placed_gradients<T: Scalar>(grid: &Grid<T>, to_world: &Transform) -> Grid<[T; 3]> {
     let unit = power_of_two_below(grid.lattice().voxel());
     let map = to_world.gradient_map();
     gradients_over(grid, unit, |gradient| map * gradient)
 }
 
 /// Lengths of the gradients at the nodes, per world unit, of a grid that `to_world` places, if any.
-pub fn gradient_lengths(grid: &Grid<f32>, to_world: Option<&Transform>) -> Grid<f32> {
+pub(crate) fn gradient_lengths(grid: &Grid<f32>, to_world: Option<&Transform>) -> Grid<f32> {
     let unit = power_of_two_below(grid.lattice().voxel());
     let length = |gradient: &[f32; 3]| {
         let mut gradient = DVec3::from_array(gradient.map(f64::from));

@@ -115,7 +115,7 @@ impl GridDensity {
     }
 
     /// The field along a ray, segment by segment.
-    pub fn cubic_segments(
+    pub(crate) fn cubic_segments(
         &self,
         line: impl Into<Line>,
         span: Span,

@@ -121,7 +121,7 @@ impl Lattice {
 
     /// Position of the last node, in node units; the first is at 0.
     #[inline]
-    pub fn last_node(&self) -> DVec3 {
+    pub(crate) fn last_node(&self) -> DVec3 {
         self.last
     }
 

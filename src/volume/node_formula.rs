@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// Values of nodes (i, j, k).
 #[derive(Clone, Debug, PartialEq)]
-pub enum NodeFormula {
+pub(crate) enum NodeFormula {
     /// `value + slope·(i, j, k)`.
     Ramp {
         /// At the first node.

@@ -41,7 +41,7 @@ impl NodeLine {
 
     /// The points at several distances.
     #[inline(always)]
-    pub fn at_several<const N: usize>(&self, distances: &[f64; N]) -> NodePoints<N> {
+    pub(crate) fn at_several<const N: usize>(&self, distances: &[f64; N]) -> NodePoints<N> {
         let mut points = [[0.0; N]; 3];
         for (axis, points) in points.iter_mut().enumerate() {
             let (origin, direction) = (self.origin.0[axis], self.direction[axis]);

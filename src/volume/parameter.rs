@@ -14,7 +14,7 @@ pub struct InvalidParameter {
 }
 
 /// Refuses the parameter `name`, with a message, unless its condition holds.
-pub fn require(
+pub(crate) fn require(
     holds: bool,
     name: &'static str,
     message: fmt::Arguments,

@@ -122,7 +122,7 @@ const PERMUTATION: [u8; 512] = {
 
 /// The permutation as published.
 #[rustfmt::skip]
-pub const PUBLISHED: [u8; 256] = [
+pub(crate) const PUBLISHED: [u8; 256] = [
     151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225,
     140, 36, 103, 30, 69, 142, 8, 99, 37, 240, 21, 10, 23, 190, 6, 148,
     247, 120, 234, 75, 0, 26, 197, 62, 94, 252, 219, 203, 117, 35, 11, 32,
@@ -144,7 +144,7 @@ pub const PUBLISHED: [u8; 256] = [
 /// Gradient by the last four bits of a hash: towards the twelve edges of a cube, four of them
 /// twice.
 #[rustfmt::skip]
-pub const GRADIENTS: [[f64; 3]; 16] = [
+pub(crate) const GRADIENTS: [[f64; 3]; 16] = [
     [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [-1.0, -1.0, 0.0],
     [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0],
     [0.0, 1.0, 1.0], [0.0, -1.0, 1.0], [0.0, 1.0, -1.0], [0.0, -1.0, -1.0],

@@ -58,7 +58,7 @@ impl PlacedBox {
 
     /// A difference of points of the world in the coordinates of the volume.
     #[inline]
-    pub fn vector_to_volume(&self, vector: DVec3) -> DVec3 {
+    pub(crate) fn vector_to_volume(&self, vector: DVec3) -> DVec3 {
         match &self.to_world {
             None => vector,
             Some(to_world) => to_world.vector_to_object(vector),
@@ -76,7 +76,7 @@ impl PlacedBox {
     }
 
     /// The smallest box of the world around it.
-    pub fn world_bounds(&self) -> Aabb {
+    pub(crate) fn world_bounds(&self) -> Aabb {
         self.to_world
             .map_or(self.bounds, |map| map.bounds(&self.bounds))
     }

@@ -66,7 +66,7 @@ impl Element {
     }
 
     /// True if samples are whole numbers.
-    pub fn is_whole(self) -> bool {
+    pub(crate) fn is_whole(self) -> bool {
         !matches!(self, Element::Float16 | Element::Float32 | Element::Float64)
     }
 

@@ -10,7 +10,7 @@ use crate::film::Film;
 /// The standard error of the mean of a block, relative to that mean plus [`DARK`], that nine
 /// tenths of the blocks and channels do not exceed, as in the metric of the gate; `None` for an
 /// image without noise.
-pub fn block_error(film: &Film) -> Option<f64> {
+pub(crate) fn block_error(film: &Film) -> Option<f64> {
     let noise = film.noise()?;
     let mut errors = Vec::new();
     for rows in parts(film.height()) {
@@ -34,7 +34,7 @@ pub fn block_error(film: &Film) -> Option<f64> {
 
 /// The deviations of the blocks of `test` from `reference`, images of the same size; `None` if
 /// neither states its noise.
-pub fn block_map(reference: &Film, test: &Film) -> Option<BlockMap> {
+pub(crate) fn block_map(reference: &Film, test: &Film) -> Option<BlockMap> {
     if reference.noise().is_none() && test.noise().is_none() {
         return None;
     }

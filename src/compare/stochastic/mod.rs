@@ -82,7 +82,7 @@
 //!
 //! # Images of 8 bits
 //!
-//! A [quantised](Film::quantised) test image is off by half a code at most where it is not cut off. That is
+//! A quantised test image is off by half a code at most where it is not cut off. That is
 //! allowed for in the same way. (What is beyond half a code in each *pixel* is
 //! no mean of zero: of skewed noise, which is mostly a little too dark and rarely much too bright, rounding
 //! would take the former alone.) Pixels that the largest code may have cut off are left out: see the file
@@ -134,7 +134,7 @@ mod variance;
 mod visible_bias;
 
 pub use blocks::{BLOCK, DARK, FINE_BLOCK};
-pub use map::{block_error, block_map};
+pub(crate) use map::{block_error, block_map};
 
 use super::advice::Undecided;
 use super::difference_scale::DifferenceScale;

@@ -48,7 +48,7 @@ impl Cone {
 
     /// The cone of all lines from a point to a sphere of `radius`, whose centre is at a `distance` that
     /// is larger; both in the same unit. `None` from inside, and where the cone has no width.
-    pub fn around_sphere(radius: f64, distance: f64) -> Option<Cone> {
+    pub(crate) fn around_sphere(radius: f64, distance: f64) -> Option<Cone> {
         let sine = radius / distance;
         let one_minus_cos = sine * sine / (1.0 + ((1.0 - sine) * (1.0 + sine)).sqrt());
         (sine < 1.0 && one_minus_cos > 0.0).then_some(Cone { one_minus_cos })
@@ -75,7 +75,7 @@ impl Cone {
 
 /// The direction with the given cosine and sine to +z, at the fraction `v` of a turn around it.
 #[inline]
-pub fn from_cosine(cosine: f64, sine: f64, v: f64) -> Direction {
+pub(crate) fn from_cosine(cosine: f64, sine: f64, v: f64) -> Direction {
     let azimuth = TAU * v;
     Direction::unit(DVec3::new(sine * cos(azimuth), sine * sin(azimuth), cosine))
 }

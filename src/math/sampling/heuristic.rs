@@ -5,7 +5,7 @@
 ///
 /// Source: Veach & Guibas 1995, "Optimally combining sampling techniques for Monte Carlo
 /// rendering", SIGGRAPH '95, §4.2.
-pub fn power_heuristic(mine: f64, other: f64) -> f64 {
+pub(crate) fn power_heuristic(mine: f64, other: f64) -> f64 {
     let ratio = other / mine;
     1.0 / (1.0 + ratio * ratio)
 }

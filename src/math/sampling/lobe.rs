@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 /// media", Computer Graphics Forum 31, 1519–1528, for the scattered light: its integral along the
 /// ray is the angle that the ray subtends at the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lobe {
+pub(crate) struct Lobe {
     /// From the point to the light.
     towards: DVec3,
     distance: f64,

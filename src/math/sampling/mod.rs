@@ -9,12 +9,11 @@ mod free_flight;
 mod heuristic;
 mod lobe;
 
-pub use directions::{
-    Cone, cosine_hemisphere, cosine_hemisphere_pdf, from_cosine, sphere, sphere_pdf,
-};
+pub(crate) use directions::from_cosine;
+pub use directions::{Cone, cosine_hemisphere, cosine_hemisphere_pdf, sphere, sphere_pdf};
 pub use equiangular::{Equiangular, LightOnRay};
 pub use free_flight::{
     free_flight, optical_distance, truncated_free_flight_pdf, truncated_optical_distance,
 };
-pub use heuristic::power_heuristic;
-pub use lobe::Lobe;
+pub(crate) use heuristic::power_heuristic;
+pub(crate) use lobe::Lobe;

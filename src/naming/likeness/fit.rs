@@ -34,7 +34,7 @@ const AGREES: &str = "the scene agrees with the image";
 
 /// True if a sentence of those `said` of an image states a change of numbers with which the scene, rendered again,
 /// agrees with it.
-pub fn is_number_found(said: &[String]) -> bool {
+pub(crate) fn is_number_found(said: &[String]) -> bool {
     said.iter().any(|sentence| sentence.contains(AGREES))
 }
 

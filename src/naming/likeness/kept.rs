@@ -18,7 +18,7 @@ use std::sync::{Mutex, OnceLock};
 use std::time::SystemTime;
 
 /// Environment variable for the folder of the cache; empty for no cache.
-pub const CACHE_VARIABLE: &str = "VOLREF_CACHE";
+pub(crate) const CACHE_VARIABLE: &str = "VOLREF_CACHE";
 
 /// Largest size of the folder, bytes: beyond it the oldest files are removed. A prediction of a
 /// case of the suite has 20 to 500 kB.
@@ -55,7 +55,7 @@ impl Predictions {
 
     /// A cache in the folder that the environment variable [`VOLREF_CACHE`](CACHE_VARIABLE) names,
     /// else in the user's folder for caches; nowhere if there is none.
-    pub fn of_the_user() -> Predictions {
+    pub(crate) fn of_the_user() -> Predictions {
         Predictions {
             folder: cache_of_the_user(),
             ..Predictions::default()
@@ -125,7 +125,7 @@ impl Predictions {
 
 /// The folder that the environment variable [`VOLREF_CACHE`](CACHE_VARIABLE) names, else the one in the
 /// user's folder for caches; `None` if there is none.
-pub fn cache_of_the_user() -> Option<PathBuf> {
+pub(crate) fn cache_of_the_user() -> Option<PathBuf> {
     folder_of_the_user(&|name| std::env::var_os(name).map(PathBuf::from))
 }
 

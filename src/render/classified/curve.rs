@@ -49,7 +49,7 @@ pub(in crate::render) fn draw(
 
 /// The plot without its curves, for readers without our font: axes and backdrop.
 #[derive(Clone, Debug)]
-pub struct PlotLayout {
+pub(crate) struct PlotLayout {
     /// Left end of the axis of densities, pixels from the left edge of the image.
     pub left: f64,
     /// Its right end, likewise.
@@ -68,7 +68,7 @@ pub struct PlotLayout {
 
 impl PlotLayout {
     /// Half the width of a curve, pixels.
-    pub const HALF_WIDTH: f64 = HALF_WIDTH;
+    pub(crate) const HALF_WIDTH: f64 = HALF_WIDTH;
 
     /// The layout of the plot of `curve` in an image of `width` × `height` pixels.
     pub fn new(curve: &Curve, width: usize, height: usize) -> PlotLayout {
@@ -89,17 +89,17 @@ impl PlotLayout {
     }
 
     /// Linear colour of the curve of transparency.
-    pub fn transparency_colour() -> [f64; 3] {
+    pub(crate) fn transparency_colour() -> [f64; 3] {
         linear(TRANSPARENCY)
     }
 
     /// Linear colour of the curve of opacity.
-    pub fn opacity_colour() -> [f64; 3] {
+    pub(crate) fn opacity_colour() -> [f64; 3] {
         linear(OPACITY)
     }
 
     /// Linear colour of the line of a table of points.
-    pub fn line_colour() -> [f64; 3] {
+    pub(crate) fn line_colour() -> [f64; 3] {
         linear(INK)
     }
 }

@@ -119,7 +119,7 @@ impl<R: Reconstruction> ScalarField for GridField<'_, R> {
 /// A grid with the same density at every node, without lookups. Interpolation of equal numbers is
 /// exact, so this is the same field to the last bit.
 #[derive(Clone, Copy, Debug)]
-pub struct ConstantField<'g>(pub &'g Lattice, pub f64);
+pub(crate) struct ConstantField<'g>(pub &'g Lattice, pub f64);
 
 impl ScalarField for ConstantField<'_> {
     const IS_CONSTANT: bool = true;

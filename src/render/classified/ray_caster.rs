@@ -61,7 +61,7 @@ impl<F: ScalarField, O: CompositingOrder, S: Shading, V: Visibility, E: Skipping
 
     /// The same with samples `step` apart.
     #[inline(always)]
-    pub fn layers_by<W: Work>(&self, step: f64, ray: &Ray, work: &mut W) -> Layers {
+    pub(crate) fn layers_by<W: Work>(&self, step: f64, ray: &Ray, work: &mut W) -> Layers {
         let mut layers = Layers::default();
         let Some(span) = self.extent.span(ray) else {
             return layers;

@@ -26,7 +26,7 @@ pub trait Visibility: Sync {
 /// The ray from a world point towards `light`, and its span inside the volume; `None` where it has no
 /// direction or misses the volume.
 #[inline]
-pub fn shadow_ray(point: DVec3, light: DVec3, extent: &PlacedBox) -> Option<(Ray, Span)> {
+pub(crate) fn shadow_ray(point: DVec3, light: DVec3, extent: &PlacedBox) -> Option<(Ray, Span)> {
     let to_light = light - point;
     let ray = Ray::new(point, to_light)?;
     let inside = extent.span(&ray)?;

@@ -68,7 +68,7 @@ impl HeterogeneousSegment {
 
     /// Looks up `density` at distance `t`, which lies in the present block; a block of density 0
     /// needs no lookup. Adds to `lookups`.
-    pub fn look_up(&mut self, t: f64, density: &Density, lookups: &mut u64) -> f64 {
+    pub(crate) fn look_up(&mut self, t: f64, density: &Density, lookups: &mut u64) -> f64 {
         self.density = if self.range.high == 0.0 {
             0.0
         } else {

@@ -144,7 +144,7 @@ impl<'s> Media<'s> {
     }
 
     /// Properties, on a segment, of the media in `set` together.
-    pub fn on_segment(&self, set: Set) -> MediumProperties {
+    pub(crate) fn on_segment(&self, set: Set) -> MediumProperties {
         let mut properties = MediumProperties::default();
         for index in members(set) {
             properties.add(&self.media[index].on_segment);
@@ -153,7 +153,7 @@ impl<'s> Media<'s> {
     }
 
     /// Any of them is heterogeneous.
-    pub fn has_heterogeneous(&self) -> bool {
+    pub(crate) fn has_heterogeneous(&self) -> bool {
         self.heterogeneous != 0
     }
 
@@ -174,7 +174,7 @@ impl<'s> Media<'s> {
     }
 
     /// A segment of `ray` that holds all points where light is scattered, if there are any.
-    pub fn scattering_span(&self, ray: &Ray) -> Option<Span> {
+    pub(crate) fn scattering_span(&self, ray: &Ray) -> Option<Span> {
         match &self.scattering {
             ScatteringExtent::Nowhere => None,
             ScatteringExtent::Within(bounds) => {

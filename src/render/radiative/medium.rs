@@ -80,7 +80,7 @@ impl Medium<'_> {
     }
 
     /// Changes no light: all its properties are 0.
-    pub fn is_vacuum(&self) -> bool {
+    pub(crate) fn is_vacuum(&self) -> bool {
         self.unit == MediumProperties::default() || self.density.is_some_and(Density::is_nothing)
     }
 
@@ -99,7 +99,7 @@ impl Medium<'_> {
     }
 
     /// Its density has an integral along lines.
-    pub fn is_integrable(&self) -> bool {
+    pub(crate) fn is_integrable(&self) -> bool {
         self.density.is_none_or(Density::is_integrable)
     }
 

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// Surfaces that are tested one by one.
 #[derive(Debug)]
-pub struct Occluders<'s> {
+pub(crate) struct Occluders<'s> {
     /// Surfaces that reflect or refract.
     objects: Vec<&'s Shape>,
     /// Surfaces that emit.

@@ -58,7 +58,7 @@ impl Sampler {
     }
 
     /// Continues with the numbers of `bounce`.
-    pub fn begin_bounce(&mut self, bounce: u32) {
+    pub(crate) fn begin_bounce(&mut self, bounce: u32) {
         self.bounce = bounce;
         self.rows = [0; 3];
     }

@@ -35,7 +35,7 @@ pub struct SceneContext<'s, E> {
 
 /// A light at a point.
 #[derive(Clone, Copy, Debug)]
-pub struct PositionedLight<'s> {
+pub(crate) struct PositionedLight<'s> {
     /// The light.
     pub light: &'s Light,
     /// Its position, world units.
@@ -76,12 +76,12 @@ impl<'s, E: Effects> SceneContext<'s, E> {
     }
 
     /// Heterogeneous media, where the kernel is compiled for them.
-    pub fn is_heterogeneous(&self) -> bool {
+    pub(crate) fn is_heterogeneous(&self) -> bool {
         E::HETEROGENEOUS && self.media.has_heterogeneous()
     }
 
     /// The nearest surface on `ray`, of several at the same distance the first of the scene.
-    pub fn intersect<W: Work>(&self, ray: &Ray, work: &mut W) -> Option<Intersection> {
+    pub(crate) fn intersect<W: Work>(&self, ray: &Ray, work: &mut W) -> Option<Intersection> {
         if !E::SURFACES {
             return None;
         }
@@ -91,14 +91,16 @@ impl<'s, E: Effects> SceneContext<'s, E> {
 
     /// No surface stands between the origin of `ray`, a vertex or a light, and another of them at the
     /// distance `limit`; if that is infinite, anywhere on `ray`.
-    pub fn is_unoccluded<W: Work>(&self, ray: &Ray, limit: f64, work: &mut W) -> bool {
+    pub(crate) fn is_unoccluded<W: Work>(&self, ray: &Ray, limit: f64, work: &mut W) -> bool {
         let occluders = self.surfaces.occluders(limit);
         work.count_times(Event::SurfaceTest, occluders.count());
         !self.surfaces.block(ray, limit)
     }
 
     /// The lights at a point.
-    pub fn positioned_lights(&self) -> impl Iterator<Item = PositionedLight<'s>> + use<'s, E> {
+    pub(crate) fn positioned_lights(
+        &self,
+    ) -> impl Iterator<Item = PositionedLight<'s>> + use<'s, E> {
         let lights = self.radiative.lights.iter().enumerate();
         let shining = lights.filter(|(_, light)| light.strength() != DVec3::ZERO);
         shining.filter_map(|(index, light)| {

@@ -29,7 +29,7 @@ pub struct MediumSegment {
 
 /// Optical depths by channel from the origin of a ray to a point on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OpticalDepths {
+pub(crate) struct OpticalDepths {
     /// Of the media that scatter.
     pub scattering: DVec3,
     /// Of those that only absorb.
@@ -128,7 +128,7 @@ impl MediumSegments {
     }
 
     /// Optical depths by channel up to distance `t`, and the segment there, if there is a medium.
-    pub fn depths_to(&self, t: f64) -> (OpticalDepths, Option<&MediumSegment>) {
+    pub(crate) fn depths_to(&self, t: f64) -> (OpticalDepths, Option<&MediumSegment>) {
         let mut depths = OpticalDepths::default();
         for segment in &self.segments {
             if t < segment.span.near {
@@ -147,7 +147,7 @@ impl MediumSegments {
 
     /// Distance at which the depth of the media that scatter reaches `depth` in one channel; the
     /// end of the last of them where it does not.
-    pub fn distance_at(&self, depth: f64, channel: usize) -> f64 {
+    pub(crate) fn distance_at(&self, depth: f64, channel: usize) -> f64 {
         let (mut passed, mut last) = (0.0, 0.0);
         for segment in self.segments.iter().filter(|s| s.properties.scatters()) {
             let sigma_t = segment.properties.sigma_t[channel];
@@ -164,7 +164,7 @@ impl MediumSegments {
     }
 
     /// The span from the beginning of the first medium that scatters to the end of the last.
-    pub fn scattering_span(&self) -> Option<Span> {
+    pub(crate) fn scattering_span(&self) -> Option<Span> {
         let mut scattering = self.segments.iter().filter(|s| s.properties.scatters());
         let first = scattering.next()?.span;
         let last = scattering.next_back().map_or(first, |segment| segment.span);

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// A way on from a mirror or glass.
 #[derive(Clone, Copy, Debug)]
-pub struct SpecularBounce {
+pub(crate) struct SpecularBounce {
     /// The ray that leaves.
     pub ray: Ray,
     /// Share of the light that takes this way; the shares of all ways add up to 1.
@@ -18,7 +18,11 @@ pub struct SpecularBounce {
 /// The ways on from a mirror or glass at `hit`: reflected and refracted. Refraction scales radiance, as
 /// it is measured per solid angle, by the square of the ratio of indices. None from a diffuse surface,
 /// nor where no ray leaves.
-pub fn specular_bounces(material: &Material, ray: &Ray, hit: &Hit) -> [Option<SpecularBounce>; 2] {
+pub(crate) fn specular_bounces(
+    material: &Material,
+    ray: &Ray,
+    hit: &Hit,
+) -> [Option<SpecularBounce>; 2] {
     let normal = facing(hit);
     let leaving = |direction, share, weight| {
         let ray = hit.point.leave(direction)?;
@@ -45,7 +49,7 @@ pub fn specular_bounces(material: &Material, ray: &Ray, hit: &Hit) -> [Option<Sp
 
 /// One of the ways on from a mirror or glass, in proportion to the light by `choice`, a number in
 /// [0, 1).
-pub fn specular_bounce(
+pub(crate) fn specular_bounce(
     material: &Material,
     ray: &Ray,
     hit: &Hit,

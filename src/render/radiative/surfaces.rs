@@ -66,7 +66,7 @@ impl<'s> Surfaces<'s> {
     }
 
     /// The surfaces that [`Surfaces::block`] may test.
-    pub fn occluders(&self, limit: f64) -> &Occluders<'s> {
+    pub(crate) fn occluders(&self, limit: f64) -> &Occluders<'s> {
         if limit.is_finite() {
             &self.between_vertices
         } else {
@@ -111,7 +111,7 @@ impl<'s> Surfaces<'s> {
     /// The nearest area light on `ray` before the distance `limit`, whatever stands in front of it, by
     /// its index.
     // The loop stands in `nearest_of_all` too: one function for both takes 6 % more time in a room.
-    pub fn nearest_light(&self, ray: &Ray, mut limit: f64) -> Option<(usize, Hit)> {
+    pub(crate) fn nearest_light(&self, ray: &Ray, mut limit: f64) -> Option<(usize, Hit)> {
         let mut nearest = None;
         for (index, light) in self.area_lights.iter().enumerate() {
             if let Some(crossing) = light.shape.crossing(ray, limit) {

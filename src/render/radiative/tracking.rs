@@ -77,7 +77,7 @@ impl Effort {
 /// Visits tentative collisions along `majorants`, in order: a Poisson process of density
 /// `rate(segment)` per length, beginning with `first`. Ends where `visit` breaks, or with the
 /// last segment: then with the rest of the optical distance to the next of them.
-pub fn tentative_collisions<M: Majorants, B>(
+pub(crate) fn tentative_collisions<M: Majorants, B>(
     majorants: &mut M,
     rate: impl Fn(&MajorantSegment) -> f64,
     first: Tentative,

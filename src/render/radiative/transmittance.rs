@@ -85,7 +85,7 @@ impl<E: Effects> Transmittance<'_, E> {
 
     /// Transmittance, by channel, of the media that only absorb along `ray` up to distance `t`:
     /// of the homogeneous ones their optical `depth` is given, the others lie on `segments`.
-    pub fn of_absorbing<W: Work>(
+    pub(crate) fn of_absorbing<W: Work>(
         self,
         segments: &MediumSegments,
         ray: &Ray,

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// A vertex that scatters into a range of directions.
 #[derive(Clone, Copy, Debug)]
-pub enum Vertex {
+pub(crate) enum Vertex {
     /// A collision in media.
     Medium {
         /// World point.
@@ -49,7 +49,7 @@ impl Vertex {
     }
 
     /// The ray from here to `target`, and its length.
-    pub fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
+    pub(crate) fn towards_point(&self, target: DVec3) -> Option<(Ray, f64)> {
         match self {
             Vertex::Medium { point, .. } => {
                 let ray = Ray::new(*point, target - *point)?;

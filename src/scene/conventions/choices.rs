@@ -149,7 +149,7 @@ pub enum Gradient {
 
 impl Gradient {
     /// It is computed at the nodes, and interpolated between them.
-    pub fn is_stored(self) -> bool {
+    pub(crate) fn is_stored(self) -> bool {
         matches!(
             self,
             Gradient::Central | Gradient::Forward | Gradient::Backward | Gradient::Sobel

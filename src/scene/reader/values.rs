@@ -71,7 +71,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Matrix`] that may be left out, row by row.
-    pub fn optional_matrix(&self, name: &str) -> SceneResult<Option<[[f64; 4]; 3]>> {
+    pub(crate) fn optional_matrix(&self, name: &str) -> SceneResult<Option<[[f64; 4]; 3]>> {
         let read = |value: &Spanned<DeValue>| {
             let expected = self.declared(name).kind.expected();
             let wrong = || self.error(name, format!("`{name}` must be {expected}"));
@@ -113,7 +113,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Count`] that may be left out.
-    pub fn optional_count(&self, name: &str) -> SceneResult<Option<u64>> {
+    pub(crate) fn optional_count(&self, name: &str) -> SceneResult<Option<u64>> {
         let Kind::Count(low, high) = self.declared(name).kind else {
             panic!("{name} is not a count")
         };
@@ -134,7 +134,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Counts`] that may be left out.
-    pub fn optional_counts(&self, name: &str) -> SceneResult<Option<[u64; 3]>> {
+    pub(crate) fn optional_counts(&self, name: &str) -> SceneResult<Option<[u64; 3]>> {
         let Kind::Counts(low, high) = self.declared(name).kind else {
             panic!("{name} is not three counts")
         };
@@ -162,7 +162,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Number`] that may be left out.
-    pub fn optional_number(&self, name: &str) -> SceneResult<Option<f64>> {
+    pub(crate) fn optional_number(&self, name: &str) -> SceneResult<Option<f64>> {
         let Kind::Number(range) = self.declared(name).kind else {
             panic!("{name} is not a number")
         };
@@ -183,7 +183,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Vector`] or [`Kind::Colour`] that may be left out.
-    pub fn optional_vector(&self, name: &str) -> SceneResult<Option<DVec3>> {
+    pub(crate) fn optional_vector(&self, name: &str) -> SceneResult<Option<DVec3>> {
         let read = |value: &Spanned<DeValue>| match self.declared(name).kind {
             Kind::Colour(range) => self.colour(name, value, &range),
             _ => self.three(name, value),
@@ -192,7 +192,11 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Vector`] that, left out, follows from other things.
-    pub fn vector_or(&self, name: &str, derived: impl FnOnce() -> DVec3) -> SceneResult<DVec3> {
+    pub(crate) fn vector_or(
+        &self,
+        name: &str,
+        derived: impl FnOnce() -> DVec3,
+    ) -> SceneResult<DVec3> {
         if let Some(vector) = self.optional_vector(name)? {
             return Ok(vector);
         }
@@ -208,7 +212,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Length`] that may be left out.
-    pub fn optional_length(&self, name: &str) -> SceneResult<Option<Length>> {
+    pub(crate) fn optional_length(&self, name: &str) -> SceneResult<Option<Length>> {
         let read = |value: &Spanned<DeValue>| {
             let text = match value.get_ref() {
                 DeValue::String(text) => text.to_string(),
@@ -228,7 +232,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Text`] or [`Kind::Choice`] that may be left out.
-    pub fn optional_text(&self, name: &str) -> SceneResult<Option<String>> {
+    pub(crate) fn optional_text(&self, name: &str) -> SceneResult<Option<String>> {
         let read = |value: &Spanned<DeValue>| {
             let DeValue::String(text) = value.get_ref() else {
                 return Err(self.wrong_type(name, value));
@@ -280,7 +284,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Table`], if the file has it. One that may be left out but has
-    /// defaults for all its keys is [`Reader::table_or_default`].
+    /// defaults for all its keys is `Reader::table_or_default`.
     pub fn table(&self, name: &str) -> SceneResult<Option<Reader<'d, 's>>> {
         match self.value(name) {
             Some(value) => {
@@ -296,7 +300,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// The table `name`, by `read`, if it is there.
-    pub fn table_as<T>(
+    pub(crate) fn table_as<T>(
         &self,
         name: &str,
         read: impl FnOnce(&Reader<'d, 's>) -> SceneResult<T>,
@@ -305,7 +309,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// The tables `name`, each by `read`.
-    pub fn tables_as<T>(
+    pub(crate) fn tables_as<T>(
         &self,
         name: &str,
         read: impl FnMut(&Reader<'d, 's>) -> SceneResult<T>,
@@ -346,7 +350,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::OneOrMore`], which is there: one table, or each of several.
-    pub fn one_or_more(&self, name: &str) -> SceneResult<Vec<Reader<'d, 's>>> {
+    pub(crate) fn one_or_more(&self, name: &str) -> SceneResult<Vec<Reader<'d, 's>>> {
         let Kind::OneOrMore(declaration) = self.declared(name).kind else {
             panic!("{name} is not a table or several")
         };
@@ -370,7 +374,7 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Table`]; an empty one if the file leaves it out.
-    pub fn table_or_default(&self, name: &str) -> SceneResult<Reader<'d, 's>> {
+    pub(crate) fn table_or_default(&self, name: &str) -> SceneResult<Reader<'d, 's>> {
         static EMPTY: LazyLock<DeTable<'static>> = LazyLock::new(DeTable::new);
         if let Some(reader) = self.table(name)? {
             return Ok(reader);

@@ -85,12 +85,12 @@ impl Mistake {
 
     /// Whether it edits each pixel of the image independently, so that any part of the image shows
     /// it.
-    pub fn is_of_single_pixels(&self) -> bool {
+    pub(crate) fn is_of_single_pixels(&self) -> bool {
         matches!(self.edit, Edit::Pixels(_))
     }
 
     /// It edits each value of the image, and not by a factor alone.
-    pub fn is_curve(&self) -> bool {
+    pub(crate) fn is_curve(&self) -> bool {
         let probe = Film::new(3, 1, vec![[0.1; 3], [0.5; 3], [2.0; 3]]);
         let Some(film) = self.in_image(&probe).filter(|_| self.is_of_single_pixels()) else {
             return false;
