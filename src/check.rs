@@ -28,7 +28,7 @@ impl Suite {
 /// Judges `image`, linear radiance with the top row first, as an image of `case` of the
 /// [bundled](Suite::bundled) suite, as `volref validate` would: verdict, numbers, the reason in
 /// words, and the conventions or the likely mistakes behind a failing image. The search for these
-/// takes up to ten seconds, and half as long again for conventions.
+/// takes up to [ten seconds](Search::BUDGET), and half as long again for conventions.
 ///
 /// ```
 /// use volref::film::Film;

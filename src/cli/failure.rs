@@ -6,7 +6,7 @@ use miette::{MietteHandlerOpts, Report};
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-/// Exit codes. If several apply: 2, 3, 6, 1, 4, 5, in this order.
+/// Exit codes. If several apply, [`Exit::first_of`] chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
     /// All images compared and passed.
@@ -40,7 +40,7 @@ impl Exit {
     ];
 
     /// The exit code of a command with these outcomes; without any, nothing was compared.
-    pub(crate) fn first_of(met: impl IntoIterator<Item = Exit>) -> Exit {
+    pub fn first_of(met: impl IntoIterator<Item = Exit>) -> Exit {
         let met: Vec<Exit> = met.into_iter().collect();
         let first = Exit::ORDER.into_iter().find(|exit| met.contains(exit));
         first.unwrap_or(Exit::Undecided)

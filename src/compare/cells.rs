@@ -91,8 +91,8 @@ impl Misfit {
         self.parts[0].plus(&self.parts[1])
     }
 
-    /// What hypotheses that explain an image are ordered by, the nearest first: the distance, and where noise hides it
-    /// the squares in variances, by which the image is less likely.
+    /// Key by which hypotheses that explain an image are ordered, the nearest first: the distance, and in noise, which
+    /// hides it, the squares in variances.
     pub fn remoteness(&self) -> f64 {
         if self.has_noise {
             self.in_noise

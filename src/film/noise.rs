@@ -55,7 +55,7 @@ impl Noise {
     }
 
     /// Whether those values are whole renderings without a sample count.
-    pub(crate) fn is_of_renderings(&self) -> bool {
+    pub fn is_of_renderings(&self) -> bool {
         self.origin == NoiseOrigin::Renderings
     }
 

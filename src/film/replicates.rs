@@ -13,7 +13,7 @@ impl Film {
     ///
     /// Otherwise each rendering counts as one number: the variance of the mean is their sample
     /// variance divided by their number n, which is then [`Noise::samples`](super::Noise::samples)
-    /// (`Noise::is_of_renderings`). For few renderings this is very rough: its relative standard
+    /// ([`Noise::is_of_renderings`](super::Noise::is_of_renderings)). For few renderings this is very rough: its relative standard
     /// error is √(2/(n − 1)), 1 for three and ½ for nine, and by chance it may be close to 0.
     /// Variances stated by the renderings are not used then. [`Film::samples`] is the sum of theirs
     /// if all have one.

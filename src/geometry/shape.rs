@@ -123,7 +123,7 @@ impl Boundary {
 }
 
 impl ConvexBoundary<'_> {
-    /// The segment of `ray` inside, where it enters and leaves.
+    /// The segment of `ray` inside, the only one in a convex shape.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
         within!(self, (ConvexBoundary: Sphere | Box | PlacedSphere | PlacedBox),
             shape => Convex::span(*shape, ray))

@@ -43,7 +43,7 @@ pub struct Derivative {
 ///
 /// # Errors
 ///
-/// Those of `render_coarse`. `None` where the number cannot be changed on either side.
+/// Errors of the rendering. `None` where the number cannot be changed on either side.
 pub fn derivative(
     scene: &Scene,
     number: &Number,

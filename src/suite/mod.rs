@@ -13,8 +13,7 @@ pub(crate) mod sensitivities;
 pub(crate) mod store;
 pub(crate) mod suite_hash;
 
-pub(crate) use analytic::Analytic;
-pub(crate) use analytic::{ANALYTIC, ERROR_OF_TOLERANCE};
+pub(crate) use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
 pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,

@@ -19,7 +19,7 @@ pub struct Search<'s> {
 
 impl Search<'_> {
     /// Default limit for each case, seconds: about as long as people wait for an answer.
-    pub(crate) const BUDGET: u32 = 10;
+    pub const BUDGET: u32 = 10;
 }
 
 /// Share of the work for first looks. A second look takes up to 16 times the work of a first one,

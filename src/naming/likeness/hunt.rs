@@ -149,8 +149,8 @@ impl ComparedCase {
         };
         let found = of_the_image.into_iter().filter_map(|index| {
             let film = mistake(index).in_image(&self.golden)?;
-            let misfit = pixels.explained_by(&film, self.may_leave())?;
-            Some((Hypothesis::One(index), misfit))
+            let misfit = pixels.explained_by(&film, self.may_leave());
+            misfit.map(|misfit| (Hypothesis::One(index), misfit))
         });
         let mut found: Explaining = found.collect();
         found.sort_by(|(_, a), (_, b)| nearer(a, b));

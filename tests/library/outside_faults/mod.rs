@@ -311,12 +311,8 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
     let output = || Output::Picture(Box::new(Picture::Radiance(rendered(&scene, 4))));
     let found = || {
         let mut judged = [validate(case, &suite.store(), output(), None)];
-        let search = Search {
-            budget: Some(Duration::from_millis(300)),
-            predictions: &Predictions::in_folder(folder.path()),
-            interrupted: &|| false,
-            progress: &|_| (),
-        };
+        let predictions = Predictions::in_folder(folder.path());
+        let search = uninterrupted(Duration::from_millis(300), &predictions);
         let found = likeness(&[case], &[], None, &mut judged, &search);
         let [judged] = judged;
         (found, judged.result.looks_like, judged.result.difference)
@@ -340,12 +336,7 @@ fn names_of_faults_outside_the_catalogue() {
     let folder = tempfile::tempdir().unwrap();
     let predictions = Predictions::in_folder(folder.path());
     let seconds = f64::from(given("VOLREF_EXPLAIN").unwrap_or(10));
-    let search = Search {
-        budget: Some(Duration::from_secs_f64(seconds)),
-        predictions: &predictions,
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
+    let search = uninterrupted(Duration::from_secs_f64(seconds), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
     let is_wanted = |fault: &Fault| {
         let kind = Kind::ALL.iter().find(|(kind, _)| *kind == fault.kind);
@@ -401,12 +392,7 @@ fn mistakes_of_the_catalogue_are_named_first() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let predictions = Predictions::in_folder(folder.path());
-    let search = Search {
-        budget: Some(Duration::from_secs(10)),
-        predictions: &predictions,
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
+    let search = uninterrupted(Duration::from_secs(10), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
     let seeds = u64::from(given("VOLREF_SEEDS").unwrap_or(4));
     let (mut named_in_all, mut failed_in_all) = (0, 0);
@@ -472,12 +458,7 @@ fn mistakes_that_noise_hides_are_named() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let predictions = Predictions::in_folder(folder.path());
-    let search = Search {
-        budget: Some(Duration::from_secs(10)),
-        predictions: &predictions,
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
+    let search = uninterrupted(Duration::from_secs(10), &predictions);
     let hidden = ["half-resolution", "one-pixel-left", "lights-counted-twice"];
     hidden.par_iter().for_each(|name| {
         let result = result_of_mistake(&suite, "smoke/cornell", name, (16, 1), &search).unwrap();
@@ -529,6 +510,16 @@ fn same_image(suite: &Suite, case: &str, one: &str, other: &str) -> bool {
         return false;
     };
     judge_at(&one, &other, ANOTHER_IMAGE).is_ok_and(|judgement| judgement.passed)
+}
+
+/// A search with this much work that nobody ends.
+fn uninterrupted(work: Duration, predictions: &Predictions) -> Search<'_> {
+    Search {
+        budget: Some(work),
+        predictions,
+        interrupted: &|| false,
+        progress: &|_| (),
+    }
 }
 
 fn given(variable: &str) -> Option<u32> {
