@@ -81,21 +81,17 @@ def write_grid(path, nodes):
 
 class Bench:
     def __init__(self, folder, runs):
-        self.folder, self.runs = Path(folder), runs
+        self.folder, self.runs, self.started = Path(folder), runs, 0
 
     def start(self, text, threads, options=()):
-        scene = self.folder / "scene.toml"
+        self.started += 1
+        scene = self.folder / f"scene-{self.started}.toml"
         scene.write_text(text)
-        command = [VOLREF, "render", scene, "-o", self.folder / f"image-{len(os.listdir(self.folder))}.exr", "--threads", threads,
-                   "--json", *options]
+        command = [VOLREF, "render", scene, "-o", scene.with_suffix(".exr"), "--threads", threads, "--json", *options]
         return subprocess.Popen([str(word) for word in command], stdout=subprocess.PIPE, text=True)
 
     def seconds(self, text, threads=1, options=()):
-        process = self.start(text, threads, options)
-        printed, _ = process.communicate()
-        if process.returncode:
-            sys.exit("volref render failed")
-        return json.loads(printed)["seconds"]
+        return rendered(self.start(text, threads, options))
 
     def sweep(self, texts):
         """Median seconds of each scene, or scene and options; all by turns."""
@@ -105,6 +101,14 @@ class Bench:
             for (text, options), seconds in zip(pairs, times):
                 seconds.append(self.seconds(text, options=options))
         return [statistics.median(seconds) for seconds in times]
+
+
+def rendered(process):
+    """Seconds of the rendering of a process, once it has ended."""
+    printed, _ = process.communicate()
+    if process.returncode:
+        sys.exit("volref render failed")
+    return json.loads(printed)["seconds"]
 
 
 def exponents(sizes, seconds):
@@ -128,11 +132,7 @@ def table(title, axis, sizes, curves):
 def at_once(bench, text):
     """Mean seconds of two processes of one thread that run at the same time."""
     both = [bench.start(text, 1) for _ in range(2)]
-    seconds = []
-    for process in both:
-        printed, _ = process.communicate()
-        seconds.append(json.loads(printed)["seconds"])
-    return statistics.mean(seconds)
+    return statistics.mean(rendered(process) for process in both)
 
 
 def main():

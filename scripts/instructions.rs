@@ -19,7 +19,6 @@ use std::{env, fs};
 
 use glam::DVec3;
 use volref::cost::effects::{Variant, variants};
-use volref::cost::results::MeanWork;
 use volref::cost::thumbnail;
 use volref::film::Film;
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
@@ -29,11 +28,8 @@ use volref::scene::{Classified, Model, Panel, Radiative, Scene};
 
 type Failure = Box<dyn std::error::Error>;
 
-/// One scene per family, or several where what is null differs: its name and the panel that is
-/// looked at.
-const SCENES: [(&str, usize); 10] = [
-    ("figures/figure-3", 0),
-    ("figures/figure-5", 1),
+/// Scenes whose plans elide effects: name and panel.
+const ELIDING: [(&str, usize); 8] = [
     ("fog/isotropic", 0),
     ("fog/absorption", 0),
     ("smoke/cornell", 0),
@@ -42,6 +38,13 @@ const SCENES: [(&str, usize); 10] = [
     ("hard/a6-null-effects", 0),
     ("hard/a6-null-shading", 0),
     ("hard/d1-constant-grid", 0),
+];
+/// Scenes whose effects are counted one by one: name and panel.
+const PRICED: [(&str, usize); 4] = [
+    ("figures/figure-5", 1),
+    ("fog/isotropic", 0),
+    ("smoke/cornell", 0),
+    ("procedural/coloured", 0),
 ];
 /// Larger side of an image, and samples per pixel where it is sampled.
 const SIDE: usize = 32;
@@ -123,7 +126,7 @@ fn total(path: &Path) -> Result<u64, Failure> {
     Ok(total.trim().parse()?)
 }
 
-/// A scene of one panel, and effects that are simulated although they are null.
+/// A scene of one panel, and effects that are simulated although the plan elides them.
 struct Picture {
     scene: Scene,
     forced: Vec<Effect>,
@@ -300,39 +303,38 @@ fn haze(panel: &Panel) -> Result<Picture, Failure> {
     Ok(picture_of(scene, 1))
 }
 
-// ---- What is null, and what that saves -------------------------------------------------------
+// ---- Effects that are elided, and what that saves ----------------------------------------------
 
-/// A scene by its own plan, and with effects forced that are null.
-struct Study {
-    name: String,
+/// A scene by its own plan, and with all elided effects forced.
+struct Elision {
+    name: &'static str,
     own: Picture,
-    /// Everything null forced, then each null effect alone.
-    forced: Vec<(Vec<Effect>, Picture)>,
+    forced: Picture,
+}
+
+fn elision(name: &'static str, panel: &Panel) -> Elision {
+    let own = picture(panel, SIDE, SAMPLES);
+    let scene = own.scene.clone();
+    let forced = Plan::null_effects(own.panel());
+    Elision {
+        name,
+        own,
+        forced: Picture { scene, forced },
+    }
+}
+
+/// A scene with more and more of its effects.
+struct Prices {
+    name: &'static str,
     variants: Vec<(String, Picture)>,
 }
 
-fn study(name: &str, panel: &Panel) -> Study {
-    let own = picture(panel, SIDE, SAMPLES);
-    let null = Plan::null_effects(own.panel());
-    let alone = null.iter().map(|effect| vec![*effect]);
-    let sets: Vec<Vec<Effect>> = match null.len() {
-        0 => vec![],
-        1 => vec![null.clone()],
-        _ => std::iter::once(null.clone()).chain(alone).collect(),
-    };
-    let forced = sets.into_iter().map(|effects| {
-        let forced = effects.clone();
-        let scene = own.scene.clone();
-        (effects, Picture { scene, forced })
-    });
-    Study {
-        name: name.to_owned(),
-        forced: forced.collect(),
-        variants: variants(panel)
-            .into_iter()
-            .map(|Variant { name, scene }| (name, picture_of(scene, SAMPLES)))
-            .collect(),
-        own,
+fn prices(name: &'static str, panel: &Panel) -> Prices {
+    let variants = variants(panel).into_iter();
+    let variants = variants.map(|Variant { name, scene }| (name, picture_of(scene, SAMPLES)));
+    Prices {
+        name,
+        variants: variants.collect(),
     }
 }
 
@@ -370,47 +372,22 @@ fn head(title: &str, columns: &[&str]) {
     row(&vec!["---".to_owned(); columns.len()]);
 }
 
-fn names(effects: &[Effect]) -> String {
-    match effects {
-        [] => "nothing".to_owned(),
-        _ => effects
-            .iter()
-            .map(|e| e.name())
-            .collect::<Vec<_>>()
-            .join(", "),
-    }
-}
-
-fn or_nothing(words: Vec<String>) -> String {
-    match words.is_empty() {
-        true => "nothing".to_owned(),
-        false => words.join(", "),
-    }
-}
-
-/// Counters that are not 0, for each pixel.
-fn work(picture: &Picture) -> Result<String, Failure> {
-    let counters = picture.counters()?;
-    let done = MeanWork::REPORTED.into_iter();
-    let done = done.filter(|event| counters[*event] > 0);
-    let words = done.map(|event| {
-        let each = counters[event] as f64 / picture.pixels() as f64;
-        format!("{} {}", three_digits(each), event.key().replace('_', " "))
-    });
-    Ok(or_nothing(words.collect()))
-}
-
-fn saved(own: f64, forced: f64) -> String {
-    // No zero of the other sign.
-    let tenths = (1000.0 * (1.0 - own / forced)).round() + 0.0;
-    format!("{:.1} %", tenths / 10.0)
-}
-
 // ---- The program -----------------------------------------------------------------------------
 
 fn load(name: &str) -> Result<Scene, Failure> {
     let path = PathBuf::from(format!("fixtures/scenes/{name}.toml"));
     Ok(Scene::load(&path)?)
+}
+
+/// What `make` makes of each scene: of its name and its panel.
+fn of_scenes<T>(
+    scenes: &[(&'static str, usize)],
+    make: fn(&'static str, &Panel) -> T,
+) -> Result<Vec<T>, Failure> {
+    let scenes = scenes.iter();
+    scenes
+        .map(|&(name, panel)| Ok(make(name, &load(name)?.panels[panel])))
+        .collect()
 }
 
 fn main() -> ExitCode {
@@ -432,10 +409,8 @@ fn main() -> ExitCode {
 fn run() -> Result<(), Failure> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let contests = contests()?;
-    let studies = SCENES
-        .iter()
-        .map(|&(name, panel)| Ok(study(name, &load(name)?.panels[panel])))
-        .collect::<Result<Vec<_>, Failure>>()?;
+    let elisions = of_scenes(&ELIDING, elision)?;
+    let prices = of_scenes(&PRICED, prices)?;
 
     let mut tasks = Tasks::default();
     let contest_tasks: Vec<[Index; 2]> = contests
@@ -445,14 +420,17 @@ fn run() -> Result<(), Failure> {
             [by_hand, tasks.add(|| drop(contest.picture.film()))]
         })
         .collect();
-    let study_tasks: Vec<_> = studies
+    let elision_tasks: Vec<[Each; 2]> = elisions
         .iter()
-        .map(|study| {
-            let own = tasks.add_picture(&study.own);
-            let forced = study.forced.iter().map(|(_, it)| tasks.add_picture(it));
-            let forced: Vec<Each> = forced.collect();
-            let variants = study.variants.iter().map(|(_, it)| tasks.add_picture(it));
-            (own, forced, variants.collect::<Vec<Each>>())
+        .map(|it| [&it.own, &it.forced].map(|picture| tasks.add_picture(picture)))
+        .collect();
+    let price_tasks: Vec<Vec<Each>> = prices
+        .iter()
+        .map(|it| {
+            it.variants
+                .iter()
+                .map(|(_, picture)| tasks.add_picture(picture))
+                .collect()
         })
         .collect();
     if arguments.first().is_some_and(|first| first == "--tasks") {
@@ -470,12 +448,9 @@ fn run() -> Result<(), Failure> {
             return Err(format!("{}: other bits by hand", contest.name).into());
         }
     }
-    for study in &studies {
-        let own = study.own.film().pixel_hash();
-        for (effects, forced) in &study.forced {
-            if forced.film().pixel_hash() != own {
-                return Err(format!("{}: other bits with {}", study.name, names(effects)).into());
-            }
+    for elision in &elisions {
+        if elision.forced.film().pixel_hash() != elision.own.film().pixel_hash() {
+            return Err(format!("{}: other bits with all effects", elision.name).into());
         }
     }
     let counts = instructions(tasks.0.len())?;
@@ -496,80 +471,52 @@ fn run() -> Result<(), Failure> {
     }
 
     head(
-        "**What was not simulated, and what that saved**, instructions a pixel",
+        "**Effects that were not simulated**, and what that saved; instructions per pixel",
         &[
             "scene",
             "simulated by",
-            "null",
-            "not asked for",
+            "elided",
+            "not requested",
             "instructions",
-            "with what is null",
+            "with the elided effects",
             "saved",
         ],
     );
-    for (study, (own, forced, _)) in studies.iter().zip(&study_tasks) {
-        let all = forced.first().map(|forced| forced.of(&counts));
-        let own = own.of(&counts);
-        let null = study.forced.first().map_or(&[][..], |(effects, _)| effects);
+    for (elision, [own, forced]) in elisions.iter().zip(&elision_tasks) {
+        let [own, forced] = [own, forced].map(|each| each.of(&counts));
+        let elided = elision.forced.forced.iter().map(|effect| effect.name());
         row(&[
-            study.name.clone(),
-            study.own.plan().kernel.to_string(),
-            names(null),
-            or_nothing(study.own.plan().omitted()),
+            elision.name.to_owned(),
+            elision.own.plan().kernel.to_string(),
+            elided.collect::<Vec<_>>().join(", "),
+            elision.own.plan().omitted().join(", "),
             three_digits(own),
-            all.map_or("the same".to_owned(), three_digits),
-            all.map_or("nothing to save".to_owned(), |all| saved(own, all)),
+            three_digits(forced),
+            format!("{:.1} %", 100.0 * (1.0 - own / forced)),
         ]);
     }
 
     head(
-        "**Each null effect forced alone**, instructions and work a pixel",
-        &["scene", "forced", "kernel", "instructions", "saved", "work"],
-    );
-    for (study, (own, forced, _)) in studies.iter().zip(&study_tasks) {
-        let own = own.of(&counts);
-        row(&[
-            study.name.clone(),
-            "nothing".to_owned(),
-            study.own.plan().kernel.to_string(),
-            three_digits(own),
-            String::new(),
-            work(&study.own)?,
-        ]);
-        for ((effects, picture), each) in study.forced.iter().zip(forced) {
-            let each = each.of(&counts);
-            row(&[
-                String::new(),
-                names(effects),
-                picture.plan().kernel.to_string(),
-                three_digits(each),
-                saved(own, each),
-                work(picture)?,
-            ]);
-        }
-    }
-
-    head(
-        "**What each effect costs**, a pixel",
+        "**What each effect costs**, per pixel",
         &[
             "scene",
             "effects",
             "lookups",
             "random numbers",
             "instructions",
-            "times the first",
+            "relative to the first",
         ],
     );
-    for (study, (_, _, each)) in studies.iter().zip(&study_tasks) {
+    for (scene, each) in prices.iter().zip(&price_tasks) {
         let mut first = None;
-        for ((name, picture), each) in study.variants.iter().zip(each) {
+        for ((name, picture), each) in scene.variants.iter().zip(each) {
             let counters = picture.counters()?;
             let lookups = counters[Event::DensityLookup] + counters[Event::GradientLookup];
             let per_pixel = |count: u64| three_digits(count as f64 / picture.pixels() as f64);
             let each = each.of(&counts);
             row(&[
                 match first {
-                    None => study.name.clone(),
+                    None => scene.name.to_owned(),
                     Some(_) => String::new(),
                 },
                 name.clone(),

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # How many instructions the kernels take, counted by callgrind: the kernel that a plan picks against
 # a loop written by hand, what it saves to leave out what is null, and the price of each effect.
-# Prints tables in Markdown; src/guide/effects.md shows two of them.
+# Prints tables in Markdown, those of src/guide/speed.md (scripts/speed.py).
 #
 # Counts repeat from run to run, but for a few hundred instructions of the allocator: the last of
 # the three digits may move by one. Versions of the compiler differ by more; it is named below the

@@ -14,12 +14,13 @@
 //! | [`several_machines`] | parts of a suite, units of a golden, Slurm, Kubernetes |
 //! | [`in_your_tests`] | Python, pytest, CMake, GitHub |
 //! | [`accuracy_and_cost`] | error against lookups and time |
-//! | [`effects`] | the effects that a scene needs, and the instructions saved |
+//! | [`effects`] | the effects that a scene needs |
+//! | [`speed`] | what scenes cost, measured |
 //! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
 //! | [`peers`] | exports to Mitsuba, pbrt and bundles |
 //! | [`findings`] | faults of renderers, with a check without volref |
 //! | [`reported`] | public reports of wrong images, and what is said of each |
-//! | [`working_on_volref`] | checks, self-test, fuzzing, speed |
+//! | [`working_on_volref`] | checks, self-test, fuzzing |
 //!
 //! The chapters are the files `src/guide/*.md`, readable in the repository as well. A test runs every
 //! command block and compares the output with the one shown.
@@ -65,6 +66,9 @@ pub mod accuracy_and_cost {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/effects.md")]
 pub mod effects {}
+#[doc = include_str!("guide/links.md")]
+#[doc = include_str!("guide/speed.md")]
+pub mod speed {}
 #[doc = include_str!("guide/links.md")]
 #[doc = include_str!("guide/hard_cases.md")]
 pub mod hard_cases {}

@@ -35,6 +35,7 @@ documents! {
     adapters: "src/guide/adapters.md",
     comparing: "src/guide/comparing.md",
     effects: "src/guide/effects.md",
+    speed: "src/guide/speed.md",
     findings: "src/guide/findings.md",
     fog_and_smoke: "src/guide/fog_and_smoke.md",
     hard_cases: "src/guide/hard_cases.md",
@@ -200,7 +201,9 @@ fn blocks<'a>(file: &'a str, text: &str) -> Vec<Block<'a>> {
     let mut lines = (1..).zip(text.lines());
     while let Some((line, text)) = lines.next() {
         let place = Place { file, line };
-        if let Some(mark) = text.strip_prefix("<!-- ") {
+        if text.starts_with(WRITTEN_BY) || text == WRITTEN_END {
+            // What a script wrote: tables, no blocks.
+        } else if let Some(mark) = text.strip_prefix("<!-- ") {
             let mark = mark.strip_suffix(" -->").and_then(Mark::parse);
             marks.push(mark.unwrap_or_else(|| panic!("{place}: unknown mark {text}")));
         } else if let Some(language) = text.strip_prefix("```") {
@@ -573,6 +576,28 @@ fn every_chapter_is_tested_and_shown() {
 #[test]
 fn the_readme_is_short() {
     assert!(text("README.md").lines().count() <= 180);
+}
+
+/// Marks around the output of a command, which `scripts/speed.py` replaces.
+const WRITTEN_BY: &str = "<!-- by ";
+const WRITTEN_END: &str = "<!-- end -->";
+
+/// Tables of measured speed are the output of commands.
+#[test]
+fn tables_of_speed_are_written_by_scripts() {
+    let page = text("src/guide/speed.md");
+    let mut rows = page.lines().filter(|line| line.starts_with('|')).count();
+    for part in page.split(WRITTEN_BY).skip(1) {
+        let (command, rest) = part.split_once(" -->").expect("a command");
+        let (written, _) = rest.split_once(WRITTEN_END).expect("an end");
+        let script = command.split(' ').next().unwrap();
+        assert!(root().join(script).exists(), "no {script}");
+        let table = written.lines().filter(|line| line.starts_with('|'));
+        let count = table.count();
+        assert!(count > 2, "{script} wrote no table");
+        rows -= count;
+    }
+    assert_eq!(rows, 0, "rows of tables that no script writes");
 }
 
 /// The targets of links, `(target)` and `[label]: target`, with the labels of the latter.

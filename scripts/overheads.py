@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""What it costs to call another renderer, and to divide the work among processes: tables in Markdown.
+
+    overheads.py [--runs R] [--cases N]
+
+Medians of R runs by turns, and their range; seconds of the wall clock. `student.py` draws eight cases, started for each image
+(`--run`) and once for all (`--serve`). A golden is made by one process on all cores, and by processes of one core that compute
+its units. N small cases are verified in ten parts, and their results merged. Takes some minutes; needs NumPy and a release
+build, or the program that $VOLREF names.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+VOLREF = os.environ.get("VOLREF", str(ROOT / "target/release/volref"))
+CORES = len(os.sched_getaffinity(0))
+STUDENT = "python3 scripts/peers/student.py"
+DRAWN = ["figures/figure-1", "figures/figure-2", "figures/figure-3", "figures/figure-4",
+         "scenes/maximum", "scenes/maximum-exact", "scenes/mean", "scenes/minimum-exact"]
+GOLDEN = "hard/s10-coloured-furnace"
+SCENE = """[film]
+width = 8
+height = 8
+[camera]
+eye = [0, 0, -4]
+target = [0, 0, 0]
+vertical_fov = 40
+[radiative]
+scattering = "none"
+environment = 1
+[[radiative.medium]]
+sphere = {{ centre = [0, 0, 0], radius = 1 }}
+sigma_a = {sigma_a}
+"""
+MANIFEST = """class = "deterministic"
+source = "Beer's law"
+shows = "A ball that absorbs."
+computes = "exp(-chord)"
+"""
+
+
+def volref(folder, *words, **more):
+    """Seconds of a command, and what it printed. It writes goldens, so that it must not run as in CI."""
+    environment = {key: value for key, value in os.environ.items() if key not in ("CI", "VOLREF_SUITE")}
+    before = time.perf_counter()
+    done = subprocess.run([VOLREF, *words], cwd=folder, env=environment | more, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"volref {' '.join(words)}: {done.stdout}{done.stderr}")
+    return time.perf_counter() - before, done.stdout
+
+
+def table(columns, rows):
+    print("| " + " | ".join(columns) + " |\n|" + " --- |" * len(columns))
+    for name, seconds in rows:
+        print(f"| {name} | {statistics.median(seconds):.2f} ({min(seconds):.2f} to {max(seconds):.2f}) |", flush=True)
+
+
+def calls(runs):
+    """Seconds of each run of all cases, by program that is started for each image, and that stays."""
+    kinds = {"--run": f"{STUDENT} {{export:bundle}} {{output}}", "--serve": f"{STUDENT} --serve {{export:bundle}}"}
+    seconds = {kind: [] for kind in kinds}
+    for _ in range(runs):
+        for kind, command in kinds.items():
+            seconds[kind].append(volref(ROOT, "validate", *DRAWN, kind, command)[0])
+    return [(f"`{kind}`", seconds[kind]) for kind in kinds]
+
+
+def goldens(folder, runs):
+    """Seconds in which a golden is made, by its whole image and by its units."""
+    volref(folder, "suite", "--extract", "suite")
+    suite = folder / "suite"
+    names = ["`accept` in one process", f"its units, {CORES} processes of one core", "`accept` of the units"]
+    seconds = {name: [] for name in names}
+    for _ in range(runs):
+        for by_units in (False, True):
+            shutil.rmtree(suite / ".volref", ignore_errors=True)
+            for kept in suite.glob(f"golden/{GOLDEN}.*"):
+                kept.unlink()
+            if by_units:
+                units = json.loads(volref(suite, "units", GOLDEN, "--json")[1])["units"]
+                before = time.perf_counter()
+                with ThreadPoolExecutor(CORES) as pool:
+                    compute = ["units", GOLDEN, "--compute", "--threads", "1", "--unit"]
+                    list(pool.map(lambda unit: volref(suite, *compute, unit["id"]), units))
+                seconds[names[1]].append(time.perf_counter() - before)
+            seconds[names[2 * by_units]].append(volref(suite, "accept", GOLDEN, "--reason", "measured")[0])
+    return [(name, seconds[name]) for name in names]
+
+
+def parts(folder, runs, count):
+    """Seconds of one part of many cases in which there is one case, of ten parts, and of their merge."""
+    scenes, manifests = folder / "many/fixtures/scenes/many", folder / "many/fixtures/cases/many"
+    scenes.mkdir(parents=True)
+    manifests.mkdir(parents=True)
+    for number in range(count):
+        (scenes / f"{number:05}.toml").write_text(SCENE.format(sigma_a=(number + 1) / count))
+        (manifests / f"{number:05}.toml").write_text(MANIFEST)
+    many = folder / "many"
+    volref(many, "accept", "many", "--reason", "measured")
+    names = [f"a part of one of {count} cases", f"ten parts of {count} cases, by turns", "`merge` of their results"]
+    seconds = {name: [] for name in names}
+    for _ in range(runs):
+        for kept in ("one", "ten"):
+            shutil.rmtree(many / kept, ignore_errors=True)
+        verify = ["verify", "--results"]
+        seconds[names[0]].append(volref(many, *verify, "one", "--partition", f"slice:1/{count}")[0])
+        ten = [volref(many, *verify, "ten", "--partition", f"slice:{part}/10")[0] for part in range(1, 11)]
+        seconds[names[1]].append(sum(ten))
+        seconds[names[2]].append(volref(many, "merge", "ten")[0])
+    return [(name, seconds[name]) for name in names]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--cases", type=int, default=10000)
+    options = parser.parse_args()
+    table(["eight cases, drawn by `student.py`", "s"], calls(options.runs))
+    with tempfile.TemporaryDirectory() as folder:
+        rows = goldens(Path(folder), options.runs) + parts(Path(folder), options.runs, options.cases)
+        print(f"\nThe golden is that of `{GOLDEN}`, the cases have 8 × 8 pixels.\n")
+        table(["work divided", "s"], rows)
+
+
+if __name__ == "__main__":
+    main()
