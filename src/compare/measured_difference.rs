@@ -633,6 +633,33 @@ mod tests {
         assert!(!text.contains("is seen"), "{text}");
     }
 
+    /// Rows that were never written; not what is nearly black, nor what noise makes black.
+    #[test]
+    fn black_pixels_are_counted() {
+        let with_rows = |value: f32| {
+            let pixels = golden().radiance().to_vec().into_iter().enumerate();
+            let pixels = pixels.map(|(i, pixel)| match i / 96 % 16 {
+                3 => [value; 3],
+                _ => pixel,
+            });
+            Film::new(96, 80, pixels.collect())
+        };
+        let said = |golden: &Film, test: &Film| {
+            measured_difference(golden, test, &Seen::default()).join("; ")
+        };
+        let golden = golden();
+        let text = said(&golden, &with_rows(0.0));
+        let words = "all of the squared relative difference lies in 480 pixels that are black where the golden is not";
+        assert!(text.contains(words), "{text}");
+        let pixels = with_rows(0.0).radiance().to_vec();
+        let variance = vec![[1e-4; 3]; pixels.len()];
+        let with_noise = Film::with_noise(96, 80, pixels, variance, 16);
+        for test in [with_rows(1e-6), with_noise] {
+            let text = said(&golden, &test);
+            assert!(!text.contains("black"), "{text}");
+        }
+    }
+
     /// In noise, stated or not, the size is found within its error; of noise alone nothing is said.
     #[test]
     fn noise_is_no_difference() {
