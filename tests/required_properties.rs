@@ -1,5 +1,6 @@
-//! The four properties that volref was asked to hold, each under its name: gradient symmetry, trilinear agreement
-//! at grid nodes, front to back equals back to front, and perceptual-diff snapshots of figures 1 to 5.
+//! The four properties that volref was asked to hold, each under its name: gradient symmetry,
+//! trilinear agreement at grid nodes, front to back equals back to front, and
+//! perceptual-diff snapshots of figures 1 to 5.
 //!
 //! Each is stated here in its plainest form. The laws over their whole domains, with the bounds of rounding, are in
 //! `tests/library/volume_laws.rs` and `tests/library/ray_caster`.

@@ -27,10 +27,9 @@ pub use precision::{declared, radiance};
 pub(crate) use results::Summary;
 pub use results::{CaseResult, Cause, Verdict, metric_meaning};
 pub(crate) use rows::verify_row;
-pub(crate) use self_test::case_trials;
-pub use self_test::{
-    BenignTrials, CaseTrials, MistakeTrials, Rejection, SelfTest, SelfTestCases, SelfTestExtent,
-    Step, Trial, self_test, self_test_steps,
+pub(crate) use self_test::{
+    CaseTrials, MistakeTrials, SelfTest, SelfTestCases, SelfTestExtent, Step, Trial, case_trials,
+    self_test_steps,
 };
 pub use validate::validate;
 pub(crate) use validate::{add_right_declaration, validate_at};

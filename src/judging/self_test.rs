@@ -209,19 +209,6 @@ pub enum SelfTestCases {
     Part,
 }
 
-/// Runs the self-test on `cases`, which are these of the suite. `report` is called for each
-/// of its [steps](self_test_steps).
-pub fn self_test(
-    cases: &[&Case],
-    which: SelfTestCases,
-    store: &Store,
-    extent: SelfTestExtent,
-    report: &dyn Fn(Step<'_>),
-) -> SelfTest {
-    let found = case_trials(cases, store, extent, report);
-    SelfTest::of(cases, &found, which)
-}
-
 /// Runs the self-test on `cases`: outcomes of every mistake and of correct images in each.
 pub(crate) fn case_trials(
     cases: &[&Case],

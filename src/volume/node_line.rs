@@ -24,7 +24,7 @@ impl NodeLine {
         NodeLine::from(lattice.to_nodes(line.origin), line.direction, lattice)
     }
 
-    /// The line from `origin` along `direction`, a world vector.
+    /// The line from `origin` along `direction`, a vector of the space in which the nodes lie, such as the world.
     #[inline]
     pub fn from(origin: NodePoint, direction: DVec3, lattice: &Lattice) -> NodeLine {
         NodeLine {

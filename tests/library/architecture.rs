@@ -418,6 +418,22 @@ fn the_sampler_alone_draws_random_numbers() {
     assert_eq!(found, ["kernels.rs", "sampler.rs"]);
 }
 
+/// The plain renderers are there to be read.
+#[test]
+fn the_reference_is_short() {
+    for (file, most) in [("ray_caster.rs", 149), ("path_tracer.rs", 300)] {
+        let path = source().join("reference").join(file);
+        let text = std::fs::read_to_string(path).unwrap();
+        let text = text.split("#[cfg(test)]").next().unwrap();
+        let is_code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
+        let lines = text.lines().filter(is_code).count();
+        assert!(
+            lines <= most,
+            "{file}: {lines} lines of code, at most {most}"
+        );
+    }
+}
+
 #[test]
 fn main_only_calls_the_command_line() {
     let main = include_str!("../../src/main.rs");

@@ -50,7 +50,6 @@ mod report;
 mod reported;
 mod sampled;
 mod scores;
-mod self_test;
 mod sensitivity;
 mod sentences;
 mod several_volumes;
