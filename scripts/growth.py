@@ -191,8 +191,8 @@ def main():
         print("| --- | --- | --- | --- | --- |")
         scenes = {
             "ray caster, 1024 × 1024 pixels": classified(1024, "128.nrrd", 0.004),
-            "path tracer, box, 64 samples": medium(256, BOX),
-            "path tracer, grid of 128 nodes, 64 samples": medium(128, GRID.format(grid="128.nrrd")),
+            "path tracer, box, 256 × 256 pixels, 64 samples": medium(256, BOX),
+            "path tracer, grid of 128 nodes, 128 × 128 pixels, 64 samples": medium(128, GRID.format(grid="128.nrrd")),
         }
         for name, text in scenes.items():
             rows = [(bench.seconds(text), bench.seconds(text, 2), at_once(bench, text)) for _ in range(options.runs)]

@@ -107,7 +107,7 @@ def parts(folder, runs, count):
         (manifests / f"{number:05}.toml").write_text(MANIFEST)
     many = folder / "many"
     volref(many, "accept", "many", "--reason", "measured")
-    names = [f"a part of one of {count} cases", f"ten parts of {count} cases, by turns", "`merge` of their results"]
+    names = [f"a part with one of {count} cases", f"ten parts of {count} cases, one after the other", "`merge` of their results"]
     seconds = {name: [] for name in names}
     for _ in range(runs):
         for kept in ("one", "ten"):
@@ -122,8 +122,8 @@ def parts(folder, runs, count):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--cases", type=int, default=10000)
+    parser.add_argument("--runs", type=int, default=3, help="[3]")
+    parser.add_argument("--cases", type=int, default=10000, help="cases that are divided among ten parts [10000]")
     options = parser.parse_args()
     table(["eight cases, drawn by `student.py`", "s"], calls(options.runs))
     with tempfile.TemporaryDirectory() as folder:

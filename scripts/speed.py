@@ -4,10 +4,12 @@
     speed.py [WORD ...]      the parts with one of the words in their command; without words, all
 
 A part begins with `<!-- by COMMAND -->` and ends with `<!-- end -->`. What the command prints takes the place of what is
-between, with date and processor below it. If a command fails, its part stays as it is. All of it takes about an hour on two
-idle cores, and needs what the commands need.
+between, with date and processor below it. If a command fails, its part stays as it is. All of it takes half an hour on two
+idle cores. It needs valgrind, in the `python3` of the path NumPy, Matplotlib, Mitsuba and VTK, LLVM 17 or newer, and the build of
+`cargo build --release`.
 """
 
+import argparse
 import datetime
 import os
 import re
@@ -27,7 +29,9 @@ def processor():
 
 
 def main():
-    words, failed = sys.argv[1:], []
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("words", nargs="*", metavar="WORD")
+    words, failed = parser.parse_args().words, []
     commands = [part[2] for part in PART.finditer(PAGE.read_text())]
     chosen = [command for command in commands if not words or any(word in command for word in words)]
     if not chosen:

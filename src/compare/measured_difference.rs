@@ -12,7 +12,7 @@
 //! Sources: Efron & Stein 1981, Annals of Statistics 9, 586–596 (jackknife); Lucas & Kanade 1981,
 //! "An iterative image registration technique" (shift below a pixel).
 
-use super::parts::{MOST_PARTS, Part, Seen, lines, percent};
+use super::parts::{MOST_PARTS, Part, Seen, is_clearly_more, lines, percent};
 use super::pixels::Pixels;
 use super::seams::seams;
 use super::stochastic::BLOCK;
@@ -31,6 +31,9 @@ const WORTH_SAYING: f64 = 0.2;
 
 /// Share of the squared difference that lies in one channel, if it is said to lie there.
 const MOST: f64 = 0.8;
+
+/// Share of the squared difference in black pixels from which the parts that they happen to lie in are not said.
+const NEARLY_ALL: f64 = 0.95;
 
 /// Share of the squared difference at edges, in shares of the pixels there, below which it is said to lie
 /// inside areas.
@@ -81,7 +84,10 @@ pub(crate) fn measured(
         return None;
     }
     let shift = Shift::of(&sums);
+    // By chance a pixel of few samples is black, too.
+    let black = (!has_noise).then(|| Black::of(&pixels)).flatten();
     let sentences = [
+        black.as_ref().map(Black::in_words),
         cut_off(&pixels),
         in_one_channel(&sums),
         gain(&sums).filter(|_| !is_explained),
@@ -91,7 +97,9 @@ pub(crate) fn measured(
             .map(|_| SHARED_POSITIONS.to_owned()),
     ];
     let mut sentences: Vec<String> = sentences.into_iter().flatten().collect();
-    sentences.extend(in_parts(&sums, &parts));
+    if black.is_none_or(|black| black.share < NEARLY_ALL) {
+        sentences.extend(in_parts(&sums, &parts));
+    }
     sentences.extend(seams(&pixels, seen));
     // Noise of single lines would decide where the box ends.
     sentences.extend(in_a_box(&pixels, &sums, if has_noise { BLOCK } else { 1 }));
@@ -275,6 +283,47 @@ impl Jackknife {
 fn decimals(value: f64, error: f64) -> String {
     let places = (1..4).find(|&places| error * crate::math::powu(10.0, places) >= 1.0);
     format!("{value:.*}", places.unwrap_or(4) as usize)
+}
+
+/// Pixels that are black, exactly 0 in all channels, where the golden is not.
+struct Black {
+    count: usize,
+    /// Share of the squared difference.
+    share: f64,
+}
+
+impl Black {
+    /// The pixels that the image shows black, if they hold clearly more than their share of the pixels that are not.
+    fn of(pixels: &Pixels<'_>) -> Option<Black> {
+        let mut count = 0;
+        let (mut inside, mut whole) = (0.0, 0.0);
+        let films = pixels.golden.radiance().iter().zip(pixels.test.radiance());
+        for (i, (golden, test)) in films.enumerate().filter(|(_, it)| it.0 != it.1) {
+            let square = |c| {
+                let d = pixels.difference(i, c);
+                pixels.weight(i, c) * d * d
+            };
+            let squares: f64 = (0..3).map(square).sum();
+            whole += squares;
+            if *golden != [0.0; 3] && *test == [0.0; 3] {
+                count += 1;
+                inside += squares;
+            }
+        }
+        let is_shown = |pixel: &&[f32; 3]| **pixel != [0.0; 3];
+        let shown = pixels.golden.radiance().iter().filter(is_shown).count();
+        let share = inside / whole;
+        is_clearly_more(share, count as f64 / shown.max(1) as f64).then_some(Black { count, share })
+    }
+
+    fn in_words(&self) -> String {
+        let pixels = match self.count {
+            1 => "a pixel that is black where the golden is not".to_owned(),
+            count => format!("{count} pixels that are black where the golden is not"),
+        };
+        let share = percent(self.share);
+        format!("{share} of the squared relative difference lies in {pixels}")
+    }
 }
 
 /// Values that end at one number, which nearly all that should be above it have, whatever they should be.
@@ -650,6 +699,11 @@ mod tests {
         let golden = golden();
         let text = said(&golden, &with_rows(0.0));
         let words = "all of the squared relative difference lies in 480 pixels that are black where the golden is not";
+        assert!(text.contains(words), "{text}");
+        let mut pixels = golden.radiance().to_vec();
+        pixels[40 + 96 * 40] = [0.0; 3];
+        let text = said(&golden, &Film::new(96, 80, pixels));
+        let words = "all of the squared relative difference lies in a pixel that is black";
         assert!(text.contains(words), "{text}");
         let pixels = with_rows(0.0).radiance().to_vec();
         let variance = vec![[1e-4; 3]; pixels.len()];

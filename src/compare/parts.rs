@@ -42,7 +42,7 @@ impl Seen {
 const LEAST_ALONG_AXIS: f64 = 0.05;
 
 /// Largest number of parts.
-pub(super) const MOST_PARTS: usize = 9;
+pub(super) const MOST_PARTS: usize = 8;
 
 /// Share of the lit pixels that count as edges, and as the brightest part.
 const STEEPEST: f64 = 0.2;
@@ -74,7 +74,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// The parts of the golden of `pixels`, steep ones first.
+    /// The parts of the golden of `pixels`; steep ones first.
     pub fn all(pixels: &Pixels<'_>, seen: &Seen) -> Vec<Part> {
         let golden = pixels.golden;
         let count = golden.radiance().len();
@@ -105,14 +105,6 @@ impl Part {
             Some(_) => format!("in faint parts, of an opacity below {FAINT} ({{due}})"),
             None => "in faint parts, less than half as bright as the mean ({due})".to_owned(),
         };
-        // By chance a pixel of few samples is black, too.
-        let has_noise = (golden.noise().or(pixels.test.noise())).is_some();
-        let is_black =
-            |i: usize| !has_noise && pixels.test.radiance()[i] == [0.0; 3] && pixels.is_lit(i);
-        let black = match (0..count).filter(|&i| is_black(i)).count() {
-            1 => "in a pixel that is black where the golden is not".to_owned(),
-            count => format!("in {count} pixels that are black where the golden is not"),
-        };
         let mut parts = vec![
             part(
                 "at edges: in the fifth of the lit pixels where the golden is steepest",
@@ -134,7 +126,6 @@ impl Part {
                 "at the border of the volume, the silhouette of its box ({due})",
                 &is_at_border,
             ),
-            part(&black, &is_black),
         ];
         if let Some(distances) = &seen.distances {
             let of_shown = || {
@@ -164,9 +155,14 @@ impl Part {
 
     /// True if this share of the squared difference is clearly more than the part's due.
     pub fn holds(&self, share: f64) -> bool {
-        let odds = |share: f64| share / (1.0 - share).max(1e-9);
-        share >= WORTH_SAYING && odds(share.min(1.0)) >= ODDS * odds(self.due)
+        is_clearly_more(share, self.due)
     }
+}
+
+/// True if this `share` of the squared difference is worth saying of pixels of which the share is `due`.
+pub(super) fn is_clearly_more(share: f64, due: f64) -> bool {
+    let odds = |share: f64| share / (1.0 - share).max(1e-9);
+    share >= WORTH_SAYING && odds(share.min(1.0)) >= ODDS * odds(due)
 }
 
 /// The value below which a share of the `values` lies.
