@@ -79,8 +79,7 @@ def goldens(folder, runs):
     """Seconds in which a golden is made, by its whole image and by its units."""
     volref(folder, "suite", "--extract", "suite")
     suite = folder / "suite"
-    names = ["`accept` in one process", f"its units, {CORES} processes of one core", "`accept` of the units"]
-    seconds = {name: [] for name in names}
+    whole, units_alone, of_units = [], [], []
     for _ in range(runs):
         for by_units in (False, True):
             shutil.rmtree(suite / ".volref", ignore_errors=True)
@@ -92,9 +91,10 @@ def goldens(folder, runs):
                 with ThreadPoolExecutor(CORES) as pool:
                     compute = ["units", GOLDEN, "--compute", "--threads", "1", "--unit"]
                     list(pool.map(lambda unit: volref(suite, *compute, unit["id"]), units))
-                seconds[names[1]].append(time.perf_counter() - before)
-            seconds[names[2 * by_units]].append(volref(suite, "accept", GOLDEN, "--reason", "measured")[0])
-    return [(name, seconds[name]) for name in names]
+                units_alone.append(time.perf_counter() - before)
+            (of_units if by_units else whole).append(volref(suite, "accept", GOLDEN, "--reason", "measured")[0])
+    return [("`accept` in one process", whole), (f"its units, {CORES} processes of one core", units_alone),
+            ("`accept` of the units", of_units)]
 
 
 def parts(folder, runs, count):
@@ -107,17 +107,16 @@ def parts(folder, runs, count):
         (manifests / f"{number:05}.toml").write_text(MANIFEST)
     many = folder / "many"
     volref(many, "accept", "many", "--reason", "measured")
-    names = [f"a part with one of {count} cases", f"ten parts of {count} cases, one after the other", "`merge` of their results"]
-    seconds = {name: [] for name in names}
+    one, ten, merged = [], [], []
     for _ in range(runs):
         for kept in ("one", "ten"):
             shutil.rmtree(many / kept, ignore_errors=True)
         verify = ["verify", "--results"]
-        seconds[names[0]].append(volref(many, *verify, "one", "--partition", f"slice:1/{count}")[0])
-        ten = [volref(many, *verify, "ten", "--partition", f"slice:{part}/10")[0] for part in range(1, 11)]
-        seconds[names[1]].append(sum(ten))
-        seconds[names[2]].append(volref(many, "merge", "ten")[0])
-    return [(name, seconds[name]) for name in names]
+        one.append(volref(many, *verify, "one", "--partition", f"slice:1/{count}")[0])
+        ten.append(sum(volref(many, *verify, "ten", "--partition", f"slice:{part}/10")[0] for part in range(1, 11)))
+        merged.append(volref(many, "merge", "ten")[0])
+    return [(f"a part with one of {count} cases", one), (f"ten parts of {count} cases, one after the other", ten),
+            ("`merge` of their results", merged)]
 
 
 def main():

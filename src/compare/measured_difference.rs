@@ -85,7 +85,9 @@ pub(crate) fn measured(
     }
     let shift = Shift::of(&sums);
     // By chance a pixel of few samples is black, too.
-    let black = (!has_noise).then(|| Black::of(&pixels)).flatten();
+    let black = (!has_noise)
+        .then(|| Black::of(&pixels, whole.value))
+        .flatten();
     let sentences = [
         black.as_ref().map(Black::in_words),
         cut_off(&pixels),
@@ -160,7 +162,7 @@ impl PartSums {
             let part = &mut parts[part_of_jackknife(pixels.block(i))];
             for c in 0..3 {
                 let (weight, difference) = (pixels.weight(i, c), pixels.difference(i, c));
-                let square = weight * (difference * difference - pixels.variance(i, c));
+                let square = pixels.square(i, c);
                 let golden = pixels.value(i, c);
                 part.squares[c] += square;
                 part.golden_squared[c] += weight * golden * golden;
@@ -293,27 +295,24 @@ struct Black {
 }
 
 impl Black {
-    /// The pixels that the image shows black, if they hold clearly more than their share of the pixels that are not.
-    fn of(pixels: &Pixels<'_>) -> Option<Black> {
-        let mut count = 0;
-        let (mut inside, mut whole) = (0.0, 0.0);
-        let films = pixels.golden.radiance().iter().zip(pixels.test.radiance());
-        for (i, (golden, test)) in films.enumerate().filter(|(_, it)| it.0 != it.1) {
-            let square = |c| {
-                let d = pixels.difference(i, c);
-                pixels.weight(i, c) * d * d
-            };
-            let squares: f64 = (0..3).map(square).sum();
-            whole += squares;
-            if *golden != [0.0; 3] && *test == [0.0; 3] {
-                count += 1;
-                inside += squares;
-            }
-        }
-        let is_shown = |pixel: &&[f32; 3]| **pixel != [0.0; 3];
-        let shown = pixels.golden.radiance().iter().filter(is_shown).count();
-        let share = inside / whole;
-        is_clearly_more(share, count as f64 / shown.max(1) as f64).then_some(Black { count, share })
+    /// The pixels that the image shows black, if they hold clearly more of `whole`, the squared difference, than
+    /// their share of the pixels that are not.
+    fn of(pixels: &Pixels<'_>, whole: f64) -> Option<Black> {
+        let [golden, test] = [pixels.golden, pixels.test].map(Film::radiance);
+        let shown: Vec<usize> = (0..golden.len())
+            .filter(|&i| golden[i] != [0.0; 3])
+            .collect();
+        let black: Vec<usize> = shown
+            .iter()
+            .copied()
+            .filter(|&i| test[i] == [0.0; 3])
+            .collect();
+        let squares = black
+            .iter()
+            .flat_map(|&i| (0..3).map(move |c| pixels.square(i, c)));
+        let share = squares.sum::<f64>() / whole;
+        let (count, shown) = (black.len(), shown.len().max(1));
+        is_clearly_more(share, count as f64 / shown as f64).then_some(Black { count, share })
     }
 
     fn in_words(&self) -> String {
@@ -511,8 +510,7 @@ fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS], unit: usize) -> Optio
     let mut along = counts.map(|count| vec![0.0; count]);
     for i in 0..width * height {
         for c in 0..3 {
-            let difference = pixels.difference(i, c);
-            let square = pixels.weight(i, c) * (difference * difference - pixels.variance(i, c));
+            let square = pixels.square(i, c);
             along[0][i % width / unit] += square;
             along[1][i / width / unit] += square;
         }

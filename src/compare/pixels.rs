@@ -74,6 +74,12 @@ impl<'f> Pixels<'f> {
         f64::from(self.test.radiance()[i][c]) - self.value(i, c)
     }
 
+    /// Square of the difference, weighed, without that of the noise.
+    pub fn square(&self, i: usize, c: usize) -> f64 {
+        let difference = self.difference(i, c);
+        self.weight(i, c) * (difference * difference - self.variance(i, c))
+    }
+
     /// Variance of the difference.
     pub fn variance(&self, i: usize, c: usize) -> f64 {
         let of = |film: &Film| film.variance_at(i, c);
