@@ -81,9 +81,19 @@ else
 fi
 
 step "the suite catches every mistake and rejects no correct image, on cases that catch them all"
-cargo run --release --quiet -- selftest --quick figures smoke fog/absorption fog/forward fog/balance \
+self_test=$(cargo run --release --quiet -- selftest --quick figures smoke fog/absorption fog/forward fog/balance \
     fog/rate-0.1 procedural/absorbing-grid procedural/emissive-grid procedural/coloured \
-    procedural/gain-0.6 procedural/scale-2-0.5-2 scenes bricks reported
+    procedural/gain-0.6 procedural/scale-2-0.5-2 scenes bricks reported) || { echo "$self_test"; exit 1; }
+echo "$self_test"
+if grep " 0 of 0 cases accept it" <<<"$self_test"; then
+    echo "that kind of correct image was never tried"
+    exit 1
+fi
+caught=$(sed -n 's/^\([0-9]*\) mistakes caught, 0 not;.*/\1/p' <<<"$self_test")
+grep "In all, $caught mistakes" src/guide/working_on_volref.md || {
+    echo "src/guide/working_on_volref.md states another number of mistakes than the $caught that are caught"
+    exit 1
+}
 
 step "the same bits from both builds, on some cases"
 scripts/same-bits.sh --built figures smoke fog/heterogeneous procedural/coloured 'g8-*' 'A[45]'

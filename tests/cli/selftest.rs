@@ -1,4 +1,4 @@
-//! `volref selftest` on a small suite. The real one is tested in `tests/library/self_test.rs`.
+//! `volref selftest` on a small suite. `scripts/check.sh` runs it on the real one.
 
 use crate::folder::Folder;
 
