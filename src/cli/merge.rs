@@ -43,7 +43,8 @@ pub struct Arguments {
     /// List every case, including those that passed
     #[arg(long)]
     verbose: bool,
-    /// Time limit for finding the mistake behind each failing image; 0 for no search
+    /// Limit for finding the mistake behind each failing image: work that two cores do in these seconds, so that
+    /// the result is the same on every machine; 0 for no search. Profiles that an image of 8 bits is judged under come on top
     #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = super::validate::search_time)]
     explain: f64,
     #[command(flatten)]

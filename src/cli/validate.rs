@@ -95,7 +95,7 @@ pub struct Arguments {
     #[arg(long)]
     accept_conventions: bool,
     /// Limit for finding the mistake behind each failing image: work that two cores do in these seconds, so that
-    /// the result is the same on every machine; 0 for no search
+    /// the result is the same on every machine; 0 for no search. Profiles that an image of 8 bits is judged under come on top
     #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = search_time)]
     explain: f64,
     #[command(flatten)]

@@ -137,7 +137,7 @@ mod tests {
         assert!(faint.contains("it grows"), "{faint}");
         assert!(
             faint.contains(
-                "in opaque parts, of an opacity above 0.95 (50 % of the pixels) it shrinks"
+                "in opaque parts, of an opacity above 0.95 (50 % of the pixels that show anything) it shrinks"
             ),
             "{faint}"
         );

@@ -351,7 +351,7 @@ fn cut_off(pixels: &Pixels<'_>) -> Option<String> {
     }
     let is_cut = most > 0.0 && is_spread && cut as f64 >= MOST_CUT_OFF * above as f64;
     is_cut.then(|| {
-        format!("no value is above {most}, where at least {cut} should be: they look cut off there")
+        format!("no value is above {most}, where at least {cut} values should be: they look cut off there")
     })
 }
 
@@ -485,7 +485,8 @@ fn in_parts(sums: &[PartSums; PARTS], parts: &[Part]) -> Vec<String> {
         }
         let is_edge = k == 0;
         if is_edge && share.value + SIGNIFICANT * share.error <= INSIDE * part.due {
-            let words = "the relative difference lies inside areas rather than at their edges";
+            let words =
+                "the squared relative difference lies inside areas rather than at their edges";
             sentences.push(words.to_owned());
         }
     }
@@ -534,7 +535,7 @@ fn in_a_box(pixels: &Pixels<'_>, sums: &[PartSums; PARTS], unit: usize) -> Optio
     let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
     (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
         format!(
-            "nearly all of the relative difference lies in {} and {}, {} of the image",
+            "nearly all of the squared relative difference lies in {} and {}, {} of the image",
             lines("column", [columns.start, columns.end - 1]),
             lines("row", [rows.start, rows.end - 1]),
             percent(area)

@@ -89,7 +89,10 @@ impl Part {
             let pixels: Vec<bool> = (0..count).map(is_in).collect();
             let inside = shown.iter().filter(|&&i| pixels[i]).count();
             let due = inside as f64 / shown.len().max(1) as f64;
-            let words = words.replace("{due}", &format!("{} of the pixels", percent(due)));
+            let words = words.replace(
+                "{due}",
+                &format!("{} of the pixels that show anything", percent(due)),
+            );
             Part { words, pixels, due }
         };
         // Of what is not dark: a background has neither edges nor brightness.

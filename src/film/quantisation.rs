@@ -161,6 +161,10 @@ const CUT_OFF: f64 = 1e-5;
 /// which is 0.06 codes of 255.
 const OF_A_CODE: f64 = 0.1;
 
+/// Share of the codes that are rounded down, if nearly all are: an image that is half a code too dark for
+/// another reason has some of both.
+const ROUNDED_DOWN: f64 = 0.95;
+
 impl Quantisation {
     /// The quantisation by which all values of `film` are codes, seen at `exposure` stops or at none; of films
     /// with so many values that this is no chance.
@@ -266,6 +270,47 @@ impl Quantisation {
     pub(crate) fn read_as(self, encoding: Encoding, film: &Film) -> Film {
         let other = Quantisation { encoding, ..self };
         other.decoded(film.width(), film.height(), &self.codes(film))
+    }
+
+    /// `film`, of these codes, as one whose values were rounded down to them: a code is half a code too dark.
+    /// `None` where that is not what nearly all of them are of `golden`, of the same size.
+    pub(crate) fn rounded_down(self, golden: &Film, film: &Film) -> Option<Film> {
+        let values = [golden, film].map(|film| film.radiance().as_flattened().iter());
+        let [exact, codes] = values.map(|them| them.map(|&value| self.code(value.into())));
+        let pairs = exact.zip(codes.map(f64::round));
+        // To the nearest they would be the code above.
+        let telling = pairs.filter(|(exact, _)| exact - exact.floor() > 0.5 && *exact < LARGEST);
+        let is_down: Vec<bool> = telling.map(|(exact, code)| exact.floor() == code).collect();
+        let down = is_down.iter().filter(|&&it| it).count();
+        if down < FEWEST_VALUES || (down as f64) < ROUNDED_DOWN * is_down.len() as f64 {
+            return None;
+        }
+        let half_more = |value: f32| match self.code(value.into()).round() {
+            level if level < LARGEST => self.radiance(level + 0.5) as f32,
+            _ => value,
+        };
+        let pixels = film.radiance().iter().map(|pixel| pixel.map(half_more));
+        Some(Film {
+            radiance: pixels.collect(),
+            ..film.clone().quantised(self)
+        })
+    }
+
+    /// `film`, of whole numbers from 0 to 255, divided by 255, and as sRGB codes; `None` of one with other values,
+    /// or with so few that they may be radiance.
+    pub(crate) fn of_whole_numbers(film: &Film) -> Option<[Film; 2]> {
+        let is_code = |value: &f32| value.fract() == 0.0 && (0.0..=255.0).contains(value);
+        if !film.radiance().as_flattened().iter().all(is_code) {
+            return None;
+        }
+        let divide = |pixel: &[f32; 3]| pixel.map(|value| value / LARGEST as f32);
+        let divided = Film {
+            radiance: film.radiance().iter().map(divide).collect(),
+            ..film.clone()
+        };
+        let linear = Quantisation::recognised(&divided, 0.0)?;
+        let of = |encoding| linear.read_as(encoding, &divided);
+        Some([Encoding::Linear, Encoding::Srgb].map(of))
     }
 
     /// `film` rounded to these codes, without its noise.

@@ -33,7 +33,7 @@ impl Judged {
             (Some(golden), Some(codes)) => codes.size() == (golden.width(), golden.height()),
             _ => false,
         };
-        let is_open = self.result.cause == Cause::Mismatch && !self.result.is_right_if_declared;
+        let is_open = self.result.cause == Cause::Mismatch && !self.result.is_right_otherwise_read;
         is_open && comparable()
     }
 }
@@ -57,8 +57,8 @@ pub(crate) struct CaseFinding {
     pub fit: Option<Box<FitMap>>,
     /// The part of the reason that says no more than "as if".
     pub as_if: Option<String>,
-    /// The image is right once it is declared as the reason says.
-    pub is_right_if_declared: bool,
+    /// The image is right once it is read as the reason says.
+    pub is_right_otherwise_read: bool,
 }
 
 impl CaseFinding {
@@ -73,7 +73,7 @@ impl CaseFinding {
             detectable: Vec::new(),
             fit: None,
             as_if: None,
-            is_right_if_declared: false,
+            is_right_otherwise_read: false,
         }
     }
 
@@ -102,7 +102,7 @@ impl CaseFinding {
             detectable: self.detectable,
             fit: self.fit,
             as_if: self.as_if,
-            is_right_if_declared: self.is_right_if_declared,
+            is_right_otherwise_read: self.is_right_otherwise_read,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,

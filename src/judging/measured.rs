@@ -7,7 +7,7 @@ use crate::compare::cells::Cells;
 use crate::compare::flip::SrgbImage;
 use crate::compare::unexplained::{UNEXPLAINED, UNEXPLAINED_IN_NOISE};
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
-use crate::film::{Bits, Film, Origin};
+use crate::film::{Bits, Film, Origin, Quantisation};
 use crate::math;
 use crate::scene::{Model, Scene};
 use crate::suite::Case;
@@ -18,6 +18,10 @@ const ROUNDING: f64 = 1.0 / 1024.0;
 
 /// The largest code of 8 bits.
 const LARGEST_CODE: f64 = 255.0;
+
+/// Statement on an image of whole numbers, and of many.
+const OF_CODES: &str =
+    "every value is a whole number from 0 to 255: the image holds codes, not radiance";
 
 /// Measurements of `picture`, a failed image of `case`: sentences without a full stop.
 pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
@@ -38,10 +42,9 @@ pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<Str
         Map::Scaled(factor) if is_of_png(test) => another_exposure(factor),
         map => map.in_words(),
     };
-    simple_map(case, golden, test)
-        .map(words)
-        .into_iter()
-        .collect()
+    let codes = Quantisation::of_whole_numbers(test).map(|_| OF_CODES.to_owned());
+    let map = simple_map(case, golden, test).map(words);
+    codes.into_iter().chain(map).collect()
 }
 
 /// A simple map of an image's values.

@@ -52,7 +52,7 @@ pub(crate) fn before_background(output: Output, alpha: Option<Alpha>, case: &Cas
 }
 
 /// `film`, whose colours are declared to be `alpha`, before the background of `scene`.
-pub(super) fn with_background(film: Film, alpha: Alpha, scene: &Scene) -> Film {
+fn with_background(film: Film, alpha: Alpha, scene: &Scene) -> Film {
     let background = backgrounds(scene);
     let columns = film.width().max(1);
     let quantisation = film.quantisation();
@@ -103,8 +103,84 @@ pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Fi
     }
 }
 
-/// The image of a PNG, with its codes taken for those of the other curve, and the declaration that says so.
-pub(super) fn read_otherwise(case: &Case, picture: &Picture) -> Option<(Film, Bits)> {
+/// Another way to read an image.
+pub(super) struct Reading {
+    /// The image, read so.
+    pub film: Film,
+    /// What is so if that agrees: a sentence without a full stop.
+    pub words: String,
+}
+
+/// Other ways to read `picture`, an image of `case`, likely ones first.
+pub(super) fn other_readings(
+    case: &Case,
+    (golden, scene): (&Film, &Scene),
+    picture: &Picture,
+) -> Vec<Reading> {
+    let mut readings = Vec::new();
+    if let Picture::Radiance(film) = picture
+        && golden.is_comparable(film)
+    {
+        readings.extend(of_whole_numbers(golden, film));
+        readings.extend(rounded_down(golden, film));
+        readings.extend(without_background(film, scene));
+    }
+    readings.extend(other_encoding(case, picture));
+    readings
+}
+
+/// Codes from 0 to 255 that were written as numbers.
+fn of_whole_numbers(golden: &Film, film: &Film) -> Vec<Reading> {
+    let films = Quantisation::of_whole_numbers(film).into_iter().flatten();
+    let read = ["divided by 255", "divided by 255 and decoded from sRGB"];
+    let readings = films.zip(read).flat_map(|(film, read)| {
+        let down = rounded_down(golden, &film).map(|down| Reading {
+            words: format!("{}, and the codes are {read}", down.words),
+            ..down
+        });
+        let words = format!("the image agrees where its codes are {read}");
+        [Some(Reading { film, words }), down].into_iter().flatten()
+    });
+    readings.collect()
+}
+
+/// Codes that were cut down to whole numbers.
+fn rounded_down(golden: &Film, film: &Film) -> Option<Reading> {
+    Some(Reading {
+        film: film.quantisation()?.rounded_down(golden, film)?,
+        words: "the codes are rounded down, not to the nearest as floor(255 x + 1/2) is: the image agrees where half a code \
+                is added"
+            .to_owned(),
+    })
+}
+
+/// Colours without the background of the scene.
+fn without_background(film: &Film, scene: &Scene) -> Vec<Reading> {
+    if film.opacity().is_none() {
+        return Vec::new();
+    }
+    let reading = |alpha: Alpha| {
+        let what = match alpha {
+            Alpha::Premultiplied => "leave out the background of the scene",
+            Alpha::Straight => {
+                "are not multiplied by opacity, and leave out the background of the scene"
+            }
+        };
+        Reading {
+            film: with_background(film.clone(), alpha, scene),
+            words: format!(
+                "the colours {what}: the image agrees where that is declared with --alpha {alpha}"
+            ),
+        }
+    };
+    let readings = [Alpha::Premultiplied, Alpha::Straight].map(reading);
+    // In front of black nothing is added, and nothing explained.
+    let is_other = |reading: &Reading| reading.film.radiance() != film.radiance();
+    readings.into_iter().filter(is_other).collect()
+}
+
+/// The codes of a PNG taken for those of the other curve.
+fn other_encoding(case: &Case, picture: &Picture) -> Option<Reading> {
     let film = match picture {
         Picture::Radiance(film) => film.clone(),
         codes => radiance(codes.clone(), Bits::UNKNOWN, case.exposure),
@@ -118,7 +194,10 @@ pub(super) fn read_otherwise(case: &Case, picture: &Picture) -> Option<(Film, Bi
         encoding: Some(encoding),
         blended: quantisation.blended,
     };
-    Some((quantisation.read_as(encoding, &film), bits))
+    Some(Reading {
+        film: quantisation.read_as(encoding, &film),
+        words: format!("the image agrees where its codes are declared with --bits {bits}"),
+    })
 }
 
 /// An image of `case` with what is known of its precision. A PNG is judged by how it looks, but for a case without

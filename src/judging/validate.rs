@@ -4,7 +4,7 @@ use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
 use super::measured::{measured, nothing_drawn};
-use super::precision::{before_background, known, known_radiance, read_otherwise, with_background};
+use super::precision::{before_background, known, known_radiance, other_readings};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
@@ -102,7 +102,7 @@ pub(crate) fn add_right_declaration(
         Some(right) => format!("where its colours are declared with --alpha {right}"),
     };
     result.reason = format!("the image agrees {otherwise}; {}", result.reason);
-    result.is_right_if_declared = true;
+    result.is_right_otherwise_read = true;
 }
 
 /// Finding on a case without an image to judge: a fault of its golden or scene first, since that
@@ -271,45 +271,16 @@ fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
     }
 }
 
-/// Statement that a PNG agrees if its codes are those of the other curve.
-fn other_encoding(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Option<String> {
-    let (film, bits) = read_otherwise(case, picture)?;
-    let said = format!("the image agrees where its codes are declared with --bits {bits}");
-    agrees(case, checked, film).then_some(said)
-}
-
-/// Statement that an image agrees once the background of the scene is added.
-fn without_background(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Option<String> {
-    let film = picture.radiance().filter(|film| film.opacity().is_some())?;
-    let agrees_as = |alpha: &Alpha| {
-        let whole = with_background(film.clone(), *alpha, &checked.scene);
-        // In front of black nothing is added, and nothing explained.
-        whole.radiance() != film.radiance() && agrees(case, checked, whole)
-    };
-    let alpha = [Alpha::Premultiplied, Alpha::Straight]
-        .into_iter()
-        .find(agrees_as)?;
-    let what = match alpha {
-        Alpha::Premultiplied => "leave out the background of the scene",
-        Alpha::Straight => {
-            "are not multiplied by opacity, and leave out the background of the scene"
-        }
-    };
-    Some(format!(
-        "the colours {what}: the image agrees where that is declared with --alpha {alpha}"
-    ))
-}
-
 /// True if `film`, read in another way than it was judged, agrees.
-fn agrees(case: &Case, checked: &CheckedGolden, film: Film) -> bool {
+fn agrees(case: &Case, checked: &CheckedGolden, film: &Film) -> bool {
     let golden = &checked.golden.film;
-    if !golden.is_comparable(&film) {
+    if !golden.is_comparable(film) {
         return false;
     }
     let judgement = if case.is_limit() && checked.profile.is_none() {
-        Ok(refinement::judge_one(checked, &film))
+        Ok(refinement::judge_one(checked, film))
     } else {
-        let (golden, film) = (Picture::Radiance(golden.clone()), Picture::Radiance(film));
+        let [golden, film] = [golden, film].map(|film| Picture::Radiance(film.clone()));
         let (gate, _) = default_gate(&golden, &film);
         judge(gate, &golden, &film, &checked.conditions(case))
     };
@@ -361,16 +332,17 @@ fn with_words(
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut said = measured(case, &checked.golden.film, picture);
-        said.extend(other_encoding(case, checked, picture));
-        let declaration = without_background(case, checked, picture);
-        finding.is_right_if_declared = declaration.is_some();
+        let mut readings =
+            other_readings(case, (&checked.golden.film, &checked.scene), picture).into_iter();
+        let right = readings.find(|reading| agrees(case, checked, &reading.film));
+        finding.is_right_otherwise_read = right.is_some();
         let nothing = nothing_drawn(case, &checked.scene, picture);
-        if let Some(nothing) = nothing.filter(|_| declaration.is_none()) {
+        if let Some(nothing) = nothing.filter(|_| right.is_none()) {
             // No number of the scene is measured by what is not there.
             finding.reason = nothing;
             (finding.changes, finding.as_if) = (Vec::new(), None);
         } else {
-            said.extend(declaration);
+            said.extend(right.map(|reading| reading.words));
             if !said.is_empty() {
                 drop_as_if(&mut finding.reason, &mut finding.as_if);
             }

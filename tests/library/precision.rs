@@ -299,3 +299,38 @@ fn half_a_code_and_the_tolerance_agree() {
         assert_eq!(judged(&suite, case, vec![off], None).verdict, Verdict::Fail);
     }
 }
+
+/// A renderer that casts 255 x to a byte, or writes codes as numbers, is told so, and no other.
+#[test]
+fn codes_that_are_cut_or_not_divided_are_told() {
+    let suite = suite();
+    let case = suite.select(&["figures/figure-4".to_owned()]).unwrap()[0];
+    let golden = golden(&suite, case);
+    let told = |code: &dyn Fn(f32) -> f32| {
+        let pixels = golden.radiance().iter().map(|pixel| pixel.map(code));
+        let film = Film::new(golden.width(), golden.height(), pixels.collect());
+        let result = judged(&suite, case, vec![film], None);
+        assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
+        result.reason
+    };
+    let is_told = |reason: &str, expected: [bool; 3]| {
+        let sentences = [
+            "every value is a whole number from 0 to 255",
+            "the codes are rounded down",
+            "the image agrees",
+        ];
+        let said = sentences.map(|sentence| reason.contains(sentence));
+        assert_eq!(said, expected, "{reason}");
+    };
+    let yes = true;
+    is_told(&told(&|x| (255.0 * x).floor() / 255.0), [false, yes, yes]);
+    is_told(&told(&|x| (255.0 * x).round()), [yes, false, yes]);
+    is_told(&told(&|x| (255.0 * x).floor()), [yes, yes, yes]);
+    // Half as bright, they are codes, and wrong.
+    is_told(&told(&|x| (127.0 * x).round()), [yes, false, false]);
+    // As dark as cut codes are at most, but rounded to the nearest.
+    let darker = |x: f32| (255.0 * x - 1.0).max(0.0).round() / 255.0;
+    is_told(&told(&darker), [false; 3]);
+    // A few whole numbers may be radiance.
+    is_told(&told(&|x| (3.0 * x).round()), [false; 3]);
+}

@@ -175,7 +175,7 @@ fn measurements_of_a_difference() {
             said(&with(|x, _, [_, j]| if j >= 78 { 0.0 } else { x })),
         ),
         row(
-            "nearly all of the relative difference lies in columns 0 to 31 and rows 40 to 79",
+            "nearly all of the squared relative difference lies in columns 0 to 31 and rows 40 to 79",
             said(&corner(0.5)),
             said(&with(
                 |x, _, [i, j]| if i < 32 && j >= 40 { 0.5 * x } else { 0.9 * x },

@@ -23,10 +23,18 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         "rows and columns are swapped: pixel (x, y) is number x + width y of the file";
     "red-and-blue-exchanged" => Pixels(|film| mixed(film, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])),
         "red and blue are swapped: channels are red, green, blue, in this order";
+    "red-and-green-exchanged" => Pixels(|film| mixed(film, [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])),
+        "red and green are swapped: channels are red, green, blue, in this order";
+    "green-and-blue-exchanged" => Pixels(|film| mixed(film, [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])),
+        "green and blue are swapped: channels are red, green, blue, in this order";
+    "channels-green-blue-red" => Pixels(|film| mixed(film, [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])),
+        "the channels are green, blue, red: write red, green, blue, in this order";
+    "channels-blue-red-green" => Pixels(|film| mixed(film, [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])),
+        "the channels are blue, red, green: write red, green, blue, in this order";
     "grey" => Pixels(|film| mixed(film, [LUMINANCE; 3])),
         "the image has no colour: write three channels, not luminance";
     "srgb-encoded" => Pixels(|film| mapped(film, |x, _| (math::linear_to_srgb(x), slope(math::linear_to_srgb, x)))),
-        "the image is encoded for a display once too often: write radiance linear, set to raw or linear; codes of a .png are encoded once";
+        "the image is encoded for a display once too often: write linear radiance, with the output's colour space at raw or linear; codes of a .png are encoded once";
     "gamma-encoded" => Pixels(|film| {
         let encode = |x: f64| math::exp(math::ln(x.max(f64::MIN_POSITIVE)) / 2.2);
         mapped(film, |x, _| (encode(x), slope(encode, x)))

@@ -344,13 +344,13 @@ const IMAGES: &[OfImage] = &[
     },
     places(
         "channels cycled",
-        &[],
+        &["channels-green-blue-red"],
         |f| channels(f, [1, 2, 0]),
         &[ROOM, COLOURED, ABSORPTION, COLUMN],
     ),
     places(
         "red and green exchanged",
-        &[],
+        &["red-and-green-exchanged"],
         |f| channels(f, [1, 0, 2]),
         &[ROOM, COLOURED, HEAD],
     ),
