@@ -343,18 +343,6 @@ const IMAGES: &[OfImage] = &[
         )
     },
     places(
-        "channels cycled",
-        &["channels-green-blue-red"],
-        |f| channels(f, [1, 2, 0]),
-        &[ROOM, COLOURED, ABSORPTION, COLUMN],
-    ),
-    places(
-        "red and green exchanged",
-        &["red-and-green-exchanged"],
-        |f| channels(f, [1, 0, 2]),
-        &[ROOM, COLOURED, HEAD],
-    ),
-    places(
         "green in all channels",
         &[],
         |f| channels(f, [1, 1, 1]),
@@ -516,7 +504,11 @@ const MISTAKES: &[(Kind, &str, &[&str])] = &[
     (
         Kind::Catalogue,
         HEAD,
-        &["nearest-for-trilinear", "volume-half-voxel-off"],
+        &[
+            "nearest-for-trilinear",
+            "volume-half-voxel-off",
+            "red-and-green-exchanged",
+        ],
     ),
     (
         Kind::Catalogue,
@@ -529,6 +521,8 @@ const MISTAKES: &[(Kind, &str, &[&str])] = &[
             "paths-cut",
             "extinction-doubled",
             "one-pixel-up",
+            "channels-green-blue-red",
+            "red-and-green-exchanged",
         ],
     ),
     (
@@ -560,8 +554,12 @@ const MISTAKES: &[(Kind, &str, &[&str])] = &[
             "absorption-left-out",
             "sun-reversed",
             "phase-reversed",
+            "channels-green-blue-red",
+            "red-and-green-exchanged",
         ],
     ),
+    (Kind::Catalogue, ABSORPTION, &["channels-green-blue-red"]),
+    (Kind::Catalogue, COLUMN, &["channels-green-blue-red"]),
     (
         Kind::Catalogue,
         NOISE,
