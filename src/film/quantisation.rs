@@ -290,8 +290,14 @@ impl Quantisation {
             _ => value,
         };
         let pixels = film.radiance().iter().map(|pixel| pixel.map(half_more));
+        // Opacity is a code of its own, and linear.
+        let opacity = film.opacity().map(|values| {
+            let half_more = |value: &f32| (value + (0.5 / LARGEST) as f32).min(1.0);
+            values.iter().map(half_more).collect()
+        });
         Some(Film {
             radiance: pixels.collect(),
+            opacity,
             ..film.clone().quantised(self)
         })
     }

@@ -42,9 +42,14 @@ pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<Str
         Map::Scaled(factor) if is_of_png(test) => another_exposure(factor),
         map => map.in_words(),
     };
-    let codes = Quantisation::of_whole_numbers(test).map(|_| OF_CODES.to_owned());
     let map = simple_map(case, golden, test).map(words);
-    codes.into_iter().chain(map).collect()
+    codes_in_words(picture).into_iter().chain(map).collect()
+}
+
+/// Statement that `picture` holds codes that were written as numbers.
+pub(crate) fn codes_in_words(picture: &Picture) -> Option<String> {
+    let codes = Quantisation::of_whole_numbers(picture.radiance()?);
+    codes.map(|_| OF_CODES.to_owned())
 }
 
 /// A simple map of an image's values.

@@ -3,7 +3,7 @@
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
-use super::measured::{measured, nothing_drawn};
+use super::measured::{codes_in_words, measured, nothing_drawn};
 use super::precision::{before_background, known, known_radiance, other_readings};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
@@ -331,11 +331,15 @@ fn with_words(
     let mut finding = CaseFinding::from(judgement);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
-        let mut said = measured(case, &checked.golden.film, picture);
         let mut readings =
             other_readings(case, (&checked.golden.film, &checked.scene), picture).into_iter();
         let right = readings.find(|reading| agrees(case, checked, &reading.film));
         finding.is_right_otherwise_read = right.is_some();
+        // A map of values would be the reading, measured.
+        let mut said = match &right {
+            Some(_) => codes_in_words(picture).into_iter().collect(),
+            None => measured(case, &checked.golden.film, picture),
+        };
         let nothing = nothing_drawn(case, &checked.scene, picture);
         if let Some(nothing) = nothing.filter(|_| right.is_none()) {
             // No number of the scene is measured by what is not there.

@@ -379,20 +379,36 @@ impl ComparedCase {
     /// gate: cells are judged as pixels.
     pub fn agrees(&self, prediction: &Cells) -> bool {
         let film = prediction.film();
-        let judgement = match &self.glimpse {
-            Some(glimpse) => judge(
-                &Deterministic,
-                &Picture::Radiance(film),
-                &Picture::Radiance(glimpse.test_film.clone()),
-                // A ray at an edge may go either way in one that is rendered after a fit.
-                &Conditions {
-                    in_single_precision: true,
-                    ..Conditions::default()
-                },
-            ),
-            None => judge_at(&film, &self.test_cells.film(), DISAGREES),
+        match &self.glimpse {
+            Some(glimpse) => agree(film, Picture::Radiance(glimpse.test_film.clone())),
+            None => judge_at(&film, &self.test_cells.film(), DISAGREES)
+                .is_ok_and(|judgement| judgement.passed),
+        }
+    }
+
+    /// True if `prediction` [agrees](Self::agrees), and the `whole` image of it where only a lattice of that is seen:
+    /// a difference in a single row may lie between its lines.
+    pub fn agrees_in_all(&self, prediction: &Cells, whole: impl FnOnce() -> Option<Film>) -> bool {
+        let is_seen = self.is_sampled || self.sees_all_at_once();
+        let agrees_as_a_whole = |film: Film| {
+            let film = self.kept.film(&film).without_opacity();
+            agree(film, self.picture.clone())
         };
-        judgement.is_ok_and(|judgement| judgement.passed)
+        self.agrees(prediction)
+            && (is_seen
+                || matches!(self.picture, Picture::Codes(_))
+                || whole().is_some_and(agrees_as_a_whole))
+    }
+
+    /// All pixels of `edited`, a change known as `label`, without noise.
+    pub fn whole_of_scene(
+        &self,
+        edited: &Scene,
+        label: &str,
+        clock: &SearchClock<'_>,
+    ) -> Option<Film> {
+        let look = self.predictor.second;
+        self.predictor.rendered(edited, (label, 0), look, clock)
     }
 
     /// Mean squared difference of `prediction` from the image, as [`in_fit`](Self::in_fit) sees it, in variances.
@@ -755,6 +771,21 @@ impl Glimpse {
             test_film,
         }
     }
+}
+
+/// True if `picture` agrees with `film`, which is rendered after a fit: a ray at an edge may go either way.
+fn agree(film: Film, picture: Picture) -> bool {
+    let conditions = Conditions {
+        in_single_precision: true,
+        ..Conditions::default()
+    };
+    let judgement = judge(
+        &Deterministic,
+        &Picture::Radiance(film),
+        &picture,
+        &conditions,
+    );
+    judgement.is_ok_and(|judgement| judgement.passed)
 }
 
 /// Names of the numbers that the difference looks like, or, of one that is too large for derivatives,

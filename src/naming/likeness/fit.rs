@@ -27,6 +27,7 @@ use crate::compare::cells::{Cells, Misfit};
 use crate::compare::{Seen, change_in_words, left};
 use crate::scene::Scene;
 use crate::sensitivity::{Number, Unit, numbers};
+use crate::variations::edited_film::mapped;
 use glam::{DMat3, DVec3};
 
 /// Words of a sentence on changes with which the scene, rendered again, agrees with the image.
@@ -265,7 +266,12 @@ impl<'f> Fitting<'f> {
             let Some(closely) = self.closely(&fit) else {
                 continue;
             };
-            let agrees = self.case.agrees(&closely);
+            let whole = || {
+                let changed = self.changed(&fit.numbers, &fit.changes)?;
+                let label = self.label(&fit.numbers, &fit.changes);
+                self.case.whole_of_scene(&changed, &label, self.clock)
+            };
+            let agrees = self.case.agrees_in_all(&closely, whole);
             // At an end of its range a fit was stopped, not found.
             if !agrees && self.is_at_an_end(&fit) {
                 continue;
@@ -298,14 +304,16 @@ impl<'f> Fitting<'f> {
         let rest = difference(&self.test, &self.golden);
         let square = self.product(&derivative, &derivative);
         let change = self.product(&derivative, &rest) / square;
-        let predicted = golden.mapped(|value, c| {
+        let map = |value: f64, c: usize| {
             let slope = if gain.is_factor {
                 1.0 + change * gain.channels[c]
             } else {
                 1.0
             };
             (value + change * gain.derivative(value, c), slope)
-        });
+        };
+        let predicted = golden.mapped(map);
+        let whole = || Some(mapped(&self.case.golden, map));
         let left = self
             .share_left(&predicted)
             .filter(|_| change.is_finite() && !(gain.is_factor && change <= -1.0))?;
@@ -314,7 +322,7 @@ impl<'f> Fitting<'f> {
         Some(Candidate {
             words: change_in_words(gain.words, unit, change, Some(errors[0])),
             left: left.max(0.0),
-            agrees: self.case.agrees(&predicted),
+            agrees: self.case.agrees_in_all(&predicted, whole),
             in_noise: self.case.in_noise(&predicted),
             is_explained: self.leaves(&predicted, self.case.may_leave()),
             predicted,

@@ -135,7 +135,12 @@ impl<'r> Registration<'r> {
         let predicted = self.predicted(&changes)?;
         let worth_saying =
             !changes.is_empty() && self.case.is_explained_but_for(&predicted, LEFT)?;
-        let agrees = self.case.agrees(&predicted);
+        let whole = || {
+            let edited = self.changed(&changes)?;
+            self.case
+                .whole_of_scene(&edited, &self.label(&changes), self.clock)
+        };
+        let agrees = self.case.agrees_in_all(&predicted, whole);
         // Of what comes near no interval holds.
         let error = |at: usize| last[at].abs().max(CLOSE * self.numbers[at].step);
         let errors: Vec<Option<f64>> = (0..changes.len())
@@ -266,13 +271,16 @@ impl<'r> Registration<'r> {
         if self.clock.is_late() {
             return None;
         }
-        let of = self.numbers.iter().zip(changes);
-        let label: String = of
-            .map(|(number, change)| format!("{}={change} ", number.name()))
-            .collect();
         let edited = self.changed(changes)?;
+        let label = self.label(changes);
         let cells = self.case.predicted_with(&edited, &label, self.clock)?;
         cells.has_size_of(self.case.in_fit()[0]).then_some(cells)
+    }
+
+    fn label(&self, changes: &[f64]) -> String {
+        let of = self.numbers.iter().zip(changes);
+        of.map(|(number, change)| format!("{}={change} ", number.name()))
+            .collect()
     }
 }
 

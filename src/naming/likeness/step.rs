@@ -34,10 +34,7 @@ impl ComparedCase {
     }
 
     fn nearest_step(&self, clock: &SearchClock<'_>) -> Option<Candidate> {
-        let predicted = |factor: f64| {
-            if clock.is_late() {
-                return None;
-            }
+        let edited = |factor: f64| {
             let mut edited = self.scene().clone();
             let mut occurs = false;
             for panel in &mut edited.panels {
@@ -50,10 +47,14 @@ impl ComparedCase {
                     });
                 }
             }
-            let label = format!("step {factor}");
-            occurs
-                .then(|| self.predicted_with(&edited, &label, clock))
-                .flatten()
+            occurs.then_some(edited)
+        };
+        let label = |factor: f64| format!("step {factor}");
+        let predicted = |factor: f64| {
+            if clock.is_late() {
+                return None;
+            }
+            self.predicted_with(&edited(factor)?, &label(factor), clock)
         };
         let tried = FACTORS.into_iter().filter_map(|factor| {
             let predicted = predicted(factor)?;
@@ -61,10 +62,11 @@ impl ComparedCase {
         });
         let (factor, left, predicted) = tried.min_by(|(_, a, _), (_, b, _)| a.total_cmp(b))?;
         let worth_saying = self.is_explained_but_for(&predicted, LEFT)?;
+        let whole = || self.whole_of_scene(&edited(factor)?, &label(factor), clock);
         worth_saying.then_some(Candidate {
             words: format!("steps {factor:.2} times as long"),
             left: left.max(0.0),
-            agrees: self.agrees(&predicted),
+            agrees: self.agrees_in_all(&predicted, whole),
             in_noise: self.in_noise(&predicted),
             is_explained: self.is_explained_but_for(&predicted, self.may_leave())?,
             predicted,
