@@ -107,7 +107,7 @@ pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Fi
 pub(super) struct Reading {
     /// The image, read so.
     pub film: Film,
-    /// What is so if that agrees: a sentence without a full stop.
+    /// Statement, without a full stop, on an image that agrees if read so.
     pub words: String,
 }
 
