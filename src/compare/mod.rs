@@ -17,7 +17,7 @@ mod image_gate;
 mod incomparable;
 mod judgement;
 mod measured_difference;
-mod opacity;
+pub(crate) mod opacity;
 mod parts;
 pub mod perceptual;
 mod picture;

@@ -61,6 +61,18 @@ impl OpacityDifference {
     }
 }
 
+/// The opacity of `film`, unless it is the same 0 or 1 everywhere, which says nothing of the volume.
+pub(crate) fn stated(film: &Film) -> Option<&[f32]> {
+    let opacity = film.opacity()?;
+    let is_all = |value: f32| opacity.iter().all(|&opacity| opacity == value);
+    (!is_all(0.0) && !is_all(1.0)).then_some(opacity)
+}
+
+/// Largest rounding of the opacity of `film`: codes of 8 bits are linear in opacity, whatever the curve of the colours.
+pub(crate) fn rounding(film: &Film) -> f64 {
+    film.quantisation().map_or(0.0, |_| 0.5 / 255.0)
+}
+
 /// The comparison, by the `tolerance` of each value; `None` where an image has no opacity, or where that of `test` is
 /// all 0 or all 1 and not `asked` for.
 pub(super) fn difference(
@@ -69,13 +81,13 @@ pub(super) fn difference(
     asked: bool,
     tolerance: fn(f64) -> f64,
 ) -> Option<OpacityDifference> {
-    let (golden, opacity) = (reference.opacity()?, test.opacity()?);
-    let is_all = |value: f32| opacity.iter().all(|&opacity| opacity == value);
-    if !asked && (is_all(0.0) || is_all(1.0)) {
-        return None;
-    }
-    // Codes of 8 bits are linear in opacity, whatever the curve of the colours.
-    let rounding = test.quantisation().map_or(0.0, |_| 0.5 / 255.0);
+    let golden = reference.opacity()?;
+    let opacity = if asked {
+        test.opacity()?
+    } else {
+        stated(test)?
+    };
+    let rounding = rounding(test);
     let mut found = OpacityDifference {
         outside: 0,
         worst: 0.0,

@@ -6,6 +6,9 @@
 //! is the right one, 1 if it says nothing of the image, more if it moves away from it. Both
 //! distances are estimates where pixels have noise, so the share has a bound on either side.
 
+use super::opacity;
+use crate::film::Film;
+
 /// The largest share of the squared difference that a hypothesis may leave unexplained, where there
 /// is no noise.
 ///
@@ -73,6 +76,40 @@ impl SquaredDistance {
     }
 }
 
+/// True if `prediction` makes what `test` shows beside `nothing`, the image in which nothing is drawn: at most
+/// [`UNEXPLAINED`] of its squares is left. Two images that are within the tolerance of black agree with each other, and
+/// neither explains the other. An opacity that `test` states counts as its colours do.
+pub(crate) fn makes_what_shows(prediction: &Film, test: &Film, nothing: &Film) -> bool {
+    let [left, shown] = [prediction, nothing].map(|film| squared_difference(film, test));
+    let of_opacity = |film: &Film| Some(squared_difference_of_opacity(film.opacity()?, test));
+    let opacity = of_opacity(prediction).zip(of_opacity(nothing));
+    let is_opacity_made = opacity.is_none_or(|(left, shown)| left <= UNEXPLAINED * shown);
+    shown > 0.0 && left <= UNEXPLAINED * shown && is_opacity_made
+}
+
+/// Sum of the squared differences of the colours of `test` from `film`, of the same size, beyond rounding and noise.
+pub(crate) fn squared_difference(film: &Film, test: &Film) -> f64 {
+    let nearest = test.nearest_to(film);
+    let pixels = film.radiance().iter().zip(nearest.radiance());
+    let squares = pixels.enumerate().flat_map(|(index, (a, b))| {
+        [0, 1, 2].map(|c| {
+            let difference = f64::from(b[c]) - f64::from(a[c]);
+            difference * difference - test.variance_at(index, c)
+        })
+    });
+    squares.sum()
+}
+
+/// The same of an opacity, where `test` states one.
+fn squared_difference_of_opacity(opacity: &[f32], test: &Film) -> f64 {
+    let values = opacity
+        .iter()
+        .zip(opacity::stated(test).unwrap_or_default());
+    let beyond =
+        |(a, b): (&f32, &f32)| (f64::from((a - b).abs()) - opacity::rounding(test)).max(0.0);
+    values.map(beyond).map(|it| it * it).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,6 +129,28 @@ mod tests {
         assert!(!distance(0.5, 0.02).may_be_explained(&whole, 0.02));
         // An estimate below 0 is no better than one of 0.
         assert!(!distance(-0.04, 0.02).is_explained(&whole, 0.02));
+    }
+
+    /// Faint images are within the tolerance of each other, and none makes what the other shows.
+    #[test]
+    fn an_explanation_makes_what_the_image_shows() {
+        let image = |light: f32, opacity: f32| {
+            let pixel = |index: usize| {
+                let share = index as f32 / 64.0;
+                [light * share, light * share, light * share, opacity * share]
+            };
+            Film::with_opacity(8, 8, (0..64).map(pixel).collect())
+        };
+        let (test, nothing) = (image(4e-4, 0.1), image(0.0, 0.0));
+        assert!(makes_what_shows(&test, &test, &nothing));
+        assert!(makes_what_shows(&image(4.1e-4, 0.1), &test, &nothing));
+        assert!(!makes_what_shows(&image(5e-4, 0.1), &test, &nothing));
+        assert!(!makes_what_shows(&nothing, &test, &nothing));
+        // The colours are right, and the opacity says another thing.
+        assert!(!makes_what_shows(&image(4e-4, 0.01), &test, &nothing));
+        let without = image(4e-4, 0.0).without_opacity();
+        assert!(makes_what_shows(&image(4e-4, 0.01), &without, &nothing));
+        assert!(!makes_what_shows(&nothing, &nothing, &nothing));
     }
 
     #[test]

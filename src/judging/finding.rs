@@ -33,7 +33,7 @@ impl Judged {
             (Some(golden), Some(codes)) => codes.size() == (golden.width(), golden.height()),
             _ => false,
         };
-        let is_open = self.result.cause == Cause::Mismatch && !self.result.is_right_otherwise_read;
+        let is_open = self.result.cause == Cause::Mismatch && !self.result.is_explained;
         is_open && comparable()
     }
 }
@@ -57,8 +57,8 @@ pub(crate) struct CaseFinding {
     pub fit: Option<Box<FitMap>>,
     /// The part of the reason that says no more than "as if".
     pub as_if: Option<String>,
-    /// The image is right once it is read as the reason says.
-    pub is_right_otherwise_read: bool,
+    /// The reason says all: no cause is looked for.
+    pub is_explained: bool,
 }
 
 impl CaseFinding {
@@ -73,7 +73,7 @@ impl CaseFinding {
             detectable: Vec::new(),
             fit: None,
             as_if: None,
-            is_right_otherwise_read: false,
+            is_explained: false,
         }
     }
 
@@ -102,7 +102,7 @@ impl CaseFinding {
             detectable: self.detectable,
             fit: self.fit,
             as_if: self.as_if,
-            is_right_otherwise_read: self.is_right_otherwise_read,
+            is_explained: self.is_explained,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,

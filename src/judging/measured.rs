@@ -5,16 +5,12 @@
 
 use crate::compare::cells::Cells;
 use crate::compare::flip::SrgbImage;
-use crate::compare::unexplained::{UNEXPLAINED, UNEXPLAINED_IN_NOISE};
+use crate::compare::unexplained::{UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows};
 use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
 use crate::film::{Bits, Film, Origin, Quantisation};
 use crate::math;
-use crate::scene::{Model, Scene};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
-
-/// Largest relative rounding of a value that is written: half of that of half precision is its own.
-const ROUNDING: f64 = 1.0 / 1024.0;
 
 /// The largest code of 8 bits.
 const LARGEST_CODE: f64 = 255.0;
@@ -59,42 +55,6 @@ pub(crate) enum SimpleMap {
     Gain,
     /// An offset or a power besides, or of a black golden.
     Other,
-}
-
-/// Statement that `picture` shows nothing of `scene` but its background.
-pub(crate) fn nothing_drawn(case: &Case, scene: &Scene, picture: &Picture) -> Option<String> {
-    let film = match picture {
-        Picture::Radiance(film) => film.clone(),
-        Picture::Codes(codes) => decoded(codes, case.exposure),
-    };
-    let mut row = Vec::new();
-    for panel in &scene.panels {
-        let background = match &panel.model {
-            Model::Classified(volume) => volume.background,
-            Model::Radiative(scene) => scene.environment,
-            Model::Curve(_) => return None,
-        };
-        row.extend(std::iter::repeat_n(
-            background.as_vec3().to_array(),
-            panel.width,
-        ));
-    }
-    let (width, height) = (film.width(), film.height());
-    if row.len() != width {
-        return None;
-    }
-    let background = Film::new(width, height, row.repeat(height));
-    let kept = film.quantisation();
-    let background = kept.map_or(background.clone(), |it| it.rounded(&background));
-    let values = film.radiance().as_flattened().iter();
-    let is_near = |(a, b): (&f32, &f32)| f64::from((a - b).abs()) <= ROUNDING * f64::from(*b);
-    let mut values = values.zip(background.radiance().as_flattened());
-    let of = match row.iter().all(|pixel| *pixel == row[0]) {
-        true => format!("the scene, ({})", row[0].map(|x| x.to_string()).join(", ")),
-        false => "its panel".to_owned(),
-    };
-    let said = || format!("nothing was drawn: every pixel is the background of {of}");
-    values.all(is_near).then(said)
 }
 
 fn is_black(film: &Film) -> bool {
@@ -148,7 +108,11 @@ fn exposure_factor(case: &Case, golden: &Film, codes: &SrgbImage) -> Option<f64>
     if !(factor > 0.0 && factor.is_finite()) {
         return None;
     }
-    let scaled = Picture::Radiance(Map::Scaled(factor).of(golden));
+    let map = Map::Scaled(factor);
+    if !map.shows(golden, &test) {
+        return None;
+    }
+    let scaled = Picture::Radiance(map.of(golden));
     let test = Picture::Codes(codes.clone());
     let conditions = Conditions {
         exposure: case.exposure,
@@ -208,6 +172,20 @@ impl Map {
 
     fn of(&self, film: &Film) -> Film {
         mapped(film, |x, channel| self.at(x, channel))
+    }
+
+    /// True if `test` shows the map of `golden`, which leaves little of what it is without its factor: a few codes, or
+    /// less than the tolerance, are no measurement.
+    fn shows(&self, golden: &Film, test: &Film) -> bool {
+        let offset = match *self {
+            Map::Shifted { offset, .. } => offset,
+            _ => 0.0,
+        };
+        makes_what_shows(
+            &self.of(golden),
+            test,
+            &mapped(golden, |_, _| (offset, 0.0)),
+        )
     }
 
     /// True if the map is increasing, apart from its offset.
@@ -282,7 +260,7 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
         let whole = left(&colours);
         let holds = |map: &Map| {
             let mapped = map.of(&colours);
-            left(&mapped) <= UNEXPLAINED * whole && agrees(mapped)
+            left(&mapped) <= UNEXPLAINED * whole && map.shows(&colours, test) && agrees(mapped)
         };
         let found = maps.find(holds).filter(|_| !agrees(colours.clone()))?;
         // Rounding leaves factors open that are 1.

@@ -6,6 +6,7 @@ pub(crate) mod evidence;
 pub(crate) mod finding;
 pub(crate) mod measured;
 pub(crate) mod more_samples;
+pub(crate) mod nothing_drawn;
 pub(crate) mod precision;
 pub(crate) mod random_samples;
 mod refinement;

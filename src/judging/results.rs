@@ -117,9 +117,9 @@ pub struct CaseResult {
     /// The part of the reason that says no more than "as if".
     #[serde(skip)]
     pub as_if: Option<String>,
-    /// The image is right once it is read as the reason says: no cause is looked for.
+    /// The reason says all, of an image that is right once it is read as it says, or that is empty: no cause is looked for.
     #[serde(skip)]
-    pub is_right_otherwise_read: bool,
+    pub is_explained: bool,
     /// Wall time, for information.
     pub seconds: f64,
     /// Units of work by name, where they were counted.

@@ -3,7 +3,8 @@
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
-use super::measured::{codes_in_words, measured, nothing_drawn};
+use super::measured::{codes_in_words, measured};
+use super::nothing_drawn::{is_emptied, nothing_drawn};
 use super::precision::{before_background, known, known_radiance, other_readings};
 use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
@@ -42,7 +43,7 @@ pub(crate) fn validate_at(
     let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
     let has_image = matches!(output, Output::Picture(_) | Output::Refined(_));
     let checked = checked.and_then(|checked| match profile {
-        Some(profile) if has_image => checked.under(profile),
+        Some(profile) if has_image => under(profile, case, checked, &output),
         _ => Ok(checked),
     });
     let (finding, checked) = match (output, checked) {
@@ -74,6 +75,33 @@ pub(crate) fn validate_at(
     }
 }
 
+/// `checked` under `profile`; refused where that leaves nothing of the scene to see, so that an empty `output` would pass.
+fn under(
+    profile: &Profile,
+    case: &Case,
+    checked: CheckedGolden,
+    output: &Output,
+) -> Result<CheckedGolden, CaseFinding> {
+    let golden = checked.golden.film.clone();
+    let checked = checked.under(profile)?;
+    let picture = match output {
+        Output::Picture(picture) => Some(&**picture),
+        Output::Refined(images) => images.first(),
+        _ => None,
+    };
+    let films = [&golden, &checked.golden.film];
+    let is_empty = |picture| is_emptied(case, &checked.scene, films, picture);
+    if !picture.is_some_and(is_empty) {
+        return Ok(checked);
+    }
+    let reason = format!(
+        "the profile {} leaves nothing of this scene to see: an image of the background alone would pass; correct the \
+         profile, or leave out the case",
+        profile.name
+    );
+    Err(CaseFinding::new(Verdict::Error, Cause::BadInput, reason))
+}
+
 /// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
 /// otherwise: `output` is the image as it came.
 pub(crate) fn add_right_declaration(
@@ -102,7 +130,7 @@ pub(crate) fn add_right_declaration(
         Some(right) => format!("where its colours are declared with --alpha {right}"),
     };
     result.reason = format!("the image agrees {otherwise}; {}", result.reason);
-    result.is_right_otherwise_read = true;
+    result.is_explained = true;
 }
 
 /// Finding on a case without an image to judge: a fault of its golden or scene first, since that
@@ -301,7 +329,7 @@ fn judged(
         }
     };
     let mut finding = with_words(case, checked, judgement, picture);
-    if gate.depends_on_exposure() {
+    if gate.depends_on_exposure() && !finding.is_explained {
         let stops = if case.exposure.abs() == 1.0 {
             "stop"
         } else {
@@ -334,16 +362,17 @@ fn with_words(
         let mut readings =
             other_readings(case, (&checked.golden.film, &checked.scene), picture).into_iter();
         let right = readings.find(|reading| agrees(case, checked, &reading.film));
-        finding.is_right_otherwise_read = right.is_some();
+        finding.is_explained = right.is_some();
         // A map of values would be the reading, measured.
         let mut said = match &right {
             Some(_) => codes_in_words(picture).into_iter().collect(),
             None => measured(case, &checked.golden.film, picture),
         };
-        let nothing = nothing_drawn(case, &checked.scene, picture);
+        let nothing = nothing_drawn(case, &checked.scene, &checked.golden.film, picture);
         if let Some(nothing) = nothing.filter(|_| right.is_none()) {
-            // No number of the scene is measured by what is not there.
+            // No number of the scene is measured by what is not there, and nothing is searched.
             finding.reason = nothing;
+            finding.is_explained = true;
             (finding.changes, finding.as_if) = (Vec::new(), None);
         } else {
             said.extend(right.map(|reading| reading.words));

@@ -10,6 +10,7 @@ mod effects;
 mod images;
 mod profile_text;
 
+use super::likeness;
 use super::shipped_profile::{self, NamedProfile};
 use crate::conventions::{CATALOGUE, ConventionSet, Profile};
 use crate::film::Film;
@@ -28,8 +29,7 @@ const MOST_TOGETHER: usize = 9;
 pub enum Agreement {
     /// It passes the gate.
     Full,
-    /// All but this share of the pixels are within the tolerance, and none is far off; with a share of 0,
-    /// the mean of the image is off.
+    /// It passes but for this share of the pixels, none of which is far off.
     ButFor(f64),
 }
 
@@ -65,7 +65,6 @@ impl Explained {
         result.conventions = self.in_words();
         let rest = match self.agreement {
             Agreement::Full => String::new(),
-            Agreement::ButFor(0.0) => " but for its mean".to_owned(),
             Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
         let under = match result.conventions.len() {
@@ -154,7 +153,12 @@ impl ConventionSearch {
             return explain_by_profile(&found, &mut judged.result, accepted);
         }
         match self.explain(case, &scene, &images, Some(seconds)) {
-            Ok(Some(explained)) => explained.explain(&mut judged.result, accepted),
+            Ok(Some(explained)) => {
+                let is_one = explained.set.len() == 1;
+                if is_one || !likeness::is_plainly_explained(case, judged, seconds) {
+                    explained.explain(&mut judged.result, accepted);
+                }
+            }
             Err(Unfinished) if searches => {
                 let note = format!(
                     "the search for conventions reached its limit of {seconds} s of work: give it more with \

@@ -46,7 +46,9 @@ use clock::SearchClock;
 use compared_case::ComparedCase;
 use explanations::{Explanation, Explanations, Found};
 use fit::Fitted;
+use hypothesis::Hypothesis;
 use opacity::OfOpacity;
+use std::time::Duration;
 
 /// Sentence for a difference in which nothing stands out.
 pub(crate) const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
@@ -198,6 +200,29 @@ pub(crate) fn likeness_with(
         with_open_conventions,
         under_a_profile: false,
     }
+}
+
+/// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged` as a gate has
+/// it, with as much work as two cores do in these `seconds`: that is plainer than several conventions.
+pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, seconds: f64) -> bool {
+    let scenes = |case: &Case| case.load_scene().ok();
+    let Some(failed) = ComparedCase::new(0, case, judged, &scenes) else {
+        return false;
+    };
+    if failed.is_gain() {
+        return true;
+    }
+    let search = Search {
+        budget: Duration::try_from_secs_f64(seconds).ok(),
+        predictions: &Predictions::nowhere(),
+        interrupted: &|| false,
+        progress: &|_| (),
+    };
+    let clock = SearchClock::start(&search, &failed.name, hunt::singles());
+    let (found, _) = failed.search(&clock);
+    let is_one = |hypothesis: &Hypothesis| matches!(hypothesis, Hypothesis::One(_));
+    let mut ones = found.iter().filter(|(hypothesis, _)| is_one(hypothesis));
+    ones.any(|(hypothesis, _)| failed.passes_with(hypothesis, &clock))
 }
 
 /// Counts, for the likeliest of `ranked` that explain equally many cases, the `passing` cases in which they would have

@@ -3,9 +3,11 @@
 //! The [search](super::convention_search) knows single choices. A renderer as it comes also rounds and
 //! places its samples in ways that are no choices of the search, and only its profile as a whole states them.
 
+use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Deterministic, Picture, judge};
 use crate::conventions::{PLACES, Profile};
 use crate::film::{Origin, Quantisation};
+use crate::judging::nothing_drawn::background;
 use crate::judging::{Judged, Verdict, radiance, validate};
 use crate::scene::{Panel, Scene};
 use crate::suite::{Case, Output, Store};
@@ -39,8 +41,19 @@ pub fn passing(
         let passes = |judged: &Judged| judged.result.verdict == Verdict::Pass;
         let under_profile = judged_by(Some(profile));
         // Not of an image that is right but for the curve of its codes, which the verdict says.
-        passes(&under_profile) && !are_alike(judged, &under_profile) && !passes(&judged_by(None))
+        passes(&under_profile)
+            && makes_what_shows_in(&under_profile, scene)
+            && !are_alike(judged, &under_profile)
+            && !passes(&judged_by(None))
     })
+}
+
+/// True if the right image by which `judged` passed makes what its image shows of `scene`.
+fn makes_what_shows_in(judged: &Judged, scene: &Scene) -> bool {
+    let right = judged.evidence.golden.as_ref();
+    let images = judged.evidence.images();
+    let known = right.zip(images.first()).zip(background(scene));
+    known.is_some_and(|((right, test), nothing)| makes_what_shows(right, test, &nothing))
 }
 
 /// Samples in the images that `validate` renders of `scene` under `profile`, if all rays cross the volumes along

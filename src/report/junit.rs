@@ -99,7 +99,7 @@ mod tests {
             changes: Vec::new(),
             fit: None,
             as_if: None,
-            is_right_otherwise_read: false,
+            is_explained: false,
             detectable: Vec::new(),
             looks_like: vec![text.to_owned()],
             difference: Vec::new(),

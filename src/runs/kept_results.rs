@@ -148,7 +148,7 @@ struct Found {
     #[serde(default)]
     as_if: Option<String>,
     #[serde(default)]
-    is_right_otherwise_read: bool,
+    is_explained: bool,
     evidence: Evidence,
 }
 
@@ -253,7 +253,7 @@ impl ResultFolder {
             cause: judged.result.cause,
             fit: judged.result.fit.clone(),
             as_if: judged.result.as_if.clone(),
-            is_right_otherwise_read: judged.result.is_right_otherwise_read,
+            is_explained: judged.result.is_explained,
             evidence: Evidence {
                 golden: None,
                 test: None,
@@ -343,7 +343,7 @@ impl ResultFolder {
                     cause: of_case.cause,
                     fit: of_case.fit,
                     as_if: of_case.as_if,
-                    is_right_otherwise_read: of_case.is_right_otherwise_read,
+                    is_explained: of_case.is_explained,
                     ..of_case.result
                 },
                 evidence: of_case.evidence,

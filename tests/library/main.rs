@@ -14,6 +14,7 @@ mod cost_plots;
 mod decide;
 mod depth;
 mod effects;
+mod empty_images;
 mod exact;
 mod exchange;
 mod film_noise;

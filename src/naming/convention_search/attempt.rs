@@ -8,11 +8,13 @@ use super::effects::Effects;
 use super::images::Images;
 use super::{Agreement, MOST_TOGETHER};
 use crate::compare::deterministic::{in_tolerances, tolerance};
+use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::conventions::{
     CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, Profile, STEP, under,
 };
 use crate::film::Film;
+use crate::judging::nothing_drawn::background;
 use crate::math::{Sum, powu};
 use crate::naming::likeness::{lattice_of, pixels_at, pixels_of};
 use crate::render::Detail;
@@ -42,12 +44,6 @@ const CAP: f64 = 20.0;
 /// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
 /// them.
 const MOST_OUTSIDE: f64 = 0.005;
-
-/// Share of the pixels that may be outside of the tolerance under the conventions of a renderer, and
-/// still be called rounding: five times what the gate allows. Renderers for graphics cards
-/// compute in single precision, and highlights of an exponent of 32 magnify a normal that is off by a
-/// thousandth to more than the tolerance of 1 %: VTK, as it comes, has 18 to 38 such pixels of 65,536.
-const MOST_ROUNDED: f64 = 1e-3;
 
 /// Share of the pixels that are outside of the tolerance under volref's conventions that may be so under
 /// those that are claimed.
@@ -88,6 +84,8 @@ pub struct Attempt<'a> {
     lattice: Detail,
     /// The first of the images there.
     on_lattice: Film,
+    /// The image in which nothing is drawn.
+    nothing: Film,
 }
 
 /// A set of conventions, rendered on the lattice.
@@ -147,6 +145,7 @@ impl<'a> Attempt<'a> {
             tests,
             lattice,
             on_lattice: pixels_of(&tests[0], &widths, lattice),
+            nothing: background(scene).expect("conventions are about volumes"),
         }
     }
 
@@ -169,11 +168,14 @@ impl<'a> Attempt<'a> {
 
     fn agreement_at(&self, set: &[usize], halvings: usize, test: &Film) -> Option<Agreement> {
         let right = self.images.under(set, halvings, Detail::Whole)?;
-        if self.passes(&right, test) {
+        if !makes_what_shows(&right, test, &self.nothing) {
+            return None;
+        }
+        if self.passes(&right, test, false) {
             return Some(Agreement::Full);
         }
         let misfit = Misfit::of(&right, test);
-        let is_rounding = misfit.outside <= MOST_ROUNDED && misfit.worst <= CAP;
+        let is_rounding = misfit.worst <= CAP && self.passes(&right, test, true);
         is_rounding.then_some(Agreement::ButFor(misfit.outside))
     }
 
@@ -233,14 +235,16 @@ impl<'a> Attempt<'a> {
             };
             before = before.max(Misfit::of(&own, test).outside);
             left = left.max(Misfit::of(&under, test).outside);
-            differs |= !self.passes(&own, &under);
+            differs |= !self.passes(&own, &under, false);
         }
         differs && (agreement == Agreement::Full || left <= LEFT_BY_ROUNDING * before)
     }
 
-    fn passes(&self, right: &Film, test: &Film) -> bool {
+    /// True if `test` passes, `in_single_precision` but for what that rounds.
+    fn passes(&self, right: &Film, test: &Film, in_single_precision: bool) -> bool {
         let conditions = Conditions {
             exposure: self.exposure,
+            in_single_precision,
             ..Conditions::default()
         };
         let pictures = [right, test].map(|film| Picture::Radiance(film.clone()));

@@ -15,11 +15,11 @@ use crate::compare::unexplained::{
 };
 use crate::compare::{
     Conditions, Deterministic, Gate as _, NumberChange, Perceptual, Picture, Refinement, Seen,
-    WITHIN_A_PIXEL, change_with_step, judge, measured, place_of_rest,
+    WITHIN_A_PIXEL, change_with_step, default_gate, judge, measured, place_of_rest,
 };
 use crate::film::{Film, Noise};
 use crate::judging::Judged;
-use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, nothing_drawn, simple};
+use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
 use crate::math;
 use crate::render::Detail;
 use crate::scene::{Mode, Panel, Scene};
@@ -143,12 +143,7 @@ impl ComparedCase {
         Some(ComparedCase {
             index,
             name: case.name.clone(),
-            simple: simple(case, &golden, &picture).or(nothing_drawn(
-                case,
-                &predictor.scene,
-                &picture,
-            )
-            .map(|_| SimpleMap::Other)),
+            simple: simple(case, &golden, &picture),
             effective_cells: golden_cells.effective_cells(&test_cells),
             is_another_exposure: is_another_exposure(case, &golden, &picture),
             is_sampled,
@@ -647,6 +642,20 @@ impl ComparedCase {
             }
             _ => film.clone(),
         }
+    }
+
+    /// True if the whole image of `hypothesis` passes for this one, as an image under conventions has to.
+    pub fn passes_with(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> bool {
+        let Some(film) = self.whole(hypothesis, clock) else {
+            return false;
+        };
+        let film = Picture::Radiance(self.kept.film(&film));
+        let conditions = Conditions {
+            exposure: self.exposure,
+            ..Conditions::default()
+        };
+        let (gate, _) = default_gate(&film, &self.picture);
+        judge(gate, &film, &self.picture, &conditions).is_ok_and(|judgement| judgement.passed)
     }
 
     /// Misfit of `hypothesis` in one look.

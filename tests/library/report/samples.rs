@@ -68,7 +68,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         changes: Vec::new(),
         fit: None,
         as_if: None,
-        is_right_otherwise_read: false,
+        is_explained: false,
         detectable: Vec::new(),
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),

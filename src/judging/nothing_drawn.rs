@@ -1,0 +1,169 @@
+//! Images in which nothing, or all but nothing, was drawn.
+//!
+//! Such an image agrees with any other dark one, so that it has no other cause: nothing is measured of it, and nothing
+//! is searched.
+
+use super::measured::decoded;
+use super::precision::known;
+use crate::compare::deterministic::tolerance;
+use crate::compare::flip::SrgbImage;
+use crate::compare::opacity;
+use crate::compare::unexplained::{UNEXPLAINED, squared_difference};
+use crate::compare::{Conditions, Picture, default_gate, judge};
+use crate::film::Film;
+use crate::math;
+use crate::scene::{Model, Scene};
+use crate::suite::Case;
+use crate::variations::edited_film::mapped;
+
+/// Largest relative rounding of a value that is written: half of that of half precision is its own.
+const ROUNDING: f64 = 1.0 / 1024.0;
+
+/// The image of `scene` in which nothing is drawn; `None` of one without background.
+pub(crate) fn background(scene: &Scene) -> Option<Film> {
+    let mut row = Vec::new();
+    for panel in &scene.panels {
+        let background = match &panel.model {
+            Model::Classified(volume) => volume.background,
+            Model::Radiative(scene) => scene.environment,
+            Model::Curve(_) => return None,
+        };
+        let [r, g, b] = background.as_vec3().to_array();
+        row.extend(std::iter::repeat_n([r, g, b, 0.0], panel.width));
+    }
+    let pixels = row.repeat(scene.height());
+    Some(Film::with_opacity(row.len(), scene.height(), pixels))
+}
+
+/// Statement that `picture`, which failed by `golden`, shows nothing of `scene` but its background, or all but nothing.
+///
+/// The latter is within the tolerance of the background in every pixel, with one code more where it holds codes, the
+/// least that they can show; and what it shows is no more of its difference from the golden than any explanation may
+/// leave ([`UNEXPLAINED`]). An opacity that it states has to be as empty.
+pub(crate) fn nothing_drawn(
+    case: &Case,
+    scene: &Scene,
+    golden: &Film,
+    picture: &Picture,
+) -> Option<String> {
+    let film = match picture {
+        Picture::Radiance(film) => film.clone(),
+        Picture::Codes(codes) => decoded(codes, case.exposure),
+    };
+    let background = background(scene).filter(|background| background.is_comparable(&film))?;
+    if !is_opacity_empty(&film) {
+        return None;
+    }
+    let of_scene = format!("the background of {}", background_in_words(&background));
+    let black = mapped(&background, |_, _| (0.0, 0.0));
+    // Some programs leave the background out.
+    let empty = [
+        (&background, of_scene.as_str(), "the background"),
+        (&black, "black", "black"),
+    ];
+    let same = empty.iter().find(|(empty, ..)| is_same(&film, empty));
+    if let Some((_, is, _)) = same {
+        return Some(format!("nothing was drawn: every pixel is {is}"));
+    }
+    empty.iter().find_map(|(empty, _, from)| {
+        let most = largest_within_tolerance(&film, empty)?;
+        let [shown, lacking] = [empty, golden].map(|of| squared_difference(of, &film));
+        (lacking > 0.0 && shown <= UNEXPLAINED * lacking).then(|| {
+            format!(
+                "all but nothing was drawn: no pixel differs from {from} by more than {}",
+                two_digits(most)
+            )
+        })
+    })
+}
+
+/// True if `film` is `empty` but for the rounding of a file.
+fn is_same(film: &Film, empty: &Film) -> bool {
+    let rounded = film.quantisation().map(|it| it.rounded(empty));
+    let is_near = |(a, b): (&f32, &f32)| f64::from((a - b).abs()) <= ROUNDING * f64::from(*b);
+    let mut values = values_of(film).zip(values_of(rounded.as_ref().unwrap_or(empty)));
+    values.all(is_near)
+}
+
+/// Largest difference of a value of `film` from `empty`; `None` if one is larger than its tolerance and a code.
+fn largest_within_tolerance(film: &Film, empty: &Film) -> Option<f64> {
+    let codes = film.quantisation();
+    let mut most = 0.0_f64;
+    for (&value, &nothing) in values_of(film).zip(values_of(empty)) {
+        let [value, nothing] = [value, nothing].map(f64::from);
+        let code = codes.map_or(0.0, |it| 2.0 * it.half_code(nothing));
+        let off = (value - nothing).abs();
+        if off > tolerance(nothing) + code {
+            return None;
+        }
+        most = most.max(off);
+    }
+    Some(most)
+}
+
+/// True if the background of `scene` would pass for `right`, its image under a profile, and not for its `golden`: then the
+/// profile leaves nothing to judge. The background is taken as a file like that of `picture` holds it.
+pub(super) fn is_emptied(
+    case: &Case,
+    scene: &Scene,
+    [golden, right]: [&Film; 2],
+    picture: &Picture,
+) -> bool {
+    let Some(background) = background(scene).map(Film::without_opacity) else {
+        return false;
+    };
+    let empty = match picture {
+        Picture::Radiance(film) => {
+            let rounded = film.quantisation().map(|it| it.rounded(&background));
+            Picture::Radiance(rounded.unwrap_or(background))
+        }
+        Picture::Codes(_) => {
+            let codes = background.srgb_codes(case.exposure);
+            let codes = SrgbImage::new(background.width(), background.height(), codes);
+            let Ok(codes) = codes else { return false };
+            known(case, right, Picture::Codes(codes))
+        }
+    };
+    let passes = |right: &Film| {
+        let right = Picture::Radiance(right.clone());
+        let conditions = Conditions {
+            exposure: case.exposure,
+            in_single_precision: true,
+            ..Conditions::default()
+        };
+        let (gate, _) = default_gate(&right, &empty);
+        judge(gate, &right, &empty, &conditions).is_ok_and(|judgement| judgement.passed)
+    };
+    passes(right) && !passes(golden)
+}
+
+/// True if `film` states no opacity, or one of nothing.
+fn is_opacity_empty(film: &Film) -> bool {
+    // As the gate has it, and one code, which is twice its rounding.
+    let most = tolerance(0.0) + 2.0 * opacity::rounding(film);
+    let stated = opacity::stated(film).unwrap_or_default();
+    stated.iter().all(|&opacity| f64::from(opacity) <= most)
+}
+
+fn values_of(film: &Film) -> impl Iterator<Item = &f32> {
+    film.radiance().as_flattened().iter()
+}
+
+fn background_in_words(background: &Film) -> String {
+    let pixels = background.radiance();
+    match pixels.iter().all(|pixel| *pixel == pixels[0]) {
+        true => format!(
+            "the scene, ({})",
+            pixels[0].map(|x| x.to_string()).join(", ")
+        ),
+        false => "its panel".to_owned(),
+    }
+}
+
+/// A small number in two digits, rounded up but for the error of single precision.
+fn two_digits(value: f64) -> String {
+    let digits = (1.0 - math::log10(value).floor()).clamp(0.0, 12.0);
+    let scale = math::powu(10.0, digits as u32);
+    let rounded = (value * (1.0 - f64::from(f32::EPSILON)) * scale).ceil() / scale;
+    rounded.to_string()
+}

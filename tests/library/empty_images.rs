@@ -1,0 +1,237 @@
+//! Images in which nothing, or all but nothing, was drawn, and explanations of faint ones.
+
+use std::path::Path;
+use volref::compare::Picture;
+use volref::conventions::{CATALOGUE, Profile, under};
+use volref::film::{Bits, Film};
+use volref::judging::{Judged, Verdict, validate};
+use volref::naming::{ConventionSearch, Predictions, Search, likeness};
+use volref::render::{Sampling, plans, render};
+use volref::scene::Scene;
+use volref::suite::{Case, Output, Suite};
+
+const WORK: f64 = 10.0;
+
+fn suite() -> Suite {
+    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn case(name: &str) -> Case {
+    suite().select(&[name.to_owned()]).unwrap()[0].clone()
+}
+
+fn film(scene: &Scene) -> Film {
+    render(&plans(scene), Sampling::default(), &|| ())
+        .unwrap()
+        .film
+}
+
+fn output(picture: Picture) -> Output {
+    Output::Picture(Box::new(picture))
+}
+
+/// `of` with every colour as `edit` makes it of its index, without opacity.
+fn edited(of: &Film, edit: impl Fn(usize, f32) -> f32) -> Film {
+    let pixels = of.radiance().iter().enumerate();
+    let pixels = pixels.map(|(index, pixel)| pixel.map(|value| edit(index, value)));
+    Film::new(of.width(), of.height(), pixels.collect())
+}
+
+/// The verdict on `picture` after all searches.
+fn searched(case: &Case, picture: Picture) -> Judged {
+    let store = suite().store();
+    let mut judged = validate(case, &store, output(picture), None);
+    ConventionSearch::default().explain_mismatch(case, &store, &mut judged, WORK, true);
+    let search = Search {
+        budget: None,
+        predictions: &Predictions::nowhere(),
+        interrupted: &|| false,
+        progress: &|step| panic!("a search of {}", step.case),
+    };
+    let mut all = [judged];
+    if all[0].result.reason.contains("nothing was drawn") {
+        let likely = likeness(&[case], &[], None, &mut all, &search);
+        assert_eq!(likely.searched, 0);
+    }
+    let [judged] = all;
+    judged
+}
+
+fn is_told_empty(case: &Case, picture: Picture, most: &str) {
+    let result = searched(case, picture).result;
+    let sentence = format!(
+        "all but nothing was drawn: no pixel differs from the background by more than {most}"
+    );
+    assert_eq!(
+        result.verdict,
+        Verdict::Fail,
+        "{}: {}",
+        case.name,
+        result.reason
+    );
+    let rest = result.reason.strip_prefix(&sentence);
+    let rest = rest.unwrap_or_else(|| panic!("{}: {}", case.name, result.reason));
+    assert!(
+        rest.is_empty() || rest.starts_with("; the scene leaves out"),
+        "{rest}"
+    );
+    assert!(result.conventions.is_empty() && result.looks_like.is_empty());
+    assert!(result.changes.is_empty() && result.difference.is_empty());
+}
+
+/// In every class of cases, in front of black and of a colour, as radiance and as codes.
+#[test]
+fn an_image_of_all_but_nothing_is_told_so_alone() {
+    for (name, background) in [
+        ("reported/slope", [0.0; 3]),
+        ("limit/plume", [0.0; 3]),
+        ("smoke/cornell", [0.0; 3]),
+        ("sampled/column", [0.4, 0.6, 0.8]),
+    ] {
+        let case = case(name);
+        let scene = case.load_scene().unwrap();
+        let count = scene.width() * scene.height();
+        let empty = Film::new(scene.width(), scene.height(), vec![background; count]);
+        let one_pixel = edited(
+            &empty,
+            |index, value| {
+                if index == 245 { value + 0.0002 } else { value }
+            },
+        );
+        // Of 0.4 half precision does not tell it.
+        if background == [0.0; 3] {
+            is_told_empty(&case, Picture::Radiance(one_pixel), "0.0002");
+        } else {
+            let result = searched(&case, Picture::Radiance(one_pixel)).result;
+            assert!(
+                result.reason.starts_with("nothing was drawn"),
+                "{}",
+                result.reason
+            );
+        }
+        let noise = edited(&empty, |index, value| {
+            value + 0.0005 * ((index * 7919) % 101) as f32 / 100.0
+        });
+        if background == [0.0; 3] {
+            is_told_empty(&case, Picture::Radiance(noise), "0.0005");
+        }
+    }
+    // Light far below the tolerance, whose shape is right.
+    let case = case("reported/slope");
+    let right = film(&case.load_scene().unwrap());
+    let faint = edited(&right, |_, value| 0.0004 * value);
+    is_told_empty(&case, Picture::Radiance(faint), "0.000");
+    // A single code of an image of 8 bits.
+    for bits in ["8-srgb", "8-linear"] {
+        let bits: Bits = bits.parse().unwrap();
+        let quantisation = bits.of_png(case.exposure);
+        let codes: Vec<[u8; 3]> = (0..right.radiance().len())
+            .map(|index| [u8::from(index == 245); 3])
+            .collect();
+        let film = quantisation.decoded(right.width(), right.height(), &codes);
+        is_told_empty(&case, Picture::Radiance(film), "0.00");
+    }
+}
+
+/// An image of its own opacity shows something, and black colours are no convention.
+#[test]
+fn opacity_is_something_drawn() {
+    let case = case("reported/slope");
+    let right = film(&case.load_scene().unwrap());
+    let pixels = (0..right.radiance().len()).map(|index| {
+        let [_, _, _, opacity] = right.pixel(index);
+        [0.0, 0.0, 0.0, opacity]
+    });
+    let black = Film::with_opacity(right.width(), right.height(), pixels.collect());
+    let result = searched(&case, Picture::Radiance(black)).result;
+    assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
+    assert!(
+        !result.reason.contains("nothing was drawn"),
+        "{}",
+        result.reason
+    );
+}
+
+/// A profile under which the background alone would pass is refused, whatever the image.
+#[test]
+fn a_profile_that_leaves_nothing_is_refused() {
+    let profile = Profile::parse(
+        "name = \"mine\"\n[conventions]\nnear_plane = 1.0\n",
+        "mine.toml",
+    );
+    let profile = profile.unwrap();
+    let store = suite().store();
+    let mut refused = 0;
+    for name in [
+        "reported/slope",
+        "sampled/column",
+        "limit/thin-haze",
+        "reported/head",
+    ] {
+        let case = case(name);
+        let right = film(&case.load_scene().unwrap());
+        let [r, g, b, _] = right.pixel(0);
+        let empty = edited(&right, |_, _| 0.0);
+        let background = Film::new(
+            right.width(),
+            right.height(),
+            vec![[r, g, b]; right.radiance().len()],
+        );
+        let linear = "8-linear".parse::<Bits>().unwrap().of_png(case.exposure);
+        for film in [empty, linear.rounded(&background), background, right] {
+            let picture = Picture::Radiance(film);
+            let result = validate(&case, &store, output(picture), Some(&profile)).result;
+            assert_ne!(result.verdict, Verdict::Pass, "{name}: {}", result.reason);
+            refused += usize::from(
+                result
+                    .reason
+                    .contains("leaves nothing of this scene to see"),
+            );
+        }
+    }
+    assert!(refused >= 8, "{refused}");
+}
+
+/// Opacities divided by 255 are one factor, which is plainer than several conventions.
+#[test]
+fn a_factor_is_plainer_than_several_conventions() {
+    let case = case("reported/slope");
+    let scene = case.load_scene().unwrap();
+    let text = std::fs::read_to_string("fixtures/scenes/reported/slope.toml").unwrap();
+    let mut thin = text;
+    for (opacity, divided) in [("0.1 }", 0.1), ("0.3 }", 0.3), ("0.6 }", 0.6)] {
+        let divided = format!("{} }}", divided / 255.0);
+        thin = thin.replace(
+            &format!("opacity = {opacity}"),
+            &format!("opacity = {divided}"),
+        );
+    }
+    let thin = Scene::parse(&thin, Path::new("fixtures/scenes/reported/thin.toml")).unwrap();
+    assert_eq!(thin.width(), scene.width());
+    let result = searched(&case, Picture::Radiance(film(&thin))).result;
+    assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
+    assert!(
+        result.reason.starts_with("the image is the golden × 0.00"),
+        "{}",
+        result.reason
+    );
+}
+
+/// An image whose mean is off agrees under no convention: not where every pixel is within its tolerance.
+#[test]
+fn a_mean_that_is_off_is_no_agreement() {
+    let case = case("reported/slope");
+    let scene = case.load_scene().unwrap();
+    let words = "takes opacity in proportion to the step";
+    let convention = CATALOGUE
+        .iter()
+        .position(|other| other.words.contains(words));
+    let set = vec![convention.unwrap()];
+    let right = film(&under(&scene, &set));
+    let search = ConventionSearch::default();
+    let explained = |film: Film| search.explain(&case, &scene, &[film], None).unwrap();
+    assert_eq!(explained(right.clone()).unwrap().set, set);
+    let brighter = edited(&right, |_, value| value + 0.0009);
+    let found = explained(brighter);
+    assert!(found.is_none(), "{found:?}");
+}
