@@ -16,7 +16,7 @@ use serde_json::json;
 /// in .volref until all goldens are written, so an interrupted run continues where it stopped.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Cases, families, or patterns over them such as 'figures/*'
+    /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out
     #[arg(value_name = "CASE", required = true)]
     cases: Vec<String>,
     /// What was wrong with the old goldens, or what new ones are for; stored with each golden
@@ -74,7 +74,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             Change::Unchanged => ("unchanged", "kept, with its old reason".to_owned()),
             Change::SamePicture => (
                 "recorded",
-                "same image; its record (scene, plan, truth, quick rendering or sensitivities) changed".to_owned(),
+                "same image; its record (scene, plan, truth, how it is judged, quick rendering or sensitivities) changed".to_owned(),
             ),
             Change::Replaced(difference) => ("replaced", difference.clone()),
         };

@@ -12,7 +12,7 @@ use serde_json::json;
 /// List the cases of the suite
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Families, cases, or patterns over them [default: all cases]
+    /// Families, cases, or patterns over them; those with ! before them are left out [default: all cases]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     /// Instead: list the known mistakes, with the advice that `validate` gives

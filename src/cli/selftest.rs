@@ -20,7 +20,8 @@ pub const SELF_TEST: &str = "selftest";
 /// Check that the suite catches every known mistake and rejects no correct image
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
+    /// Families, cases, or patterns over them such as 'figures/*'; those with ! before them are left out
+    /// [default: all cases]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     #[command(flatten)]

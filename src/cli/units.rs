@@ -16,7 +16,8 @@ use serde_json::{Value, json};
 /// its file in .volref/units is the same. volref merge brings units together, and volref accept uses them.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Families, cases, or patterns over them such as 'fog/*' [default: all cases]
+    /// Families, cases, or patterns over them such as 'fog/*'; those with ! before them are left out
+    /// [default: all cases]
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
     /// Compute the units that are missing

@@ -341,6 +341,7 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
             provenance.case
         ));
     }
+    let what;
     let what = if provenance.scene != scene_hash(scene) {
         "the scene has changed since the golden was accepted"
     } else if provenance.plan != plan_hash(&plans(scene)) {
@@ -356,6 +357,9 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         what
     } else if provenance.exposure != case.exposure {
         "the exposure of the case has changed since the golden was accepted"
+    } else if let Some(key) = changed_key(&provenance.judged_by, &case.judged_by) {
+        what = format!("the {key} of the case has changed since the golden was accepted");
+        &what
     } else if size != (width, height) {
         return Some(format!(
             "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
@@ -366,6 +370,16 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         return None;
     };
     Some(format!("stale: {what}; {}", AcceptAdvice::of(case)))
+}
+
+/// The first key that one of them lacks or has with another value.
+fn changed_key<'k>(
+    recorded: &'k BTreeMap<String, String>,
+    now: &'k BTreeMap<String, String>,
+) -> Option<&'k str> {
+    let mut keys = recorded.keys().chain(now.keys());
+    let changed = keys.find(|key| recorded.get(*key) != now.get(*key));
+    changed.map(String::as_str)
 }
 
 fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {

@@ -516,6 +516,7 @@ fn prepare(
             && is_of(old, scene)
             && old.provenance.plan == plan_hash(&plans)
             && old.provenance.exposure == case.exposure
+            && old.provenance.judged_by == case.judged_by
             && old.provenance.quick == golden.quick
             && old.provenance.sensitivities == golden.sensitivities_hash()
             && old.provenance.truth.as_deref() == case.truth.map(|formula| formula.name)

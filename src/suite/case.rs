@@ -114,6 +114,9 @@ pub struct Case {
     pub sampling: Option<CaseSampling>,
     /// Biases that an image with noise must show if it has them: in a case without random numbers, any.
     pub promise: Promise,
+    /// Keys of the manifest that change how images are judged, with their values, where these are no defaults: the golden
+    /// records them beside `exposure` and `truth`, so that no edit loosens a judgement unseen.
+    pub(crate) judged_by: BTreeMap<String, String>,
 }
 
 /// Sampling of a stochastic case.
@@ -216,7 +219,9 @@ pub enum SuiteError {
     Manifest(Box<SceneError>),
     /// An invalid pattern.
     #[error("{filter:?} is not a pattern: {reason}")]
-    #[diagnostic(help("a filter is a family, a case, or a pattern over them such as 'figures/*'"))]
+    #[diagnostic(help(
+        "a filter is a family, a case, or a pattern over them such as 'figures/*'; with ! before it, it excludes"
+    ))]
     Pattern {
         /// The filter as given.
         filter: String,
@@ -373,8 +378,9 @@ impl Suite {
     }
 
     /// The cases that any of the filters matches; all cases without filters. A filter is a family,
-    /// a case (`family/name` or just `name`), or a glob over either. A filter without a match is an
-    /// error: a check that silently checks nothing is worse than none.
+    /// a case (`family/name` or just `name`), or a glob over either. A filter that begins with `!` excludes what
+    /// the rest of it matches; where all do, they leave the others of all cases. A filter without a match, or
+    /// filters that leave nothing, are an error: a check that silently checks nothing is worse than none.
     pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
         let chosen = self.chosen(filters, &[])?;
         let cases = self.cases.iter().filter(|case| chosen.has(&case.name));
@@ -392,10 +398,17 @@ impl Suite {
             help,
         };
         for filter in filters {
-            fast_glob::validate(filter).map_err(|error| SuiteError::Pattern {
-                filter: filter.clone(),
-                reason: error.to_string(),
-            })?;
+            let pattern = pattern_of(filter);
+            let reason = match fast_glob::validate(pattern) {
+                Err(error) => error.to_string(),
+                // The crate would take a second `!` for "all but".
+                Ok(()) if filter == "!" || pattern.starts_with('!') => {
+                    "one ! stands before what it excludes".to_owned()
+                }
+                Ok(()) => continue,
+            };
+            let filter = filter.clone();
+            return Err(SuiteError::Pattern { filter, reason });
         }
         let chosen = Chosen(filters.to_vec());
         let is_chosen = |(name, _): &&(String, PathBuf)| chosen.has(name);
@@ -406,10 +419,15 @@ impl Suite {
             return Err(no_match("*", format!("{CASES} is empty")));
         }
         for filter in filters {
-            let mut names = self.names(others);
-            if !names.any(|name| matches(filter, name)) {
+            let unreadable = self.unreadable.iter().map(|(name, _)| name);
+            let mut names = self.names(others).chain(unreadable);
+            if !names.any(|name| matches(pattern_of(filter), name)) {
                 return Err(no_match(filter, self.nearest(filter, others)));
             }
+        }
+        if !self.names(others).any(|name| chosen.has(name)) {
+            let help = "what the filters name is excluded by those that begin with !";
+            return Err(no_match(&filters.join(" "), help.to_owned()));
         }
         Ok(chosen)
     }
@@ -419,6 +437,8 @@ impl Suite {
     }
 
     fn nearest(&self, filter: &str, others: &[String]) -> String {
+        let given = filter;
+        let filter = pattern_of(given);
         let is_row = rows().any(|row| filter == row.id || filter == row_name(row));
         if is_row && others.is_empty() && !self.rows().is_empty() {
             let images = filter.trim_start_matches("hard/").to_lowercase();
@@ -439,7 +459,11 @@ impl Suite {
         }
         let names = self.names(others).flat_map(|name| parts(name));
         match nearest(filter, names) {
-            Some(name) => format!("did you mean {name:?}? `volref list` shows all cases"),
+            Some(name) => {
+                let mark = given.strip_suffix(filter).unwrap_or_default();
+                let meant = format!("{mark}{name}");
+                format!("did you mean {meant:?}? `volref list` shows all cases")
+            }
             None => "`volref list` shows all cases".to_owned(),
         }
     }
@@ -456,20 +480,29 @@ impl Suite {
     }
 }
 
-/// Names chosen by filters: everything where there are none.
+/// Names chosen by filters: everything where none names any, but for what is excluded.
 pub(crate) struct Chosen(Vec<String>);
 
 impl Chosen {
     /// True if the case or row of this name is among it.
     pub fn has(&self, name: &str) -> bool {
-        self.0.is_empty() || self.0.iter().any(|filter| matches(filter, name))
+        let is_match = |filter: &&String| matches(pattern_of(filter), name);
+        let (excluding, naming): (Vec<_>, Vec<_>) =
+            self.0.iter().partition(|filter| filter.starts_with('!'));
+        let is_named = naming.is_empty() || naming.iter().any(is_match);
+        is_named && !excluding.iter().any(is_match)
     }
 }
 
-/// True if a filter names a case or row. Its `*` stands for slashes, too, unlike that of the crate.
-fn matches(filter: &str, name: &str) -> bool {
+/// The pattern of a filter, without the `!` of one that excludes.
+fn pattern_of(filter: &str) -> &str {
+    filter.strip_prefix('!').unwrap_or(filter)
+}
+
+/// True if a pattern names a case or row. Its `*` stands for slashes, too, unlike that of the crate.
+fn matches(pattern: &str, name: &str) -> bool {
     let without_slashes = |text: &str| text.replace('/', ":");
-    let is_match = |text| fast_glob::glob_match(without_slashes(filter), without_slashes(text));
+    let is_match = |text| fast_glob::glob_match(without_slashes(pattern), without_slashes(text));
     parts(name).into_iter().any(is_match)
 }
 
@@ -580,21 +613,47 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         let message = "the `truth` is the answer: leave one of them out";
         return Err(reader.error("answer", message));
     }
+    let depth = read_depth(&reader, &class)?;
+    let (opacity, promise) = (reader.flag("opacity")?, reader.number("mean_resolution")?);
+    let numbers = match answer {
+        Some(Answer::EveryPixel { radiance, within }) => Some((radiance, Some(within))),
+        Some(Answer::InTheMean(radiance)) => Some((radiance, None)),
+        None => None,
+    };
+    let (radiance, within) = numbers.unzip();
+    let changed = [
+        ("class", (class == LIMIT).then(|| class.clone())),
+        (
+            "mean_resolution",
+            (promise != MEAN_RESOLUTION).then(|| promise.to_string()),
+        ),
+        ("opacity", opacity.then(|| opacity.to_string())),
+        ("depth", depth.map(|depth| depth.to_string())),
+        ("answer", radiance.map(|radiance| radiance.to_string())),
+        (
+            "answer_within",
+            within.flatten().map(|within| within.to_string()),
+        ),
+    ];
+    let changed = changed.into_iter();
     Ok(Case {
+        judged_by: changed
+            .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+            .collect(),
         scene,
         source: reader.text("source")?,
         shows: reader.text("shows")?,
         computes: reader.text("computes")?,
         truth,
         answer,
-        opacity: reader.flag("opacity")?,
-        depth: read_depth(&reader, &class)?,
+        opacity,
+        depth,
         mistakes: read_mistakes(&reader)?,
         exposure: reader.number("exposure")?,
         limit: class == LIMIT,
         sampling,
         promise: if is_stochastic {
-            Promise::of_mean(reader.number("mean_resolution")?)
+            Promise::of_mean(promise)
         } else {
             Promise::of_mean(1.0)
         },

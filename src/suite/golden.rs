@@ -70,6 +70,9 @@ pub struct Provenance {
     pub seal: String,
     /// Hashes of the files the scene names, by path.
     pub inputs: BTreeMap<String, String>,
+    /// Keys of the manifest that change how images are judged, with their values: [`Case::judged_by`].
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub judged_by: BTreeMap<String, String>,
     /// Formula of the image, if that is a known answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<String>,
@@ -397,6 +400,7 @@ impl Golden {
             target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
             seal: String::new(),
             inputs: input_hashes(scene),
+            judged_by: case.judged_by.clone(),
             truth: case.truth.map(|formula| formula.name.to_owned()),
             quick,
         };

@@ -22,7 +22,7 @@ pub(crate) use embedded::EmbeddedSuite;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub(crate) use name_hash::name_hash;
 pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path};
-pub(crate) use outputs::{NOT_RENDERED, step_name};
+pub(crate) use outputs::{NOT_RENDERED, entries, step_name};
 pub(crate) use row_name::row_name;
 pub(crate) use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};

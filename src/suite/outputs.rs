@@ -298,6 +298,12 @@ impl Outputs {
         }
     }
 
+    /// The files of `case`, in whatever role.
+    pub(crate) fn files_of(&self, case: &str) -> impl Iterator<Item = &Path> {
+        let files = self.by_case.get(case).into_iter().flatten();
+        files.map(|(_, file)| file.as_path())
+    }
+
     /// Every file that is read for some case.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let files = self.by_case.values().flatten();
@@ -351,8 +357,8 @@ fn role_of<'c>(
     Ok(Some((case, role)))
 }
 
-/// Entries of a folder, sorted by name; true for folders.
-fn entries(folder: &Path) -> Result<Vec<(PathBuf, bool)>, OutputError> {
+/// Entries of a folder but hidden ones, sorted by name; true for folders.
+pub(crate) fn entries(folder: &Path) -> Result<Vec<(PathBuf, bool)>, OutputError> {
     let trouble = |error| OutputError::Folder {
         folder: folder.to_owned(),
         error,

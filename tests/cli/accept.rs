@@ -70,7 +70,7 @@ fn another_scene_with_the_same_picture_is_recorded() {
     assert_shown!(run.shown(), @r"
     exit code 0
     --- stdout
-    recorded   smoke/plain: same image; its record (scene, plan, truth, quick rendering or sensitivities) changed
+    recorded   smoke/plain: same image; its record (scene, plan, truth, how it is judged, quick rendering or sensitivities) changed
     ");
     assert_eq!(reasons("reason").unwrap(), of_the_picture);
     assert_eq!(reasons("record_reason").unwrap(), "world units read better");

@@ -168,7 +168,7 @@ fn provenance_that_was_changed() {
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: the image has 12 × 10 pixels, but golden/smoke/plain.toml says 6 × 10; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `record_reason`, `replaces`, `pixels`, `preview`, `sensitivities`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`, `truth`, `quick`; restore it from version control
+                  golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `record_reason`, `replaces`, `pixels`, `preview`, `sensitivities`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`, `judged_by`, `truth`, `quick`; restore it from version control
     error         smoke/plain [seconds]
                   golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]
@@ -462,4 +462,57 @@ fn sensitivities_are_part_of_the_golden() {
     suite.volref("accept fog/room --reason new").expect(0, &[]);
     suite.volref("verify fog/room").expect(0, &[]);
     assert!(!suite.text(record).contains("sensitivities"));
+}
+
+/// Whatever key of a manifest changes how images are judged, the golden knows its value.
+#[test]
+fn an_edit_of_the_manifest_that_changes_a_judgement_makes_the_golden_stale() {
+    let suite = Folder::with_goldens();
+    let manifest = "fixtures/cases/smoke/plain.toml";
+    let before = suite.text(manifest);
+    suite.write("out/smoke/plain.exr", suite.read("golden/smoke/plain.exr"));
+    let validate = "validate smoke/plain --outputs out --explain 0";
+    suite.volref(validate).expect(0, &[]);
+    for (key, edited) in [
+        ("opacity", format!("{before}opacity = true\n")),
+        ("depth", format!("{before}depth = \"mean\"\n")),
+        (
+            "answer",
+            format!("{before}answer = [0, 0, 0]\nanswer_within = 0.9\n"),
+        ),
+        ("exposure", format!("{before}exposure = 1.0\n")),
+    ] {
+        suite.write(manifest, edited);
+        let said =
+            format!("stale: the {key} of the case has changed since the golden was accepted");
+        for command in [validate, "verify smoke/plain"] {
+            let run = suite.volref(command);
+            assert_eq!(run.code, 3, "{key}: {}{}", run.stdout, run.stderr);
+            assert!(run.stdout.contains(&said), "{key}: {}", run.stdout);
+        }
+    }
+    // Accepted with it, and edited back.
+    suite.write(manifest, format!("{before}opacity = true\n"));
+    let run = suite.volref(&["accept", "smoke/plain", "--reason", "opacity is asked for"]);
+    run.prints(0, &["recorded"]);
+    suite.volref(validate).expect(0, &[]);
+    suite.write(manifest, before);
+    suite
+        .volref(validate)
+        .prints(3, &["the opacity of the case has changed"]);
+}
+
+/// A bias that an image need not show is no detail of a manifest.
+#[test]
+fn a_required_resolution_is_sealed() {
+    let suite =
+        Folder::with_room("converged_samples = 256\nresolution = 0.9\nmean_resolution = 0.5");
+    suite.accept_all();
+    let manifest = "fixtures/cases/fog/room.toml";
+    let looser = suite
+        .text(manifest)
+        .replace("mean_resolution = 0.5", "mean_resolution = 0.9");
+    suite.write(manifest, looser);
+    let run = suite.volref("verify fog/room");
+    run.prints(3, &["the mean_resolution of the case has changed"]);
 }

@@ -89,6 +89,54 @@ fn filters() {
     }
 }
 
+/// Whatever command takes filters takes them so: `list` and `verify` run through all there is.
+#[test]
+fn a_filter_that_begins_with_an_exclamation_mark_excludes() {
+    let suite = Folder::with_goldens();
+    let names = |filters: &[&str]| {
+        let run = suite.volref(&[&["list"], filters].concat());
+        let lines = run
+            .stdout
+            .lines()
+            .filter_map(|line| line.split_whitespace().next());
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&["!smoke"]), ["plots/curve"]);
+    assert_eq!(
+        names(&["!plain", "!plots/*"]),
+        ["smoke/nearest", "smoke/shadow"]
+    );
+    assert_eq!(names(&["smoke", "!smoke/[np]*"]), ["smoke/shadow"]);
+    assert_eq!(
+        names(&["!smoke/shadow", "smoke"]),
+        ["smoke/nearest", "smoke/plain"]
+    );
+    let run = suite.volref(&["verify", "!smoke", "--json"]);
+    assert!(!run.stdout.contains("smoke/plain") && run.stdout.contains("plots/curve"));
+    for command in ["list", "verify", "selftest"] {
+        let run = suite.volref(&[command, "!smok/plain"]);
+        run.expect(
+            5,
+            &[
+                "no case matches \"!smok/plain\"",
+                "did you mean \"!smoke/plain\"?",
+            ],
+        );
+        let run = suite.volref(&[command, "smoke", "!smoke/*"]);
+        run.expect(5, &["no case matches \"smoke !smoke/*\"", "excluded"]);
+    }
+    suite
+        .volref(&["list", "!"])
+        .expect(2, &["\"!\" is not a pattern"]);
+    suite
+        .volref(&["list", "!!plots"])
+        .expect(2, &["one ! stands before"]);
+    // A manifest that cannot be read is excluded, too.
+    suite.write("fixtures/cases/plots/broken.toml", "class = 1");
+    suite.volref(&["list", "!broken"]).expect(0, &[]);
+    suite.volref("list").expect(2, &["broken.toml"]);
+}
+
 #[test]
 fn a_filter_that_matches_nothing_decides_nothing() {
     let suite = Folder::with_goldens();
