@@ -54,11 +54,11 @@ pub struct RendererArguments {
 }
 
 impl RendererArguments {
-    /// The renderer that `command` calls; its images are kept in `keep`.
+    /// The renderer that `command` calls; its images are kept in the folder `keep`, beside the names of all cases.
     pub fn renderer(
         &self,
         command: Command<'_>,
-        keep: Option<PathBuf>,
+        keep: Option<(PathBuf, Vec<String>)>,
     ) -> Result<OtherRenderer, Failure> {
         let (template, help) = match command.stays {
             true => (

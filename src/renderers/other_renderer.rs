@@ -4,14 +4,11 @@ use super::call::{Call, not_run, shown};
 use super::printed::quoted_words;
 use super::process::{Ran, run};
 use super::staying::Called;
-use super::{CallSettings, CommandTemplate, Keeper, StayingRenderers};
-use crate::compare::Picture;
-use crate::files::atomic_file::{directory_of, write_in_place_of};
-use crate::files::{own_file, regular_file};
+use super::{CallSettings, CommandTemplate, Keeper, KeptImages, StayingRenderers};
+use crate::files::atomic_file::directory_of;
 use crate::film::Film;
 use crate::suite::{Case, Output, Outputs, image_path, step_name};
 use std::error::Error;
-use std::io;
 use std::path::{Path, PathBuf, absolute};
 use std::time::Duration;
 use tempfile::TempDir;
@@ -29,8 +26,8 @@ pub(crate) struct RendererOptions {
     pub format: String,
     /// Time limit of a call.
     pub timeout: Duration,
-    /// Folder in which images are kept.
-    pub keep: Option<PathBuf>,
+    /// Folder in which images are kept, and the names of all cases of the suite.
+    pub keep: Option<(PathBuf, Vec<String>)>,
     /// Keeper of its processes.
     pub keeper: Option<Keeper>,
 }
@@ -42,9 +39,9 @@ pub(crate) struct OtherRenderer {
     pub options: RendererOptions,
     /// Its programs, if it stays.
     staying: Option<StayingRenderers>,
-    /// Images are written here.
-    folder: PathBuf,
-    /// Holds exports, and the images unless they are to be kept; removed at the end.
+    /// Images are copied into it.
+    kept: Option<KeptImages>,
+    /// Holds exports, and a folder for each call, in which it writes images; removed at the end.
     temporary: TempDir,
 }
 
@@ -93,11 +90,13 @@ impl OtherRenderer {
         let temporary = tempfile::Builder::new().prefix("volref-").tempdir();
         let temporary =
             temporary.map_err(|error| format!("cannot create a temporary folder: {error}"))?;
-        let images = temporary.path().join("images");
-        let folder = options.keep.as_ref().unwrap_or(&images);
-        let folder = std::fs::create_dir_all(folder)
-            .and_then(|()| absolute(folder))
-            .map_err(|error| format!("cannot create the folder for images: {error}"))?;
+        let kept = options.keep.as_ref().map(|(folder, cases)| {
+            std::fs::create_dir_all(folder)?;
+            Ok(KeptImages::new(absolute(folder)?, cases.clone()))
+        });
+        let kept = kept.transpose().map_err(|error: std::io::Error| {
+            format!("cannot create the folder for images: {error}")
+        })?;
         let staying = options.stays.then(|| {
             let words = options.template.words_alone();
             StayingRenderers::new(words, options.timeout, options.keeper.clone())
@@ -105,7 +104,7 @@ impl OtherRenderer {
         Ok(OtherRenderer {
             options,
             staying,
-            folder,
+            kept,
             temporary,
         })
     }
@@ -132,19 +131,32 @@ impl OtherRenderer {
         let exports = self.temporary().join("exports");
         let mut call = Call::new(&options.template, case, settings, &exports)?;
         let has_steps = case.is_limit() && options.template.takes_step();
+        if let Some(kept) = &self.kept {
+            // Before the work, not after it: where a link leads elsewhere, nothing can be kept.
+            kept.make_folder(Path::new(&case.name)).map_err(not_run)?;
+        }
+        // Nothing in it can be the image of an earlier run.
+        let folder = tempfile::tempdir_in(self.temporary()).map_err(not_run)?;
+        let folder = folder.path();
+        let family = folder.join(directory_of(Path::new(&case.name)));
+        std::fs::create_dir_all(family).map_err(not_run)?;
         let (mut printed, mut notes, mut calls) = (String::new(), Vec::new(), Vec::new());
         let mut failure = None;
         for halvings in 0..=if has_steps { 2 } else { 0 } {
-            let output = self.place_for(&step_name(&case.name, halvings))?;
+            let place = |folder: &Path| {
+                image_path(folder, &step_name(&case.name, halvings), &options.format)
+            };
+            let output = place(folder);
+            // Whoever makes the image again finds it where images are kept.
+            let seen = place(self.kept.as_ref().map_or(folder, KeptImages::folder));
             let called = match &self.staying {
                 Some(staying) => {
-                    let request = call.request(&output, halvings);
-                    calls.push(staying.call(&request));
-                    staying.ask(&request, &shown(&output))
+                    calls.push(staying.call(&call.request(&seen, halvings)));
+                    staying.ask(&call.request(&output, halvings), &shown(&output))
                 }
                 None => {
+                    calls.push(shell_words::join(call.words(&seen, halvings)));
                     let words = call.words(&output, halvings);
-                    calls.push(shell_words::join(&words));
                     run(&words, options.timeout, options.keeper.as_ref()).into()
                 }
             };
@@ -155,27 +167,20 @@ impl OtherRenderer {
                 break;
             }
         }
-        let written = || self.written(case, has_steps, settings);
+        let written = || self.written(case, folder, has_steps, settings);
         let output = failure.unwrap_or_else(written);
         notes.extend(self.fewer_samples(&output, settings));
+        if let Some(kept) = &self.kept
+            && let Err(reason) = kept.replace_by_folder(&case.name, folder)
+        {
+            notes.push(format!("its images cannot be kept: {reason}"));
+        }
         Ok(Rendered {
             output,
             printed: Some(printed),
             notes,
             call: Some(calls.join("\n")),
         })
-    }
-
-    /// The path at which the image `name` is to be written: its folder is there, and no image is.
-    fn place_for(&self, name: &str) -> Result<PathBuf, Output> {
-        // In a folder that a link leads to, an image of an earlier run might be a file of the user's.
-        own_file::make_folder(&self.folder, directory_of(Path::new(name))).map_err(not_run)?;
-        let output = image_path(&self.folder, name, &self.options.format);
-        // An image of an earlier run would be taken for one of this.
-        match std::fs::remove_file(&output) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(not_run(error)),
-            _ => Ok(output),
-        }
     }
 
     /// A note on an image that states half the samples it was asked for or fewer: the gate takes them
@@ -191,15 +196,18 @@ impl OtherRenderer {
         })
     }
 
-    /// The image that the renderer wrote, or those with several steps.
-    fn written(&self, case: &Case, has_steps: bool, settings: CallSettings) -> Output {
-        let outputs = match Outputs::list(&self.folder, &[&case.name]) {
+    /// The image that the renderer wrote into `folder`, or those with several steps.
+    fn written(
+        &self,
+        case: &Case,
+        folder: &Path,
+        has_steps: bool,
+        settings: CallSettings,
+    ) -> Output {
+        let outputs = match Outputs::list(folder, &[&case.name]) {
             Ok(outputs) => outputs,
             Err(error) => return Output::Unusable(error.to_string()),
         };
-        if self.options.keep.is_some() {
-            self.keep_files(case, &outputs);
-        }
         let format = self.options.format.as_str();
         let unwritten = |name: &str, rest: &str| {
             Output::Missing(format!(
@@ -231,37 +239,20 @@ impl OtherRenderer {
         self.options.template.uses("spp")
     }
 
-    /// Puts files in the place of links that the renderer left in the folder of the case: what they lead to need
-    /// not stay. Of one that leads nowhere the verdict says so.
-    fn keep_files(&self, case: &Case, outputs: &Outputs) {
-        let image = image_path(&self.folder, &case.name, &self.options.format);
-        let is_in_it = |file: &&Path| file.parent() == image.parent() && file.is_symlink();
-        for file in outputs.files().filter(is_in_it) {
-            if let Ok(bytes) = regular_file::read(file, Picture::MOST_BYTES) {
-                let _ = write_in_place_of(file, &bytes);
-            }
-        }
-    }
-
     /// Replaces the image of the last call by these, if images are kept: one image, or several renderings.
     pub fn keep(&self, case: &Case, films: &[Film]) -> Result<(), Box<dyn Error>> {
-        if self.options.keep.is_none() {
+        let Some(kept) = &self.kept else {
             return Ok(());
-        }
-        let last = image_path(&self.folder, &case.name, &self.options.format);
-        let mut is_replaced = false;
+        };
+        let mut files = Vec::new();
         for (number, film) in films.iter().enumerate() {
             let extension = match films.len() {
                 1 => "exr".to_owned(),
                 _ => format!("{number}.exr"),
             };
-            let path = image_path(&self.folder, &case.name, &extension);
-            own_file::write(&path, &film.to_exr()?)?;
-            is_replaced |= path == last;
+            let path = image_path(Path::new(""), &case.name, &extension);
+            files.push((path, film.to_exr()?));
         }
-        if !is_replaced {
-            std::fs::remove_file(&last)?;
-        }
-        Ok(())
+        kept.replace(&case.name, files)
     }
 }

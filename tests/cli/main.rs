@@ -21,6 +21,8 @@ mod hard;
 mod hostile;
 mod info;
 mod inputs;
+#[cfg(unix)]
+mod kept_images;
 mod known_answers;
 #[cfg(unix)]
 mod links;

@@ -1,0 +1,100 @@
+//! Images of a renderer that are kept in a folder of the user: those of a case as the last call wrote them.
+
+use crate::compare::Picture;
+use crate::files::atomic_file::directory_of;
+use crate::files::own_file::{self, FolderError};
+use crate::files::{partial_file, regular_file};
+use crate::suite::{Outputs, entries};
+use std::error::Error;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A folder in which images are kept.
+#[derive(Debug)]
+pub(crate) struct KeptImages {
+    /// Path of the folder, absolute.
+    folder: PathBuf,
+    /// `family/name` of all cases of the suite, which decide what case a file belongs to.
+    cases: Vec<String>,
+}
+
+impl KeptImages {
+    /// The folder `folder`, for images of `cases`.
+    pub fn new(folder: PathBuf, cases: Vec<String>) -> KeptImages {
+        KeptImages { folder, cases }
+    }
+
+    /// Path of the folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Makes the folder for the image `name`, `family/name`; fails where a link leads elsewhere.
+    pub fn make_folder(&self, name: &Path) -> Result<PathBuf, FolderError> {
+        own_file::make_folder(&self.folder, directory_of(name))
+    }
+
+    /// Copies all that was written into the folder `written`, and removes what else there was of `case`. What is
+    /// behind links is copied, too, for it need not stay.
+    pub fn replace_by_folder(&self, case: &str, written: &Path) -> Result<(), Box<dyn Error>> {
+        let mut files = Vec::new();
+        for (entry, is_folder) in entries(written)? {
+            if !is_folder {
+                files.push(entry);
+            } else if !entry.is_symlink() {
+                let within = entries(&entry)?.into_iter();
+                files.extend(within.filter_map(|(file, is_folder)| (!is_folder).then_some(file)));
+            }
+        }
+        let read = files.into_iter().filter_map(|file| {
+            // Of an image that cannot be read the verdict says so.
+            let bytes = regular_file::read(&file, Picture::MOST_BYTES).ok()?;
+            Some((file.strip_prefix(written).ok()?.to_owned(), bytes))
+        });
+        self.replace(case, read)
+    }
+
+    /// Replaces the images of `case` by `files`, whose paths are relative to the folder. All are written aside
+    /// before any is replaced: on a full disk nothing is lost, and whoever is killed meanwhile leaves too few images,
+    /// never those of two runs.
+    pub fn replace(
+        &self,
+        case: &str,
+        files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>,
+    ) -> Result<(), Box<dyn Error>> {
+        let mut aside = Vec::new();
+        for (name, bytes) in files {
+            let target = self
+                .make_folder(&name)?
+                .join(name.file_name().unwrap_or_default());
+            if regular_file::is_input(&target) {
+                return Err(format!("{} is an input", target.display()).into());
+            }
+            let mut file = partial_file::create(directory_of(&target))?;
+            file.write_all(&bytes)?;
+            file.as_file().sync_all()?;
+            aside.push((file, target));
+        }
+        for old in self.of_case(case)? {
+            fs::remove_file(old)?;
+        }
+        for (file, target) in aside {
+            file.persist(target)?;
+        }
+        Ok(())
+    }
+
+    /// The files of `case` that are there, and links in their place.
+    fn of_case(&self, case: &str) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+        let cases: Vec<&str> = self.cases.iter().map(String::as_str).collect();
+        let outputs = Outputs::list(&self.folder, &cases)?;
+        let is_removed = |file: &&Path| {
+            let kind = fs::symlink_metadata(file).map(|found| found.file_type());
+            kind.is_ok_and(|kind| kind.is_file() || kind.is_symlink())
+                && !regular_file::is_input(file)
+        };
+        let files = outputs.files_of(case).filter(is_removed);
+        Ok(files.map(Path::to_owned).collect())
+    }
+}
