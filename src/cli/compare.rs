@@ -166,7 +166,11 @@ impl Arguments {
         // Volref's own images, which are compared by every bit, are not rounded unless somebody says so.
         let is_exact = self.gate.is_some_and(|gate| gate.name() == Exact.name());
         Ok(match (self.bits, test) {
-            (Some(bits), test) => Picture::Radiance(radiance(test, bits, self.exposure)),
+            (Some(bits), test) => {
+                let film = radiance(test, bits, self.exposure);
+                let in_file = |error| bad_input(format!("{}: {error}", self.test.display()));
+                Picture::Radiance(film.map_err(in_file)?)
+            }
             (None, Picture::Radiance(film)) if !is_exact => {
                 Picture::Radiance(recognised(golden, film, self.exposure))
             }

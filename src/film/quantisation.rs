@@ -4,13 +4,14 @@
 //! that the value lies there or above. So of all images that round to the given one, the gates take the one
 //! [nearest](Film::nearest_to) to the golden.
 
-use super::Film;
+use super::{CHANNELS, Film};
 use crate::math;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
+use thiserror::Error;
 
 /// Curve from linear light to codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,30 +81,44 @@ impl Bits {
     };
 
     /// Quantisation of `film`, radiance from a linear file: by codes at no exposure or at `exposure` stops,
-    /// whichever all its values are. Where they are neither, linear ones unless declared otherwise.
-    pub fn of_radiance(self, film: &Film, exposure: f64) -> Quantisation {
-        let found = candidates(exposure)
-            .filter(|found| self.encoding.is_none_or(|of| of == found.encoding))
-            .find(|found| found.levels(film).is_some());
+    /// whichever all its values are.
+    ///
+    /// # Errors
+    ///
+    /// Where they are neither: nothing was rounded that half a code could excuse. A mean of several renderings and what
+    /// was blended from codes is none; such are taken for linear ones unless declared otherwise.
+    pub fn of_radiance(self, film: &Film, exposure: f64) -> Result<Quantisation, NoCode> {
+        let curves = candidates(exposure)
+            .filter(|found| self.encoding.is_none_or(|of| of == found.encoding));
         let origin = Origin::Declared;
-        if let Some(found) = found {
-            let blended = self.blended;
-            return Quantisation {
-                origin,
-                blended,
-                ..found
+        let mut faults = Vec::new();
+        for found in curves {
+            let Some(at) = found.no_code(film) else {
+                let blended = self.blended;
+                return Ok(Quantisation {
+                    origin,
+                    blended,
+                    ..found
+                });
             };
+            faults.push((at, found));
         }
-        // A mean of several roundings, for example, is no code. Pixels that all of them cut off have the largest.
+        let is_mean = film.noise().is_some_and(|noise| noise.is_of_renderings());
+        // The curve that holds longest is the one that was meant.
+        let fault = faults.into_iter().max_by_key(|(at, _)| *at);
+        if let Some((at, curve)) = fault.filter(|_| !is_mean && !self.blended) {
+            return Err(NoCode::at(at, film, curve));
+        }
+        // Pixels that all of the renderings cut off have the largest.
         let brightest = film.brightest();
         let is_cut_off = (brightest * math::exp2(exposure) - 1.0).abs() < CUT_OFF;
         let is_beyond = brightest > 1.0 || is_cut_off;
-        Quantisation {
+        Ok(Quantisation {
             encoding: self.encoding.unwrap_or(Encoding::Linear),
             exposure: if is_beyond { exposure } else { 0.0 },
             origin: Origin::Assumed,
             blended: self.blended,
-        }
+        })
     }
 
     /// Quantisation of a PNG image at `exposure` stops.
@@ -117,12 +132,42 @@ impl Bits {
     }
 }
 
+/// A value that is no code of 8 bits, in an image that is declared to hold such.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error(
+    "--bits declares codes of 8 bits, and {value} is none, {channel} in column {column} of row {row}: it is {code:.2} of \
+     255; leave --bits out for an image that was not rounded, or write codes divided by 255"
+)]
+pub struct NoCode {
+    value: f32,
+    channel: &'static str,
+    column: usize,
+    row: usize,
+    /// Its place among the codes.
+    code: f64,
+}
+
+impl NoCode {
+    /// The value at `index` of all values of `film`, by `curve`.
+    fn at(index: usize, film: &Film, curve: Quantisation) -> NoCode {
+        let value = film.radiance().as_flattened()[index];
+        let pixel = index / CHANNELS.len();
+        NoCode {
+            value,
+            channel: CHANNELS[index % CHANNELS.len()],
+            column: pixel % film.width(),
+            row: pixel / film.width(),
+            code: curve.code(value.into()),
+        }
+    }
+}
+
 /// Source of what is known about a quantisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Origin {
     /// Declared, and every value is a code.
     Declared,
-    /// Declared, though not every value is a code.
+    /// Declared, though not every value is a code: a mean, or blended from codes.
     Assumed,
     /// Not declared: every value is a code.
     Recognised,
@@ -180,14 +225,23 @@ impl Quantisation {
             if !values.insert(value.to_bits()) {
                 continue;
             }
-            let code = self.code((*value).into());
-            let level = code.round();
-            if !((code - level).abs() <= OF_A_CODE && (0.0..=LARGEST).contains(&level)) {
-                return None;
-            }
-            levels.insert(level as u8);
+            levels.insert(self.level(*value)?);
         }
         Some(levels.len())
+    }
+
+    /// The code of `value`, if it is one.
+    fn level(&self, value: f32) -> Option<u8> {
+        let code = self.code(value.into());
+        let level = code.round();
+        let is_code = (code - level).abs() <= OF_A_CODE && (0.0..=LARGEST).contains(&level);
+        is_code.then_some(level as u8)
+    }
+
+    /// Place of the first value of `film` that is no code. What is not finite is judged as such.
+    fn no_code(&self, film: &Film) -> Option<usize> {
+        let mut values = film.radiance().as_flattened().iter();
+        values.position(|&value| value.is_finite() && self.level(value).is_none())
     }
 
     /// Place of a radiance among the codes; above the largest where it is cut off.
@@ -452,8 +506,19 @@ mod tests {
         let few = mapped(&golden(), |x| if x > 0.5 { 1.0 } else { 0.0 });
         assert_eq!(Quantisation::recognised(&few, 0.0), None);
         let declared = "8-linear".parse::<Bits>().unwrap();
-        assert_eq!(declared.of_radiance(&few, 0.0).origin, Origin::Declared);
-        assert_eq!(declared.of_radiance(&golden(), 0.0).origin, Origin::Assumed);
+        let origin = |film: &Film| declared.of_radiance(film, 0.0).map(|it| it.origin);
+        assert_eq!(origin(&few), Ok(Origin::Declared));
+        let refused = origin(&golden()).unwrap_err().to_string();
+        assert!(
+            refused.contains("0.0022727272 is none, red in column 0 of row 0"),
+            "{refused}"
+        );
+        // A mean of roundings is no code, and not taken for one.
+        let mean = Film::from_replicates(&[few.clone(), mapped(&few, |x| x / 255.0)]).unwrap();
+        assert_eq!(origin(&mean), Ok(Origin::Assumed));
+        let mut broken = few.clone();
+        broken.radiance[3][1] = f32::NAN;
+        assert_eq!(origin(&broken), Ok(Origin::Declared));
         assert!("16".parse::<Bits>().is_err());
         // Three roundings hide three times as much.
         let blended = Bits {

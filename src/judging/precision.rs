@@ -1,21 +1,27 @@
 //! Images as they are declared: of 8 bits, or without the background of their scene.
 
+use crate::compare::flip::SrgbImage;
 use crate::compare::{Picture, recognised};
-use crate::film::{Alpha, Bits, Encoding, Film, Origin, Quantisation};
+use crate::film::{Alpha, Bits, Encoding, Film, NoCode, Origin, Quantisation};
 use crate::scene::{Model, Scene};
 use crate::suite::{Case, Output};
 
-/// `output` for `case`, with its images declared to have these bits.
+/// `output` for `case`, with its images declared to have these bits; unusable where they have others.
 pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
     let Some(bits) = bits else {
         return output;
     };
-    let of = |picture| Picture::Radiance(radiance(picture, bits, case.exposure));
-    match output {
-        Output::Picture(picture) => Output::Picture(Box::new(of(*picture))),
-        Output::Refined(pictures) => Output::Refined(pictures.into_iter().map(of).collect()),
-        other => other,
-    }
+    let of = |picture| Ok(Picture::Radiance(radiance(picture, bits, case.exposure)?));
+    let declared = match output {
+        Output::Picture(picture) => of(*picture).map(|picture| Output::Picture(Box::new(picture))),
+        Output::Refined(pictures) => {
+            let pictures: Result<_, NoCode> = pictures.into_iter().map(of).collect();
+            pictures.map(Output::Refined)
+        }
+        other => Ok(other),
+    };
+    let refused = |error| Output::Unusable(format!("the image of {}: {error}", case.name));
+    declared.unwrap_or_else(refused)
 }
 
 /// `output` for `case`, with its images declared to be colours without the background of their scene. An image of 8 bits
@@ -81,25 +87,32 @@ fn backgrounds(scene: &Scene) -> Vec<[f64; 3]> {
 }
 
 /// The radiance of `picture`, whose bits are declared; codes are at `exposure` stops.
-pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Film {
+///
+/// # Errors
+///
+/// If a value is no code of these bits.
+pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Result<Film, NoCode> {
     match picture {
-        Picture::Radiance(film) if film.quantisation().is_some() => film,
+        Picture::Radiance(film) if film.quantisation().is_some() => Ok(film),
         Picture::Radiance(film) => {
-            let quantisation = bits.of_radiance(&film, exposure);
-            film.quantised(quantisation)
+            let quantisation = bits.of_radiance(&film, exposure)?;
+            Ok(film.quantised(quantisation))
         }
-        Picture::Codes(codes) => {
-            let quantisation = bits.of_png(exposure);
-            quantisation.decoded(codes.width(), codes.height(), codes.pixels())
-        }
+        Picture::Codes(codes) => Ok(radiance_of_codes(&codes, bits, exposure)),
     }
+}
+
+/// The radiance of codes of these bits at `exposure` stops.
+pub(crate) fn radiance_of_codes(codes: &SrgbImage, bits: Bits, exposure: f64) -> Film {
+    let quantisation = bits.of_png(exposure);
+    quantisation.decoded(codes.width(), codes.height(), codes.pixels())
 }
 
 /// The radiance of an image of `case`, with what is known of its precision; of a PNG that of its sRGB codes.
 pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Film {
     match picture {
         Picture::Radiance(film) => recognised(golden, film, case.exposure),
-        codes => radiance(codes, Bits::UNKNOWN, case.exposure),
+        Picture::Codes(codes) => radiance_of_codes(&codes, Bits::UNKNOWN, case.exposure),
     }
 }
 
@@ -183,7 +196,7 @@ fn without_background(film: &Film, scene: &Scene) -> Vec<Reading> {
 fn other_encoding(case: &Case, picture: &Picture) -> Option<Reading> {
     let film = match picture {
         Picture::Radiance(film) => film.clone(),
-        codes => radiance(codes.clone(), Bits::UNKNOWN, case.exposure),
+        Picture::Codes(codes) => radiance_of_codes(codes, Bits::UNKNOWN, case.exposure),
     };
     let quantisation = film.quantisation().filter(|it| it.origin == Origin::Png)?;
     let encoding = match quantisation.encoding {

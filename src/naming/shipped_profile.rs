@@ -8,7 +8,7 @@ use crate::compare::{Conditions, Deterministic, Picture, judge};
 use crate::conventions::{PLACES, Profile};
 use crate::film::{Origin, Quantisation};
 use crate::judging::nothing_drawn::background;
-use crate::judging::{Judged, Verdict, radiance, validate};
+use crate::judging::{Judged, Verdict, radiance_of_codes, validate};
 use crate::scene::{Panel, Scene};
 use crate::suite::{Case, Output, Store};
 
@@ -99,7 +99,7 @@ fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option
     let bits = profile.bits?;
     let film = match picture {
         Picture::Radiance(film) => film,
-        codes => radiance(codes, bits, exposure),
+        Picture::Codes(codes) => radiance_of_codes(&codes, bits, exposure),
     };
     let of_codes = |it: Quantisation| it.encoding == bits.encoding.unwrap_or(it.encoding);
     let quantisation = match film.quantisation() {
@@ -111,7 +111,8 @@ fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option
         }
         Some(_) => return None,
         None => {
-            Some(bits.of_radiance(&film, exposure)).filter(|it| it.origin != Origin::Assumed)?
+            let found = bits.of_radiance(&film, exposure).ok();
+            found.filter(|it| it.origin != Origin::Assumed)?
         }
     };
     let blended = bits.blended;

@@ -2,8 +2,8 @@
 
 use super::html::{pixels::thumbnail, words};
 use super::template::{blue_to_red, image_address, rendered};
-use crate::compare::Picture;
 use crate::compare::flip::SrgbImage;
+use crate::compare::{Picture, recognised};
 use crate::film::{CHANNELS, Film};
 use crate::judging::{CaseResult, Summary, Verdict};
 use crate::naming::NOTHING_STANDS_OUT;
@@ -81,14 +81,20 @@ pub(crate) fn gallery_row(case: &GalleryCase<'_>, cells: &[Option<GalleryCell<'_
         |((cell, image), difference): ((&Option<GalleryCell<'_>>, &_), &Option<Differences>)| {
             let image: &Option<SrgbImage> = image;
             let GalleryCell {
-                result, seconds, ..
+                result,
+                picture,
+                seconds,
             } = cell.as_ref()?;
+            let film = picture.as_ref().and_then(Picture::radiance);
+            let hidden = golden
+                .zip(film)
+                .and_then(|(golden, film)| hidden(golden, film, case.exposure));
             Some(context! {
                 verdict => result.verdict.name(),
                 symbol => words::symbol(result.verdict),
                 said => said(result),
                 fault => fault(result),
-                bias => means.and_then(|means| bias(result, means)),
+                bias => means.and_then(|means| bias(result, means, hidden)),
                 seconds => seconds.map(in_words),
                 reason => result.reason,
                 notes => result.notes,
@@ -199,9 +205,25 @@ fn means(golden: &Film) -> [f64; 3] {
     })
 }
 
+/// Bias of the mean that the rounding of `film` to 8 bits hides at most, in percent: gates compare the nearest of all
+/// images that round to it, so that any within half a code shows none.
+fn hidden(golden: &Film, film: &Film, exposure: f64) -> Option<f64> {
+    let known = film.quantisation();
+    let known = known.or_else(|| recognised(golden, film.clone(), exposure).quantisation())?;
+    let share = |c: usize| {
+        let values = || golden.radiance().iter().map(|pixel| f64::from(pixel[c]));
+        values().map(|value| known.half_code(value)).sum::<f64>() / values().sum::<f64>()
+    };
+    let shares = [0, 1, 2].map(share).into_iter();
+    shares
+        .filter(|share| share.is_finite())
+        .max_by(f64::total_cmp)
+        .map(|share| 100.0 * share)
+}
+
 /// Bias of the mean of the channel that has most, in percent of the golden's, with its 95 % interval where it has
-/// noise.
-fn bias(result: &CaseResult, means: [f64; 3]) -> Option<String> {
+/// noise, and with what 8 bits hide of it.
+fn bias(result: &CaseResult, means: [f64; 3], hidden: Option<f64>) -> Option<String> {
     let of = |c: usize| {
         let metric = |kind| result.metrics.get(&format!("{kind}_{}", CHANNELS[c]));
         let percent = 100.0 / means[c];
@@ -218,7 +240,7 @@ fn bias(result: &CaseResult, means: [f64; 3]) -> Option<String> {
     let (channel, [size, interval]) = most;
     let sign = if size < 0.0 { "−" } else { "+" };
     let size = size.abs();
-    Some(match interval {
+    let text = match interval {
         _ if interval > 0.0 => {
             // Two digits of the interval.
             let digits = [10.0, 1.0, 0.1, 0.01]
@@ -229,6 +251,11 @@ fn bias(result: &CaseResult, means: [f64; 3]) -> Option<String> {
         }
         _ if size < 0.005 => "below 0.005 %".to_owned(),
         _ => format!("{channel} {sign}{size:.2} %"),
+    };
+    Some(match hidden {
+        Some(most) if size < 0.005 => format!("hidden by 8 bits: up to {most:.2} %"),
+        Some(most) => format!("{text}; hidden by 8 bits: up to {most:.2} %"),
+        None => text,
     })
 }
 

@@ -119,10 +119,23 @@ fn codes_of_a_linear_file_are_recognised_and_its_cut_off_is_said() {
     folder.write("out/smoke/plain.npy", golden.to_npy());
     assert_eq!(note(&validate(&folder, &[])), "");
     let run = validate(&folder, &["--bits", "8"]);
-    assert!(
-        note(&run).contains("not every value is such a code"),
-        "{}",
-        note(&run)
+    assert_eq!(run.code, 4, "{}", run.stdout);
+    let reason = result(&run)["reason"].to_string();
+    for said in [
+        "smoke/plain",
+        "is none, ",
+        " of row ",
+        " of 255; leave --bits out",
+    ] {
+        assert!(reason.contains(said), "{reason}");
+    }
+    let run = folder.volref("compare golden/smoke/plain.exr out/smoke/plain.npy --bits 8");
+    run.expect(
+        2,
+        &[
+            "out/smoke/plain.npy: --bits declares codes of 8 bits",
+            "is none",
+        ],
     );
 
     // Brighter than the largest code by half.
