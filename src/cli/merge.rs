@@ -12,7 +12,8 @@ use crate::compare::Gate;
 use crate::conventions::Profile;
 use crate::judging;
 use crate::judging::{
-    CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, SelfTest, SelfTestCases, Verdict,
+    CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, SelfTest,
+    SelfTestCases, Verdict,
 };
 use crate::naming::{Likenesses, Search};
 use crate::report;
@@ -202,11 +203,11 @@ fn joined_results(
         let found = cases.map(|(name, _)| of_case(name, results, &wants_images));
         found.collect::<Result<Vec<KeptResult>, Failure>>()
     })?;
-    let (mut judged, mut missing) = (Vec::new(), Vec::new());
+    let (mut judged, mut missing, mut skipped) = (Vec::new(), Vec::new(), Vec::new());
     for ((name, _), found) in run.cases.iter().zip(joined) {
         match found {
             KeptResult::Judged(found) => judged.push(*found),
-            KeptResult::PassedOver => {}
+            KeptResult::PassedOver => skipped.push((name.clone(), String::new())),
             KeptResult::Damaged(reason) => missing.push((name, reason)),
             KeptResult::Missing => missing.push((name, NO_RESULT.to_owned())),
         }
@@ -216,6 +217,7 @@ fn joined_results(
         judged.extend(judging::without_case(suite)?);
     }
     let found: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
+    let judged_with = JudgedWith::of(&run.settings, profile.as_ref(), skipped, &found);
     let (found, text) = if is_verified {
         let text = verify::in_words(&found, arguments.verbose, suite);
         (Likenesses::default(), text)
@@ -228,6 +230,7 @@ fn joined_results(
         };
         found.iter().for_each(|result| said.verdict(result));
         said.print(&(said.without_image(&found) + &report::summary_text(&found)));
+        said.print(&report::judged_with_text(&judged_with));
         let explain = arguments.explain;
         named(explain, suite, &cases, profile.as_ref(), &mut judged)
     };
@@ -238,6 +241,7 @@ fn joined_results(
         command: if is_verified { "verify" } else { "validate" },
         judged,
         found,
+        judged_with,
         units,
         origin: None,
     };

@@ -2,11 +2,11 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use crate::judging::{CaseResult, Evidence, Judged};
+use crate::judging::{CaseResult, Evidence, Judged, JudgedWith};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::Suite;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Destinations of the results.
@@ -30,6 +30,8 @@ pub struct Findings<'f> {
     pub judged: Vec<Judged>,
     /// Findings of the search for the mistakes behind the images.
     pub found: Likenesses,
+    /// What loosens the judgements.
+    pub judged_with: JudgedWith,
     /// Units of goldens that were joined.
     pub units: Option<Value>,
     /// Command, and how images were read.
@@ -91,7 +93,10 @@ impl ResultFiles {
     pub fn write(&self, findings: &Findings<'_>, mut text: String) -> Result<String, Failure> {
         let results = findings.results();
         if let Some(path) = &self.junit {
-            output::write(path, report::results_junit(&results).as_bytes())?;
+            output::write(
+                path,
+                report::results_junit(&results, &findings.judged_with).as_bytes(),
+            )?;
         }
         if let Some(folder) = &self.report {
             let page = page(findings, &results);
@@ -99,7 +104,11 @@ impl ResultFiles {
             text.push_str(&format!("\nreport: {}\n", path.display()));
         }
         let mut json = match findings.command {
-            "validate" => report::validation_json(&results, &findings.found.likely),
+            "validate" => {
+                let mut json = report::validation_json(&results, &findings.found.likely);
+                json["judged_with"] = json!(findings.judged_with);
+                json
+            }
             command => report::results_json(command, &results),
         };
         if let Some(units) = &findings.units {
@@ -120,6 +129,7 @@ fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
     report::results_html(&report::Page {
         title: &format!("volref {}", findings.command),
         command: &command_line(),
+        judged_with: &findings.judged_with.in_words(),
         results,
         evidence: &evidence,
         found: &findings.found,

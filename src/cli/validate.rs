@@ -13,8 +13,8 @@ use crate::conventions::Profile;
 use crate::files::regular_file::note_input;
 use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
-    CaseResult, Evidence, Judged, MoreSamples, add_right_declaration, before_background, declared,
-    is_open, validate_at,
+    CaseResult, Evidence, Judged, JudgedWith, MoreSamples, add_right_declaration,
+    before_background, declared, is_open, validate_at,
 };
 use crate::naming::{ConventionSearch, Search};
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
@@ -52,7 +52,8 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     after_help = format!("{IMAGES}\n\n{EXIT_CODES}"),
 )]
 pub struct Arguments {
-    /// Families, cases, or patterns over them such as 'figures/*' [default: all cases]
+    /// Families, cases, or patterns over them such as 'figures/*'; those with ! before them are left out
+    /// [default: all cases]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     #[command(flatten)]
@@ -157,10 +158,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let name = |case: &&Case| case.name.clone();
     arguments.partition.retain(&mut cases, "cases", name)?;
     let said = judge.printed(&cases);
-    let mut judged = judge.all(&cases, &said);
+    let mut skipped = passed_over.clone();
+    let mut judged = judge.all(&cases, &said, &mut skipped);
     judge.decide(&cases, &mut judged, &said);
     judge.let_leave();
     if let Some((folder, run)) = &to_keep {
+        let passed_over = passed_over.into_iter().map(|(name, _)| name);
         let part = cases.iter().map(name);
         let part: Vec<String> = part.chain(passed_over).collect();
         keep(folder, run, &part, &judged)?;
@@ -170,6 +173,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
     said.print(&(said.without_image(&results) + &report::summary_text(&results)));
+    let settings = arguments.settings(judge.profile.as_ref());
+    let judged_with = JudgedWith::of(&settings, judge.profile.as_ref(), skipped, &results);
+    said.print(&report::judged_with_text(&judged_with));
     said.print(&judge.unknown_files());
 
     let (explain, profile) = (arguments.explain, judge.profile.as_ref());
@@ -185,6 +191,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         command: "validate",
         judged,
         found,
+        judged_with,
         units: None,
         origin: Some(origin),
     };
@@ -231,7 +238,9 @@ impl Arguments {
             return Err(Failure::new(Exit::BadInput, message, Some(help)));
         }
         let Some(folder) = &self.outputs else {
-            let renderer = self.renderer.renderer(self.command(), self.keep.clone())?;
+            let names = || suite.cases().iter().map(|case| case.name.clone()).collect();
+            let keep = self.keep.clone().map(|folder| (folder, names()));
+            let renderer = self.renderer.renderer(self.command(), keep)?;
             return Ok(ImageSource::Renderer(Box::new(renderer)));
         };
         if !folder.is_dir() {
@@ -286,6 +295,12 @@ impl Arguments {
             Some(folder) => vec!["--outputs".to_owned(), folder.display().to_string()],
             None => self.renderer.words(self.command()),
         };
+        if let Some(profile) = &self.profile {
+            words.extend(["--as".to_owned(), profile.clone()]);
+        }
+        if self.accept_conventions {
+            words.push("--accept-conventions".to_owned());
+        }
         if let Some(bits) = self.bits {
             words.extend(["--bits".to_owned(), bits.to_string()]);
         }
@@ -309,6 +324,9 @@ impl Arguments {
         Ok(())
     }
 }
+
+/// The name of a case without an image that is skipped, and the reason.
+type SkippedCase = (String, String);
 
 /// Everything that images are judged by.
 struct Judge<'a> {
@@ -359,12 +377,14 @@ impl Judge<'_> {
         }))
     }
 
-    /// Takes the cases without an image out of `cases`, if they are to be skipped; returns their names.
-    fn pass_over(&self, cases: &mut Vec<&Case>) -> Vec<String> {
+    /// Takes the cases without an image out of `cases`, if they are to be skipped; returns them.
+    fn pass_over(&self, cases: &mut Vec<&Case>) -> Vec<SkippedCase> {
         let is_skipped =
             |case: &mut &Case| self.arguments.only_present && !self.source.may_have(case);
         let passed_over = cases.extract_if(.., is_skipped);
-        passed_over.map(|case| case.name.clone()).collect()
+        passed_over
+            .map(|case| (case.name.clone(), String::new()))
+            .collect()
     }
 
     /// Output on `cases`.
@@ -380,8 +400,13 @@ impl Judge<'_> {
 
     /// Judges all cases, several at a time if a renderer is run. Results are in the order of the cases,
     /// and printed as soon as those before them are. With `--only-present`, cases without an image are
-    /// skipped.
-    fn all(&self, cases: &[&Case], said: &PrintedVerdicts) -> Vec<Judged> {
+    /// added to those that are `skipped`.
+    fn all(
+        &self,
+        cases: &[&Case],
+        said: &PrintedVerdicts,
+        skipped: &mut Vec<SkippedCase>,
+    ) -> Vec<Judged> {
         let bar = progress::counted("cases", cases.len());
         let mut in_order_of_cases = Vec::new();
         let jobs = self.arguments.renderer.jobs.into();
@@ -392,13 +417,14 @@ impl Judge<'_> {
             bar.inc(1);
             judged
         };
-        in_order(cases.len(), jobs, judge, |judged| {
-            if let Some(judged) = &judged
-                && !(said.waits && is_open(judged))
-            {
-                bar.suspend(|| said.verdict(&judged.result));
+        in_order(cases.len(), jobs, judge, |judged| match judged {
+            Ok(judged) => {
+                if !(said.waits && is_open(&judged)) {
+                    bar.suspend(|| said.verdict(&judged.result));
+                }
+                in_order_of_cases.push(*judged);
             }
-            in_order_of_cases.extend(judged);
+            Err(case) => skipped.push(case),
         });
         bar.finish_and_clear();
         in_order_of_cases
@@ -438,19 +464,21 @@ impl Judge<'_> {
         ))
     }
 
-    /// Judges the image of one case; `None` if it has none and is to be skipped.
-    fn case(&self, case: &Case) -> Option<Judged> {
+    /// Judges the image of one case; an error if it has none and is to be skipped.
+    fn case(&self, case: &Case) -> Result<Box<Judged>, SkippedCase> {
         let start = Instant::now();
         let rendered = self.source.output(case);
         let rendering = self.source.renderer().map(|_| start.elapsed());
-        if self.arguments.only_present && matches!(rendered.output, Output::Missing(_)) {
-            return None;
+        if let Output::Missing(reason) = &rendered.output
+            && self.arguments.only_present
+        {
+            return Err((case.name.clone(), reason.clone()));
         }
         let look = self.arguments.renderer.decide.then_some(1);
         let mut judged = self.judged(case, rendered, look);
         judged.result.seconds = start.elapsed().as_secs_f64();
         judged.evidence.rendering_seconds = rendering.map(|time| time.as_secs_f64());
-        Some(judged)
+        Ok(Box::new(judged))
     }
 
     /// Judges an image of one case: at the look of this number, from 1, where there may be several.

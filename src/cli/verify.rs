@@ -8,7 +8,7 @@ use super::suite::{Selection, exit};
 use super::{Outcome, output, progress, render};
 use crate::hard_cases::Row;
 use crate::judging;
-use crate::judging::{CaseResult, Evidence, Verdict};
+use crate::judging::{CaseResult, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite;
@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
-    /// Families, cases, hard cases such as G6, or patterns over them such as 'figures/*'
+    /// Families, cases, hard cases such as G6, or patterns over them such as 'figures/*'; those with ! before
+    /// them are left out
     /// [default: all]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
@@ -121,6 +122,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         command: "verify",
         judged,
         found: Likenesses::default(),
+        judged_with: JudgedWith::default(),
         units: None,
         origin: None,
     };

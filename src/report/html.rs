@@ -21,6 +21,8 @@ pub struct Page<'a> {
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,
+    /// What loosens the judgements, in one line; empty where nothing does.
+    pub judged_with: &'a str,
     /// Results of the cases.
     pub results: &'a [CaseResult],
     /// Evidence for each of them, in the same order; it may be shorter.
@@ -52,6 +54,7 @@ pub fn results_html(page: &Page<'_>) -> String {
         context! {
             title => page.title,
             command => page.command,
+            judged_with => page.judged_with,
             version => env!("CARGO_PKG_VERSION"),
             headline => words::headline(page.results, page.found),
             verdict => overall.name(),

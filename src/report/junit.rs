@@ -1,12 +1,13 @@
 //! Results for build servers.
 
 use super::visible::xml_text;
-use crate::judging::{CaseResult, Verdict};
+use crate::judging::{CaseResult, Cause, JudgedWith, Verdict};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// JUnit XML of the results, one test suite for each family.
-pub(crate) fn results_junit(results: &[CaseResult]) -> String {
+/// JUnit XML of the results, one test suite for each family, each with what loosens its judgements as properties.
+pub(crate) fn results_junit(results: &[CaseResult], judged_with: &JudgedWith) -> String {
+    let properties = properties(judged_with);
     let mut families: BTreeMap<&str, Vec<&CaseResult>> = BTreeMap::new();
     for result in results {
         families.entry(&result.family).or_default().push(result);
@@ -18,6 +19,7 @@ pub(crate) fn results_junit(results: &[CaseResult]) -> String {
     for (family, results) in families {
         let (family, counts) = (xml_text(family), counts(results.iter().copied()));
         let _ = writeln!(xml, r#"    <testsuite name="volref/{family}" {counts}>"#);
+        xml.push_str(&properties);
         for result in results {
             xml.push_str(&test_case(result));
         }
@@ -27,10 +29,29 @@ pub(crate) fn results_junit(results: &[CaseResult]) -> String {
     xml
 }
 
-/// The element for a verdict that is not a pass: only a difference is the fault of the image.
-fn element(verdict: Verdict) -> Option<&'static str> {
-    match verdict {
+/// The element of properties; empty where there are none.
+fn properties(judged_with: &JudgedWith) -> String {
+    let properties = judged_with.properties();
+    if properties.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from("        <properties>\n");
+    for (name, value) in properties {
+        let (name, value) = (xml_text(&name), xml_text(&value));
+        let _ = writeln!(
+            text,
+            r#"            <property name="volref.{name}" value="{value}"/>"#
+        );
+    }
+    text + "        </properties>\n"
+}
+
+/// The element for a result that does not count as a pass: only a difference is the fault of the image.
+fn element(result: &CaseResult) -> Option<&'static str> {
+    match result.verdict {
         Verdict::Pass => None,
+        // Accepted.
+        Verdict::Convention if result.cause == Cause::None => None,
         Verdict::Fail | Verdict::Convention => Some("failure"),
         Verdict::Inconclusive | Verdict::Missing | Verdict::Error => Some("error"),
     }
@@ -39,7 +60,7 @@ fn element(verdict: Verdict) -> Option<&'static str> {
 /// The attributes that count results.
 fn counts<'r>(results: impl Iterator<Item = &'r CaseResult> + Clone) -> String {
     let of = |name| {
-        let such = |result: &&CaseResult| element(result.verdict) == Some(name);
+        let such = |result: &&CaseResult| element(result) == Some(name);
         results.clone().filter(such).count()
     };
     let (tests, errors, failures) = (results.clone().count(), of("error"), of("failure"));
@@ -48,7 +69,7 @@ fn counts<'r>(results: impl Iterator<Item = &'r CaseResult> + Clone) -> String {
 
 fn test_case(result: &CaseResult) -> String {
     let mut children = String::new();
-    if let Some(element) = element(result.verdict) {
+    if let Some(element) = element(result) {
         let likely = match &result.looks_like[..] {
             [] => String::new(),
             names => format!("; looks like {}", names.join(", ")),
@@ -122,7 +143,7 @@ mod tests {
         let markup = "]]> ]] > <![CDATA[ <!-- --> & &amp; &#0; &#x1b; <?xml ?> \" '";
         for text in texts.chain([markup.to_owned()]) {
             let results = [case(&text, Verdict::Fail), case(&text, Verdict::Pass)];
-            let xml = results_junit(&results);
+            let xml = results_junit(&results, &JudgedWith::default());
             let document = roxmltree::Document::parse(&xml).expect("well-formed XML");
             let cases = document
                 .descendants()
@@ -143,7 +164,8 @@ mod tests {
 
     #[test]
     fn what_xml_cannot_hold_is_seen() {
-        let xml = results_junit(&[case("\u{1b}[31m\u{fffe}\u{ffff}", Verdict::Fail)]);
+        let results = [case("\u{1b}[31m\u{fffe}\u{ffff}", Verdict::Fail)];
+        let xml = results_junit(&results, &JudgedWith::default());
         assert!(xml.contains("message=\"␛[31m��;"), "{xml}");
     }
 }

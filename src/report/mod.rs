@@ -18,7 +18,9 @@ pub use html::{Page, results_html};
 pub(crate) use json::{results_json, validation_json};
 pub(crate) use junit::results_junit;
 pub(crate) use self_test::{naming_text, self_test_json, self_test_text};
-pub(crate) use terminal::{families_text, results_text, summary_text, without_image_text};
+pub(crate) use terminal::{
+    families_text, judged_with_text, results_text, summary_text, without_image_text,
+};
 pub use terminal::{likely_text, verdict_text, widest};
 pub use visible::visible;
 pub(crate) use visible::{visible_char, visible_json, xml_text};

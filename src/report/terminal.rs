@@ -1,7 +1,7 @@
 //! Results for people.
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Summary, Verdict};
+use crate::judging::{CaseResult, JudgedWith, Summary, Verdict};
 use crate::naming::{Likenesses, SearchStep, Stage, is_number_found};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
@@ -165,6 +165,14 @@ pub(crate) fn summary_text(results: &[CaseResult]) -> String {
         said.join(", ")
     ));
     text
+}
+
+/// What loosens the judgements; empty where nothing does.
+pub(crate) fn judged_with_text(judged_with: &JudgedWith) -> String {
+    match judged_with.in_words() {
+        words if words.is_empty() => words,
+        words => format!("judged with: {words}\n"),
+    }
 }
 
 /// An error as a share of what it may be, in few characters.

@@ -670,6 +670,83 @@ fn reports_for_people_and_build_servers() {
     assert_eq!(json["summary"]["pass"], 4);
 }
 
+/// Whatever loosens a judgement is said where it is read, and the command for one case is the same judgement.
+#[test]
+fn what_loosens_a_judgement_is_said() {
+    let folder = with_images();
+    for case in ["shadow", "nearest"] {
+        folder.remove(&format!("out/smoke/{case}.exr"));
+    }
+    folder.write("mine.toml", "name = 'mine'\n[conventions]\n");
+    let loose = [
+        "--as",
+        "mine.toml",
+        "--accept-conventions",
+        "--alpha",
+        "straight",
+        "--resolution",
+        "5",
+    ];
+    let files = [
+        "--only-present",
+        "--report",
+        "page",
+        "--junit",
+        "r.xml",
+        "--json=r.json",
+    ];
+    let command = ["validate", "smoke", "--outputs", "out", "--explain", "0"];
+    let run = folder.volref(&[&command[..], &loose, &files].concat());
+    let said =
+        "--accept-conventions, --alpha straight, profile mine, --resolution 5; 2 cases skipped";
+    assert!(
+        run.stdout.contains(&format!("judged with: {said}\n")),
+        "{}",
+        run.stdout
+    );
+    let json = folder.json("r.json");
+    let judged_with = serde_json::json!({
+        "settings": { "accept_conventions": "true", "alpha": "straight", "profile": "mine", "resolution": "5" },
+        "skipped": ["smoke/nearest", "smoke/shadow"],
+        "cannot": [],
+    });
+    assert_eq!(json["judged_with"], judged_with);
+    let xml = folder.text("r.xml");
+    for property in [
+        r#"name="volref.profile" value="mine""#,
+        r#"name="volref.skipped" value="smoke/nearest smoke/shadow""#,
+    ] {
+        assert!(xml.contains(property), "{xml}");
+    }
+    let page = folder.text("page/index.html");
+    assert!(page.contains(&format!("Judged with: {said}")), "{page}");
+    let again = page
+        .split("volref validate smoke&#x2f;plain")
+        .nth(1)
+        .unwrap();
+    let again = again.split('<').next().unwrap();
+    for words in loose {
+        assert!(again.contains(words), "{words:?} in {again}");
+    }
+    // Where nothing is loose, nothing is said.
+    let run = folder.volref("validate plots --outputs out --junit r.xml --report page");
+    assert!(!run.stdout.contains("judged with"), "{}", run.stdout);
+    assert!(!folder.text("r.xml").contains("<properties>"));
+    assert!(!folder.text("page/index.html").contains("Judged with"));
+}
+
+/// What a renderer has no words for is counted, skipped or not.
+#[cfg(unix)]
+#[test]
+fn cases_that_cannot_be_rendered_are_counted() {
+    let folder = Folder::with_goldens();
+    let answer = "while read -r line; do echo '{\"cannot\":\"smoke\"}'; done";
+    folder.write("renderer.sh", answer);
+    let command = ["validate", "smoke", "--serve", "sh renderer.sh"];
+    let run = folder.volref(&command);
+    run.prints(4, &["judged with: 3 cases cannot be rendered\n"]);
+}
+
 /// An image under other conventions is no mistake: it is said which, and it passes under a profile.
 #[test]
 fn conventions_are_told_apart_and_accepted() {
@@ -704,6 +781,9 @@ fn conventions_are_told_apart_and_accepted() {
     let accepted = with(&["--accept-conventions"]);
     accepted.expect(0, &[]);
     assert!(accepted.stdout.contains("in proportion to the step"));
+    // For build servers, too.
+    with(&["--accept-conventions", "--junit", "r.xml"]).expect(0, &[]);
+    assert!(!folder.text("r.xml").contains("<failure"));
     folder.write(
         "mine.toml",
         "name = 'mine'\n[conventions]\nopacity = 'linear'\n",

@@ -1,0 +1,126 @@
+//! What loosens the judgements of a run, for whoever reads its results.
+
+use super::{CaseResult, Verdict};
+use crate::conventions::Profile;
+use crate::suite::NOT_RENDERED;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Settings that loosen judgements, with the names by which runs keep them, and as options.
+const LOOSENING: [(&str, &str); 4] = [
+    ("accept conventions", "--accept-conventions"),
+    ("alpha", "--alpha"),
+    ("bits", "--bits"),
+    ("resolution", "--resolution"),
+];
+
+/// Settings of a run that loosen its judgements, and the cases that it did not judge.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct JudgedWith {
+    /// Values of the settings, by name; `true` of a flag.
+    settings: BTreeMap<String, String>,
+    /// Names of the cases that were skipped, for they have no image.
+    skipped: Vec<String>,
+    /// Names of the cases for which the renderer, or a format, has no words.
+    cannot: Vec<String>,
+}
+
+impl JudgedWith {
+    /// What loosens `results` under the `settings` of a run and a `profile`. `skipped` are the names of cases without a
+    /// result, with a reason.
+    pub fn of(
+        settings: &BTreeMap<String, String>,
+        profile: Option<&Profile>,
+        skipped: impl IntoIterator<Item = (String, String)>,
+        results: &[CaseResult],
+    ) -> JudgedWith {
+        let given = LOOSENING.iter().filter_map(|(name, _)| {
+            let value = settings.get(*name).filter(|value| *value != "false")?;
+            Some((name.replace(' ', "_"), value.clone()))
+        });
+        let profile = profile.map(|profile| ("profile".to_owned(), profile.name.clone()));
+        let missing = results
+            .iter()
+            .filter(|result| result.verdict == Verdict::Missing);
+        let missing = missing.map(|result| (result.name.clone(), result.reason.clone()));
+        let (mut without_image, mut cannot) = (Vec::new(), Vec::new());
+        for (name, reason) in skipped {
+            match reason.starts_with(NOT_RENDERED) {
+                true => cannot.push(name),
+                false => without_image.push(name),
+            }
+        }
+        let is_said = missing.filter(|(_, reason)| reason.starts_with(NOT_RENDERED));
+        cannot.extend(is_said.map(|(name, _)| name));
+        cannot.sort();
+        JudgedWith {
+            settings: profile.into_iter().chain(given).collect(),
+            skipped: without_image,
+            cannot,
+        }
+    }
+
+    /// In one line, such as `--bits 8, profile vtkjs; 3 cases skipped, 2 cannot be rendered`; empty where nothing
+    /// loosens.
+    pub fn in_words(&self) -> String {
+        let option = |(name, value): (&String, &String)| {
+            let is_named = |(known, _): &&(&str, &str)| known.replace(' ', "_") == *name;
+            match LOOSENING.iter().find(is_named) {
+                Some((_, option)) if value == "true" => (*option).to_owned(),
+                Some((_, option)) => format!("{option} {value}"),
+                None => format!("{name} {value}"),
+            }
+        };
+        let settings: Vec<String> = self.settings.iter().map(option).collect();
+        let counts = [
+            (self.skipped.len(), "skipped"),
+            (self.cannot.len(), "cannot be rendered"),
+        ];
+        let present = counts.into_iter().filter(|(count, _)| *count > 0);
+        let unjudged: Vec<String> = present
+            .enumerate()
+            .map(|(index, (count, what))| match (index, count) {
+                (0, 1) => format!("1 case {what}"),
+                (0, _) => format!("{count} cases {what}"),
+                _ => format!("{count} {what}"),
+            })
+            .collect();
+        let parts = [settings.join(", "), unjudged.join(", ")];
+        let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        parts.join("; ")
+    }
+
+    /// Names and values, for build servers.
+    pub fn properties(&self) -> Vec<(String, String)> {
+        let lists = [("skipped", &self.skipped), ("cannot", &self.cannot)];
+        let lists = lists.into_iter().filter(|(_, names)| !names.is_empty());
+        let lists = lists.map(|(name, names)| (name.to_owned(), names.join(" ")));
+        self.settings.clone().into_iter().chain(lists).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_all_that_loosens() {
+        let settings = [
+            ("bits", "8"),
+            ("accept conventions", "true"),
+            ("samples", "64"),
+        ];
+        let settings = settings.map(|(name, value)| (name.to_owned(), value.to_owned()));
+        let skipped = ["no image", "not rendered: fog", "no image"].map(str::to_owned);
+        let skipped = skipped.into_iter().map(|reason| ("a/b".to_owned(), reason));
+        let of = JudgedWith::of(&settings.into(), None, skipped, &[]);
+        let said = "--accept-conventions, --bits 8; 2 cases skipped, 1 cannot be rendered";
+        assert_eq!(of.in_words(), said);
+        let strict = [("accept conventions".to_owned(), "false".to_owned())];
+        let strict = JudgedWith::of(&strict.into(), None, [], &[]);
+        assert_eq!(
+            (strict.in_words().as_str(), strict),
+            ("", JudgedWith::default())
+        );
+    }
+}
