@@ -40,7 +40,7 @@ export interface CheckOptions extends SuiteOptions {
   profile?: string;
   /** Bits of a channel: differences up to half a code agree. With `8-linear` codes are those of radiance, without exposure. */
   bits?: 8 | '8-linear' | '8-srgb';
-  /** Pass images that are right under other conventions. */
+  /** Pass images that are right under other conventions, which a search finds: `explain` is above 0. */
   acceptConventions?: boolean;
   /** Seconds for finding the mistake behind an image that fails, 10 by default; 0 for no search. */
   explain?: number;
@@ -52,6 +52,7 @@ export interface CheckOptions extends SuiteOptions {
 export class Result {
   name: string;
   verdict: 'pass' | 'fail' | 'convention' | 'inconclusive' | 'missing' | 'error';
+  /** The verdict is `pass`, or `convention` with `acceptConventions`. */
   readonly passed: boolean;
   /** The rule, and the difference, in words. */
   reason: string;
@@ -73,7 +74,7 @@ export class VolrefError extends Error {}
 
 /** Path of the program: that of $VOLREF_PROGRAM, else the one of the platform's package, else the one on the path. */
 export function program(): string;
-/** The cases that the filters name: families, cases, or patterns such as `figures/*`; all without one. */
+/** The cases that the filters name: families, cases, or patterns such as `figures/*`, with `!` before them excluded; all without one. */
 export function cases(...filters: (string | SuiteOptions)[]): Case[];
 /**
  * Judges an image of a case; a list of them, renderings with seeds of their own; or for a case of the family `limit`

@@ -12,7 +12,7 @@ export { VolrefError, program } from './program.js';
 const MOST_HALVINGS = 10;
 const FILE_KEYS = ['file', 'vertices', 'triangles'];
 
-/** The cases that the filters name: families, cases, or patterns such as `figures/*`; all without one. */
+/** The cases that the filters name: families, cases, or patterns such as `figures/*`, with `!` before them excluded; all without one. */
 export function cases(...filters) {
   const suite = typeof filters.at(-1) === 'object' ? filters.pop().suite : undefined;
   const wrong = filters.find((filter) => typeof filter !== 'string' || !filter || filter.startsWith('-'));
@@ -32,8 +32,14 @@ export function cases(...filters) {
 
 /** The verdict on an image of a case: see `Result` in index.d.ts. */
 export class Result {
+  #acceptsConventions;
+
+  constructor(acceptsConventions = false) {
+    this.#acceptsConventions = acceptsConventions;
+  }
+
   get passed() {
-    return this.verdict === 'pass';
+    return this.verdict === 'pass' || (this.#acceptsConventions && this.verdict === 'convention');
   }
 
   toString() {
@@ -67,7 +73,7 @@ export function check(name, image, options = {}) {
     ]);
     const [judged] = value.cases;
     const advice = new Map((value.looks_like ?? []).map((mistake) => [mistake.mistake, mistake.advice]));
-    return Object.assign(new Result(), {
+    return Object.assign(new Result(acceptConventions), {
       name: judged.name,
       verdict: judged.verdict,
       // Nobody finds a folder for temporary files again.

@@ -98,6 +98,19 @@ test('an image is judged', () => {
   assert.ok(fs.existsSync(black.report) && !black.reason.includes(os.tmpdir()));
 });
 
+test('conventions are accepted where that is asked for', () => {
+  const [{ sceneFile }] = cases('sampled/thin');
+  const fixtures = path.resolve(path.dirname(sceneFile), '../..');
+  const scene = fs.readFileSync(sceneFile, 'utf8').replaceAll('../../', `${fixtures}/`);
+  const file = within('other.toml');
+  fs.writeFileSync(file, `${scene}\n[classified.conventions]\nopacity = "linear"\n`);
+  const image = rendered(file);
+  const found = check('sampled/thin', image);
+  assert.deepStrictEqual([found.verdict, found.passed], ['convention', false], String(found));
+  const accepted = check('sampled/thin', image, { acceptConventions: true });
+  assert.deepStrictEqual([accepted.verdict, accepted.passed], ['convention', true], String(accepted));
+});
+
 test('codes are those of the exposure, or with 8-linear of radiance', () => {
   // Its exposure is 3 stops.
   const image = codesOf(rendered('limit/thin-haze'));

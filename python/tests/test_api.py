@@ -43,6 +43,25 @@ def test_types_and_orders_that_mean_the_same(figure):
         assert volref.check("figures/figure-1", np.asarray(same, dtype=float)).passed
 
 
+def test_conventions_are_accepted_where_that_is_asked_for(tmp_path):
+    image = under_other_conventions(tmp_path, "sampled/thin")
+    found = volref.check("sampled/thin", image)
+    assert found.verdict == "convention" and not found.passed and not found
+    accepted = volref.check("sampled/thin", image, accept_conventions=True)
+    assert accepted.verdict == "convention" and accepted.passed and accepted
+    mirrored = volref.check("sampled/thin", image[::-1], accept_conventions=True)
+    assert mirrored.verdict == "fail" and not mirrored
+
+
+def under_other_conventions(folder, name):
+    """The image of a case whose opacities are in proportion to the step."""
+    (case,) = volref.cases(name)
+    fixtures = case.scene_file.resolve().parents[2]
+    scene = case.scene_file.read_text().replace("../../", f"{fixtures.as_posix()}/")
+    (folder / "other.toml").write_text(f'{scene}\n[classified.conventions]\nopacity = "linear"\n')
+    return volref.render(folder / "other.toml")[:, :, :3]
+
+
 class Tensor:
     """An array of another library."""
 

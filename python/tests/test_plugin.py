@@ -49,6 +49,26 @@ def test_what_is_wrong_is_said(pytester):
     assert "pytest_plugin.py" not in result.stdout.str()
 
 
+def test_conventions_are_accepted_where_that_is_asked_for(pytester):
+    pytester.makepyfile(
+        """
+        import pytest
+        import volref
+
+        @pytest.mark.parametrize("accept", [True, False])
+        def test_linear(tmp_path, volref_check, accept):
+            (case,) = volref.cases("sampled/thin")
+            scene = case.scene_file.read_text().replace("../../", f"{case.scene_file.resolve().parents[2].as_posix()}/")
+            (tmp_path / "other.toml").write_text(scene + '\\n[classified.conventions]\\nopacity = "linear"\\n')
+            image = volref.render(tmp_path / "other.toml")[:, :, :3]
+            assert volref_check(case, image, accept_conventions=accept)
+        """
+    )
+    result = pytester.runpytest()
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["E *sampled/thin: convention*"])
+
+
 def test_what_is_right_passes(pytester):
     pytester.makepyfile(
         """

@@ -94,7 +94,7 @@ class Mistake:
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """The verdict on an image of a case. It is true if the verdict is ``pass``.
+    """The verdict on an image of a case. It is true if the image passed.
 
     ``verdict`` is one of
 
@@ -133,8 +133,9 @@ class Result:
 
     @property
     def passed(self) -> bool:
-        """The verdict is ``pass``."""
-        return self.verdict == "pass"
+        """The verdict is ``pass``, or ``convention`` where ``check`` was told to ``accept_conventions``."""
+        accepts = bool(self._again.get("accept_conventions"))
+        return self.verdict == "pass" or (accepts and self.verdict == "convention")
 
     def __bool__(self) -> bool:
         return self.passed
@@ -250,7 +251,8 @@ class Flip:
 
 
 def cases(*filters: str, suite: SuiteFolder = None) -> list[Case]:
-    """The cases that the filters name: families, cases, or patterns such as ``'figures/*'``; all without one.
+    """The cases that the filters name: families, cases, or patterns such as ``'figures/*'``; those with ``!``
+    before them are left out; all without one.
 
     Raises UnknownCase for a filter without a match.
     """
@@ -392,8 +394,8 @@ def check(
     scene. ``depth``: distances, of shape (height, width), for cases that ask for depth.
 
     ``profile``: conventions by which to judge, ``vtk``, ``anari`` or a file. ``accept_conventions`` passes images
-    that are right under other conventions. ``explain``: seconds for finding the mistake behind an image that
-    fails; 0 for no search. ``report``: folder for a page. ``outputs``: folder in which the image is kept, in place
+    that are right under other conventions, which a search finds. ``explain``: seconds for finding the mistake or the
+    conventions behind an image that fails; 0 for no search. ``report``: folder for a page. ``outputs``: folder in which the image is kept, in place
     of others of the case; no folder of a suite.
 
     Raises UnknownCase, TypeError and ValueError for arrays that are no image, and VolrefError.
