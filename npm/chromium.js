@@ -40,6 +40,8 @@ const FLAGS = [
 // Mesa draws without a screen: SwiftShader, Chromium's own, moves the corners of triangles by up to 1/32 of a pixel.
 const GRAPHICS = ['--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist', '--enable-unsafe-swiftshader'];
 const PREFIX = 'volref-page-';
+// Tells our profiles from any other folder with such a name.
+const MARK = 'made-by-volref-page';
 const SIGNALS = ['SIGINT', 'SIGTERM', 'SIGHUP'];
 const MOST_SAID = 4096;
 // A browser that starts has its lock long before.
@@ -74,6 +76,7 @@ export class Chromium {
     if (!program) throw new Error('there is no Chromium: install one, or name it as CHROMIUM=PATH');
     removeLeftProfiles();
     this.#profile = fs.mkdtempSync(path.join(os.tmpdir(), PREFIX));
+    fs.writeFileSync(path.join(this.#profile, MARK), '');
     const isLinux = process.platform === 'linux';
     const flags = [...FLAGS, ...(isLinux ? GRAPHICS : []), ...(process.getuid?.() === 0 ? ['--no-sandbox'] : [])];
     this.#child = spawn(program, [...flags, `--user-data-dir=${this.#profile}`, 'about:blank'], {
@@ -179,8 +182,10 @@ function removeLeftProfiles() {
   }
 }
 
-/** The browser whose profile that is has ended: its lock is gone, or names a process of this machine that is. */
+/** It is a profile of ours whose browser has ended: its lock is gone, or names a process of this machine that is. */
 function isLeft(folder) {
+  // Not followed, where a link leads to a profile elsewhere.
+  if (!fs.lstatSync(folder).isDirectory() || !fs.existsSync(path.join(folder, MARK))) return false;
   // On Windows the lock is another file, which is there while the browser runs.
   if (fs.existsSync(path.join(folder, 'lockfile'))) return false;
   const lock = path.join(folder, 'SingletonLock');

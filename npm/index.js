@@ -131,7 +131,7 @@ export function writeImage(file, { width, height, data }) {
     fs.renameSync(beside, file);
   } catch (error) {
     fs.rmSync(beside, { force: true });
-    throw error;
+    throw new VolrefError(`cannot write ${file}: ${error.code}`);
   }
 }
 

@@ -369,8 +369,15 @@ test('nothing is left when volref-page is ended', options, async () => {
     const ago = new Date(Date.now() - 700_000);
     for (const name of profiles()) fs.utimesSync(within(name), ago, ago);
   }
+  // Another's folder, as old, stays.
+  const mine = 'volref-page-mine';
+  fs.mkdirSync(within(mine));
+  fs.writeFileSync(within(`${mine}/notes.txt`), 'mine');
+  const ago = new Date(Date.now() - 700_000);
+  fs.utimesSync(within(mine), ago, ago);
   const page = await startPage(within('page.js'));
   await page.render(thin(), 1);
   await page.close();
-  await nothingIsLeft();
+  await nothingIsLeft({ but: [mine] });
+  assert.deepStrictEqual(fs.readdirSync(within(mine)), ['notes.txt']);
 });

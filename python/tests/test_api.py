@@ -338,11 +338,17 @@ def test_nothing_is_kept_in_a_suite_or_beyond_a_link(figure, suite, tmp_path):
     before = kept(tmp_path)
     inside = [suite, suite / "golden", suite / "golden/new", suite / "fixtures/scenes", suite / "images"]
     for folder in [*inside, tmp_path / "link", golden, golden / "new"]:
-        with pytest.raises(volref.VolrefError, match=r"is in a suite \(.*give a folder outside"):
+        with pytest.raises(volref.VolrefError, match="is in a suite|holds goldens"):
             volref.check("plots/rate-0", figure, suite=suite, outputs=folder)
     with pytest.raises(volref.VolrefError, match="images.plots leads to another folder by a link"):
         volref.check("plots/rate-0", figure, suite=suite, outputs=tmp_path / "images")
     assert kept(tmp_path) == before
+    # Goldens of no suite, in a folder of any name.
+    shutil.copytree(golden, tmp_path / "baseline")
+    for folder in ["baseline", "baseline/plots"]:
+        with pytest.raises(volref.VolrefError, match="baseline.* holds goldens, such as rate-0.toml"):
+            volref.check("plots/rate-0", figure, suite=suite, outputs=tmp_path / folder)
+    assert (tmp_path / "baseline/plots/rate-0.exr").read_text() == "mine"
     # A name alone makes no golden.
     (tmp_path / "people/golden/images").mkdir(parents=True)
     volref.check("plots/rate-0", figure, suite=suite, outputs=tmp_path / "people/golden/images")

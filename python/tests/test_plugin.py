@@ -210,6 +210,19 @@ def test_images_are_not_kept_in_a_suite(pytester):
     assert not (pytester.path / "images").exists()
 
 
+def test_nothing_is_written_beside_goldens(pytester):
+    golden = pytester.path / "baseline/figures/figure-1.toml"
+    golden.parent.mkdir(parents=True)
+    golden.write_text('schema = "volref/golden/1"\n')
+    pytester.makepyfile(SAME_CASE)
+    for option in ["--volref-report", "--volref-outputs"]:
+        result = pytester.runpytest(option, "baseline")
+        assert result.ret == pytest.ExitCode.USAGE_ERROR
+        (line,) = [line for line in result.errlines if line]
+        assert line.startswith(f"ERROR: {option}: ") and "holds goldens" in line
+    assert [file.name for file in golden.parent.iterdir()] == ["figure-1.toml"]
+
+
 MARKS = [
     ('@pytest.mark.volref("smok")', "volref_case", 'no case matches "smok"*did you mean "smoke"*'),
     ("@pytest.mark.volref(3)", "volref_case", "a filter is text, not of type int"),

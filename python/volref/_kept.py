@@ -35,7 +35,13 @@ def keep_images(images: Sequence[Path], outputs: Path, case: str, cases: Collect
 
 
 def put(files: Sequence[Path], folder: Path, is_old: Callable[[str], bool] = lambda name: False) -> None:
-    """Copies ``files`` into ``folder``, and removes the files there whose name is old."""
+    """Copies ``files`` into ``folder``, and removes the files there whose name is old.
+
+    Raises VolrefError, before anything is changed, if one of these is a golden.
+    """
+    for name in [*(file.name for file in files), *filter(is_old, os.listdir(folder))]:
+        if is_golden(folder / name):
+            raise VolrefError(f"{folder / name} is a golden, which only `volref accept` changes: give another folder")
     with tempfile.TemporaryDirectory(prefix=".volref-", dir=folder) as beside:
         # All before any is replaced: on a full disk nothing is lost.
         for file in files:
@@ -90,20 +96,29 @@ def leads_nowhere_else(root: Path, within: str) -> bool:
 
 
 def require_no_suite(folder: Path) -> None:
-    """Raises VolrefError for a folder of a suite, whose goldens are images of cases by name."""
+    """Raises VolrefError for a folder of a suite, whose goldens are images of cases by name, or of goldens elsewhere."""
     real = Path(os.path.realpath(folder))
     for above in (real, *real.parents):
-        is_suite = os.path.isdir(above / "golden") and os.path.isdir(above / "fixtures" / "cases")
-        if is_suite or (above.name == "golden" and (above == real or _holds_goldens(above))):
+        if above == real or above.name == "golden":
+            require_no_goldens(above)
+        if os.path.isdir(above / "golden") and os.path.isdir(above / "fixtures" / "cases"):
             raise VolrefError(f"{folder} is in a suite ({above}), where no images are kept: give a folder outside")
 
 
-def _holds_goldens(folder: Path) -> bool:
-    with contextlib.suppress(OSError):
-        for file in folder.glob("*/*.toml"):
-            if file.is_file() and PROVENANCE in file.read_bytes()[: 1 << 20]:
-                return True
-    return False
+def require_no_goldens(folder: Path) -> None:
+    """Raises VolrefError for a folder that holds goldens, or whose families do: outputs there would be taken for them."""
+    for file in (*folder.glob("*.toml"), *folder.glob("*/*.toml")):
+        if is_golden(file):
+            raise VolrefError(f"{folder} holds goldens, such as {file.name}: give another folder")
+
+
+def is_golden(file: Path) -> bool:
+    """Whether ``file`` is a golden, which has its provenance beside it."""
+    provenance = file.with_suffix(".toml")
+    try:
+        return file.is_file() and provenance.is_file() and PROVENANCE in provenance.read_bytes()[: 1 << 20]
+    except OSError:
+        return False
 
 
 @contextlib.contextmanager

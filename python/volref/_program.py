@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import json
 import os
@@ -108,8 +109,29 @@ def own_suite() -> Path:
         folder = Path(tempfile.mkdtemp(prefix="volref-suite-"))
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
         call(["suite", "--extract", str(folder)])
+        _hold(folder)
         _own_suite = folder
     return _own_suite
+
+
+#: File by which the program knows temporary folders of killed processes: that of src/files/temporary_folder.rs.
+LOCK = ".volref-lock"
+
+
+def _hold(folder: Path) -> None:
+    """Locks ``folder`` for as long as this process, however it ends: afterwards the program removes it. Windows has no
+    such locks in Python."""
+    try:
+        import fcntl
+    except ImportError:
+        return
+    # Not seen under its name before it is locked.
+    aside = folder / f"{LOCK}-"
+    held = os.open(aside, os.O_CREAT | os.O_WRONLY, 0o600)
+    # Some file systems refuse: then the folder stays.
+    with contextlib.suppress(OSError):
+        fcntl.flock(held, fcntl.LOCK_EX)
+        os.replace(aside, folder / LOCK)
 
 
 def call(arguments: Sequence[str]) -> dict[str, Any]:

@@ -30,7 +30,7 @@ import pytest
 
 import volref
 from volref._api import without_folder
-from volref._kept import leads_nowhere_else, own_folder, put, require_no_suite
+from volref._kept import leads_nowhere_else, own_folder, put, require_no_goldens, require_no_suite
 
 # pytest shows the line of the test that called volref_check, not the lines of volref.
 __tracebackhide__ = True
@@ -72,13 +72,8 @@ def pytest_configure(config: pytest.Config) -> None:
             setattr(config.option, option, os.path.join(config.invocation_params.dir, given))
     if _is_worker(config):
         return
-    if config.getoption("volref_outputs"):
-        try:
-            require_no_suite(Path(config.getoption("volref_outputs")))
-        except volref.VolrefError as error:
-            raise pytest.UsageError(f"--volref-outputs: {error}") from None
-    for option in ["volref_report", "volref_outputs"]:
-        _create(config.getoption(option), option)
+    for option, check in [("volref_report", require_no_goldens), ("volref_outputs", require_no_suite)]:
+        _create(config.getoption(option), option, check)
     if config.getoption("volref_suite"):
         try:
             volref.cases(suite=config.getoption("volref_suite"))
@@ -91,13 +86,18 @@ def _is_worker(config: pytest.Config) -> bool:
     return hasattr(config, "workerinput")
 
 
-def _create(folder: str | None, option: str) -> None:
-    """Creates the folder of an option, if one is given. Raises UsageError if nothing can be written there."""
+def _create(folder: str | None, option: str, check: Callable[[Path], None]) -> None:
+    """Creates the folder of an option, if one is given. Raises UsageError if it does not pass ``check``, or if nothing
+    can be written there."""
     if not folder:
         return
-    named = f"--{option.replace('_', '-')}: cannot write into {folder}"
+    flag = f"--{option.replace('_', '-')}"
+    named = f"{flag}: cannot write into {folder}"
     try:
+        check(Path(folder))
         os.makedirs(folder, exist_ok=True)
+    except volref.VolrefError as error:
+        raise pytest.UsageError(f"{flag}: {error}") from None
     except OSError as error:
         raise pytest.UsageError(f"{named}: {error.strerror}") from None
     if not os.access(folder, os.W_OK | os.X_OK):

@@ -2,11 +2,11 @@
 
 use super::failure::{Exit, Failure};
 use super::{interrupt, progress};
+use crate::files::temporary_folder::TemporaryFolder;
 use crate::naming::{CACHE_VARIABLE, cache_of_the_user};
 use crate::suite::{EmbeddedSuite, Suite};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
-use tempfile::TempDir;
 
 /// The files of a suite, with their paths relative to its root.
 pub(crate) type SuiteFiles = fn() -> Vec<(PathBuf, &'static [u8])>;
@@ -14,7 +14,7 @@ pub(crate) type SuiteFiles = fn() -> Vec<(PathBuf, &'static [u8])>;
 static FILES: OnceLock<SuiteFiles> = OnceLock::new();
 
 /// Temporary folder of the unpacked suite, if it was made for this process alone.
-static TEMPORARY: Mutex<Option<TempDir>> = Mutex::new(None);
+static TEMPORARY: Mutex<Option<TemporaryFolder>> = Mutex::new(None);
 
 /// Holds `files` as the suite of the program.
 pub fn hold(files: SuiteFiles) {
@@ -31,10 +31,13 @@ pub fn suite() -> EmbeddedSuite {
 /// are not part of it.
 pub fn open() -> Result<Suite, Failure> {
     let suite = suite();
-    let cache = cache_of_the_user().map(|folder| folder.join("suite").join(suite.name()));
-    let cached = cache.map(|folder| match suite.unpack_privately(&folder) {
-        Ok(()) => Ok(folder),
-        Err(error) => Err(format!("; not in {}: {error}", folder.display())),
+    let cached = cache_of_the_user().map(|cache| {
+        let inner = Path::new("suite").join(suite.name());
+        let folder = cache.join(&inner);
+        match suite.unpack_privately(&cache, &inner) {
+            Ok(()) => Ok(folder),
+            Err(error) => Err(format!("; not in {}: {error}", folder.display())),
+        }
     });
     let (folder, why) = match cached {
         Some(Ok(folder)) => (folder, String::new()),
@@ -59,7 +62,7 @@ pub fn open() -> Result<Suite, Failure> {
 }
 
 fn temporary(suite: &EmbeddedSuite) -> std::io::Result<PathBuf> {
-    let temporary = tempfile::Builder::new().prefix("volref-suite-").tempdir()?;
+    let temporary = TemporaryFolder::new()?;
     let folder = temporary.path().to_owned();
     suite.unpack(&folder)?;
     *held(&TEMPORARY) = Some(temporary);

@@ -9,6 +9,7 @@ use crate::film::CHANNELS;
 use crate::geometry::Transform;
 use crate::scene::Scene;
 use serde_json::json;
+use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
 /// Write a scene for another renderer
@@ -41,6 +42,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let folder = &arguments.output;
     // Where it is yet to be made, none of its files is another.
     if folder.is_dir() {
+        check_no_other(&export, folder, &arguments.scene)?;
         let files = export.files.iter().map(|(name, _)| folder.join(name));
         let files: Vec<PathBuf> = files.collect();
         let mut outputs = vec![arguments.json.file()];
@@ -85,6 +87,32 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         value["transform"] = json!(map.rows());
     }
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// Fails if a file in `folder` that the export would replace holds something else: another scene of the same name, or a
+/// file of the user's. A file that is older than the scene is out of date, and of this scene for all that is known.
+fn check_no_other(export: &Export, folder: &Path, scene: &Path) -> Result<(), Failure> {
+    let changed = |file: Metadata| file.modified().ok();
+    let of_scene = scene.metadata().ok().and_then(changed);
+    for (name, bytes) in &export.files {
+        let path = folder.join(name);
+        let Some(found) = path.metadata().ok().filter(Metadata::is_file) else {
+            continue;
+        };
+        // Not noted as an input, which no output may replace.
+        let is_same = || std::fs::read(&path).is_ok_and(|found| found == *bytes);
+        if found.len() == bytes.len() as u64 && is_same() || changed(found) < of_scene {
+            continue;
+        }
+        let message = format!(
+            "{} is there already, and is not this export of {}",
+            path.display(),
+            scene.display()
+        );
+        let help = "nothing was written; give another folder, or remove that file first";
+        return Err(Failure::new(Exit::BadInput, message, Some(help)));
+    }
+    Ok(())
 }
 
 impl From<Refusal> for Failure {

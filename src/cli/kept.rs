@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure, bad_input};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{output, progress};
-use crate::files::kept_file::KeepError;
+use crate::files::kept_file::{self, KeepError};
 use crate::files::program_hash;
 use crate::judging::{CaseTrials, Judged};
 use crate::runs::{ResultFolder, Run};
@@ -42,7 +42,12 @@ impl KeepArgument {
             folder = folder.canonicalize().unwrap_or(folder);
         }
         ResultFolder::open(&folder).check().map_err(bad_input)?;
+        // A folder of the user's holds other files, which version control is to see.
+        let is_ours = self.results.is_none() || !folder.exists();
         output::make_folder(&folder)?;
+        if is_ours {
+            kept_file::hide(&folder);
+        }
         Ok(Some(ResultFolder::open(folder)))
     }
 }

@@ -4,8 +4,8 @@
 use super::failure::{Exit, Failure, bad_input};
 use super::visible_report::visible_report;
 use crate::files::atomic_file::{directory_of, file_behind, remedy, write_atomically};
+use crate::files::golden_mark;
 use crate::files::own_file;
-use crate::files::regular_file;
 use crate::files::regular_file::{Identity, is_input, note_input};
 use crate::report::{visible, visible_json};
 use clap::Args;
@@ -192,25 +192,31 @@ impl Json {
     }
 }
 
-/// Refuses to write over a golden, which has its provenance beside it.
+/// Fails if the file at `path`, or the one that it links to, is a golden.
 fn check_no_golden(path: &Path) -> Result<(), Failure> {
-    /// Longest provenance read: 1 MiB, as of any manifest.
-    const MOST_BYTES: u64 = 1 << 20;
-    if !path.exists() {
+    let file = file_behind(path);
+    if !golden_mark::is_golden(file.as_deref().unwrap_or(path)) {
         return Ok(());
     }
-    let provenance = regular_file::read(&path.with_extension("toml"), MOST_BYTES);
-    let is_golden = provenance.is_ok_and(|bytes| {
-        let text = String::from_utf8_lossy(&bytes);
-        text.lines()
-            .any(|line| line.starts_with("schema = \"volref/golden/"))
-    });
-    if !is_golden {
-        return Ok(());
+    Err(is_golden(path, "is a golden"))
+}
+
+/// Fails if `folder` holds goldens, of this suite or of another: outputs there would be taken for goldens.
+pub fn check_no_goldens_in(folder: &Path) -> Result<(), Failure> {
+    match golden_mark::golden_within(folder) {
+        Some(golden) => Err(is_golden(
+            folder,
+            &format!("holds goldens, such as {}", golden.display()),
+        )),
+        None => Ok(()),
     }
-    let message = format!("{} is a golden", path.display());
+}
+
+/// The failure of an output at `path`, which `is` something of the goldens.
+pub fn is_golden(path: &Path, is: &str) -> Failure {
+    let message = format!("{} {is}", path.display());
     let help = "only `volref accept` changes goldens; write elsewhere";
-    Err(Failure::new(Exit::BadInput, message, Some(help)))
+    Failure::new(Exit::BadInput, message, Some(help))
 }
 
 /// `value` as indented JSON with a final newline.

@@ -70,6 +70,8 @@ impl ResultFiles {
         for path in outputs.into_iter().flatten() {
             check_not_golden(path, suite)?;
         }
+        let folder = self.report.as_deref();
+        folder.map_or(Ok(()), output::check_no_goldens_in)?;
         page.as_deref().map_or(Ok(()), output::check_own)?;
         output::check(&outputs, &[])
     }
@@ -150,9 +152,7 @@ pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
     if !is_below(path, &suite.golden_folder()) {
         return Ok(());
     }
-    let message = format!("{} is in the folder of the goldens", path.display());
-    let help = "only `volref accept` changes goldens; write elsewhere";
-    Err(Failure::new(Exit::BadInput, message, Some(help)))
+    Err(output::is_golden(path, "is in the folder of the goldens"))
 }
 
 /// True if `path` is in `folder`, however either is spelt.

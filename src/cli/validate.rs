@@ -226,7 +226,7 @@ impl Arguments {
             check_not_golden(&path, suite)?;
             output::check_no_input(&path)?;
         }
-        Ok(())
+        output::check_no_goldens_in(folder)
     }
 
     /// The source of the images.
@@ -268,6 +268,7 @@ impl Arguments {
         self.files.check(suite)?;
         if let Some(folder) = &self.ctest {
             check_not_golden(folder, suite)?;
+            output::check_no_goldens_in(folder)?;
             output::make_folder(folder)?;
         }
         Ok(())

@@ -36,7 +36,7 @@ impl Export {
         let mut aside = Vec::new();
         for (name, bytes) in &self.files {
             let mut file = partial_file::create(folder)?;
-            file.write_all(bytes)?;
+            file.as_file_mut().write_all(bytes)?;
             file.as_file().sync_all()?;
             aside.push((name, file));
         }

@@ -4,7 +4,7 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::partial_file;
+use super::{golden_mark, partial_file};
 
 /// An output could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -30,6 +30,7 @@ pub struct WriteError {
 /// - An existing file passes its permission bits on; a new one gets those that the umask
 ///   leaves. Owner, hard links and extended attributes of an existing file are not kept.
 /// - A symbolic link stays, and the file it points to is replaced.
+/// - A golden stays: only `volref accept` changes it.
 /// - What is not a regular file (a device, a pipe, a FIFO, `/dev/stdout` wherever it leads) must
 ///   not be replaced by one: it is written to directly, with no atomicity to be had.
 ///
@@ -52,12 +53,15 @@ pub(crate) fn write_in_place_of(path: &Path, bytes: &[u8]) -> Result<(), WriteEr
 
 /// Replaces the file `target`, which messages call `path`.
 fn replace(path: &Path, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    golden_mark::check(target).map_err(failed("write", path, KEPT))?;
     let directory = directory_of(target);
-    let mut aside =
-        temporary_in(directory).map_err(failed("create a temporary file in", directory, KEPT))?;
-    aside
-        .write_all(bytes)
-        .map_err(failed("write", path, KEPT))?;
+    let mut aside = partial_file::create(directory).map_err(failed(
+        "create a temporary file in",
+        directory,
+        KEPT,
+    ))?;
+    // By the file itself: tempfile's own writer puts the temporary name into an error.
+    (aside.as_file_mut().write_all(bytes)).map_err(failed("write", path, KEPT))?;
     if let Ok(existing) = fs::metadata(target) {
         let permissions = existing.permissions();
         (aside.as_file().set_permissions(permissions)).map_err(failed(
@@ -147,20 +151,6 @@ fn write_to_stream(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut stream = File::options().append(true).open(path)?;
     stream.write_all(bytes)?;
     stream.flush()
-}
-
-fn temporary_in(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
-    partial_file::create(directory).map_err(without_temporary_name)
-}
-
-/// The system's own error, where tempfile has put the random name of its file into the message:
-/// that name means nothing to the user.
-fn without_temporary_name(error: io::Error) -> io::Error {
-    let inner = error.get_ref().and_then(|error| error.source());
-    let code = inner
-        .and_then(|error| error.downcast_ref::<io::Error>())
-        .and_then(io::Error::raw_os_error);
-    code.map_or(error, io::Error::from_raw_os_error)
 }
 
 /// The directory a file is in; `.` for a bare file name, whose `parent` is empty.

@@ -2,6 +2,7 @@
 
 pub mod atomic_file;
 pub(crate) mod decoder;
+pub(crate) mod golden_mark;
 pub(crate) mod kept_file;
 pub(crate) mod misspelling;
 pub(crate) mod own_file;
@@ -11,5 +12,6 @@ pub(crate) mod program_hash;
 #[cfg(test)]
 pub(crate) mod proptest_failures;
 pub(crate) mod regular_file;
+pub(crate) mod temporary_folder;
 
 pub use program_hash::program_hash;

@@ -2,6 +2,7 @@
 //! or anything else in their place is refused: neither followed nor waited for.
 
 use super::atomic_file::{WriteError, write_in_place_of};
+use super::golden_mark;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -16,11 +17,26 @@ pub(crate) struct FolderError {
     pub error: io::Error,
 }
 
+impl From<FolderError> for io::Error {
+    fn from(error: FolderError) -> io::Error {
+        io::Error::new(error.error.kind(), error.to_string())
+    }
+}
+
 /// Replaces the file at `path` by `bytes`, or creates it, whole or not at all. The stricter sibling of
 /// [`write_atomically`](crate::files::atomic_file::write_atomically), which follows links and writes into pipes.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     check(path).map_err(|cause| WriteError::untouched("write", path, cause))?;
     write_in_place_of(path, bytes)
+}
+
+/// Removes the file or link at `path`, if there is one, unless it is a golden.
+pub(crate) fn remove(path: &Path) -> io::Result<()> {
+    golden_mark::check(path)?;
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
 }
 
 /// Fails where something other than a regular file is at `path`; succeeds where nothing is.

@@ -18,7 +18,7 @@ const SUFFIX: &str = ".partial";
 const LETTERS: usize = 6;
 
 /// An empty file in `directory`, to be written and renamed; removed when dropped before that.
-/// Partial files of killed processes are removed first.
+/// Partial files of killed processes are removed first. An error does not name the file.
 pub(crate) fn create(directory: &Path) -> io::Result<NamedTempFile> {
     sweep(directory);
     let mut builder = tempfile::Builder::new();
@@ -28,12 +28,24 @@ pub(crate) fn create(directory: &Path) -> io::Result<NamedTempFile> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     const ATTEMPTS: usize = 16;
     for _ in 0..ATTEMPTS {
-        let file = builder.tempfile_in(directory)?;
+        let file = builder
+            .tempfile_in(directory)
+            .map_err(without_temporary_name)?;
         if is_held(&file) {
             return Ok(file);
         }
     }
     Err(io::Error::other("files written aside are removed at once"))
+}
+
+/// The system's own error, where tempfile has put the random name of its file or folder into the message: that name
+/// means nothing to the user.
+pub(crate) fn without_temporary_name(error: io::Error) -> io::Error {
+    let inner = error.get_ref().and_then(|error| error.source());
+    let code = inner
+        .and_then(|error| error.downcast_ref::<io::Error>())
+        .and_then(io::Error::raw_os_error);
+    code.map_or(error, io::Error::from_raw_os_error)
 }
 
 /// Locks a file just created: `false` if another process removed it as a leftover before it was

@@ -1,20 +1,23 @@
 //! Private folders: only the user or root can change them, so that a file is still the checked one
 //! when it is read.
 
+use super::own_file;
 use std::io;
 use std::path::Path;
 
-/// Creates `folder` where it is missing, for the user alone.
+/// Creates the folder `inner` of `root` where it is missing, for the user alone. `root` itself may be a link: it is the
+/// user's, and keeps its rights.
 ///
 /// # Errors
 ///
 /// A sentence with a remedy, if others could change the folder, or put another into its place: by being
-/// the owner of a folder or link on the way to it, or by a right to write there.
+/// the owner of a folder or link on the way to it, or by a right to write there. Links below `root` are refused.
 #[cfg(unix)]
-pub(crate) fn make(folder: &Path) -> io::Result<()> {
+pub(crate) fn make(root: &Path, inner: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
     const MOST_LINKS: u32 = 40; // as Linux
-    let folder = std::path::absolute(folder)?;
+    own_file::check_folder(root, inner)?;
+    let folder = std::path::absolute(root.join(inner))?;
     let found = unix::way_to(&folder, MOST_LINKS)?;
     // On the way, the sticky bit keeps others from replacing what is not theirs; here they could add files.
     if found.mode() & unix::WRITABLE != 0 {
@@ -27,11 +30,12 @@ pub(crate) fn make(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Creates `folder` where it is missing. On other systems access control lists make the folders of
+/// Creates the folder `inner` of `root` where it is missing. On other systems access control lists make the folders of
 /// a user private.
 #[cfg(not(unix))]
-pub(crate) fn make(folder: &Path) -> io::Result<()> {
-    std::fs::create_dir_all(folder)
+pub(crate) fn make(root: &Path, inner: &Path) -> io::Result<()> {
+    own_file::make_folder(root, inner)?;
+    Ok(())
 }
 
 #[cfg(unix)]
@@ -106,6 +110,28 @@ mod tests {
 
     fn mode(path: &Path) -> u32 {
         fs::metadata(path).unwrap().permissions().mode() & 0o7777
+    }
+
+    fn make(folder: &Path) -> io::Result<()> {
+        super::make(folder, Path::new(""))
+    }
+
+    #[test]
+    fn a_link_below_the_root_is_not_followed() {
+        let root = tempfile::tempdir().unwrap();
+        let at = |name: &str| root.path().join(name);
+        make(&at("cache")).unwrap();
+        fs::create_dir(at("mine")).unwrap();
+        fs::set_permissions(at("mine"), PermissionsExt::from_mode(0o755)).unwrap();
+        symlink(at("mine"), at("cache/suite")).unwrap();
+        let inner = Path::new("suite/new");
+        let error = super::make(&at("cache"), inner).unwrap_err().to_string();
+        assert!(
+            error.contains("cache/suite: this is a symbolic link"),
+            "{error}"
+        );
+        assert_eq!(mode(&at("mine")), 0o755);
+        assert!(!at("mine/new").exists());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::own_file::{self, FolderError};
-use crate::files::{partial_file, regular_file};
+use crate::files::{golden_mark, partial_file, regular_file};
 use crate::suite::{Outputs, entries};
 use std::error::Error;
 use std::fs;
@@ -71,13 +71,14 @@ impl KeptImages {
             if regular_file::is_input(&target) {
                 return Err(format!("{} is an input", target.display()).into());
             }
+            golden_mark::check(&target)?;
             let mut file = partial_file::create(directory_of(&target))?;
             file.write_all(&bytes)?;
             file.as_file().sync_all()?;
             aside.push((file, target));
         }
         for old in self.of_case(case)? {
-            fs::remove_file(old)?;
+            own_file::remove(&old)?;
         }
         for (file, target) in aside {
             file.persist(target)?;

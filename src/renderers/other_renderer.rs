@@ -6,12 +6,12 @@ use super::process::{Ran, run};
 use super::staying::Called;
 use super::{CallSettings, CommandTemplate, Keeper, KeptImages, StayingRenderers};
 use crate::files::atomic_file::directory_of;
+use crate::files::temporary_folder::TemporaryFolder;
 use crate::film::Film;
 use crate::suite::{Case, Output, Outputs, image_path, step_name};
 use std::error::Error;
 use std::path::{Path, PathBuf, absolute};
 use std::time::Duration;
-use tempfile::TempDir;
 
 /// Options of another renderer.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub(crate) struct OtherRenderer {
     /// Images are copied into it.
     kept: Option<KeptImages>,
     /// Holds exports, and a folder for each call, in which it writes images; removed at the end.
-    temporary: TempDir,
+    temporary: TemporaryFolder,
 }
 
 /// Output for a case, and its origin.
@@ -87,9 +87,8 @@ impl OtherRenderer {
 
     /// A renderer with its folders, which are created; the error is a sentence.
     pub fn new(options: RendererOptions) -> Result<OtherRenderer, String> {
-        let temporary = tempfile::Builder::new().prefix("volref-").tempdir();
-        let temporary =
-            temporary.map_err(|error| format!("cannot create a temporary folder: {error}"))?;
+        let temporary = TemporaryFolder::new()
+            .map_err(|error| format!("cannot create a temporary folder: {error}"))?;
         let kept = options.keep.as_ref().map(|(folder, cases)| {
             std::fs::create_dir_all(folder)?;
             Ok(KeptImages::new(absolute(folder)?, cases.clone()))
@@ -168,7 +167,7 @@ impl OtherRenderer {
             }
         }
         let written = || self.written(case, folder, has_steps, settings);
-        let output = failure.unwrap_or_else(written);
+        let output = by_final_names(failure.unwrap_or_else(written), folder);
         notes.extend(self.fewer_samples(&output, settings));
         if let Some(kept) = &self.kept
             && let Err(reason) = kept.replace_by_folder(&case.name, folder)
@@ -208,13 +207,14 @@ impl OtherRenderer {
             Ok(outputs) => outputs,
             Err(error) => return Output::Unusable(error.to_string()),
         };
+        let read = outputs.output(&case.name);
         let format = self.options.format.as_str();
         let unwritten = |name: &str, rest: &str| {
             Output::Missing(format!(
                 "the renderer succeeded, but did not write {name}.{format}, the file that {{output}} stood for {rest}"
             ))
         };
-        match outputs.output(&case.name) {
+        match read {
             Output::Missing(_) => {
                 let others = Self::FORMATS.into_iter().filter(|other| *other != format);
                 let others = others.collect::<Vec<_>>().join(", ");
@@ -254,5 +254,14 @@ impl OtherRenderer {
             files.push((path, film.to_exr()?));
         }
         kept.replace(&case.name, files)
+    }
+}
+
+/// `output` without the name of the temporary `folder` in its reason: there, images are called by their cases.
+fn by_final_names(output: Output, folder: &Path) -> Output {
+    let folder = format!("{}{}", shown(folder), std::path::MAIN_SEPARATOR);
+    match output {
+        Output::Unusable(reason) => Output::Unusable(reason.replace(&folder, "")),
+        output => output,
     }
 }

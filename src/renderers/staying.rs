@@ -20,6 +20,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvErr
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+/// Programs of some systems write it before their first line.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
 /// Longest answer, bytes.
 const MOST_LINE: usize = 64 * 1024;
 
@@ -372,6 +375,9 @@ fn read_lines(stdout: impl Read, lines: &SyncSender<String>, printed: &Printed) 
         let mut limited = stdout.by_ref().take(MOST_LINE as u64);
         if !matches!(limited.read_until(b'\n', &mut part), Ok(1..)) {
             return;
+        }
+        if rest_of.is_none() && part.starts_with(BYTE_ORDER_MARK) {
+            part.drain(..BYTE_ORDER_MARK.len());
         }
         let is_answer = rest_of.unwrap_or_else(|| part.starts_with(b"{"));
         if !is_answer {

@@ -1,13 +1,16 @@
 //! Pages by templates, and images within them.
 
+use super::visible;
 use crate::film::Film;
 use minijinja::{Environment, Value};
 
-/// The page of a template and what it asks for. Text is escaped.
+/// The page of a template and what it asks for. Text is escaped, and [`visible`].
 pub(super) fn rendered(template: &str, context: Value) -> String {
     // Escaped because the name ends like this.
     let page = Environment::new().render_named_str("page.html", template, context);
-    page.expect("the template is well-formed and asks only for what it is given")
+    let page = page.expect("the template is well-formed and asks only for what it is given");
+    // A checkout may have given the template other ends of lines.
+    visible(&page.replace("\r\n", "\n"))
 }
 
 /// The address of a PNG image of 8-bit codes, row by row from the top.
@@ -20,4 +23,19 @@ pub(super) fn image_address(codes: &[[u8; 3]], columns: usize, rows: usize) -> S
 pub(super) fn blue_to_red(share: f64) -> [u8; 3] {
     let from_red = 0.5 - 0.5 * share;
     colorous::RED_BLUE.eval_continuous(from_red).into_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use minijinja::context;
+
+    #[test]
+    fn control_characters_are_seen() {
+        let page = rendered(
+            "<p>{{ text }}\r\n",
+            context! { text => "\x1b[31m\0<b>\u{202e}" },
+        );
+        assert_eq!(page, "<p>␛[31m␀&lt;b&gt;�\n");
+    }
 }

@@ -229,7 +229,6 @@ impl ResultFolder {
     pub fn begin(&self, run: &Run) -> Result<String, KeepError> {
         let id = run.id();
         self.write(&id, RUN, run, b"")?;
-        kept_file::hide(&self.root);
         Ok(id)
     }
 

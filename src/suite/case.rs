@@ -213,6 +213,15 @@ pub enum SuiteError {
         /// Their manifests.
         files: [String; 2],
     },
+    /// Two cases whose names differ in capitals alone.
+    #[error("the names of {} and {} differ in capitals alone", files[0], files[1])]
+    #[diagnostic(help(
+        "many file systems take them for one file: rename one of them, with its scene and its golden"
+    ))]
+    Alike {
+        /// Their manifests.
+        files: [String; 2],
+    },
     /// A manifest with a mistake.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -543,14 +552,19 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
 fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
     let of_row = |row: &Row| {
         let file = format!("row {} of the catalogue, {CATALOGUE_FILE}", row.id);
-        (row_name(row), file)
+        let name = row_name(row);
+        (name.to_lowercase(), (name, file))
     };
-    let mut files: BTreeMap<String, String> = rows().map(of_row).collect();
+    let mut files: BTreeMap<String, (String, String)> = rows().map(of_row).collect();
     for path in manifests {
         let (name, file) = (name_of(path), path.display().to_string());
-        if let Some(other) = files.insert(name.clone(), file.clone()) {
+        let before = files.insert(name.to_lowercase(), (name.clone(), file.clone()));
+        if let Some((other_name, other)) = before {
             let files = [file, other];
-            return Err(SuiteError::Twice { name, files });
+            return Err(match other_name == name {
+                true => SuiteError::Twice { name, files },
+                false => SuiteError::Alike { files },
+            });
         }
     }
     Ok(())

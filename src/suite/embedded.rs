@@ -2,8 +2,8 @@
 //!
 //! Scenes name files beside them, and renderers that are run read scenes: both need a folder.
 
+use crate::files::atomic_file::directory_of;
 use crate::files::{own_file, partial_file, private_folder, regular_file};
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -48,31 +48,30 @@ impl EmbeddedSuite {
         self.files.iter().map(|(path, _)| path.as_path())
     }
 
-    /// Writes the files below `root` for the user alone, as [`unpack`](Self::unpack).
+    /// Writes the files below the folder `inner` of `cache` for the user alone, as [`unpack`](Self::unpack).
     ///
     /// # Errors
     ///
     /// If others could change the folder, too: they could replace a file after it was compared.
-    pub(crate) fn unpack_privately(&self, root: &Path) -> io::Result<()> {
-        private_folder::make(root)?;
-        self.unpack(root)
+    pub(crate) fn unpack_privately(&self, cache: &Path, inner: &Path) -> io::Result<()> {
+        private_folder::make(cache, inner)?;
+        self.unpack(&cache.join(inner))
     }
 
     /// Writes the files below `root`, except those that are there already, each one whole or not at all:
-    /// several processes may do so at once.
+    /// several processes may do so at once. Links below `root` are not followed.
     pub fn unpack(&self, root: &Path) -> io::Result<()> {
-        for (path, bytes) in &self.files {
-            let path = root.join(path);
-            let folder = path.parent().unwrap_or(root);
-            partial_file::sweep(folder);
+        for (inner, bytes) in &self.files {
+            let path = root.join(inner);
+            let folder = own_file::make_folder(root, directory_of(inner))?;
+            partial_file::sweep(&folder);
             let found = || regular_file::read(&path, bytes.len() as u64);
             if own_file::check(&path).is_ok() && found().is_ok_and(|found| found == *bytes) {
                 continue;
             }
-            fs::create_dir_all(folder)?;
             // Not synced: whatever a crash leaves is looked at again before it is used.
-            let mut file = partial_file::create(folder)?;
-            file.write_all(bytes)?;
+            let mut file = partial_file::create(&folder)?;
+            file.as_file_mut().write_all(bytes)?;
             file.persist(&path)?;
         }
         Ok(())
@@ -82,6 +81,7 @@ impl EmbeddedSuite {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn suite() -> EmbeddedSuite {
         EmbeddedSuite::new(vec![

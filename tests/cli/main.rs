@@ -27,8 +27,12 @@ mod known_answers;
 #[cfg(unix)]
 mod links;
 mod list;
+#[cfg(unix)]
+mod lost_files;
 mod merge;
 mod mutated_inputs;
+#[path = "../needs/mod.rs"]
+mod needs;
 mod opacity_and_depth;
 mod outputs;
 mod partition;

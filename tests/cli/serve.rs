@@ -72,6 +72,15 @@ fn one_program_renders_all_cases() {
     assert_eq!(again.code, 0, "{}", again.stdout);
 }
 
+/// Programs of some systems begin their output with a byte order mark.
+#[test]
+fn an_answer_behind_a_byte_order_mark_is_read() {
+    let folder = with_renderer("printf '\\357\\273\\277'", "right");
+    let run = validate(&folder, &["--timeout", "60"]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    assert_eq!(started(&folder), 1);
+}
+
 #[test]
 fn requests_hold_what_the_command_names() {
     let folder = with_renderer("", "printf '%s\\n' \"$line\" >> requests; right");

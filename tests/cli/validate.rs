@@ -595,6 +595,8 @@ fn renderers_that_fail() {
             found["reason"].as_str().unwrap().contains(said),
             "{script}: {found}"
         );
+        // No folder that nobody finds again.
+        assert!(!found["reason"].to_string().contains("/images/"), "{found}");
     }
 }
 

@@ -27,6 +27,9 @@ const MOST_BYTES: u64 = 256 << 20;
 /// Size of the folder after a removal, bytes, so that not every further file leads to another one.
 const BYTES_LEFT: u64 = MOST_BYTES / 4 * 3;
 
+/// Their folder within the cache.
+const PREDICTIONS: &str = "predictions";
+
 const EXTENSION: &str = "prediction";
 
 /// A folder of predictions.
@@ -86,16 +89,16 @@ impl Predictions {
 
     /// Reason why the cache keeps nothing; a sentence.
     pub fn refusal(&self) -> Option<&str> {
-        let folder = self.subfolder()?;
-        let look = || match private_folder::make(&folder) {
+        let folder = self.folder.as_ref()?;
+        let look = || match private_folder::make(folder, Path::new(PREDICTIONS)) {
             Ok(()) => None,
-            Err(error) => Some(format!("{}: {error}", folder.display())),
+            Err(error) => Some(format!("{}: {error}", folder.join(PREDICTIONS).display())),
         };
         self.refusal.get_or_init(look).as_deref()
     }
 
     fn subfolder(&self) -> Option<PathBuf> {
-        Some(self.folder.as_ref()?.join("predictions"))
+        Some(self.folder.as_ref()?.join(PREDICTIONS))
     }
 
     fn usable_folder(&self) -> Option<PathBuf> {

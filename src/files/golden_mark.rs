@@ -1,0 +1,63 @@
+//! What tells a golden from any other file: the provenance beside it. Only `volref accept` changes goldens, in whatever
+//! folder they are.
+
+use super::regular_file;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Longest provenance read: 1 MiB, as of any manifest.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Beginning of a line in every provenance.
+const MARK: &str = "schema = \"volref/golden/";
+
+/// Folder of the sensitivities among the goldens, whose provenance is that of the image.
+const SENSITIVITIES: &str = "sensitivities";
+
+/// True if the file at `path` is a golden: an image, its preview, its provenance or its sensitivities.
+pub(crate) fn is_golden(path: &Path) -> bool {
+    path.exists() && (has_mark(&path.with_extension("toml")) || is_sensitivity(path))
+}
+
+/// Fails if the file at `path` is a golden.
+pub(crate) fn check(path: &Path) -> io::Result<()> {
+    if is_golden(path) {
+        return Err(io::Error::other(
+            "it is a golden, and only `volref accept` changes goldens: choose another place",
+        ));
+    }
+    Ok(())
+}
+
+/// A golden in `folder` or in a folder of it, if there is one: outputs written there would be taken for goldens.
+pub(crate) fn golden_within(folder: &Path) -> Option<PathBuf> {
+    let entries = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| entry.path())
+    };
+    let families = entries(folder).filter(|path| path.is_dir());
+    let mut files = entries(folder).chain(families.flat_map(|family| entries(&family)));
+    files.find(|path| path.extension().is_some_and(|it| it == "toml") && has_mark(path))
+}
+
+fn has_mark(provenance: &Path) -> bool {
+    regular_file::read(provenance, MOST_BYTES).is_ok_and(|bytes| {
+        let text = String::from_utf8_lossy(&bytes);
+        text.lines().any(|line| line.starts_with(MARK))
+    })
+}
+
+/// `sensitivities/FAMILY/CASE.exr` beside `FAMILY/CASE.toml`.
+fn is_sensitivity(path: &Path) -> bool {
+    let Some(family) = path.parent() else {
+        return false;
+    };
+    let is_in_theirs = |folder: &&Path| folder.ends_with(SENSITIVITIES);
+    let goldens = family.parent().filter(is_in_theirs).and_then(Path::parent);
+    let inner = family.file_name().zip(path.file_stem());
+    goldens.zip(inner).is_some_and(|(goldens, (family, name))| {
+        let mut file = goldens.join(family).join(name).into_os_string();
+        file.push(".toml");
+        has_mark(Path::new(&file))
+    })
+}
