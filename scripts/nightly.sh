@@ -4,7 +4,7 @@
 #   scripts/nightly.sh              every campaign
 #   scripts/nightly.sh WORD…        those with one of the words in their title
 #
-# Needs what scripts/check.sh needs; for other architectures Debian or its kin on x86-64
+# Needs what scripts/check.sh needs, and cargo-deny; for other architectures Debian or its kin on x86-64
 # (scripts/other-architecture.sh).
 set -uo pipefail
 cd "$(dirname "$0")/.."
@@ -31,6 +31,7 @@ campaign() {
 }
 
 # One line each; a campaign of your own is one more.
+campaign "licences, sources and duplicates of dependencies" cargo deny check bans licenses sources
 campaign "the same bits from every build" scripts/same-bits.sh
 campaign "the same bits on aarch64" scripts/same-bits.sh --architecture aarch64
 campaign "the same bits on s390x, most significant byte first" scripts/same-bits.sh --architecture s390x

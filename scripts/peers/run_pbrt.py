@@ -55,12 +55,12 @@ def green(scene, folder, spp, seed):
 
 def render(request, replicates, jobs):
     named, scene = os.environ.get("PBRT", "pbrt"), Path(request["export:pbrt"])
-    if shutil.which(named) is None:
-        raise SystemExit(f"$PBRT or the path: {named}, which is no program; how pbrt is built is in scripts/peers/README.md")
     stem, _, channel = scene.stem.rpartition(".")
     scenes = [scene.with_name(f"{stem}.{it}.pbrt") for it in CHANNELS] if channel in CHANNELS else [scene]
     if missing := [str(file) for file in scenes if not file.exists()]:
         raise SystemExit(f"a channel is missing: {', '.join(missing)}")
+    if shutil.which(named) is None:
+        raise SystemExit(f"$PBRT or the path: {named}, which is no program; how pbrt is built is in scripts/peers/README.md")
     own = {"spp": 64, "seed": 0} | {name: value for name, value in request.items() if value is not None}
     samples, seeds = volref.divided(own["spp"], own["seed"], replicates)
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(jobs) as side_by_side:

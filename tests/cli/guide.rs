@@ -12,6 +12,7 @@
 //! [`Mark`].
 
 use crate::folder::{CLOUD, Folder, SIGN_OF_LIFE};
+use crate::needs::{NUMPY, is_there};
 use std::fmt;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -74,9 +75,7 @@ enum Mark {
     MediumKeys(String),
     /// `exit code N`: that of the last command; without the mark, 0 of all.
     ExitCode(i32),
-    /// `needs NumPy`: run where there is NumPy.
-    NeedsNumPy,
-    /// `needs PROGRAM`: run where there is that program, one of [`PROGRAMS`].
+    /// `needs NumPy`, or `needs PROGRAM`: run where that is there, a program being one of [`PROGRAMS`].
     Needs(&'static str),
     /// `not run: REASON`: one of [`REASONS`].
     NotRun(&'static Reason),
@@ -162,7 +161,7 @@ impl Mark {
                 .iter()
                 .find(|reason| reason.words == rest)
                 .map(Mark::NotRun),
-            "needs NumPy" => Some(Mark::NeedsNumPy),
+            "needs NumPy" => Some(Mark::Needs(NUMPY)),
             _ if text.starts_with("needs ") => PROGRAMS
                 .into_iter()
                 .find(|program| text.ends_with(&format!(" {program}")))
@@ -271,15 +270,8 @@ impl Block<'_> {
                 for mark in &self.marks {
                     match mark {
                         Mark::NotRun(reason) => return self.look_at(folder, reason),
-                        Mark::NeedsNumPy if !has_numpy() => {
-                            eprintln!("{place}: not run, for there is no python3 with NumPy");
-                            return;
-                        }
-                        Mark::Needs(program) if !is_there(program) => {
-                            eprintln!("{place}: not run, for there is no {program}");
-                            return;
-                        }
-                        Mark::NeedsNumPy | Mark::Needs(_) | Mark::ExitCode(_) => {}
+                        Mark::Needs(need) if !is_there(need, &place.to_string()) => return,
+                        Mark::Needs(_) | Mark::ExitCode(_) => {}
                         _ => panic!("{place}: {mark:?} marks files"),
                     }
                 }
@@ -397,18 +389,6 @@ fn medium(scene: &mut Table) -> &mut Table {
         panic!("media are tables");
     };
     medium
-}
-
-fn has_numpy() -> bool {
-    let mut python = Command::new("python3");
-    python.args(["-c", "import numpy"]).stderr(Stdio::null());
-    python.status().is_ok_and(|status| status.success())
-}
-
-fn is_there(program: &str) -> bool {
-    let mut command = Command::new(program);
-    let command = command.arg("--version").stdout(Stdio::null());
-    command.status().is_ok_and(|status| status.success())
 }
 
 /// Runs a command line as a reader would in the root of the repository; exit code, and all that is

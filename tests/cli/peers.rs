@@ -4,9 +4,9 @@
 //! The student's renderer needs `python3` with NumPy. Where there is none, its tests say so and
 //! test nothing.
 
+use crate::needs::{NUMPY, is_there};
 use glam::{DMat3, DVec3};
 use serde_json::Value;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use volref::compare::{Conditions, Deterministic, Judgement, Picture, judge};
@@ -337,20 +337,9 @@ fn images_are_judged_as_the_bundle_says() {
 
 // --- The student's renderer ---------------------------------------------------------------------
 
-/// Whether there is something to run it with.
-fn python() -> bool {
-    let numpy = Command::new("python3")
-        .args(["-c", "import numpy"])
-        .output();
-    let found = numpy.is_ok_and(|output| output.status.success());
-    if !found {
-        // Past the test harness, which keeps what passing tests print to itself.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: the student's renderer needs python3 with NumPy"
-        );
-    }
-    found
+/// True if there is something to run scripts with; else `what` is not tried.
+fn python(what: &str) -> bool {
+    is_there(NUMPY, &format!("tests/cli/peers.rs: {what}"))
 }
 
 /// Writes the bundle of `scene` into `folder` and has the student render it to `output`.
@@ -379,7 +368,7 @@ fn student_film(scene: &Scene, options: &[&str]) -> Film {
 /// Somebody who has only the bundles renders what the goldens show.
 #[test]
 fn the_student_passes_figures_1_to_4() {
-    if !python() {
+    if !python("the_student_passes_figures_1_to_4") {
         return;
     }
     for name in ["figure-1", "figure-2", "figure-3", "figure-4"] {
@@ -393,7 +382,7 @@ fn the_student_passes_figures_1_to_4() {
 /// Shadow rays take the student long: figure 5 is rendered small, without the shadow and with.
 #[test]
 fn the_student_passes_figure_5_and_fails_without_its_shadow() {
-    if !python() {
+    if !python("the_student_passes_figure_5_and_fails_without_its_shadow") {
         return;
     }
     let scene = small("figure-5");
@@ -497,7 +486,7 @@ fn the_student_places_a_volume() {
     ];
     assert_eq!(grid["matrix"], serde_json::json!(rows));
     assert!(grid["placement"].as_str().unwrap().contains("M*q + o"));
-    if !python() {
+    if !python("the_student_places_a_volume") {
         return;
     }
     let judgement = deterministic(&film(&scene), &student_film(&scene, &[]));
@@ -507,7 +496,7 @@ fn the_student_places_a_volume() {
 /// Volumes by tables, placed, clipped and several together, and parallel rays: colours and opacity.
 #[test]
 fn the_student_renders_scenes_without_surfaces() {
-    if !python() {
+    if !python("the_student_renders_scenes_without_surfaces") {
         return;
     }
     for name in [
@@ -553,6 +542,7 @@ fn the_student_projects() {
         }
         scene
     };
+    let is_run = python("the_student_projects");
     for name in [
         "maximum",
         "mean",
@@ -565,12 +555,12 @@ fn the_student_projects() {
         let mode = description(&bundle(&scene, "field").unwrap())["panels"][0]["mode"].clone();
         assert_eq!(mode["exact"], name.ends_with("exact"), "{name}");
         assert!(mode["pixel"].is_string(), "{mode}");
-        if python() {
+        if is_run {
             let judgement = deterministic(&film(&scene), &student_film(&scene, &[]));
             assert!(judgement.passed, "{name}: {}", judgement.reason);
         }
     }
-    if python() {
+    if is_run {
         let (scene, mistake) = (field("maximum"), ["--mistake", "from-zero"]);
         assert!(!deterministic(&film(&scene), &student_film(&scene, &mistake)).passed);
     }
@@ -579,7 +569,7 @@ fn the_student_projects() {
 /// Every other mistake that the script offers makes an image that fails.
 #[test]
 fn the_students_mistakes_are_seen() {
-    if !python() {
+    if !python("the_students_mistakes_are_seen") {
         return;
     }
     let scene = small("figure-3");
@@ -601,7 +591,7 @@ fn the_students_mistakes_are_seen() {
 /// EXR, PFM and NPY are written by hand, the same numbers in each.
 #[test]
 fn the_student_writes_three_formats() {
-    if !python() {
+    if !python("the_student_writes_three_formats") {
         return;
     }
     let scene = figure("figure-2");
@@ -647,7 +637,7 @@ fn validated_paths(cases: &[&str], command: &str, folder: &Path) -> (i32, Value)
 /// mistake they do not.
 #[test]
 fn the_students_paths_pass_and_mistakes_do_not() {
-    if !python() {
+    if !python("the_students_paths_pass_and_mistakes_do_not") {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -674,7 +664,7 @@ fn the_students_paths_pass_and_mistakes_do_not() {
 /// What renders classified volumes refuses media in words.
 #[test]
 fn the_student_refuses_media() {
-    if !python() {
+    if !python("the_student_refuses_media") {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -821,7 +811,7 @@ with open(value("--outfile"), "wb") as file:
 #[cfg(unix)]
 #[test]
 fn the_script_for_pbrt_divides_by_white_and_states_noise() {
-    if !python() {
+    if !python("the_script_for_pbrt_divides_by_white_and_states_noise") {
         return;
     }
     let scene = "[film]\nwidth = 4\nheight = 3\n[camera]\neye = [0, 0, -1]\n\
@@ -865,7 +855,7 @@ fn the_script_for_pbrt_divides_by_white_and_states_noise() {
 #[cfg(unix)]
 #[test]
 fn the_script_for_pbrt_says_what_it_lacks() {
-    if !python() {
+    if !python("the_script_for_pbrt_says_what_it_lacks") {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -883,7 +873,7 @@ fn the_script_for_pbrt_says_what_it_lacks() {
 /// The table of ray casters counts the cases that a renderer has words for, and names those that do not pass.
 #[test]
 fn the_table_of_ray_casters_leaves_out_what_was_refused() {
-    if !python() {
+    if !python("the_table_of_ray_casters_leaves_out_what_was_refused") {
         return;
     }
     let folder = tempfile::tempdir().unwrap();

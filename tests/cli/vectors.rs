@@ -1,5 +1,6 @@
 //! The runners of the test vectors, `vectors/run.*`: right as they are, and wrong with each mistake.
 
+use crate::needs::is_there;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -9,10 +10,9 @@ fn folder() -> PathBuf {
 
 const MISTAKES: [&str; 5] = ["order", "correction", "backward", "shifted", "gamma"];
 
-/// Runs `command` as it is and with each mistake, or says that there is no such program.
+/// Runs `command` as it is and with each mistake, where `program` is there.
 fn judges(program: &str, command: impl Fn(Option<&str>) -> Command) {
-    if Command::new(program).arg("--version").output().is_err() {
-        eprintln!("not run: there is no {program}");
+    if !is_there(program, &format!("the test vectors by {program}")) {
         return;
     }
     let ran = |mistake| command(mistake).output().unwrap();
@@ -39,6 +39,9 @@ fn runners_find_mistakes() {
 
 #[test]
 fn the_runner_in_c_finds_mistakes() {
+    if !is_there("cc", "the test vectors by cc") {
+        return;
+    }
     let build = tempfile::tempdir().unwrap();
     let program = build.path().join("run");
     let compiled = Command::new("cc")
@@ -46,11 +49,8 @@ fn the_runner_in_c_finds_mistakes() {
         .arg(&program)
         .arg(folder().join("run.c"))
         .arg("-lm")
-        .output();
-    let Ok(compiled) = compiled else {
-        eprintln!("not run: there is no cc");
-        return;
-    };
+        .output()
+        .unwrap();
     assert!(compiled.status.success(), "{compiled:?}");
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder())
         .unwrap()

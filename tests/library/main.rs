@@ -21,6 +21,14 @@ mod film_noise;
 mod flip_laws;
 #[cfg(flip_oracle)]
 mod flip_oracle;
+#[cfg(not(flip_oracle))]
+mod flip_oracle {
+    #[test]
+    fn flip_is_compared_with_that_of_nvidia() {
+        let need = "a C++ compiler and RUSTFLAGS=\"--cfg flip_oracle\"";
+        crate::needs::tried(false, need, "tests/library/flip_oracle.rs");
+    }
+}
 mod flip_scale;
 mod gate;
 mod geometry_laws;
@@ -39,6 +47,8 @@ mod medium_laws;
 mod mesh_files;
 mod meshes;
 mod modes;
+#[path = "../needs/mod.rs"]
+mod needs;
 mod outside_faults;
 mod pinned_crates;
 mod placement;

@@ -1,5 +1,6 @@
 //! What we promise about other crates.
 
+use crate::needs::tried;
 use std::path::Path;
 use std::process::Command;
 use toml::Table;
@@ -60,7 +61,10 @@ fn licences_of_dependencies_are_accepted() {
     let allowed: Vec<&str> = allowed.filter_map(|licence| licence.as_str()).collect();
     assert!(is_allowed("(MIT OR GPL-3.0) AND Unicode-3.0", &allowed));
     assert!(!is_allowed("MIT AND GPL-3.0", &allowed) && !is_allowed("GPL-3.0", &allowed));
-    let Some(version) = cargo(&["--version", "--verbose"]) else {
+    let version = cargo(&["--version", "--verbose"]);
+    let need = "the cargo that compiled the tests";
+    tried(version.is_some(), need, "licences of dependencies");
+    let Some(version) = version else {
         return;
     };
     let host = version

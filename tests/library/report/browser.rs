@@ -1,13 +1,12 @@
 //! The page in a browser: opened from `file://`, driven by keys and pointer, and read.
 //!
-//! Needs Chromium and its driver (Debian: `apt-get install chromium chromium-driver`). Without
-//! them this is skipped, and says so; with `VOLREF_REQUIRE_BROWSER` set it fails instead.
+//! Needs Chromium and its driver (Debian: `apt-get install chromium chromium-driver`).
 
+use crate::needs::tried;
 use crate::report::cost_samples::{costs, extremes};
 use crate::report::samples::{self, CHECKED};
 use crate::report::webdriver::Browser;
 use serde_json::Value;
-use std::io::Write;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use volref::compare::Picture;
 use volref::film::Film;
@@ -34,20 +33,13 @@ fn open(html: &str, width: u32, height: u32) -> Option<Opened> {
     static TURN: Mutex<()> = Mutex::new(());
     // A test that failed has broken nothing for the next.
     let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let browser = match Browser::start(width, height) {
-        Ok(browser) => browser,
-        Err(reason) => {
-            assert!(
-                std::env::var_os("VOLREF_REQUIRE_BROWSER").is_none(),
-                "{reason}"
-            );
-            // Not by println! and eprintln!, which are not shown of tests that pass.
-            let said = format!("SKIPPED: the report is not tested in a browser: {reason}");
-            let _ = writeln!(std::io::stdout(), "{said}");
-            let _ = writeln!(std::io::stderr(), "{said}");
-            return None;
-        }
-    };
+    let started = Browser::start(width, height);
+    let reason = started.as_ref().err();
+    let need = reason.map_or_else(String::new, |reason| format!("Chromium ({reason})"));
+    if !tried(started.is_ok(), &need, "pages in a browser") {
+        return None;
+    }
+    let browser = started.ok()?;
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(PAGE), html).unwrap();
     let opened = Opened {
