@@ -42,6 +42,14 @@ def put(files: Sequence[Path], folder: Path, is_old: Callable[[str], bool] = lam
     for name in [*(file.name for file in files), *filter(is_old, os.listdir(folder))]:
         if is_golden(folder / name):
             raise VolrefError(f"{folder / name} is a golden, which only `volref accept` changes: give another folder")
+    try:
+        _put(files, folder, is_old)
+    except OSError as error:
+        # Not of a file beside it, which nobody finds again.
+        raise OSError(error.errno, error.strerror, str(folder)) from None
+
+
+def _put(files: Sequence[Path], folder: Path, is_old: Callable[[str], bool]) -> None:
     with tempfile.TemporaryDirectory(prefix=".volref-", dir=folder) as beside:
         # All before any is replaced: on a full disk nothing is lost.
         for file in files:

@@ -5,6 +5,7 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::named_scene;
 use crate::exchange::{self, Export, ExportFault, Format, Refusal};
+use crate::files::regular_file;
 use crate::film::CHANNELS;
 use crate::geometry::Transform;
 use crate::scene::Scene;
@@ -42,12 +43,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let folder = &arguments.output;
     // Where it is yet to be made, none of its files is another.
     if folder.is_dir() {
-        check_no_other(&export, folder, &arguments.scene)?;
         let files = export.files.iter().map(|(name, _)| folder.join(name));
         let files: Vec<PathBuf> = files.collect();
         let mut outputs = vec![arguments.json.file()];
         outputs.extend(files.iter().map(|file| Some(file.as_path())));
         output::check(&outputs, &[])?;
+        check_no_other(&export, folder, &arguments.scene)?;
     }
     export.write_into(folder).map_err(|error| {
         let message = format!("cannot write into {}: {error}", folder.display());
@@ -90,7 +91,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// Fails if a file in `folder` that the export would replace holds something else: another scene of the same name, or a
-/// file of the user's. A file that is older than the scene is out of date, and of this scene for all that is known.
+/// file of the user's. A file that is no younger than the scene is out of date, and of this scene for all that is known.
 fn check_no_other(export: &Export, folder: &Path, scene: &Path) -> Result<(), Failure> {
     let changed = |file: Metadata| file.modified().ok();
     let of_scene = scene.metadata().ok().and_then(changed);
@@ -99,9 +100,11 @@ fn check_no_other(export: &Export, folder: &Path, scene: &Path) -> Result<(), Fa
         let Some(found) = path.metadata().ok().filter(Metadata::is_file) else {
             continue;
         };
-        // Not noted as an input, which no output may replace.
-        let is_same = || std::fs::read(&path).is_ok_and(|found| found == *bytes);
-        if found.len() == bytes.len() as u64 && is_same() || changed(found) < of_scene {
+        let is_same = || {
+            let found = regular_file::read(&path, bytes.len() as u64);
+            found.is_ok_and(|found| found == *bytes)
+        };
+        if is_same() || changed(found) <= of_scene {
             continue;
         }
         let message = format!(

@@ -76,12 +76,17 @@ pub(crate) fn sweep(directory: &Path) {
         if is_file && entry.file_name().to_str().is_some_and(is_partial) {
             let path = entry.path();
             // Held until the file is gone, so that whoever locks it afterwards sees that it is.
-            let file = File::open(&path);
-            if file.as_ref().is_ok_and(|file| file.try_lock().is_ok()) {
+            if let Some(_held) = nobodys(&path) {
                 let _ = fs::remove_file(&path);
             }
         }
     }
+}
+
+/// The file at `path`, if no process holds it. It is held until it is dropped.
+pub(crate) fn nobodys(path: &Path) -> Option<File> {
+    let file = File::open(path).ok()?;
+    file.try_lock().is_ok().then_some(file)
 }
 
 fn is_partial(name: &str) -> bool {

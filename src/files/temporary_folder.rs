@@ -3,7 +3,7 @@
 //! A folder holds a file on which its process holds a lock, as on [partial files](super::partial_file): a folder whose
 //! file can be locked is nobody's any more. Folders without such a file are not ours.
 
-use super::partial_file::without_temporary_name;
+use super::partial_file::{nobodys, without_temporary_name};
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
@@ -66,8 +66,7 @@ fn sweep(place: &Path) {
 /// True if `lock` is an empty file of its own that no process holds.
 fn is_left(lock: &Path) -> bool {
     let is_ours = |found: fs::Metadata| found.is_file() && found.len() == 0;
-    fs::symlink_metadata(lock).is_ok_and(is_ours)
-        && File::open(lock).is_ok_and(|file| file.try_lock().is_ok())
+    fs::symlink_metadata(lock).is_ok_and(is_ours) && nobodys(lock).is_some()
 }
 
 #[cfg(test)]

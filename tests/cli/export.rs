@@ -86,6 +86,8 @@ fn an_export_replaces_the_one_before() {
     let folder = folder();
     folder.write("out/fog.xml", "old");
     folder.write("out/mine.txt", "mine");
+    // A scene that was edited since.
+    folder.edit("fog.toml", "sigma_s = 1\n", "sigma_s = 1.5\n");
     let run = folder.volref("export fog.toml --to mitsuba -o out");
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(folder.text("out/fog.xml").starts_with("<scene"));

@@ -288,7 +288,10 @@ const ASKED: [(&str, &str); 5] = [
         "files/atomic_file.rs",
         "match File::open(directory)?.sync_all() {",
     ),
-    ("files/partial_file.rs", "let file = File::open(&path);"),
+    (
+        "files/partial_file.rs",
+        "let file = File::open(path).ok()?;",
+    ),
     (
         "renderers/keeper.rs",
         "&& let Ok(bytes) = std::fs::read(entry.path().join(\"stat\"))",
