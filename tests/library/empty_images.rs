@@ -212,7 +212,7 @@ fn a_factor_is_plainer_than_several_conventions() {
     let result = searched(&case, Picture::Radiance(film(&thin))).result;
     assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
     assert!(
-        result.reason.starts_with("the image is the golden × 0.00"),
+        result.reason.starts_with("the image is the golden × 3.9"),
         "{}",
         result.reason
     );
