@@ -70,6 +70,22 @@ taken=$(cat Testing/*/Test.xml)
 [[ $taken == *'name="outlier_pixels"'* ]] || fail "a measurement in Test.xml"
 [[ $taken != *"name='forged'>"* && $taken != *'name="forged"'* ]] || fail "no measurement of a renderer"
 
+# Where the suite lacks a case by now, nothing is compared, and that is no pass.
+"$program" suite --extract "$folder/suite" > /dev/null
+mkdir "$folder/gone"
+cat > "$folder/gone/CMakeLists.txt" <<CMAKE
+cmake_minimum_required(VERSION 3.21)
+project(gone NONE)
+include(CTest)
+list(APPEND CMAKE_MODULE_PATH "$root/cmake")
+include(volref)
+volref_add_tests(COMMAND $python "$root/scripts/peers/student.py" {export:bundle} {output} CASES figure-2 SUITE "$folder/suite")
+CMAKE
+cmake -S "$folder/gone" -B "$folder/gone/build" -DVOLREF_PROGRAM="$program" > "$folder/configured"
+rm "$folder/suite/fixtures/cases/figures/figure-2.toml"
+if ctest --test-dir "$folder/gone/build" > "$folder/said" 2>&1; then fail "an error where nothing is compared"; fi
+says 'volref/figures/figure-2 \.+\**Failed'
+
 # What is misspelt is said when the project is configured.
 sed -i.old 's|CASES figure-2|CASES figure-22|' "$folder/my renderer/CMakeLists.txt"
 if cmake -S "$folder/my renderer" -B "$folder/build" > "$folder/said" 2>&1; then fail "an error"; fi
