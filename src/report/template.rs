@@ -33,9 +33,9 @@ mod tests {
     #[test]
     fn control_characters_are_seen() {
         let page = rendered(
-            "<p>{{ text }}\r\n",
+            "<p>{{ text }}\r\n</p>",
             context! { text => "\x1b[31m\0<b>\u{202e}" },
         );
-        assert_eq!(page, "<p>␛[31m␀&lt;b&gt;�\n");
+        assert_eq!(page, "<p>␛[31m␀&lt;b&gt;�\n</p>");
     }
 }
