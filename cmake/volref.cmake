@@ -14,6 +14,7 @@
 #   TIMEOUT SECONDS for the renderer                       PROFILE FILE conventions to judge by: vtk, anari, a file
 #   PREFIX TEXT     of the names of tests [volref/]        SUITE DIR    in place of the suite within volref
 #   LABELS TEXT...  of the tests [volref]                  REPORTS DIR  a page for each case below DIR
+#   EXPLAIN SECONDS for finding the mistake behind a wrong image [10; 0 where the environment variable CI is set]
 #
 # Relative paths of PROFILE and SUITE begin at the current source folder, that of REPORTS at the current build folder.
 #
@@ -35,7 +36,7 @@ endfunction()
 
 function(volref_add_tests)
   set(flags ACCEPT_CONVENTIONS)
-  set(values SPP FORMAT TIMEOUT PROFILE PREFIX SUITE REPORTS)
+  set(values SPP FORMAT TIMEOUT PROFILE PREFIX SUITE REPORTS EXPLAIN)
   set(lists COMMAND CASES LABELS)
   cmake_parse_arguments(PARSE_ARGV 0 arg "${flags}" "${values}" "${lists}")
   if(arg_UNPARSED_ARGUMENTS)
@@ -91,7 +92,8 @@ function(volref_add_tests)
     endif()
   endif()
   set(options)
-  foreach(pair "SPP|--spp" "FORMAT|--format" "TIMEOUT|--timeout" "PROFILE|--as")
+  foreach(pair "SPP|--spp" "FORMAT|--format" "TIMEOUT|--timeout" "PROFILE|--as"
+      "EXPLAIN|--explain")
     string(REPLACE "|" ";" pair "${pair}")
     list(GET pair 0 name)
     list(GET pair 1 flag)

@@ -42,7 +42,7 @@ export interface CheckOptions extends SuiteOptions {
   bits?: 8 | '8-linear' | '8-srgb';
   /** Pass images that are right under other conventions, which a search finds: `explain` is above 0. */
   acceptConventions?: boolean;
-  /** Seconds for finding the mistake behind an image that fails, 10 by default; 0 for no search. */
+  /** Seconds for finding the mistake behind an image that fails; 0 for no search, the default where CI is set, else 10. */
   explain?: number;
   /** Folder for a page with both images. */
   report?: string;
@@ -64,6 +64,8 @@ export class Result {
   /** Measurements of a difference that nothing known explains, in sentences. */
   difference: string[];
   metrics: Record<string, number>;
+  /** Of an image that differs: false if the search for the cause was left out or ended by its limit. */
+  searchEnded?: boolean;
   /** The page of the report, if one was asked for. */
   report?: string;
   toString(): string;

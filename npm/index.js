@@ -54,7 +54,7 @@ export class Result {
  * family `limit` an object by the factor on the step, `{ 1: a, 0.5: b, 0.25: c }`.
  */
 export function check(name, image, options = {}) {
-  const { profile, bits, acceptConventions = false, explain = 10, report, suite } = options;
+  const { profile, bits, acceptConventions = false, explain, report, suite } = options;
   const { name: found } = one(name, suite);
   return inTemporaryFolder((folder) => {
     // A PNG would hold the codes at the exposure of the case.
@@ -64,7 +64,7 @@ export function check(name, image, options = {}) {
       'validate',
       found,
       `--outputs=${folder}`,
-      `--explain=${explain}`,
+      ...(explain === undefined ? [] : [`--explain=${explain}`]),
       ...(profile === undefined ? [] : [`--as=${profile}`]),
       ...(bits === undefined ? [] : [`--bits=${bits}`]),
       ...(acceptConventions ? ['--accept-conventions'] : []),
@@ -83,6 +83,7 @@ export function check(name, image, options = {}) {
       conventions: judged.conventions ?? [],
       difference: judged.difference ?? [],
       metrics: judged.metrics,
+      searchEnded: judged.search_ended,
       report: report === undefined ? undefined : path.resolve(report, 'index.html'),
     });
   });

@@ -31,6 +31,7 @@ volref_add_tests(
 volref_add_tests(
   COMMAND \${student} {export:bundle} {output} --mistake upside-down
   CASES figure-2
+  EXPLAIN 10
   PREFIX wrong/
   REPORTS reports)
 volref_add_tests(

@@ -116,6 +116,7 @@ class Result:
     - ``difference``: what was measured of a difference that nothing known explains, in sentences.
     - ``metrics``: numbers by name; the page of the report explains each.
     - ``report``: the page of the report, if one was asked for.
+    - ``search_ended``: of an image that differs, false if the search for the cause was left out or ended by its limit.
     """
 
     name: str
@@ -127,6 +128,7 @@ class Result:
     difference: tuple[str, ...]
     metrics: Mapping[str, float] = field(hash=False)
     report: Path | None = None
+    search_ended: bool | None = None
     #: The page of the report, if one was asked for, and arguments of :func:`check` that make this result again.
     _page: str | None = field(default=None, repr=False, compare=False)
     _again: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -158,6 +160,8 @@ class Result:
             nothing = "nothing that was tried explains it; measured:"
             lines.append("a change of a number explains it:" if is_found else nothing)
             lines.extend(f"  {sentence}" for sentence in self.difference)
+        if self.search_ended is False and not self.looks_like:
+            lines.append("the cause was not looked for to the end: explain=60 gives the search a minute")
         if self.report:
             lines.append(f"report: {self.report}")
         return "\n".join(lines)
@@ -373,7 +377,7 @@ def check(
     alpha: str | None = None,
     depth: ArrayLike | None = None,
     accept_conventions: bool = False,
-    explain: float = 10.0,
+    explain: float | None = None,
     report: str | os.PathLike[str] | None = None,
     outputs: str | os.PathLike[str] | None = None,
     suite: SuiteFolder = None,
@@ -395,7 +399,7 @@ def check(
 
     ``profile``: conventions by which to judge, ``vtk``, ``anari`` or a file. ``accept_conventions`` passes images
     that are right under other conventions, which a search finds. ``explain``: seconds for finding the mistake or the
-    conventions behind an image that fails; 0 for no search. ``report``: folder for a page. ``outputs``: folder in which the image is kept, in place
+    conventions behind an image that fails; 0 for no search, which is the default where the environment variable ``CI`` is set, else 10. ``report``: folder for a page. ``outputs``: folder in which the image is kept, in place
     of others of the case; no folder of a suite.
 
     Raises UnknownCase, TypeError and ValueError for arrays that are no image, and VolrefError.
@@ -407,7 +411,8 @@ def check(
     again = copy.deepcopy({**locals(), "report": None, "outputs": None})
     case = _case(name, suite)
     samples = _samples(samples)
-    explain = number("explain", explain, "a number of seconds up to 1e9, 0 for no search", least=0.0, most=1e9)
+    if explain is not None:
+        explain = number("explain", explain, "a number of seconds up to 1e9, 0 for no search", least=0.0, most=1e9)
     with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
         # Judged here, and only copied to the others: another process may replace an image of the case there.
         folder = Path(temporary)
@@ -419,7 +424,9 @@ def check(
                 keep_images(files, folder, case.name, family)
         except OSError as error:
             raise VolrefError(f"cannot write the image into {folder}: {error.strerror}") from None
-        arguments = ["validate", case.name, f"--outputs={temporary}", f"--explain={explain!r}"]
+        arguments = ["validate", case.name, f"--outputs={temporary}"]
+        if explain is not None:
+            arguments.append(f"--explain={explain!r}")
         if profile is not None:
             arguments.append(f"--as={os.fspath(profile)}")
         if bits is not None:
@@ -452,6 +459,7 @@ def check(
         difference=tuple(found.get("difference", ())),
         metrics=found["metrics"],
         report=page,
+        search_ended=found.get("search_ended"),
         _page=None if page is None else page.read_text(encoding="utf-8"),
         _again=again,
     )

@@ -42,13 +42,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
-    let in_ci = std::env::var_os("CI").is_some_and(|value| !value.is_empty());
     let bar = progress::work();
     let kept = UnitFolder::open(suite.cache_folder());
     let request = AcceptRequest {
         reason: &arguments.reason,
         keep_images: arguments.keep_images,
-        in_ci,
+        in_ci: super::is_in_ci(),
     };
     let accepted = runs::accept(&cases, &suite.store(), &kept, request, &bar);
     bar.finish_and_clear();

@@ -5,7 +5,7 @@ use super::merged_units::joined_units;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::selftest::{self, SELF_TEST};
 use super::suite::{KEPT, Selection, exit};
-use super::verdicts::{PrintedVerdicts, named};
+use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::verify;
 use super::{Outcome, progress};
 use crate::compare::Gate;
@@ -15,7 +15,7 @@ use crate::judging::{
     CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, SelfTest,
     SelfTestCases, Verdict,
 };
-use crate::naming::{Likenesses, Search};
+use crate::naming::Likenesses;
 use crate::report;
 use crate::runs::{KeptResult, RESULTS, ResultFolder, Run, UnitFolder};
 use crate::suite;
@@ -44,10 +44,8 @@ pub struct Arguments {
     /// List every case, including those that passed
     #[arg(long)]
     verbose: bool,
-    /// Limit for finding the mistake behind each failing image: work that two cores do in these seconds, so that
-    /// the result is the same on every machine; 0 for no search. Profiles that an image of 8 bits is judged under come on top
-    #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = super::validate::search_time)]
-    explain: f64,
+    #[command(flatten)]
+    explain: ExplainArgument,
     #[command(flatten)]
     files: ResultFiles,
 }
@@ -194,7 +192,7 @@ fn joined_results(
     let profile = run.settings.get("profile");
     let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
     let profile = profile.transpose()?;
-    let is_explained = run.command == "validate" && arguments.explain > 0.0;
+    let is_explained = run.command == "validate" && arguments.explain.seconds(false) > 0.0;
     let wants_images = |result: &CaseResult| {
         arguments.files.wants_evidence() || is_explained && result.verdict != Verdict::Missing
     };
@@ -231,8 +229,9 @@ fn joined_results(
         found.iter().for_each(|result| said.verdict(result));
         said.print(&(said.without_image(&found) + &report::summary_text(&found)));
         said.print(&report::judged_with_text(&judged_with));
-        let explain = arguments.explain;
-        named(explain, suite, &cases, profile.as_ref(), &mut judged)
+        CauseSearch::run(&arguments.explain, false, |search| {
+            search.mistakes(suite, &cases, profile.as_ref(), &mut judged)
+        })
     };
     let text = text + &missing_text(&missing, run.cases.len());
     let missing = missing.into_iter();

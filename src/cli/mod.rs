@@ -54,6 +54,11 @@ struct Arguments {
     command: Command,
 }
 
+/// True on a machine of a build service, which sets the environment variable `CI`.
+fn is_in_ci() -> bool {
+    std::env::var_os("CI").is_some_and(|value| !value.is_empty())
+}
+
 #[derive(Debug, Subcommand)]
 enum Command {
     Verify(verify::Arguments),

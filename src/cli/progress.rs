@@ -132,10 +132,12 @@ pub fn note(text: &str) {
     let _ = writeln!(std::io::stderr(), "volref: {}", printable(text));
 }
 
-/// The search for the mistakes behind `failed` images, at most `seconds` each. In a pipe it is
-/// announced at once.
-pub fn mistakes(failed: usize, seconds: f64) -> Bar {
-    if !std::io::stderr().is_terminal() {
+/// The search for the causes of failures: in a pipe announced at once, as that in so many cases, at most so many seconds
+/// each.
+pub fn causes(announced: Option<(usize, f64)>) -> Bar {
+    if let Some((failed, seconds)) = announced
+        && !std::io::stderr().is_terminal()
+    {
         let cases = number_of(failed as u64, "failing case");
         note(&format!(
             "looking for the mistake in {cases}, at most {seconds} s of work for each (change with \

@@ -6,7 +6,7 @@ use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
 use super::results::{Findings, ResultFiles, check_not_golden, command_line};
 use super::suite::{Selection, exit};
-use super::verdicts::{PrintedVerdicts, named};
+use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::{Outcome, compare, ctest, interrupt, output, progress};
 use crate::compare::Promise;
 use crate::conventions::Profile;
@@ -16,7 +16,6 @@ use crate::judging::{
     CaseResult, Evidence, Judged, JudgedWith, MoreSamples, add_right_declaration,
     before_background, declared, is_open, validate_at,
 };
-use crate::naming::{ConventionSearch, Search};
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;
 use crate::runs::{ResultFolder, Run};
@@ -40,8 +39,9 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     With --serve, placeholders are words of their own, and no part of the command line: they name what requests hold. A \
     request is a line of JSON on standard input, with \"case\", \"output\" and these; the answer a line on standard output: \
     {\"image\": output}, {\"error\": \"in words\"}, or {\"cannot\": \"in words\"} of a scene that cannot be said.\n\n\
-    Each verdict is printed as soon as it is known; then failing images are tested against a \
-    catalogue of known mistakes. Ctrl-C ends that search and keeps the verdicts. Images rendered during the search are \
+    Each verdict is printed as soon as it is known. Once all are, the conventions and the known mistakes are searched \
+    that explain the failing images; an image that conventions explain gets a second verdict, which counts. Ctrl-C ends \
+    that search and keeps the verdicts. Images rendered during the search are \
     cached in the folder that VOLREF_CACHE names (empty: no cache), or else in the user's cache \
     folder, such as ~/.cache/volref; the cache holds at most 256 MB and can be deleted at any time.";
 
@@ -95,10 +95,8 @@ pub struct Arguments {
     /// Accept images that are right under other conventions than the golden's, and say which
     #[arg(long)]
     accept_conventions: bool,
-    /// Limit for finding the mistake behind each failing image: work that two cores do in these seconds, so that
-    /// the result is the same on every machine; 0 for no search. Profiles that an image of 8 bits is judged under come on top
-    #[arg(long, value_name = "SECONDS", default_value_t = Search::BUDGET.into(), allow_negative_numbers = true, value_parser = search_time)]
-    explain: f64,
+    #[command(flatten)]
+    explain: ExplainArgument,
     #[command(flatten)]
     renderer: RendererArguments,
     /// A stochastic image passes only if a bias this large would have been detected, in percent of (image
@@ -121,16 +119,6 @@ pub struct Arguments {
     files: ResultFiles,
 }
 
-/// A time limit for the search: not negative, and finite.
-pub fn search_time(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
-        _ => Err(
-            "the time for a search is a number of seconds up to 1e9; 0 means no search".to_owned(),
-        ),
-    }
-}
-
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
@@ -147,7 +135,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         suite: &suite,
         store: suite.store(),
         arguments: &arguments,
-        conventions: ConventionSearch::default(),
     };
     // Now that the images to be judged are known as inputs.
     arguments.check_results(&suite)?;
@@ -162,24 +149,32 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut judged = judge.all(&cases, &said, &mut skipped);
     judge.decide(&cases, &mut judged, &said);
     judge.let_leave();
-    if let Some((folder, run)) = &to_keep {
-        let passed_over = passed_over.into_iter().map(|(name, _)| name);
-        let part = cases.iter().map(name);
-        let part: Vec<String> = part.chain(passed_over).collect();
-        keep(folder, run, &part, &judged)?;
-    }
-    if judged.is_empty() {
-        return Err(judge.nothing_compared());
-    }
-    let results: Vec<CaseResult> = judged.iter().map(|judged| judged.result.clone()).collect();
-    said.print(&(said.without_image(&results) + &report::summary_text(&results)));
-    let settings = arguments.settings(judge.profile.as_ref());
-    let judged_with = JudgedWith::of(&settings, judge.profile.as_ref(), skipped, &results);
-    said.print(&report::judged_with_text(&judged_with));
-    said.print(&judge.unknown_files());
-
-    let (explain, profile) = (arguments.explain, judge.profile.as_ref());
-    let (found, text) = named(explain, &suite, &cases, profile, &mut judged);
+    let (judged_with, (found, text)) =
+        CauseSearch::run(&arguments.explain, arguments.accept_conventions, |search| {
+            let profile = judge.profile.as_ref();
+            if profile.is_none() {
+                let accepted = arguments.accept_conventions;
+                search.conventions(&suite, &cases, &mut judged, accepted, &said);
+            }
+            if let Some((folder, run)) = &to_keep {
+                let passed_over = passed_over.into_iter().map(|(name, _)| name);
+                let part = cases.iter().map(name);
+                let part: Vec<String> = part.chain(passed_over).collect();
+                keep(folder, run, &part, &judged)?;
+            }
+            if judged.is_empty() {
+                return Err(judge.nothing_compared());
+            }
+            let results: Vec<CaseResult> =
+                judged.iter().map(|judged| judged.result.clone()).collect();
+            said.print(&(said.without_image(&results) + &report::summary_text(&results)));
+            let settings = arguments.settings(profile);
+            let judged_with = JudgedWith::of(&settings, profile, skipped, &results);
+            said.print(&report::judged_with_text(&judged_with));
+            said.print(&judge.unknown_files());
+            let likely = search.mistakes(&suite, &cases, profile, &mut judged);
+            Ok((judged_with, likely))
+        })?;
     arguments.measure(&judged, &said)?;
     let origin = judge.origin(&judged);
     if !arguments.files.wants_evidence() {
@@ -204,8 +199,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 /// `case` with the biases that an image must be able to show by these arguments.
 fn with_promise(mut case: Case, arguments: &Arguments) -> Case {
     let decides = arguments.renderer.decide;
-    let resolution = arguments.resolution.filter(|_| case.sampling.is_some());
-    let promise = resolution.map(|percent| Promise::of_mean(percent / 100.0));
+    let promise = arguments
+        .resolution
+        .map(|percent| Promise::of_mean(percent / 100.0));
     case.promise = match promise {
         Some(promise) if decides => promise.with_blocks(),
         Some(promise) => promise,
@@ -336,7 +332,6 @@ struct Judge<'a> {
     source: ImageSource,
     arguments: &'a Arguments,
     profile: Option<Profile>,
-    conventions: ConventionSearch,
 }
 
 impl Judge<'_> {
@@ -491,11 +486,6 @@ impl Judge<'_> {
         let mut judged = validate_at(look, case, store, output, profile);
         if let Some(as_it_came) = as_it_came {
             add_right_declaration(&mut judged, as_it_came, case, store, profile);
-        }
-        if profile.is_none() {
-            let (seconds, accepted) = (self.arguments.explain, self.arguments.accept_conventions);
-            self.conventions
-                .explain_mismatch(case, store, &mut judged, seconds, accepted);
         }
         judged.result.notes.extend(rendered.notes);
         let telling_case = self.telling_case(&judged.result);

@@ -1,9 +1,12 @@
 //! Printed verdicts of `validate`, and the search for the mistakes behind failures.
 
-use super::{interrupt, output, progress};
+use super::progress::{self, Bar};
+use super::{interrupt, is_in_ci, output};
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
-use crate::naming::{Likenesses, Predictions, Search, is_number_found, likeness};
+use crate::naming::{
+    ConventionSearch, Likenesses, Predictions, Search, SearchStep, is_number_found, likeness,
+};
 use crate::report;
 use crate::suite::{Case, Suite};
 use std::time::Duration;
@@ -39,6 +42,14 @@ impl PrintedVerdicts {
         }
     }
 
+    /// Prints the verdict that replaces one that is printed; below a heading if it is the first.
+    fn changed_verdict(&self, result: &CaseResult, is_first: bool) {
+        if is_first {
+            self.print("\nafter the search for conventions:\n");
+        }
+        self.verdict(result);
+    }
+
     /// Number of cases not listed.
     pub fn without_image(&self, results: &[CaseResult]) -> String {
         let folded = results.iter().filter(|result| self.folds(result));
@@ -47,27 +58,123 @@ impl PrintedVerdicts {
     }
 }
 
-/// Names the likely mistakes behind failed images, within `explain` seconds; returns also the text
-/// to print. Ctrl-C ends the search.
-pub fn named(
-    explain: f64,
-    suite: &Suite,
-    cases: &[&Case],
-    profile: Option<&Profile>,
-    judged: &mut [Judged],
-) -> (Likenesses, String) {
-    let failed = judged.iter().filter(|judged| judged.differs()).count();
-    if failed == 0 || explain == 0.0 {
-        return (Likenesses::default(), String::new());
+/// Option for the search for the cause of a failure.
+#[derive(clap::Args, Debug)]
+pub struct ExplainArgument {
+    /// Limit for finding the conventions or the mistake behind each failing image, once all verdicts are printed: work
+    /// that two cores do in these seconds, so that the result is the same on every machine; 0 for no search [default: 10;
+    /// 0 where the environment variable CI is set, unless --accept-conventions asks for the search]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = search_time)]
+    explain: Option<f64>,
+}
+
+impl ExplainArgument {
+    /// The limit; `is_asked` if a verdict depends on the search.
+    pub fn seconds(&self, is_asked: bool) -> f64 {
+        let is_left_out = is_in_ci() && !is_asked;
+        let default = if is_left_out { 0 } else { Search::BUDGET };
+        self.explain.unwrap_or(default.into())
     }
-    let predictions = Predictions::of_the_user();
-    if let Some(reason) = predictions.refusal() {
-        progress::note(&format!("the cache of predictions is not used: {reason}"));
+}
+
+/// A time limit for the search: not negative, and finite.
+fn search_time(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
+        _ => Err(
+            "the time for a search is a number of seconds up to 1e9; 0 means no search".to_owned(),
+        ),
     }
-    let (found, was_cut_short) = interrupt::can_be_cut_short(|| {
-        let bar = progress::mistakes(failed, explain);
+}
+
+/// The search for the causes of failures: conventions first, then mistakes.
+pub struct CauseSearch {
+    /// Limit of the work for each case.
+    seconds: f64,
+    /// True if nobody gave a limit: there is no search where CI is set.
+    is_left_out: bool,
+    is_announced: bool,
+}
+
+impl CauseSearch {
+    /// Runs `work` with a search within the limit of `argument`; `is_asked` if a verdict depends on it. A first Ctrl-C
+    /// ends the search alone.
+    pub fn run<T>(
+        argument: &ExplainArgument,
+        is_asked: bool,
+        work: impl FnOnce(&mut CauseSearch) -> T,
+    ) -> T {
+        let mut search = CauseSearch {
+            seconds: argument.seconds(is_asked),
+            is_left_out: argument.explain.is_none(),
+            is_announced: false,
+        };
+        interrupt::can_be_cut_short(|| work(&mut search)).0
+    }
+
+    /// Progress of the search for the causes of `failed` images, which is announced once.
+    fn bar(&mut self, failed: usize) -> Bar {
+        let is_announced = std::mem::replace(&mut self.is_announced, true);
+        progress::causes((!is_announced).then_some((failed, self.seconds)))
+    }
+
+    /// Searches the conventions behind images of `cases` that differ, and prints each verdict that changes by them: a
+    /// pass if they are `accepted`.
+    pub fn conventions(
+        &mut self,
+        suite: &Suite,
+        cases: &[&Case],
+        judged: &mut [Judged],
+        accepted: bool,
+        said: &PrintedVerdicts,
+    ) {
+        let failed = judged.iter().filter(|judged| judged.differs()).count();
+        if failed == 0 || self.seconds == 0.0 {
+            return;
+        }
+        let store = suite.store();
+        let bar = self.bar(failed);
+        let report = |step: &SearchStep| progress::mistake(&bar, step);
+        let search = ConventionSearch::watched(&interrupt::is_cut_short, &report);
+        let mut is_first = true;
+        for judged in judged.iter_mut().filter(|judged| judged.differs()) {
+            let case = cases.iter().find(|case| case.name == judged.result.name);
+            let Some(case) = case.filter(|_| !interrupt::is_cut_short()) else {
+                continue;
+            };
+            search.explain_mismatch(case, &store, judged, self.seconds, accepted);
+            if judged.result.verdict == Verdict::Convention {
+                bar.suspend(|| said.changed_verdict(&judged.result, is_first));
+                is_first = false;
+            }
+        }
+    }
+
+    /// Names the likely mistakes behind failed images; returns also the text to print.
+    pub fn mistakes(
+        &mut self,
+        suite: &Suite,
+        cases: &[&Case],
+        profile: Option<&Profile>,
+        judged: &mut [Judged],
+    ) -> (Likenesses, String) {
+        let open = judged.iter_mut().filter(|judged| judged.differs());
+        let failed = open.map(|it| it.result.search_ended = Some(false)).count();
+        if failed == 0 || self.seconds == 0.0 {
+            let said = if failed > 0 && self.is_left_out {
+                LEFT_OUT
+            } else {
+                ""
+            };
+            return (Likenesses::default(), said.to_owned());
+        }
+        let predictions = Predictions::of_the_user();
+        if let Some(reason) = predictions.refusal() {
+            progress::note(&format!("the cache of predictions is not used: {reason}"));
+        }
+        let bar = self.bar(failed);
         let search = Search {
-            budget: Some(Duration::from_secs_f64(explain)),
+            budget: Some(Duration::from_secs_f64(self.seconds)),
             predictions: &predictions,
             interrupted: &interrupt::is_cut_short,
             progress: &|step| progress::mistake(&bar, step),
@@ -79,11 +186,13 @@ pub fn named(
                 judged.result.drop_as_if();
             }
         }
-        found
-    });
-    let text = report::likely_text(&found, was_cut_short, explain);
-    (found, text)
+        let text = report::likely_text(&found, interrupt::is_cut_short(), self.seconds);
+        (found, text)
+    }
 }
+
+/// Said where CI is set and nobody asked for the search.
+const LEFT_OUT: &str = "\nno cause was looked for, since the environment variable CI is set; --explain 10 looks for it\n";
 
 /// True if a mistake is named, or a change of numbers that was rendered agrees with the image.
 fn has_finding(result: &CaseResult) -> bool {

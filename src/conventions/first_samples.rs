@@ -1,11 +1,11 @@
 //! Images of all places of the first sample of a ray, for renderers that choose it at random.
 
-use super::image::render_with;
+use super::image::render_all;
 use crate::film::Film;
 use crate::scene::{Panel, Scene};
 
 /// Places of the first sample, at equal distances, the first and the last a whole step apart.
-pub const PLACES: u32 = 33;
+const PLACES: u32 = 33;
 
 /// Least and largest value and mean of each channel over all places of the first sample.
 ///
@@ -25,14 +25,7 @@ pub struct FirstSamples {
 /// The images of `scene` with each place of the first sample in turn; `None` if no ray there has a random
 /// one, or a panel is no classified volume.
 pub fn images_of_first_samples(scene: &Scene) -> Option<FirstSamples> {
-    let mut volumes = scene.panels.iter().filter_map(Panel::classified);
-    if !volumes.any(|volume| volume.conventions.is_random()) {
-        return None;
-    }
-    let images: Option<Vec<Film>> = (0..PLACES)
-        .map(|place| image(scene, f64::from(place) / f64::from(PLACES - 1)))
-        .collect();
-    let images = images?;
+    let images = render_all(&scenes_of_first_samples(scene)?)?;
     let [lower, upper] = bounds(&images);
     Some(FirstSamples {
         lower,
@@ -45,8 +38,18 @@ pub fn images_of_first_samples(scene: &Scene) -> Option<FirstSamples> {
     })
 }
 
+/// `scene` with each place of the first sample in turn; `None` if no ray has a random one.
+pub(super) fn scenes_of_first_samples(scene: &Scene) -> Option<Vec<Scene>> {
+    let mut volumes = scene.panels.iter().filter_map(Panel::classified);
+    if !volumes.any(|volume| volume.conventions.is_random()) {
+        return None;
+    }
+    let places = (0..PLACES).map(|place| f64::from(place) / f64::from(PLACES - 1));
+    Some(places.map(|place| at_place(scene, place)).collect())
+}
+
 /// Least and largest value of each channel in `images`, of one size.
-pub(super) fn bounds(images: &[Film]) -> [Film; 2] {
+pub(crate) fn bounds(images: &[Film]) -> [Film; 2] {
     [
         combined(images, |values| {
             values.fold(f64::INFINITY, |least, value| least.min(value.into()))
@@ -66,9 +69,9 @@ fn combined(images: &[Film], value: fn(&mut dyn Iterator<Item = f32>) -> f64) ->
     Film::with_opacity(images[0].width(), images[0].height(), pixels.collect())
 }
 
-/// The image of `scene` with every first sample, or first step, at `place`.
-fn image(scene: &Scene, place: f64) -> Option<Film> {
-    render_with(scene, |volume| {
+/// `scene` with every first sample, or first step, at `place`.
+fn at_place(scene: &Scene, place: f64) -> Scene {
+    scene.with_volumes(|volume| {
         let conventions = &mut volume.conventions;
         if conventions.has_random_place() {
             (conventions.jitter, conventions.unstated_first_sample) = (false, false);

@@ -1,7 +1,9 @@
 //! Images under conventions of other renderers.
 
 use super::field_caster::FieldCaster;
+use super::first_samples::scenes_of_first_samples;
 use super::ray_caster::RayCaster;
+use super::rounded_places::scenes_of_rounded_places;
 use super::several::{CommonSteps, each_alone};
 use super::stored_values::as_stored;
 use crate::film::Film;
@@ -30,13 +32,20 @@ pub fn render(scene: &Classified, size: [usize; 2]) -> Film {
     Film::with_opacity(width, height, pixels)
 }
 
-/// The image of `scene` with its volumes changed by `edit`; `None` if a panel is no classified volume.
-pub(super) fn render_with(scene: &Scene, edit: impl Fn(&mut Classified)) -> Option<Film> {
-    let panels = scene.panels.iter().map(|panel| {
-        let mut volume = panel.classified()?.clone();
-        edit(&mut volume);
-        Some(render(&volume, [panel.width, panel.height]))
-    });
-    let panels: Option<Vec<Film>> = panels.collect();
-    Some(Film::side_by_side(&panels?))
+/// The images of `scenes`; `None` if a panel is no classified volume.
+pub(super) fn render_all(scenes: &[Scene]) -> Option<Vec<Film>> {
+    let image = |scene: &Scene| {
+        let panels = scene.panels.iter();
+        let panels =
+            panels.map(|panel| Some(render(panel.classified()?, [panel.width, panel.height])));
+        Some(Film::side_by_side(&panels.collect::<Option<Vec<Film>>>()?))
+    };
+    scenes.iter().map(image).collect()
+}
+
+/// `scene` with each choice that the caster leaves to chance or to rounding made in turn: `scene` alone if there is none.
+pub(crate) fn scenes_by_chance(scene: &Scene) -> Vec<Scene> {
+    let random = scenes_of_first_samples(scene);
+    let scenes = random.or_else(|| scenes_of_rounded_places(scene));
+    scenes.unwrap_or_else(|| vec![scene.clone()])
 }

@@ -5,7 +5,7 @@
 //! so in every pixel.
 
 use super::first_samples::bounds;
-use super::image::render_with;
+use super::image::render_all;
 use crate::film::Film;
 use crate::math;
 use crate::scene::{Compositing, Panel, Precision, Scene};
@@ -20,14 +20,20 @@ const LEAST: f64 = 1e-4;
 /// Least and largest value of each channel over the places that samples have in single precision: `None` if no
 /// convention says that a panel is rendered in it.
 pub fn bounds_of_rounded_places(scene: &Scene) -> Option<[Film; 2]> {
+    let images = render_all(&scenes_of_rounded_places(scene)?)?;
+    Some(bounds(&images))
+}
+
+/// `scene` with the places that samples have in single precision: `None` as above.
+pub(super) fn scenes_of_rounded_places(scene: &Scene) -> Option<Vec<Scene>> {
     let mut volumes = scene.panels.iter().filter_map(Panel::classified);
     if volumes.all(|volume| volume.conventions.precision == Precision::F64) {
         return None;
     }
     // Moved by that much at the first sample, and that much more at each of the others.
-    let images = [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
-    let images = images.map(|[first, each]| {
-        render_with(scene, |volume| {
+    let moves = [[0.0, 0.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
+    let scenes = moves.map(|[first, each]| {
+        scene.with_volumes(|volume| {
             let steps = volume.extent().world_bounds().size().length() / volume.step;
             // Places that are sums of steps gather a rounding with each of them.
             let gathered = HALF_UNIT * steps * steps;
@@ -43,6 +49,5 @@ pub fn bounds_of_rounded_places(scene: &Scene) -> Option<[Film; 2]> {
             }
         })
     });
-    let images = images.into_iter().collect::<Option<Vec<Film>>>()?;
-    Some(bounds(&images))
+    Some(scenes.into())
 }

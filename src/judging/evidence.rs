@@ -46,6 +46,9 @@ pub struct Evidence {
     /// True if the search for conventions ended at the limit of its work.
     #[serde(default)]
     pub conventions_are_open: bool,
+    /// Work of the search for conventions, in events of kernels.
+    #[serde(default)]
+    pub work_of_search: u64,
 }
 
 impl Evidence {

@@ -33,7 +33,7 @@ impl Judged {
             (Some(golden), Some(codes)) => codes.size() == (golden.width(), golden.height()),
             _ => false,
         };
-        let is_open = self.result.cause == Cause::Mismatch && !self.result.is_explained;
+        let is_open = self.result.cause == Cause::Mismatch && !self.result.cause_is_said;
         is_open && comparable()
     }
 }
@@ -57,8 +57,8 @@ pub(crate) struct CaseFinding {
     pub fit: Option<Box<FitMap>>,
     /// The part of the reason that says no more than "as if".
     pub as_if: Option<String>,
-    /// The reason says all: no cause is looked for.
-    pub is_explained: bool,
+    /// The reason says the cause.
+    pub cause_is_said: bool,
 }
 
 impl CaseFinding {
@@ -73,7 +73,7 @@ impl CaseFinding {
             detectable: Vec::new(),
             fit: None,
             as_if: None,
-            is_explained: false,
+            cause_is_said: false,
         }
     }
 
@@ -102,7 +102,8 @@ impl CaseFinding {
             detectable: self.detectable,
             fit: self.fit,
             as_if: self.as_if,
-            is_explained: self.is_explained,
+            cause_is_said: self.cause_is_said,
+            search_ended: None,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,

@@ -28,6 +28,7 @@ pub use more_samples::is_open;
 pub(crate) use precision::before_background;
 pub(crate) use precision::radiance_of_codes;
 pub use precision::{declared, radiance};
+pub(crate) use random_samples::within;
 pub(crate) use results::Summary;
 pub use results::{CaseResult, Cause, Verdict, metric_meaning};
 pub(crate) use rows::verify_row;

@@ -41,7 +41,7 @@ pub fn nearest(scene: &Scene, test: &Picture) -> Option<Film> {
 }
 
 /// `test` with each value moved into that of both images, in linear light.
-fn within(bounds: &[Film; 2], test: &Film) -> Film {
+pub(crate) fn within(bounds: &[Film; 2], test: &Film) -> Film {
     let pixels = (0..test.radiance().len()).map(|index| {
         let channel = |c: usize| {
             let [lower, upper] = bounds.each_ref().map(|film| film.radiance()[index][c]);

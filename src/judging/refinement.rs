@@ -93,7 +93,8 @@ fn truth<'f>(checked: &'f CheckedGolden, looked_up: &'f [Film]) -> Limit<'f> {
 /// Judges an image with the step of the scene.
 pub fn judge_one(checked: &CheckedGolden, image: &Film) -> Judgement {
     let looked_up = looked_up(&checked.scene);
-    let by_rules = first_order(&checked.scene);
+    let mut by_rules = first_order(&checked.scene);
+    by_rules.extend(between_the_ends(&checked.scene));
     judge_one_step(truth(checked, &looked_up), &by_rules, image)
         .with_precision_of(&checked.golden.film, image)
         .with_changes_of(IMAGE, image)
@@ -126,14 +127,25 @@ fn first_order(scene: &Scene) -> Vec<Film> {
     let last_steps = [LastStep::Exact, LastStep::Whole, LastStep::Dropped];
     let rules = [0.0, 1.0].into_iter();
     let rules = rules.flat_map(|first| last_steps.map(|last| (first, last)));
-    let image = |(first_sample, last_step)| {
-        rendered(scene, |volume| {
-            volume.sample();
-            volume.conventions.first_sample = first_sample;
-            volume.conventions.last_step = last_step;
-        })
-    };
-    rules.map(image).collect()
+    rules
+        .map(|(first, last)| sampled(scene, first, last))
+        .collect()
+}
+
+/// Images of `scene` with samples a quarter, half and three quarters of the way along each step. Samples at the beginning
+/// and at the end of steps are at the same places but for the first and the last. What is thinner than a step lies
+/// between those, or on them, and a single image is right with samples at either.
+fn between_the_ends(scene: &Scene) -> [Film; 3] {
+    [0.25, 0.5, 0.75].map(|first_sample| sampled(scene, first_sample, LastStep::Exact))
+}
+
+/// The image of `scene` with samples at this place of each step.
+fn sampled(scene: &Scene, first_sample: f64, last_step: LastStep) -> Film {
+    rendered(scene, |volume| {
+        volume.sample();
+        volume.conventions.first_sample = first_sample;
+        volume.conventions.last_step = last_step;
+    })
 }
 
 /// The image of `scene` with its volumes changed by `edit`.

@@ -117,9 +117,13 @@ pub struct CaseResult {
     /// The part of the reason that says no more than "as if".
     #[serde(skip)]
     pub as_if: Option<String>,
-    /// The reason says all, of an image that is right once it is read as it says, or that is empty: no cause is looked for.
+    /// The reason says the cause, such as codes read in another way or an image without anything drawn: none is looked for.
     #[serde(skip)]
-    pub is_explained: bool,
+    pub cause_is_said: bool,
+    /// Of an image that differs for a reason to be looked for: true if the search came to its end, so that nothing else
+    /// that is known explains it; false if there was none, or if a limit or Ctrl-C ended it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search_ended: Option<bool>,
     /// Wall time, for information.
     pub seconds: f64,
     /// Units of work by name, where they were counted.

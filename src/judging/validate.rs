@@ -3,7 +3,7 @@
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
-use super::measured::{codes_in_words, measured};
+use super::measured::{codes_in_words, is_another_exposure, measured};
 use super::nothing_drawn::{is_emptied, nothing_drawn};
 use super::precision::{before_background, known, known_radiance, other_readings};
 use super::results::drop_as_if;
@@ -11,10 +11,11 @@ use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refine
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
     Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
-    precision_in_words,
+    precision_in_words, stochastic::is_off_by_noise,
 };
 use crate::conventions::Profile;
 use crate::film::{Alpha, Film};
+use crate::scene::Model;
 use crate::suite::{Case, Output, Store};
 use std::time::Instant;
 
@@ -130,7 +131,7 @@ pub(crate) fn add_right_declaration(
         Some(right) => format!("where its colours are declared with --alpha {right}"),
     };
     result.reason = format!("the image agrees {otherwise}; {}", result.reason);
-    result.is_explained = true;
+    result.cause_is_said = true;
 }
 
 /// Finding on a case without an image to judge: a fault of its golden or scene first, since that
@@ -167,7 +168,10 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let (finding, gate): (_, &'static dyn Gate) = if has_step {
         let image = picture.radiance().expect("the gate is one of radiance");
         let judgement = refinement::judge_one(checked, image);
-        (with_words(case, checked, judgement, &picture), &Refinement)
+        (
+            with_words(case, checked, judgement, &picture, None),
+            &Refinement,
+        )
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
     };
@@ -236,6 +240,8 @@ fn with_what_is_asked(
         }
         finding = CaseFinding {
             metrics: finding.metrics,
+            // Nothing that is looked for moves depth alone.
+            cause_is_said: true,
             ..CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
         };
     }
@@ -263,7 +269,7 @@ fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) 
         ),
     };
     let seen = Picture::Radiance(seen.expect("three images or more").clone());
-    let finding = with_words(case, checked, judgement, &seen);
+    let finding = with_words(case, checked, judgement, &seen, None);
     let result = finding.result(&case.name, case.class(), gate, start);
     Judged {
         result: with_precision(result, &seen),
@@ -281,12 +287,33 @@ fn reference(case: &Case, checked: &CheckedGolden, picture: &Picture) -> Film {
     let golden = &checked.golden.film;
     let is_sampled = matches!(picture, Picture::Radiance(test) if test.noise().is_some());
     match (case.truth, &case.answer) {
+        _ if is_noisy(case, checked, picture) => golden.clone().known(),
         // Another image, rendered under the conventions of a profile.
         _ if checked.profile.is_some() || !is_sampled => golden.clone(),
         (Some(_), _) => golden.clone().known(),
         (None, Some(answer)) => answer.image(golden.width(), golden.height()).known(),
         (None, None) => golden.clone(),
     }
+}
+
+/// True if `picture` is a mean of samples that states no noise, of a scene that volref integrates without any: light in
+/// media, where other renderers take samples. Its noise is estimated then.
+fn is_noisy(case: &Case, checked: &CheckedGolden, picture: &Picture) -> bool {
+    let golden = &checked.golden.film;
+    let mut panels = checked.scene.panels.iter();
+    let Picture::Radiance(test) = picture else {
+        return false;
+    };
+    let may_be = panels.all(|panel| matches!(panel.model, Model::Radiative(_)))
+        && golden.noise().is_none()
+        && test.noise().is_none()
+        && golden.is_comparable(test);
+    let agrees = || {
+        let golden = Picture::Radiance(golden.clone());
+        let judged = judge(&Deterministic, &golden, picture, &checked.conditions(case));
+        judged.is_ok_and(|judged| judged.passed)
+    };
+    may_be && !agrees() && is_off_by_noise(golden, test)
 }
 
 fn evidence(case: &Case, checked: &CheckedGolden) -> Evidence {
@@ -328,17 +355,14 @@ fn judged(
             return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
-    let mut finding = with_words(case, checked, judgement, picture);
-    if gate.depends_on_exposure() && !finding.is_explained {
-        let stops = if case.exposure.abs() == 1.0 {
-            "stop"
-        } else {
-            "stops"
-        };
-        let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
-        finding.reason.push_str(&exposure);
-    }
-    finding
+    let stops = if case.exposure.abs() == 1.0 {
+        "stop"
+    } else {
+        "stops"
+    };
+    let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
+    let exposure = gate.depends_on_exposure().then_some(exposure);
+    with_words(case, checked, judgement, picture, exposure)
 }
 
 /// `result` with a note on what the precision of `picture` hides.
@@ -349,12 +373,14 @@ fn with_precision(mut result: CaseResult, picture: &Picture) -> CaseResult {
     result
 }
 
-/// The finding of `judgement` on `picture`, with measurements of a whole image that fails.
+/// The finding of `judgement` on `picture`, with measurements of a whole image that fails, and the `exposure` of the case
+/// in words, unless nothing was drawn.
 fn with_words(
     case: &Case,
     checked: &CheckedGolden,
     judgement: Judgement,
     picture: &Picture,
+    mut exposure: Option<String>,
 ) -> CaseFinding {
     let mut finding = CaseFinding::from(judgement);
     if finding.verdict == Verdict::Fail {
@@ -362,7 +388,8 @@ fn with_words(
         let mut readings =
             other_readings(case, (&checked.golden.film, &checked.scene), picture).into_iter();
         let right = readings.find(|reading| agrees(case, checked, &reading.film));
-        finding.is_explained = right.is_some();
+        finding.cause_is_said =
+            right.is_some() || is_another_exposure(case, &checked.golden.film, picture);
         // A map of values would be the reading, measured.
         let mut said = match &right {
             Some(_) => codes_in_words(picture).into_iter().collect(),
@@ -372,8 +399,8 @@ fn with_words(
         if let Some(nothing) = nothing.filter(|_| right.is_none()) {
             // No number of the scene is measured by what is not there, and nothing is searched.
             finding.reason = nothing;
-            finding.is_explained = true;
-            (finding.changes, finding.as_if) = (Vec::new(), None);
+            finding.cause_is_said = true;
+            (finding.changes, finding.as_if, exposure) = (Vec::new(), None, None);
         } else {
             said.extend(right.map(|reading| reading.words));
             if !said.is_empty() {
@@ -384,5 +411,6 @@ fn with_words(
         }
     }
     finding.reason.push_str(&checked.omissions());
+    finding.reason.extend(exposure);
     finding
 }

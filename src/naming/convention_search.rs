@@ -5,12 +5,12 @@
 //! rendered under a set, agrees, conventions that are not needed are removed again. Only a set that
 //! passes the gate is reported.
 
-mod attempt;
+pub(super) mod attempt;
 mod effects;
-mod images;
+pub(super) mod images;
 mod profile_text;
 
-use super::likeness;
+use super::likeness::{self, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
 use crate::conventions::{CATALOGUE, ConventionSet, Profile};
 use crate::film::Film;
@@ -18,11 +18,15 @@ use crate::judging::{CaseResult, Cause, Judged, Verdict};
 use crate::scene::{Mode, Panel, Scene};
 use crate::suite::{Case, Store};
 use attempt::Attempt;
+use images::{Images, Watch};
 use profile_text::profile_text;
 use std::sync::Mutex;
 
 /// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
 const MOST_TOGETHER: usize = 9;
+
+/// Share of the work for a case that its conventions may take: mistakes have what is left, half or more.
+const OF_CONVENTIONS: f64 = 0.5;
 
 /// Agreement of an image with the right one under other conventions, the better the less.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -95,6 +99,7 @@ fn explain_by_profile((name, profile): &NamedProfile, result: &mut CaseResult, a
 /// The verdict of the conventions that `result` holds, with a sentence on the `agreement` under them.
 fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
     result.verdict = Verdict::Convention;
+    result.search_ended = Some(true);
     result.cause = if accepted {
         Cause::None
     } else {
@@ -116,20 +121,40 @@ pub struct Unfinished;
 
 /// The search for the conventions behind images, with the sets that were found so far: what
 /// explains one image is tried first in the next.
-#[derive(Debug, Default)]
-pub struct ConventionSearch {
+pub struct ConventionSearch<'s> {
     known: Mutex<Vec<ConventionSet>>,
     /// The shipped profile that explained an image as a whole.
     known_profile: Mutex<Option<&'static str>>,
+    interrupted: &'s (dyn Fn() -> bool + Sync),
+    progress: &'s (dyn Fn(&SearchStep) + Sync),
 }
 
-impl ConventionSearch {
+impl Default for ConventionSearch<'_> {
+    fn default() -> Self {
+        ConventionSearch::watched(&|| false, &|_| ())
+    }
+}
+
+impl<'s> ConventionSearch<'s> {
+    /// A search that ends once it is `interrupted`, and reports its `progress`.
+    pub fn watched(
+        interrupted: &'s (dyn Fn() -> bool + Sync),
+        progress: &'s (dyn Fn(&SearchStep) + Sync),
+    ) -> ConventionSearch<'s> {
+        ConventionSearch {
+            known: Mutex::default(),
+            known_profile: Mutex::default(),
+            interrupted,
+            progress,
+        }
+    }
+
     /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
-    /// `accepted`. The search takes as much work as two cores do in `seconds`, and a note says so of one that needs
-    /// more: on any machine the same.
+    /// `accepted`. The search takes at most half as much work as two cores do in `seconds`, and a note says so of one
+    /// that needs more: on any machine the same. A later [search for mistakes](super::likeness) has the rest.
     ///
     /// Of an image of 8 bits, the [profiles](Profile::shipped) that volref brings are tried as they are first:
-    /// the roundings that they state are no choices of a search. They come on top of it.
+    /// the roundings that they state are no choices of a search.
     pub fn explain_mismatch(
         &self,
         case: &Case,
@@ -138,37 +163,53 @@ impl ConventionSearch {
         seconds: f64,
         accepted: bool,
     ) {
-        if !judged.differs() {
+        if !judged.differs() || seconds == 0.0 {
             return;
         }
         let Ok(scene) = case.load_scene() else {
             return;
         };
-        let images = judged.evidence.images();
-        if !may_be_by_convention(&scene, &images) {
+        let tests = judged.evidence.images();
+        if !may_be_by_convention(&scene, &tests) {
             return;
         }
-        let searches = seconds > 0.0;
-        if searches && let Some(found) = self.profile(case, store, &scene, judged) {
-            return explain_by_profile(&found, &mut judged.result, accepted);
-        }
-        match self.explain(case, &scene, &images, Some(seconds)) {
-            Ok(Some(explained)) => {
-                let is_one = explained.set.len() == 1;
-                if is_one || !likeness::is_plainly_explained(case, judged, seconds) {
-                    explained.explain(&mut judged.result, accepted);
-                }
+        // Conventions are about samples.
+        let sampled = scene.with_volumes(|volume| volume.sample());
+        let images = self.images(case, &sampled, Some(OF_CONVENTIONS * seconds));
+        let found = match self.profile(case, store, &scene, judged, &images) {
+            Some(found) => {
+                explain_by_profile(&found, &mut judged.result, accepted);
+                Ok(())
             }
-            Err(Unfinished) if searches => {
-                let note = format!(
-                    "the search for conventions reached its limit of {seconds} s of work: give it more with \
-                     --explain"
-                );
-                judged.result.notes.push(note);
-                judged.evidence.conventions_are_open = true;
-            }
-            _ => {}
+            None => self
+                .explain_by(case, &sampled, &tests, &images)
+                .map(|explained| {
+                    let Some(explained) = explained else { return };
+                    let is_one = explained.set.len() == 1;
+                    let rest = (1.0 - OF_CONVENTIONS) * seconds;
+                    if is_one || !likeness::is_plainly_explained(case, judged, rest) {
+                        explained.explain(&mut judged.result, accepted);
+                    }
+                }),
+        };
+        judged.evidence.work_of_search = images.work();
+        judged.evidence.conventions_are_open = found.is_err();
+        if found.is_err() && !(self.interrupted)() {
+            let note = format!(
+                "the search for conventions reached its limit, half of {seconds} s of work: give it more with --explain"
+            );
+            judged.result.notes.push(note);
         }
+    }
+
+    /// Images of `scene`, with samples, for the search in `case`.
+    fn images<'i>(&'i self, case: &'i Case, scene: &'i Scene, seconds: Option<f64>) -> Images<'i> {
+        let watch = Watch {
+            case: &case.name,
+            interrupted: self.interrupted,
+            progress: self.progress,
+        };
+        Images::of(scene, seconds, watch)
     }
 
     /// The profile that volref brings under which an image of 8 bits agrees; first the one that explained
@@ -179,11 +220,12 @@ impl ConventionSearch {
         store: &Store,
         scene: &Scene,
         judged: &Judged,
+        images: &Images<'_>,
     ) -> Option<NamedProfile> {
         let known = *self.known_profile.lock().expect("no panic holds it");
         let others = Profile::shipped().filter(|name| Some(*name) != known);
-        let names = known.into_iter().chain(others);
-        let found = shipped_profile::passing(names, case, store, scene, judged)?;
+        let names: Vec<&str> = known.into_iter().chain(others).collect();
+        let found = shipped_profile::passing(&names, case, store, scene, judged, images)?;
         *self.known_profile.lock().expect("no panic holds it") = Some(found.0);
         Some(found)
     }
@@ -204,9 +246,19 @@ impl ConventionSearch {
         if !may_be_by_convention(scene, images) {
             return Ok(None);
         }
-        // Conventions are about samples.
         let scene = scene.with_volumes(|volume| volume.sample());
-        let attempt = Attempt::new(&scene, case.exposure, images, seconds);
+        self.explain_by(case, &scene, images, &self.images(case, &scene, seconds))
+    }
+
+    /// [`explain`](Self::explain) of `tests` by `images` of `scene`, with samples.
+    fn explain_by(
+        &self,
+        case: &Case,
+        scene: &Scene,
+        tests: &[Film],
+        images: &Images<'_>,
+    ) -> Result<Option<Explained>, Unfinished> {
+        let attempt = Attempt::new(scene, case.exposure, tests, images);
         let known = self.known.lock().expect("no panic holds it").clone();
         let from_before = known.into_iter().find_map(|set| {
             let agreement = attempt.agreement_if_near(&set)?;
@@ -229,7 +281,7 @@ impl ConventionSearch {
         }
         let alternatives = attempt.alternatives(&set, agreement);
         Ok(Some(Explained {
-            profile: profile_text(&scene, &set, &alternatives),
+            profile: profile_text(scene, &set, &alternatives),
             alternatives,
             set,
             agreement,

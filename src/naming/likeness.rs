@@ -147,7 +147,7 @@ pub(crate) fn likeness_with(
             Cause::Mismatch if judged.differs() && of_opacity.takes(index, judged) => {}
             Cause::Mismatch if judged.differs() => {
                 let failed = ComparedCase::new(index, case, judged, scenes);
-                failing.extend(failed.filter(|case| !case.is_another_exposure));
+                failing.extend(failed);
             }
             Cause::None | Cause::Undecided => passing.push((index, *case)),
             _ => {}
@@ -170,8 +170,10 @@ pub(crate) fn likeness_with(
             .iter()
             .filter(explains)
             .map(|it| it.hypothesis.name());
-        let result = &mut judged[failed.index].result;
+        let Judged { result, evidence } = &mut judged[failed.index];
         result.looks_like = names.take(MOST_NAMED).collect();
+        let was_cut = unfinished.iter().any(|search| search.case == result.name);
+        result.search_ended = Some(!was_cut && !evidence.conventions_are_open);
         let fit = fitted.remove(&failed.index).unwrap_or_default();
         if result.looks_like.is_empty() {
             result.difference = measured(failed, fit, &result.changes);
@@ -218,7 +220,7 @@ pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, seconds: f64) -
         interrupted: &|| false,
         progress: &|_| (),
     };
-    let clock = SearchClock::start(&search, &failed.name, hunt::singles());
+    let clock = SearchClock::start(&search, &failed.name, hunt::singles(), 0);
     let (found, _) = failed.search(&clock);
     let is_one = |hypothesis: &Hypothesis| matches!(hypothesis, Hypothesis::One(_));
     let mut ones = found.iter().filter(|(hypothesis, _)| is_one(hypothesis));
@@ -240,7 +242,7 @@ fn cross_examine<'c>(
         return;
     }
     let questions = close.len() * passing.len().min(MOST_PASSING);
-    let clock = SearchClock::start(search, "the cases that passed", questions);
+    let clock = SearchClock::start(search, "the cases that passed", questions, 0);
     for case in passing.into_iter().take(MOST_PASSING) {
         if clock.is_over() {
             break;

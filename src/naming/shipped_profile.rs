@@ -3,49 +3,54 @@
 //! The [search](super::convention_search) knows single choices. A renderer as it comes also rounds and
 //! places its samples in ways that are no choices of the search, and only its profile as a whole states them.
 
+use super::convention_search::attempt::{LATTICE, MOST_OUTSIDE, Misfit};
+use super::convention_search::images::Images;
+use super::likeness::{Stage, lattice_of, pixels_of};
 use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Deterministic, Picture, judge};
-use crate::conventions::{PLACES, Profile};
-use crate::film::{Origin, Quantisation};
+use crate::conventions::{Profile, bounds, scenes_by_chance};
+use crate::film::{Film, Origin, Quantisation};
 use crate::judging::nothing_drawn::background;
-use crate::judging::{Judged, Verdict, radiance_of_codes, validate};
-use crate::scene::{Panel, Scene};
+use crate::judging::{Judged, Verdict, radiance_of_codes, validate, within};
+use crate::scene::Scene;
 use crate::suite::{Case, Output, Store};
 
 /// A profile that volref brings, by its name.
 pub type NamedProfile = (&'static str, Profile);
 
-/// Largest number of samples for which a profile is tried: some seconds of work.
-const MOST_SAMPLES: f64 = 2.5e9;
-
 /// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
-/// pass. The work of each is counted, so that no verdict depends on the machine or on other cases.
+/// pass. Their work counts as that of `images`, so that no verdict depends on the machine or on other cases.
 pub fn passing(
-    names: impl Iterator<Item = &'static str>,
+    names: &[&'static str],
     case: &Case,
     store: &Store,
     scene: &Scene,
     judged: &Judged,
+    images: &Images<'_>,
 ) -> Option<NamedProfile> {
-    // With half the step, a quarter and so on.
-    let steps = ((1_u64 << judged.evidence.refined.len().clamp(1, 32)) - 1) as f64;
-    let mut profiles = names.filter_map(|name| Some((name, Profile::named(name).ok()?)));
-    profiles.find(|(_, profile)| {
-        let Some(output) = output_of(judged, profile, case.exposure) else {
-            return false;
+    for (tried, &name) in names.iter().enumerate() {
+        images.report(Stage::Profiles, tried, names.len());
+        let Ok(profile) = Profile::named(name) else {
+            continue;
         };
-        if steps * samples_under(profile, scene) > MOST_SAMPLES {
-            return false;
+        let Some(output) = output_of(judged, &profile, case.exposure) else {
+            continue;
+        };
+        if !is_near(&output, &profile, scene, images) {
+            continue;
         }
         let judged_by = |profile| validate(case, store, output.clone(), profile);
         let passes = |judged: &Judged| judged.result.verdict == Verdict::Pass;
-        let under_profile = judged_by(Some(profile));
+        let under_profile = judged_by(Some(&profile));
         // Not of an image that is right but for the curve of its codes, which the verdict says.
-        passes(&under_profile)
+        let explains = passes(&under_profile)
             && makes_what_shows_in(&under_profile, scene)
-            && !are_alike(judged, &under_profile)
-            && !passes(&judged_by(None))
-    })
+            && !are_alike(judged, &under_profile);
+        if explains && !passes(&judged_by(None)) {
+            return Some((name, profile));
+        }
+    }
+    None
 }
 
 /// True if the right image by which `judged` passed makes what its image shows of `scene`.
@@ -56,20 +61,38 @@ fn makes_what_shows_in(judged: &Judged, scene: &Scene) -> bool {
     known.is_some_and(|((right, test), nothing)| makes_what_shows(right, test, &nothing))
 }
 
-/// Samples in the images that `validate` renders of `scene` under `profile`, if all rays cross the volumes along
-/// their diagonals.
-fn samples_under(profile: &Profile, scene: &Scene) -> f64 {
-    let of_panel = |panel: &Panel| {
-        let volume = panel.classified()?;
-        let images = if volume.conventions.is_random() {
-            f64::from(PLACES)
-        } else {
-            1.0
-        };
-        Some((panel.width * panel.height) as f64 * volume.diagonal() / volume.step * images)
+/// True if few pixels do not rule out `profile`, and the whole images may be rendered within the limit of the work,
+/// which counts them.
+fn is_near(output: &Output, profile: &Profile, scene: &Scene, images: &Images<'_>) -> bool {
+    // With half the step, a quarter and so on.
+    let (test, steps) = match output {
+        Output::Picture(picture) => (picture.radiance(), 1),
+        Output::Refined(refined) => {
+            let of_all = (1 << refined.len().clamp(1, 32)) - 1;
+            (refined.first().and_then(Picture::radiance), of_all)
+        }
+        Output::Missing(_) | Output::Unusable(_) => (None, 0),
     };
-    let under = profile.applied_to(scene).ok().flatten();
-    under.map_or(0.0, |scene| scene.panels.iter().filter_map(of_panel).sum())
+    let (Some(test), Ok(Some(under))) = (test, profile.applied_to(scene)) else {
+        return false;
+    };
+    let pixels = test.width() * test.height();
+    let lattice = lattice_of(pixels, LATTICE);
+    let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
+    let on_lattice = pixels_of(test, &widths, lattice);
+    let before = images.work();
+    let scenes = scenes_by_chance(&under);
+    let right = scenes.iter().map(|scene| images.of_scene(scene, lattice));
+    let Some(right) = right.collect::<Option<Vec<Film>>>() else {
+        return false;
+    };
+    let nearest = within(&bounds(&right), &on_lattice);
+    if Misfit::of(&nearest, &on_lattice).outside > MOST_OUTSIDE {
+        return false;
+    }
+    let share = on_lattice.radiance().len() as f64 / pixels as f64;
+    let of_lattice = (images.work() - before) as f64;
+    images.spend((f64::from(steps) * of_lattice / share) as u64)
 }
 
 /// True if the right images by which both were judged pass for each other: then a profile explains nothing.

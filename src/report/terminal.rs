@@ -260,7 +260,7 @@ fn unfinished_text(unfinished: &[SearchStep], was_cut_short: bool, seconds: f64)
         let done = match (of.done == of.of, of.stage) {
             (false, _) => format!("{} of {} {stage} tried", of.done, of.of),
             (true, Stage::Singles) => format!("all {} {stage} tried, no pairs", of.of),
-            (true, Stage::Pairs) => format!("all {} {stage} tried", of.of),
+            (true, _) => format!("all {} {stage} tried", of.of),
         };
         format!("{case} ({done})")
     };

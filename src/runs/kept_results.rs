@@ -148,7 +148,7 @@ struct Found {
     #[serde(default)]
     as_if: Option<String>,
     #[serde(default)]
-    is_explained: bool,
+    cause_is_said: bool,
     evidence: Evidence,
 }
 
@@ -252,7 +252,7 @@ impl ResultFolder {
             cause: judged.result.cause,
             fit: judged.result.fit.clone(),
             as_if: judged.result.as_if.clone(),
-            is_explained: judged.result.is_explained,
+            cause_is_said: judged.result.cause_is_said,
             evidence: Evidence {
                 golden: None,
                 test: None,
@@ -342,7 +342,7 @@ impl ResultFolder {
                     cause: of_case.cause,
                     fit: of_case.fit,
                     as_if: of_case.as_if,
-                    is_explained: of_case.is_explained,
+                    cause_is_said: of_case.cause_is_said,
                     ..of_case.result
                 },
                 evidence: of_case.evidence,

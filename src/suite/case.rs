@@ -666,11 +666,7 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         exposure: reader.number("exposure")?,
         limit: class == LIMIT,
         sampling,
-        promise: if is_stochastic {
-            Promise::of_mean(promise)
-        } else {
-            Promise::of_mean(1.0)
-        },
+        promise: Promise::of_mean(promise),
         family,
         name: full_name,
     })

@@ -219,7 +219,7 @@ fn the_search_for_a_mistake_has_a_budget() {
     let words = words.join(" ");
     assert!(
         words.ends_with(
-            "no mistake was found: the search reached its limit of 0.000001 s of work in smoke/shadow (1 of 239 \
+            "no mistake was found: the search reached its limit of 0.000001 s of work in smoke/shadow (0 of 239 \
              single mistakes tried); run again with --explain 0.000006 to continue"
         ),
         "{words}"
@@ -244,6 +244,80 @@ fn the_search_for_a_mistake_has_a_budget() {
     for wrong in ["-1", "nan", "much"] {
         let run = folder.volref(&["validate", "--outputs", "out", "--explain", wrong]);
         assert_eq!(run.code, 2, "{wrong}");
+    }
+}
+
+/// Where `CI` is set, a cause is looked for only if somebody asks; the verdict is the same.
+#[test]
+fn no_cause_is_looked_for_in_ci_unless_asked() {
+    let folder = with_images();
+    let golden = folder.film("golden/smoke/plain.exr");
+    let doubled = [0, 1].map(|flip| {
+        let pixels = golden.radiance().iter().enumerate();
+        let pixels = pixels.map(|(index, pixel)| match (index + flip) % 2 {
+            0 => pixel.map(|value| 2.0 * value),
+            _ => *pixel,
+        });
+        Film::new(golden.width(), golden.height(), pixels.collect())
+    });
+    folder.write_film("out/smoke/plain.exr", &doubled[0]);
+    let validate = |more: &str, ci: &str| {
+        let mut command = folder.command(&*format!(
+            "validate plain --outputs out --json=r.json {more}"
+        ));
+        let run = Run::of(command.env("CI", ci).output().unwrap());
+        run.expect(1, &[]);
+        assert!(run.stdout.starts_with("fail "), "{}", run.stdout);
+        let ended = folder.json("r.json")["cases"][0]["search_ended"].clone();
+        (run, ended)
+    };
+    const HINT: &str = "no cause was looked for, since the environment variable CI is set; --explain 10 looks for it\n";
+    let (run, ended) = validate("", "true");
+    assert!(run.stdout.ends_with(HINT), "{}", run.stdout);
+    assert_eq!((&*run.stderr, ended), ("", false.into()));
+    for (more, ci) in [
+        ("--explain 600", "true"),
+        ("--accept-conventions --explain 600", "1"),
+        ("--explain 600", ""),
+    ] {
+        let (run, ended) = validate(more, ci);
+        assert!(!run.stdout.contains(HINT), "{}", run.stdout);
+        assert_eq!(ended, true, "{more}: {}", run.stdout);
+    }
+    let (run, ended) = validate("--explain 0", "true");
+    assert!(!run.stdout.contains(HINT), "{}", run.stdout);
+    assert_eq!(ended, false);
+}
+
+/// Nothing is looked for where the verdict says the cause: another size, values that are no numbers, nothing drawn.
+#[test]
+fn no_cause_is_looked_for_that_is_known() {
+    let folder = with_images();
+    let golden = folder.film("golden/smoke/plain.exr");
+    let (width, height) = (golden.width(), golden.height());
+    let mut not_finite = golden.radiance().to_vec();
+    not_finite[3] = [f32::NAN; 3];
+    let background = golden.radiance()[0];
+    for (what, image) in [
+        ("size", Film::new(width, 1, vec![[0.5; 3]; width])),
+        ("not finite", Film::new(width, height, not_finite)),
+        (
+            "nothing was drawn",
+            Film::new(width, height, vec![background; width * height]),
+        ),
+    ] {
+        folder.write_film("out/smoke/plain.exr", &image);
+        let mut command = folder.command("validate plain --outputs out --json=r.json");
+        let output = command.output().unwrap();
+        let [stdout, stderr] =
+            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        assert!(stdout.contains(what), "{stdout}");
+        assert!(!stderr.contains("looking for"), "{what}: {stderr}");
+        let json = folder.json("r.json");
+        assert!(
+            json["cases"][0].get("search_ended").is_none(),
+            "{what}: {json}"
+        );
     }
 }
 
@@ -766,6 +840,10 @@ fn conventions_are_told_apart_and_accepted() {
     assert_shown!(run.shown(), @r#"
     exit code 1
     --- stdout
+    fail          smoke/plain [seconds]
+                  16 of 120 pixels (13.333 %) differ by more than 0.001 + 1 %; at most 0.02 % may. The worst is (5, 1), 9.7 times the tolerance; the scene leaves out volume shadow, gradient shading (declared)
+
+    after the search for conventions:
     convention    smoke/plain [seconds]
                   differs by convention in 13.333 % of the pixels: it takes opacity in proportion to the step. The right image under this convention agrees with it
                   --accept-conventions accepts it; --as FILE judges by this file:

@@ -69,6 +69,7 @@ mod support;
 mod tracking;
 mod transport;
 mod unbiased_ray_marching;
+mod unstated_noise;
 mod vectors;
 mod volume_files;
 mod volume_known_answers;

@@ -129,12 +129,14 @@ mod pixels;
 mod resolution;
 mod scales;
 mod scores;
+mod unstated;
 mod values;
 mod variance;
 mod visible_bias;
 
 pub use blocks::{BLOCK, DARK, FINE_BLOCK};
 pub(crate) use map::{block_error, block_map};
+pub(crate) use unstated::is_off_by_noise;
 
 use super::advice::Undecided;
 use super::difference_scale::DifferenceScale;

@@ -16,7 +16,7 @@ use crate::conventions::{
 use crate::film::Film;
 use crate::judging::nothing_drawn::background;
 use crate::math::{Sum, powu};
-use crate::naming::likeness::{lattice_of, pixels_at, pixels_of};
+use crate::naming::likeness::{Stage, lattice_of, pixels_at, pixels_of};
 use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
 use rayon::prelude::*;
@@ -43,14 +43,14 @@ const CAP: f64 = 20.0;
 /// Largest share of the pixels of the lattice outside of the tolerance at which the whole image is
 /// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
 /// them.
-const MOST_OUTSIDE: f64 = 0.005;
+pub(in crate::naming) const MOST_OUTSIDE: f64 = 0.005;
 
 /// Share of the pixels that are outside of the tolerance under volref's conventions that may be so under
 /// those that are claimed.
 const LEFT_BY_ROUNDING: f64 = 0.1;
 
 /// Approximate number of pixels of the lattice on which sets are compared.
-const LATTICE: usize = 576;
+pub(in crate::naming) const LATTICE: usize = 576;
 
 /// Expansions after which pairs of choices [`OF_STEPS`] are tried.
 const EXPANDED_BEFORE_PAIRS: usize = 2;
@@ -77,7 +77,7 @@ pub struct Attempt<'a> {
     exposure: f64,
     /// The scene, with samples.
     scene: &'a Scene,
-    images: Images<'a>,
+    images: &'a Images<'a>,
     /// The image with the step of the scene, and those with half of it, a quarter and so on.
     tests: &'a [Film],
     /// The pixels that sets are compared on, in the first of the images.
@@ -128,20 +128,19 @@ impl Change {
 }
 
 impl<'a> Attempt<'a> {
-    /// The search in `tests`, at least one, images of `scene` at `exposure` stops, with as much work as two cores do
-    /// in these `seconds`.
+    /// The search in `tests`, at least one, images of `scene` at `exposure` stops, by `images` of that scene.
     pub fn new(
         scene: &'a Scene,
         exposure: f64,
         tests: &'a [Film],
-        seconds: Option<f64>,
+        images: &'a Images<'a>,
     ) -> Attempt<'a> {
         let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
         let lattice = lattice_of(scene.width() * scene.height(), LATTICE);
         Attempt {
             exposure,
             scene,
-            images: Images::of(scene, seconds),
+            images,
             tests,
             lattice,
             on_lattice: pixels_of(&tests[0], &widths, lattice),
@@ -341,6 +340,9 @@ impl<'a> Attempt<'a> {
 
     /// Renders all single changes of `set`, and the sets that their effects propose.
     fn expand(&self, set: &[usize], candidates: &mut Candidates) -> Option<()> {
+        let before = candidates.values().filter(|it| it.is_expanded).count();
+        self.images
+            .report(Stage::Conventions, before, MOST_EXPANDED);
         candidates.get_mut(set)?.is_expanded = true;
         let others = (0..CATALOGUE.len()).filter(|index| !set.contains(index));
         let to_own = set.iter().map(|&index| Change {
@@ -524,11 +526,11 @@ fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
 
 /// Difference of two images in tolerances of the deterministic gate, by the worst channel of each
 /// pixel.
-struct Misfit {
+pub(in crate::naming) struct Misfit {
     /// Mean over the pixels of its square.
     mean_square: f64,
     /// Share of the pixels that are off by more than one tolerance.
-    outside: f64,
+    pub outside: f64,
     /// Difference of the worst pixel.
     worst: f64,
 }
@@ -542,7 +544,7 @@ impl Misfit {
         outside.map(|(index, _)| index).collect()
     }
 
-    fn of(right: &Film, test: &Film) -> Misfit {
+    pub fn of(right: &Film, test: &Film) -> Misfit {
         let test = &*test.nearest_to(right);
         let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
         for (right, test) in right.radiance().iter().zip(test.radiance()) {

@@ -2,7 +2,7 @@
 
 use crate::conventions::{NodeGradients, as_stored, ray_caster::RayCaster, under};
 use crate::film::Film;
-use crate::naming::likeness::{WORK_PER_SECOND, latest_end};
+use crate::naming::likeness::{SearchStep, Stage, WORK_PER_SECOND, latest_end};
 use crate::render::Detail;
 use crate::scene::{Panel, Scene};
 use rayon::prelude::*;
@@ -17,6 +17,18 @@ pub struct Images<'a> {
     gradients: Vec<NodeGradients>,
     work: AtomicU64,
     limit: Option<Limit>,
+    watch: Watch<'a>,
+}
+
+/// Whoever waits for the search in the images of a case.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Name of the case.
+    pub case: &'a str,
+    /// True to stop at once.
+    pub interrupted: &'a (dyn Fn() -> bool + Sync),
+    /// Called before each thing that is tried.
+    pub progress: &'a (dyn Fn(&SearchStep) + Sync),
 }
 
 /// Limit of a search.
@@ -29,7 +41,7 @@ struct Limit {
 
 impl<'a> Images<'a> {
     /// Images of `scene`, with as much work as two cores do in these `seconds`.
-    pub fn of(scene: &'a Scene, seconds: Option<f64>) -> Images<'a> {
+    pub fn of(scene: &'a Scene, seconds: Option<f64>, watch: Watch<'a>) -> Images<'a> {
         let limit = |seconds: f64| Limit {
             work: (seconds * WORK_PER_SECOND) as u64,
             end: Duration::try_from_secs_f64(seconds)
@@ -45,25 +57,54 @@ impl<'a> Images<'a> {
                 .collect(),
             work: AtomicU64::new(0),
             limit: seconds.map(limit),
+            watch,
         }
+    }
+
+    /// Work done.
+    pub fn work(&self) -> u64 {
+        self.work.load(Ordering::Relaxed)
+    }
+
+    /// Counts `work` that is about to be done elsewhere; false, and none of it is to be done, if it is beyond the limit.
+    pub fn spend(&self, work: u64) -> bool {
+        self.work.fetch_add(work, Ordering::Relaxed);
+        !self.is_work_done()
+    }
+
+    /// Reports that `done` of so many things are tried.
+    pub fn report(&self, stage: Stage, done: usize, of: usize) {
+        let left = |limit: &Limit| limit.work.saturating_sub(self.work()) as f64 / WORK_PER_SECOND;
+        (self.watch.progress)(&SearchStep {
+            case: self.watch.case.to_owned(),
+            stage,
+            done,
+            of,
+            left: self.limit.as_ref().map(left).map(Duration::from_secs_f64),
+        });
     }
 
     /// True after the work of the limit; to be asked where all images that were begun are done, as their order is
     /// not the same on all machines.
     pub fn is_work_done(&self) -> bool {
-        let done = self.work.load(Ordering::Relaxed);
+        let done = self.work();
         self.limit.as_ref().is_some_and(|limit| done >= limit.work) || self.is_late()
     }
 
     fn is_late(&self) -> bool {
         let end = self.limit.as_ref().and_then(|limit| limit.end);
-        end.is_some_and(|end| Instant::now() >= end)
+        end.is_some_and(|end| Instant::now() >= end) || (self.watch.interrupted)()
     }
 
     /// The image under the conventions of `set`, with the step of the scene halved `halvings` times. `None` after the
     /// latest end.
     pub fn under(&self, set: &[usize], halvings: usize, detail: Detail) -> Option<Film> {
         let scene = under(self.scene, set).with_halved_steps(halvings);
+        self.of_scene(&scene, detail)
+    }
+
+    /// The image of `scene`, the scene of this search under any conventions. `None` after the latest end.
+    pub fn of_scene(&self, scene: &Scene, detail: Detail) -> Option<Film> {
         let panels = scene.panels.iter().zip(&self.gradients);
         let films = panels.map(|(panel, known)| {
             let [columns, rows]: [Vec<usize>; 2] = [

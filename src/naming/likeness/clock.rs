@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 /// Options of the search for a mistake.
 pub struct Search<'s> {
-    /// Limit of the work for each failed case, as the time that it takes on two cores; `None` for no limit. One
-    /// rendered image may exceed it.
+    /// Limit of the work for each failed case, as the time that it takes on two cores; `None` for no limit. The
+    /// search for its conventions counts. One rendered image may exceed it.
     pub budget: Option<Duration>,
     /// Predictions kept from run to run.
     pub predictions: &'s Predictions,
@@ -44,6 +44,10 @@ pub struct SearchStep {
 /// A stage of the search in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// Profiles that volref brings.
+    Profiles,
+    /// Conventions, in rounds of a set and all its single changes.
+    Conventions,
     /// Each mistake by itself.
     Singles,
     /// Two mistakes together.
@@ -54,6 +58,8 @@ impl Stage {
     /// Plural name.
     pub fn name(self) -> &'static str {
         match self {
+            Stage::Profiles => "profiles",
+            Stage::Conventions => "rounds of conventions",
             Stage::Singles => "single mistakes",
             Stage::Pairs => "pairs of mistakes",
         }
@@ -89,15 +95,17 @@ pub(super) struct SearchClock<'s> {
 }
 
 impl<'s> SearchClock<'s> {
-    /// Starts the clock, with `of` single mistakes to try.
-    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize) -> SearchClock<'s> {
+    /// Starts the clock, with `of` single mistakes to try, after this work was `spent` on conventions.
+    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize, spent: u64) -> SearchClock<'s> {
         let limits = |budget: Duration| {
-            [1.0, FIRST_LOOKS].map(|share| (share * WORK_PER_SECOND * budget.as_secs_f64()) as u64)
+            let all = (WORK_PER_SECOND * budget.as_secs_f64()) as u64;
+            let left = all.saturating_sub(spent);
+            [1.0, FIRST_LOOKS].map(|share| spent + (share * left as f64) as u64)
         };
         SearchClock {
             search,
             case,
-            work: AtomicU64::new(0),
+            work: AtomicU64::new(spent),
             limits: search.budget.map(limits),
             end: search.budget.and_then(latest_end),
             was_ended: AtomicBool::new(false),

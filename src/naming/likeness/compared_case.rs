@@ -19,7 +19,7 @@ use crate::compare::{
 };
 use crate::film::{Film, Noise};
 use crate::judging::Judged;
-use crate::judging::measured::{SimpleMap, decoded, is_another_exposure, simple};
+use crate::judging::measured::{SimpleMap, decoded, simple};
 use crate::math;
 use crate::render::Detail;
 use crate::scene::{Mode, Panel, Scene};
@@ -62,9 +62,8 @@ pub(super) struct ComparedCase {
     pub simple: Option<SimpleMap>,
     /// Cells over which the squared difference is spread.
     pub effective_cells: f64,
-    /// True for an 8-bit image at another exposure, which the verdict states already: nothing is
-    /// left to explain.
-    pub is_another_exposure: bool,
+    /// Work that the search for its conventions took, in events of kernels.
+    pub spent: u64,
     /// Judged by noise, in coarse cells; else pixel by pixel.
     pub is_sampled: bool,
     pub golden: Film,
@@ -145,7 +144,7 @@ impl ComparedCase {
             name: case.name.clone(),
             simple: simple(case, &golden, &picture),
             effective_cells: golden_cells.effective_cells(&test_cells),
-            is_another_exposure: is_another_exposure(case, &golden, &picture),
+            spent: judged.evidence.work_of_search,
             is_sampled,
             suspects: suspects(judged),
             refined: if judged.result.gate.name() == Refinement.name() {

@@ -73,7 +73,7 @@ impl<'c> Explanations<'c> {
         'c: 's,
     {
         let failed = &self.failing[at];
-        let clock = SearchClock::start(search, &failed.name, singles());
+        let clock = SearchClock::start(search, &failed.name, singles(), failed.spent);
         clock.report();
         let known: Explaining = self
             .known

@@ -51,6 +51,7 @@ impl OfOpacity {
             if mistakes.is_empty() {
                 unexplained.push(result.name.clone());
             }
+            result.search_ended = Some(true);
             result.looks_like = mistakes.iter().map(|it| it.name.to_owned()).collect();
             for mistake in mistakes {
                 let known = likely

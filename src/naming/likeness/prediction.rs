@@ -243,7 +243,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let predictions = Predictions::in_folder(folder.path());
         let search = unlimited(&predictions);
-        let clock = SearchClock::start(&search, "", 1);
+        let clock = SearchClock::start(&search, "", 1, 0);
         let of = |scene: &Scene| predicted(scene, scene, ("same", 0), (Detail::Whole, 1), &clock);
         let [first, second, again] = [&scene, &under, &scene].map(|scene| of(scene).unwrap());
         assert_ne!(first.radiance(), second.radiance());
@@ -262,7 +262,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let predictions = Predictions::in_folder(folder.path());
         let search = unlimited(&predictions);
-        let clock = SearchClock::start(&search, "", 1);
+        let clock = SearchClock::start(&search, "", 1, 0);
         let look = (blocks(&scene).unwrap(), 16);
         let film = |edited| predicted(&scene, edited, ("a change", 0), look, &clock).unwrap();
         assert_eq!(film(&edited).width(), 19);

@@ -69,7 +69,8 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         changes: Vec::new(),
         fit: None,
         as_if: None,
-        is_explained: false,
+        cause_is_said: false,
+        search_ended: None,
         detectable: Vec::new(),
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),
@@ -301,6 +302,7 @@ pub fn hostile() -> Sample {
     let film = Film::new(2, 1, vec![[0.25, 0.5, 1.0], [0.5; 3]]);
     let evidence = Evidence {
         conventions_are_open: false,
+        work_of_search: 0,
         golden: Some(film.clone()),
         test: Some(Picture::Radiance(edited(&film, |_, _, pixel| {
             pixel.map(|v| 2.0 * v)
