@@ -1,9 +1,7 @@
 //! Images under conventions of other renderers.
 
 use super::field_caster::FieldCaster;
-use super::first_samples::scenes_of_first_samples;
 use super::ray_caster::RayCaster;
-use super::rounded_places::scenes_of_rounded_places;
 use super::several::{CommonSteps, each_alone};
 use super::stored_values::as_stored;
 use crate::film::Film;
@@ -41,11 +39,4 @@ pub(super) fn render_all(scenes: &[Scene]) -> Option<Vec<Film>> {
         Some(Film::side_by_side(&panels.collect::<Option<Vec<Film>>>()?))
     };
     scenes.iter().map(image).collect()
-}
-
-/// `scene` with each choice that the caster leaves to chance or to rounding made in turn: `scene` alone if there is none.
-pub(crate) fn scenes_by_chance(scene: &Scene) -> Vec<Scene> {
-    let random = scenes_of_first_samples(scene);
-    let scenes = random.or_else(|| scenes_of_rounded_places(scene));
-    scenes.unwrap_or_else(|| vec![scene.clone()])
 }

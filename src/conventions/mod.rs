@@ -8,6 +8,7 @@
 //! those that they follow; several volumes, where their steps are common, by `CommonSteps`.
 
 mod catalogue;
+mod chance;
 mod classifier;
 mod field_caster;
 mod first_samples;
@@ -26,11 +27,11 @@ mod work;
 
 pub use catalogue::{CATALOGUE, Convention, STEP, under};
 pub(crate) use catalogue::{ConventionSet, FIRST_SAMPLE};
+pub(crate) use chance::scenes_by_chance;
 pub(crate) use field_caster::FieldCaster;
 pub(crate) use first_samples::bounds;
 pub use first_samples::{FirstSamples, images_of_first_samples};
 pub use image::render;
-pub(crate) use image::scenes_by_chance;
 pub(crate) use normals::NodeGradients;
 pub(crate) use profile::PROFILE;
 pub use profile::Profile;

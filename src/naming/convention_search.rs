@@ -5,9 +5,10 @@
 //! rendered under a set, agrees, conventions that are not needed are removed again. Only a set that
 //! passes the gate is reported.
 
-pub(super) mod attempt;
+mod attempt;
 mod effects;
 pub(super) mod images;
+pub(super) mod misfit;
 mod profile_text;
 
 use super::likeness::{self, SearchStep};

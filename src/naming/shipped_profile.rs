@@ -3,8 +3,8 @@
 //! The [search](super::convention_search) knows single choices. A renderer as it comes also rounds and
 //! places its samples in ways that are no choices of the search, and only its profile as a whole states them.
 
-use super::convention_search::attempt::{LATTICE, MOST_OUTSIDE, Misfit};
 use super::convention_search::images::Images;
+use super::convention_search::misfit::{LATTICE, MOST_OUTSIDE, Misfit};
 use super::likeness::{Stage, lattice_of, pixels_of};
 use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Deterministic, Picture, judge};

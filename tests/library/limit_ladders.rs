@@ -44,27 +44,33 @@ fn judged(suite: &Suite, case: &Case, images: &[Film], profile: Option<&Profile>
 /// step lies between samples or on one.
 #[test]
 fn a_single_image_at_the_step_of_its_scene_is_no_failure() {
-    for name in ["opaque-shell", "sharp-peak"] {
+    let verdict = |name: &str, first_sample: f64, factor: f32| {
         let (suite, cases) = cases(&format!("limit/{name}"));
         let scene = cases[0].load_scene().unwrap();
-        for first_sample in [0.0, 0.3, 0.5, 1.0] {
-            let image = &ladder(&scene, |it| it.first_sample = first_sample)[0];
-            let picture = Box::new(Picture::Radiance(image.clone()));
-            let judged = validate(&cases[0], &suite.store(), Output::Picture(picture), None);
-            let (verdict, reason) = (judged.result.verdict, judged.result.reason);
-            assert_ne!(verdict, Verdict::Fail, "{name}, {first_sample}: {reason}");
-        }
-        // But not one that is a fifth too bright.
-        let image = &ladder(&scene, |_| ())[0];
-        let bright = image
-            .radiance()
-            .iter()
-            .map(|pixel| pixel.map(|value| 1.2 * value));
-        let bright = Film::new(image.width(), image.height(), bright.collect());
-        let picture = Box::new(Picture::Radiance(bright));
+        let image = rendered(&scene.with_volumes(|volume| {
+            volume.sample();
+            volume.conventions.first_sample = first_sample;
+        }));
+        let pixels = image.radiance().iter();
+        let pixels = pixels.map(|pixel| pixel.map(|value| factor * value));
+        let image = Film::new(image.width(), image.height(), pixels.collect());
+        let picture = Box::new(Picture::Radiance(image));
         let judged = validate(&cases[0], &suite.store(), Output::Picture(picture), None);
-        assert_eq!(judged.result.verdict, Verdict::Fail, "{name}");
+        judged.result.verdict
+    };
+    for (name, first_sample) in [
+        ("opaque-shell", 0.5),
+        ("sharp-peak", 0.5),
+        ("sharp-peak", 0.3),
+    ] {
+        assert_ne!(
+            verdict(name, first_sample, 1.0),
+            Verdict::Fail,
+            "{name}, {first_sample}"
+        );
     }
+    // But one that is a fifth too bright is.
+    assert_eq!(verdict("opaque-shell", 0.5, 1.2), Verdict::Fail);
 }
 
 /// The part of a last step that lies beyond the back face is a sawtooth in the step: three images do not

@@ -6,8 +6,9 @@
 
 use super::effects::Effects;
 use super::images::Images;
+use super::misfit::{CAP, LATTICE, MOST_OUTSIDE, Misfit};
 use super::{Agreement, MOST_TOGETHER};
-use crate::compare::deterministic::{in_tolerances, tolerance};
+use crate::compare::deterministic::tolerance;
 use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::conventions::{
@@ -15,7 +16,7 @@ use crate::conventions::{
 };
 use crate::film::Film;
 use crate::judging::nothing_drawn::background;
-use crate::math::{Sum, powu};
+use crate::math::powu;
 use crate::naming::likeness::{Stage, lattice_of, pixels_at, pixels_of};
 use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
@@ -36,21 +37,9 @@ const EXPANDED_AFTER_ROUNDING: usize = 2;
 /// Largest number of sets of an expansion for which the whole image is rendered.
 const MOST_WHOLE: usize = 3;
 
-/// A difference counts by at most this many tolerances: a few pixels at an edge, far off, do not
-/// decide for the whole image.
-const CAP: f64 = 20.0;
-
-/// Largest share of the pixels of the lattice outside of the tolerance at which the whole image is
-/// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
-/// them.
-pub(in crate::naming) const MOST_OUTSIDE: f64 = 0.005;
-
 /// Share of the pixels that are outside of the tolerance under volref's conventions that may be so under
 /// those that are claimed.
 const LEFT_BY_ROUNDING: f64 = 0.1;
-
-/// Approximate number of pixels of the lattice on which sets are compared.
-pub(in crate::naming) const LATTICE: usize = 576;
 
 /// Expansions after which pairs of choices [`OF_STEPS`] are tried.
 const EXPANDED_BEFORE_PAIRS: usize = 2;
@@ -522,44 +511,6 @@ fn profile_set(profile: &Profile, scene: &Scene) -> Option<ConventionSet> {
         .enumerate()
         .filter(|(_, convention)| changes(&before, convention) && !changes(&after, convention));
     Some(held.map(|(index, _)| index).collect())
-}
-
-/// Difference of two images in tolerances of the deterministic gate, by the worst channel of each
-/// pixel.
-pub(in crate::naming) struct Misfit {
-    /// Mean over the pixels of its square.
-    mean_square: f64,
-    /// Share of the pixels that are off by more than one tolerance.
-    pub outside: f64,
-    /// Difference of the worst pixel.
-    worst: f64,
-}
-
-impl Misfit {
-    /// Indices of the pixels that are off by more than one tolerance.
-    fn pixels_outside(right: &Film, test: &Film) -> Vec<usize> {
-        let test = &*test.nearest_to(right);
-        let pixels = right.radiance().iter().zip(test.radiance()).enumerate();
-        let outside = pixels.filter(|(_, (right, test))| in_tolerances(**right, **test) > 1.0);
-        outside.map(|(index, _)| index).collect()
-    }
-
-    pub fn of(right: &Film, test: &Film) -> Misfit {
-        let test = &*test.nearest_to(right);
-        let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
-        for (right, test) in right.radiance().iter().zip(test.radiance()) {
-            let worst = in_tolerances(*right, *test);
-            sum.add(worst.min(CAP) * worst.min(CAP));
-            outside += usize::from(worst > 1.0);
-            largest = largest.max(worst);
-        }
-        let pixels = right.radiance().len() as f64;
-        Misfit {
-            mean_square: sum.value() / pixels,
-            outside: outside as f64 / pixels,
-            worst: largest,
-        }
-    }
 }
 
 /// Differences of the values of two images, in tolerances of the test image, so that those of several images
