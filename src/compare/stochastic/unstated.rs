@@ -11,7 +11,7 @@ use super::neighbours::correlations;
 use super::{FALSE_ALARM, SHARES};
 use crate::film::Film;
 
-/// Share of the tolerance beyond which a pixel counts as off from the mean difference of its block. Noise of which one
+/// Share of the tolerance beyond which a pixel counts as off from the median difference of its block. Noise of which one
 /// pixel in 5000 exceeds the tolerance, as the deterministic gate allows, has a standard deviation of a quarter of it
 /// (3.7 standard deviations), and two thirds of its pixels are beyond this.
 const OFF: f64 = 0.1;
@@ -41,14 +41,16 @@ fn is_filled(reference: &Film, test: &Film, block: &Block) -> Option<bool> {
         let of = |film: &Film, index: usize| f64::from(film.radiance()[index][c]);
         let difference = |index: usize| of(test, index) - of(reference, index);
         let indices = || block.indices(reference.width());
-        let mean = indices().map(difference).sum::<f64>() / block.pixels() as f64;
+        let mut differences: Vec<f64> = indices().map(difference).collect();
+        differences.sort_by(f64::total_cmp);
+        let median = differences[differences.len() / 2];
         let in_tolerances = |index: usize, from: f64| {
             (difference(index) - from).abs() / tolerance(of(reference, index))
         };
         is_beyond |= indices().any(|index| in_tolerances(index, 0.0) > 1.0);
         most = most.max(
             indices()
-                .filter(|&index| in_tolerances(index, mean) > OFF)
+                .filter(|&index| in_tolerances(index, median) > OFF)
                 .count(),
         );
     }
