@@ -1,11 +1,12 @@
 //! Meshes from Wavefront OBJ files.
 
-use super::polygon::triangles;
+use super::polygon::first_of_fan;
 use super::{Mesh, MeshError, ObjFault, Skipped, Statements, Word};
 use crate::files::regular_file;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
+use tobj::{LoadError, LoadOptions};
 
 /// Largest file read, in bytes: 4 GiB, some hundred million triangles.
 const MOST_BYTES: u64 = 1 << 32;
@@ -14,9 +15,8 @@ impl Mesh {
     /// The mesh in an OBJ file: all its objects and groups together, materials, points and lines
     /// ignored, free-form surfaces refused. Vertices at one position are one.
     ///
-    /// A polygon may be concave, have corners within its edges, and holes that a slit joins to its
-    /// outline. One that is not flat is triangulated as it is seen along the axis nearest to its
-    /// normal; one that crosses itself there is refused.
+    /// A polygon becomes a fan from its first corner whose fan covers it, as seen along the axis nearest to its
+    /// normal. One that no fan covers, or that crosses itself, is refused.
     pub fn load(path: &Path) -> Result<Mesh, MeshError> {
         Mesh::load_hashed(path).map(|(mesh, _)| mesh)
     }
@@ -38,29 +38,44 @@ impl Mesh {
 
     /// The mesh in the text of an OBJ file, as by [`load`](Mesh::load).
     pub fn from_obj(text: &[u8]) -> Result<Mesh, MeshError> {
-        let polygons = Polygons::read(text)?;
+        let plain = PlainObj::of(text)?;
+        let options = LoadOptions {
+            single_index: true,
+            ..LoadOptions::default()
+        };
+        let no_materials = |_: &Path| Err(LoadError::OpenFileFailed);
+        let read = tobj::load_obj_buf(&mut plain.text.as_slice(), &options, no_materials);
+        // Without objects, groups and materials there is one model.
+        let (mut models, _) = read.map_err(|error| ObjFault::in_file(&error.to_string()))?;
+        let model = models.pop().ok_or(MeshError::Empty)?.mesh;
+        let positions: Vec<DVec3> = (model.positions.chunks_exact(3))
+            .map(DVec3::from_slice)
+            .collect();
         let mut welded = Welded::default();
         let mut faces = Vec::new();
         let mut lines = Vec::new();
-        let mut start = 0;
-        for &(end, [line, column]) in &polygons.ends {
-            let corners = polygons.corners[start..end].iter();
-            let corners = corners.map(|&vertex| welded.number(polygons.vertices[vertex]));
-            let mut corners: Vec<usize> = corners.collect();
-            start = end;
+        let mut indices = model.indices.iter().map(|&vertex| vertex as usize);
+        for (polygon, &position) in plain.polygons.iter().enumerate() {
+            // Triangles alone have no list of the numbers of their corners.
+            let count = (model.face_arities.get(polygon)).map_or(3, |&count| count as usize);
+            let corners = indices.by_ref().take(count);
+            let mut corners: Vec<usize> = corners
+                .map(|vertex| welded.number(positions[vertex]))
+                .collect();
             // A corner repeated is one.
             corners.dedup();
             while corners.len() > 1 && corners.first() == corners.last() {
                 corners.pop();
             }
-            let positions: Vec<DVec3> = corners.iter().map(|&it| welded.vertices[it]).collect();
-            let triangles = triangles(&positions).map_err(|message| ObjFault {
-                position: Some([line, column]),
-                message,
+            let places: Vec<DVec3> = corners.iter().map(|&it| welded.vertices[it]).collect();
+            let first = first_of_fan(&places).map_err(|message| ObjFault {
+                position: Some(position),
+                message: message.to_owned(),
             })?;
-            for triangle in triangles {
-                faces.push(triangle.map(|corner| corners[corner]));
-                lines.push(line);
+            corners.rotate_left(first);
+            for at in 2..corners.len() {
+                faces.push([corners[0], corners[at - 1], corners[at]]);
+                lines.push(position[0]);
             }
         }
         Mesh::of_lines(welded.vertices, faces, lines)
@@ -79,19 +94,19 @@ fn format_by_name(path: &Path) -> Option<&'static str> {
     })
 }
 
-/// The polygons of a file, as they stand there.
+/// A file as `tobj` reads it, whatever program wrote it: vertices of three numbers, and polygons by the numbers of
+/// their vertices, each in a line. `tobj` names no line, so that mistakes are found here.
 #[derive(Default)]
-struct Polygons {
-    vertices: Vec<DVec3>,
-    /// Vertices of all polygons, from 0.
-    corners: Vec<usize>,
-    /// The end of each in `corners`, and line and column where it begins.
-    ends: Vec<(usize, [usize; 2])>,
+struct PlainObj {
+    text: Vec<u8>,
+    /// Line and column where each polygon begins in the file.
+    polygons: Vec<[usize; 2]>,
 }
 
-impl Polygons {
-    fn read(text: &[u8]) -> Result<Polygons, MeshError> {
-        let mut polygons = Polygons::default();
+impl PlainObj {
+    fn of(text: &[u8]) -> Result<PlainObj, MeshError> {
+        let mut plain = PlainObj::default();
+        let mut count = 0;
         // Vertices may stand behind the faces that refer to them.
         let mut ahead: Option<(usize, [usize; 2])> = None;
         let mut skipped = Skipped::default();
@@ -102,7 +117,11 @@ impl Polygons {
                 continue;
             };
             match keyword.keyword()? {
-                "v" => polygons.vertices.push(vertex(keyword, values)?),
+                "v" => {
+                    check_vertex(keyword, values)?;
+                    count += 1;
+                    plain.line(b"v", values[..3].iter().map(|word| word.bytes));
+                }
                 "f" => {
                     if values.len() < 3 {
                         return Err(keyword.fault(format!(
@@ -111,17 +130,16 @@ impl Polygons {
                             values.len()
                         )))?;
                     }
-                    let count = polygons.vertices.len();
+                    let mut corners = Vec::new();
                     for word in values {
                         let corner = corner(word, count)?;
-                        if corner >= count && ahead.is_none_or(|(most, _)| corner > most) {
+                        if corner > count && ahead.is_none_or(|(most, _)| corner > most) {
                             ahead = Some((corner, word.position));
                         }
-                        polygons.corners.push(corner);
+                        corners.push(corner.to_string());
                     }
-                    polygons
-                        .ends
-                        .push((polygons.corners.len(), keyword.position));
+                    plain.line(b"f", corners.iter().map(String::as_bytes));
+                    plain.polygons.push(keyword.position);
                 }
                 "surf" => {
                     return Err(keyword.fault(
@@ -133,26 +151,33 @@ impl Polygons {
                 other => skipped.count(other),
             }
         }
-        let count = polygons.vertices.len();
         match ahead {
-            Some((corner, position)) if corner >= count => Err(ObjFault {
+            Some((corner, position)) if corner > count => Err(ObjFault {
                 position: Some(position),
                 message: format!(
-                    "this face refers to vertex {}, but the file has {count}: was it cut off, or \
-                     put together from several files?",
-                    corner + 1
+                    "this face refers to vertex {corner}, but the file has {count}: was it cut off, or \
+                     put together from several files?"
                 ),
             })?,
-            _ if polygons.ends.is_empty() && skipped.is_empty() => Err(MeshError::Empty),
-            _ if polygons.ends.is_empty() => Err(ObjFault::in_file(&format!(
+            _ if plain.polygons.is_empty() && skipped.is_empty() => Err(MeshError::Empty),
+            _ if plain.polygons.is_empty() => Err(ObjFault::in_file(&format!(
                 "the mesh has no faces; beside points this file has {skipped}: export it as polygons"
             )))?,
-            _ => Ok(polygons),
+            _ => Ok(plain),
         }
+    }
+
+    fn line<'w>(&mut self, keyword: &[u8], words: impl Iterator<Item = &'w [u8]>) {
+        self.text.extend(keyword);
+        for word in words {
+            self.text.push(b' ');
+            self.text.extend(word);
+        }
+        self.text.push(b'\n');
     }
 }
 
-fn vertex(keyword: &Word, values: &[Word]) -> Result<DVec3, ObjFault> {
+fn check_vertex(keyword: &Word, values: &[Word]) -> Result<(), ObjFault> {
     let names: &[&str] = match values.len() {
         3 => &["x", "y", "z"],
         4 => &["x", "y", "z", "w"],
@@ -164,24 +189,22 @@ fn vertex(keyword: &Word, values: &[Word]) -> Result<DVec3, ObjFault> {
             )));
         }
     };
-    let mut numbers = [1.0; 7];
-    for ((number, word), name) in numbers.iter_mut().zip(values).zip(names) {
-        *number = word.number(name)?;
+    for (word, name) in values.iter().zip(names) {
+        let number = word.number(name)?;
+        if *name == "w" && number != 1.0 {
+            return Err(word.fault(format!(
+                "w is {number}, and a vertex of a mesh has no weight (a point of a cloud has a density \
+                 there): write x y z alone"
+            )));
+        }
     }
-    let [x, y, z, w, ..] = numbers;
-    if values.len() == 4 && w != 1.0 {
-        return Err(values[3].fault(format!(
-            "w is {w}, and a vertex of a mesh has no weight (a point of a cloud has a density \
-             there): write x y z alone"
-        )));
-    }
-    Ok(DVec3::new(x, y, z))
+    Ok(())
 }
 
-/// The vertex, from 0, that a corner refers to where `count` vertices have been read: `7`, `7/1`, `7//1` or
+/// The vertex, from 1, that a corner refers to where `count` vertices have been read: `7`, `7/1`, `7//1` or
 /// `7/1/1`, or `-1` for the last one.
 fn corner(word: &Word, count: usize) -> Result<usize, ObjFault> {
-    let number = |bytes: &[u8]| std::str::from_utf8(bytes).ok()?.parse::<i64>().ok();
+    let number = |bytes: &[u8]| std::str::from_utf8(bytes).ok()?.parse::<isize>().ok();
     let mut parts = word.bytes.split(|&byte| byte == b'/');
     let vertex = parts.next().and_then(number);
     let is_whole = |part: &[u8]| part.is_empty() || number(part).is_some();
@@ -194,15 +217,13 @@ fn corner(word: &Word, count: usize) -> Result<usize, ObjFault> {
         Some(0) => {
             Err(word.fault("vertex 0 is none: they are counted from 1, or back from -1".to_owned()))
         }
-        Some(vertex @ 1..) => Ok(usize::try_from(vertex - 1).unwrap_or(usize::MAX - 1)),
-        Some(back) => {
-            let back = usize::try_from(back.unsigned_abs()).unwrap_or(usize::MAX);
-            count.checked_sub(back).ok_or_else(|| {
-                word.fault(format!(
-                    "this face refers to the vertex {back} lines back, but there are {count} before it"
-                ))
-            })
-        }
+        Some(vertex @ 1..) => Ok(vertex.unsigned_abs()),
+        Some(back) => (count + 1).checked_add_signed(back).filter(|&it| it > 0).ok_or_else(|| {
+            word.fault(format!(
+                "this face refers to the vertex {} lines back, but there are {count} before it",
+                back.unsigned_abs()
+            ))
+        }),
     }
 }
 

@@ -259,7 +259,7 @@ fn meshes() {
         ),
         (
             b"v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\n\nf 1 2 3 4\n",
-            "mesh.obj:6:1: this polygon crosses itself, at its edge from [1, 0, 0] to [0, 2, 0]: split it",
+            "mesh.obj:6:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate",
         ),
         (
             CUBE.strip_suffix("f 2 4 8 6\n").unwrap().as_bytes(),
