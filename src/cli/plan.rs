@@ -111,7 +111,7 @@ impl<'s> PanelJson<'s> {
     ) -> PanelJson<'s> {
         let panel = plan.panel;
         let mut volumes = volumes(panel).into_iter();
-        let objects = panel.classified().filter(|it| it.has_objects());
+        let objects = panel.classified().filter(|it| !it.objects.is_empty());
         let objects = objects.map(|it| &it.objects);
         let amount = |event: Event| (event.key(), AmountJson::of(expected.of(event)));
         PanelJson {

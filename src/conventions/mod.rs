@@ -35,6 +35,7 @@ pub use image::render;
 pub(crate) use normals::NodeGradients;
 pub(crate) use profile::PROFILE;
 pub use profile::Profile;
+pub(crate) use ray_caster::kept;
 pub use rounded_places::bounds_of_rounded_places;
 pub(crate) use several::{CommonSteps, each_alone};
 pub use stored_values::as_stored;

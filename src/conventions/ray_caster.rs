@@ -436,7 +436,7 @@ impl<'s> RayCaster<'s> {
 }
 
 /// The part of `whole`, a span of `ray`, that `clips` keep, as far as `end`.
-pub(super) fn kept<'c>(
+pub(crate) fn kept<'c>(
     whole: Span,
     end: f64,
     ray: &Ray,

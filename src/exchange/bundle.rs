@@ -4,6 +4,7 @@
 //! Formulas stand beside the numbers they use, and name them by their keys. They are ASCII, so
 //! that they can be read with any editor and pasted into code.
 
+mod clips;
 mod inline_arrays;
 mod modes;
 mod plot;

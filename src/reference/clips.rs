@@ -45,7 +45,12 @@ pub(super) fn span(volumes: &SeveralVolumes, volume: usize, ray: &Ray, end: f64)
     let bounds = alone.grid.lattice().bounds();
     let mut span = bounds.span_of(&in_volume(alone, ray))?;
     span.far = span.far.min(end);
-    for clip in volumes.scene.clips_of(volume) {
+    kept(volumes.scene, volume, ray, span)
+}
+
+/// The part of `span` of `ray` in what the clips of a volume of `scene` keep, if any.
+pub(super) fn kept(scene: &Classified, volume: usize, ray: &Ray, mut span: Span) -> Option<Span> {
+    for clip in scene.clips_of(volume) {
         let kept = match clip.kept {
             Kept::Inside(bounds) => bounds.span(ray)?,
             Kept::Side { point, normal } => on_side(ray, point, normal)?,

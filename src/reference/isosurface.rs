@@ -2,7 +2,7 @@
 //!
 //! A ray passes the surface of the value `c` where it goes from `f < c` to `f ≥ c`, or back. What it passes is
 //! composited front to back, in order of the distance `t`, each surface with a colour and an opacity of its own;
-//! the faces of the volume are no surfaces:
+//! the faces of the volume, and of what clips (`clips.rs`) keep of it, are no surfaces:
 //!
 //! ```text
 //! L = Σ shade(cᵢ) aᵢ Π (1 − aⱼ) over j < i  +  B Π (1 − aⱼ) over all
@@ -19,7 +19,7 @@
 //! `t`, and the normal is turned to the side of the eye, as surfaces have two sides. There is no shadow.
 //!
 //! Without samples (`compositing = "continuous"`) the surfaces are at the roots of the cubic that a trilinear field
-//! is along a ray in a cell: `render::classified::isosurface`.
+//! is along a ray in a cell: `render::classified::modes`.
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Marmitt et al. 2004, "Fast and accurate ray-voxel
 //! intersection techniques for iso-surface ray tracing".

@@ -19,13 +19,16 @@
 //!
 //! The number is shown by the colours of the transfer function, or as a grey by its position in the window; the
 //! attenuated maximum is such a position. A ray that misses the volume shows the background; the volume is opaque.
+//! Clips (`clips.rs`) cut the span, so that two planes leave a slab: `a` and `b` lie where the ray enters and leaves
+//! what they keep.
 //!
 //! Without samples (`compositing = "continuous"`) extrema are those over the whole span, its ends included,
-//! and integrals are exact: `render::classified::projection`. There, too, tests divide the span by brute force.
+//! and integrals are exact: `render::classified::modes`. There, too, tests divide the span by brute force.
 //!
 //! Sources: Wallis et al. 1989, "Three-dimensional display in nuclear medicine" (maximum); Max 1995, "Optical
 //! models for direct volume rendering" (sum); `attenuated_mip` of vispy and napari, with lengths of the world.
 
+use super::clips::kept;
 use super::placement;
 use super::ray_caster::{midpoint, step_count};
 use crate::film::Film;
@@ -94,7 +97,8 @@ pub(super) struct Sample {
 pub(super) fn samples(scene: &Classified, ray: &Ray) -> Vec<Sample> {
     let lattice = scene.grid.lattice();
     let inside = placement::in_volume(scene, ray);
-    let Some(span) = lattice.bounds().span_of(&inside) else {
+    let span = lattice.bounds().span_of(&inside);
+    let Some(span) = span.and_then(|span| kept(scene, 0, ray, span)) else {
         return vec![];
     };
     let line = NodeLine::new(inside, lattice);

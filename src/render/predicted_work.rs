@@ -9,6 +9,7 @@ use super::plan::{FieldKind, Kernel, Plan, RadiativeFeatures, RayCasterFeatures}
 use super::radiative::media::tracked;
 use super::radiative::scene_context::SceneContext;
 use super::radiative::{effects::Everything, segments::MediumSegments};
+use crate::conventions::kept;
 use crate::geometry::{Camera, Ray, Solid, Span, length_of};
 use crate::math::Moments;
 use crate::optics::{Density, Field};
@@ -345,15 +346,20 @@ fn of_integrals(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
 fn of_field(panel: &Panel, scene: &Classified) -> Vec<(Event, Amount)> {
     let field = GridDensity::new(scene.grid.clone(), scene.interpolation);
     let extent = scene.extent();
+    let span_of = |ray: &Ray| kept(extent.span(ray)?, f64::INFINITY, ray, scene.clips_of(0));
     let cells = |ray: &Ray| {
-        let span = extent.span(ray).filter(|span| span.length() > 0.0);
+        let span = span_of(ray).filter(|span| span.length() > 0.0);
         let cells = span.map(|span| field.cubic_segments(extent.line(ray), span).count());
         cells.unwrap_or(0) as u64
     };
     let is_exact = scene.is_exact();
     let of_ray = |ray: &Ray| match is_exact {
         true => [cells(ray), 0],
-        false => [samples(scene, ray), 0],
+        false => {
+            let span = span_of(ray);
+            let count = span.map_or(0, |span| Steps::over(span, scene.step).count());
+            [count as u64, 0]
+        }
     };
     let (part, [lookups, _]) = over_rays(panel, scene.camera, of_ray);
     let bound = if part { Bound::About } else { Bound::Exactly };

@@ -11,9 +11,10 @@ use crate::geometry::{Aabb, length_of};
 use crate::volume::PlacedBox;
 
 impl Classified {
-    /// True if it has volumes after the first, surfaces, clips or modulated opacities.
+    /// True if it composites volumes after the first, surfaces, clips or modulated opacities. Clips of projections
+    /// and isosurfaces shorten rays, and there is nothing to merge.
     pub fn has_objects(&self) -> bool {
-        !self.objects.is_empty()
+        !self.objects.is_empty() && self.mode == Mode::Composited
     }
 
     /// True if a renderer has its conventions: of several objects, only those about them; of one volume among
@@ -180,6 +181,8 @@ impl Classified {
         reader: &Reader,
         names: &[Option<String>],
     ) -> SceneResult<()> {
+        self.check_objects_of_mode(reader)?;
+        self.check_clips(reader, names)?;
         if !self.has_objects() {
             let keys = self.conventions.keys_of_objects();
             if keys.is_empty() {
@@ -192,12 +195,6 @@ impl Classified {
             return Err(reader.mistake("conventions", message, "leave the keys out"));
         }
         for (key, is_refused, what, help) in [
-            (
-                "mode",
-                self.mode != Mode::Composited,
-                "samples are composited",
-                "leave `mode` out, or what stands beside the volume, or modulates it",
-            ),
             (
                 "compositing",
                 reader.has("compositing") && !self.continuous,
@@ -237,7 +234,29 @@ impl Classified {
             return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
         }
         self.check_common_steps()
-            .map_err(|message| reader.error("conventions", message))?;
+            .map_err(|message| reader.error("conventions", message))
+    }
+
+    /// Refuses projections and isosurfaces of more than one volume and clips.
+    fn check_objects_of_mode(&self, reader: &Reader) -> SceneResult<()> {
+        let is_one_volume = self.objects.volumes.is_empty()
+            && self.objects.surfaces.is_empty()
+            && self.objects.modulation.is_none();
+        if self.mode == Mode::Composited || is_one_volume {
+            return Ok(());
+        }
+        let with = if self.objects.are_modulation_alone() {
+            "modulated opacities"
+        } else {
+            "several volumes or surfaces"
+        };
+        let message = format!("with {with} samples are composited");
+        let help =
+            "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
+        Err(reader.mistake("mode", message, help))
+    }
+
+    fn check_clips(&self, reader: &Reader, names: &[Option<String>]) -> SceneResult<()> {
         for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
             self.check_clips_of(index, &alone.extent(), name.as_deref(), reader)?;
         }

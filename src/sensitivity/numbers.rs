@@ -18,7 +18,11 @@ pub fn numbers(scene: &Scene) -> Vec<Number> {
     };
     let mut numbers = match &panel.model {
         Model::Classified(volume) if volume.has_objects() => objects::numbers(volume),
-        Model::Classified(volume) => classified::numbers(volume),
+        Model::Classified(volume) => {
+            let mut numbers = classified::numbers(volume);
+            numbers.extend(objects::clips(volume));
+            numbers
+        }
         Model::Radiative(radiative) => {
             let mut numbers = media::numbers(radiative);
             numbers.extend(surfaces::numbers(radiative));

@@ -875,7 +875,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: several volumes follow these conventions only where they are sampled by common steps help: add `volume_steps = "common"`, or leave the keys out
     broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
-    broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it
+    broken.toml:6:8: with several volumes or surfaces samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it; clips may stay
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:6:1: this volume has no transfer function, and others have one of their own help: give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes without one: an empty table is the formula with its defaults

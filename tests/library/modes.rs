@@ -10,17 +10,17 @@ use std::path::Path;
 use std::sync::Arc;
 use volref::compare::Picture;
 use volref::film::Film;
-use volref::geometry::{Camera, Ray, Span, Transform};
+use volref::geometry::{Camera, Direction, Ray, Span, Transform};
 use volref::judging::{Verdict, validate};
 use volref::math::{exp, ln, pow};
 use volref::naming::{Predictions, Search, likeness};
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::reference;
 use volref::render::classified::modes::ExactField;
-use volref::render::{Event, Sampling, plans, render, render_counted};
+use volref::render::{Bound, Event, Sampling, plans, render, render_counted};
 use volref::scene::{
-    Classified, Conventions, Isosurface, Isosurfaces, LastStep, Mode, Panel, Projected, Projection,
-    Scene, Window,
+    Classified, Clip, Conventions, Isosurface, Isosurfaces, Kept, LastStep, Mode, Panel, Projected,
+    Projection, Scene, Window,
 };
 use volref::sensitivity::number;
 use volref::suite::{Output, Suite};
@@ -341,6 +341,80 @@ fn a_ramp_has_closed_forms() {
     }
 }
 
+/// The slab between two planes of a linear field, at a slant: along a ray it is a line, between its values at the two
+/// planes. By samples in the middle of steps the mean and the sum are the same, and extrema are half a step within.
+#[test]
+fn a_slab_of_a_ramp_has_closed_forms() {
+    let (grid, slope) = ramp();
+    let normal = DVec3::new(0.3, 0.2, 1.0);
+    let planes = [[0.0, 0.0, -0.2], [0.0, 0.0, 0.3]].map(DVec3::from_array);
+    let clips = || {
+        let kept = [(planes[0], normal), (planes[1], -normal)].map(|(point, normal)| Kept::Side {
+            point,
+            normal: Direction::of(normal).unwrap(),
+        });
+        kept.map(|kept| Clip {
+            kept,
+            volumes: None,
+        })
+        .to_vec()
+    };
+    for of in ALL {
+        let mut scene = exact(grid.clone(), Mode::Projection(projection(of)));
+        // Values and their attenuation are those of the window itself.
+        scene.mode = Mode::Projection(Projection {
+            window: Some(Window {
+                low: -2.0,
+                high: 2.0,
+            }),
+            ..projection(of)
+        });
+        scene.objects.clips = clips();
+        let eye = DVec3::new(0.3, 0.2, -4.0);
+        scene.camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.4).unwrap();
+        let seen = image(&scene, 12);
+        scene.continuous = false;
+        scene.step = 0.01;
+        let [fast, plain] = by_both(&scene, 12);
+        assert_eq!(fast, plain, "{of:?}");
+        let mut met = 0;
+        for index in 0..144 {
+            let ray = scene.camera.ray([index % 12, index / 12], [12, 12]);
+            let crossing =
+                |plane: DVec3| (plane - ray.origin).dot(normal) / ray.direction.dot(normal);
+            let [near, far] = {
+                let mut ends = planes.map(crossing);
+                ends.sort_by(f64::total_cmp);
+                ends
+            };
+            // Where both planes are crossed within the box: others end at its faces.
+            let within = |t: f64| ray.at(t).abs().max_element() <= 1.0;
+            if !within(near) || !within(far) || matches!(of, Projected::AttenuatedMaximum(_)) {
+                continue;
+            }
+            met += 1;
+            let [a, b] = [near, far].map(|t| slope.dot(ray.at(t)));
+            let length = far - near;
+            let right = match of {
+                Projected::Maximum => a.max(b),
+                Projected::Minimum => a.min(b),
+                Projected::Mean => 0.5 * (a + b),
+                _ => 0.5 * (a + b) * length,
+            };
+            let grey = |value: f64| ((value + 2.0) / 4.0).clamp(0.0, 1.0);
+            // A pixel has 24 bits. An extremum is off by half a step at most; the last step is shorter.
+            let off = (f64::from(seen.radiance()[index][0]) - grey(right)).abs();
+            assert!(off < 1e-6, "{of:?} {off:e}");
+            let off = (f64::from(fast.radiance()[index][0]) - grey(right)).abs();
+            assert!(off < 0.25 * 0.005 * slope.length() + 1e-6, "{of:?} {off:e}");
+        }
+        assert!(
+            met > 20 || matches!(of, Projected::AttenuatedMaximum(_)),
+            "{met}"
+        );
+    }
+}
+
 /// 1 − |x| on a fine lattice. The interpolant is below the field, which is concave but at its tip, by at most
 /// Σ h²/8 |∂²f| ≤ 3h²/(8r); a ray that meets the ball head on passes it so much earlier or later.
 #[test]
@@ -607,6 +681,7 @@ fn samples_are_those_of_the_plain_renderers() {
                 volref::volume::Interpolation::Nearest,
                 volref::volume::Interpolation::Trilinear,
             ] {
+                let is_trilinear = interpolation == volref::volume::Interpolation::Trilinear;
                 let grid = noise(51, [5, 6, 4]);
                 let lattice = grid.lattice().with_centring(Centring::Cells).unwrap();
                 let grid = Grid::new(lattice, grid.values().to_vec()).unwrap();
@@ -617,12 +692,53 @@ fn samples_are_those_of_the_plain_renderers() {
                     phong: matches!(mode, Mode::Isosurfaces(_)).then_some(PHONG),
                     ..exact(Arc::new(grid), mode.clone())
                 };
-                let whole = Scene::of(panel(scene.clone(), 12));
-                let plain = reference::render(&whole, Sampling::default(), &[true]).unwrap();
-                assert_eq!(image(&scene, 12), plain, "{mode:?}");
+                let [fast, plain] = by_both(&scene, 12);
+                assert_eq!(fast, plain, "{mode:?}");
+                // And what clips keep: they cut the image, and their plans predict the work.
+                let mut clipped = scene.clone();
+                let extent = scene.extent();
+                let centre = extent.in_world(extent.bounds.centre());
+                clipped.objects.clips = [DVec3::new(1.0, 0.4, 0.2), DVec3::new(-0.3, 1.0, -1.0)]
+                    .map(|normal| Clip {
+                        kept: Kept::Side {
+                            point: centre,
+                            normal: Direction::of(normal).unwrap(),
+                        },
+                        volumes: None,
+                    })
+                    .to_vec();
+                let [cut, plain] = by_both(&clipped, 12);
+                assert_eq!(cut, plain, "{mode:?}");
+                assert_ne!(cut, fast, "{mode:?}");
+                for continuous in [false, true]
+                    .into_iter()
+                    .take(1 + usize::from(is_trilinear))
+                {
+                    let whole = Scene::of(panel(
+                        Classified {
+                            continuous,
+                            ..clipped.clone()
+                        },
+                        12,
+                    ));
+                    let plans = plans(&whole);
+                    let predicted = plans[0].predicted_work(Sampling::default());
+                    let counted = render_counted(&plans, Sampling::default(), &|| ()).unwrap();
+                    let exactly = predicted.of(Event::DensityLookup).unwrap();
+                    assert_eq!(exactly.bound, Bound::Exactly);
+                    let lookups = counted.work[0][Event::DensityLookup];
+                    assert_eq!(exactly.count, lookups, "{mode:?}");
+                }
             }
         }
     }
+}
+
+/// The image by the fast renderer, and by the plain one.
+fn by_both(scene: &Classified, side: usize) -> [Film; 2] {
+    let whole = Scene::of(panel(scene.clone(), side));
+    let plain = reference::render(&whole, Sampling::default(), &[true]).unwrap();
+    [image(scene, side), plain]
 }
 
 /// A linear field and its slope: central differences are the slope wherever both neighbours exist.

@@ -1,11 +1,11 @@
 //! Several volumes, surfaces and clips in words and numbers.
 
 use super::RawFiles;
+use super::clips::{CLIP, clip};
 use super::inline_arrays::{Entries, Json};
 use super::shapes::{matrix_or_null, of_mesh, of_shape};
 use super::volume::{SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
-use crate::geometry::Aabb;
-use crate::scene::{Classified, Clip, Kept, Modulation, OpaqueSurface};
+use crate::scene::{Classified, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
 pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
@@ -72,21 +72,6 @@ fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut RawFiles) -> J
     ])
 }
 
-fn clip(clip: &Clip) -> Json {
-    Json::Object(match clip.kept {
-        Kept::Side { point, normal } => vec![
-            ("kind", "plane".into()),
-            ("point", point.to_array().into()),
-            ("normal", normal.to_array().into()),
-        ],
-        Kept::Inside(Aabb { min, max }) => vec![
-            ("kind", "box".into()),
-            ("min", min.to_array().into()),
-            ("max", max.to_array().into()),
-        ],
-    })
-}
-
 fn surface(surface: &OpaqueSurface) -> Json {
     let (mut entries, to_world) = of_shape(&surface.shape, of_mesh);
     entries.extend([
@@ -102,10 +87,6 @@ const SURFACE: &str = "surfaces are opaque. With a matrix, the point q of a shap
     nearest surface that a ray meets, at t = t_hit, ends it: every t1 is at most t_hit, and colour, shaded by \
     phong with n the normal on the side that is seen and times the share v of the light, stands in the place of \
     the background";
-
-const CLIP: &str = "of a volume only that is left which all its clips (numbers in the list, from 0) keep: the \
-    points p with normal.(p - point) > 0 of a plane, or the inside of a box. t0 and t1 are where a ray \
-    enters and leaves what is left, and steps are counted from there, on rays towards the light, too";
 
 const SHADOW: &str = "the share v of the light that arrives at a sample or at a surface is the product of the \
     shares of all volumes, each with t0 where the ray towards the light enters what is left of it, 0 if \

@@ -1,5 +1,6 @@
 //! A classified volume in words and numbers.
 
+use super::clips::{CLIP, clip};
 use super::inline_arrays::{Entries, Json};
 use super::shapes::matrix;
 use super::{modes, points};
@@ -27,6 +28,10 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     ];
     entries.extend(look(scene, formula));
     entries.push(("light", or_null(is_lit.then(|| light(scene.light)))));
+    if !scene.objects.clips.is_empty() {
+        let clips = scene.objects.clips.iter().map(clip).collect();
+        entries.extend([("clips", Json::List(clips)), ("clip", CLIP.into())]);
+    }
     match mode {
         Some(mode) => entries.push(("mode", Json::Object(mode))),
         None => entries.extend([

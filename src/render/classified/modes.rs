@@ -14,7 +14,7 @@
 //! Source: Marmitt et al. 2004, "Fast and accurate ray-voxel intersection techniques for iso-surface ray tracing".
 
 use super::conventional::count;
-use crate::conventions::{FieldCaster, RayWork};
+use crate::conventions::{FieldCaster, RayWork, kept};
 use crate::geometry::{Ray, Span};
 use crate::math::{Sum, exp, polynomial, sign_changes};
 use crate::render::counters::{Event, Work};
@@ -49,7 +49,7 @@ pub(in crate::render) fn cast<W: Work>(
 
 /// The field of a scene along rays.
 pub struct ExactField<'s> {
-    mode: &'s Mode,
+    scene: &'s Classified,
     field: GridDensity,
     extent: PlacedBox,
     /// Least and largest value of the field, which rounding may carry a cubic out of.
@@ -60,7 +60,7 @@ impl<'s> ExactField<'s> {
     /// That of `scene`.
     pub fn new(scene: &'s Classified) -> ExactField<'s> {
         ExactField {
-            mode: &scene.mode,
+            scene,
             field: GridDensity::new(scene.grid.clone(), scene.interpolation),
             extent: scene.extent(),
             range: scene.grid.range(),
@@ -77,7 +77,7 @@ impl<'s> ExactField<'s> {
         let (segments, span) = self.segments(ray);
         work.count_times(Event::CellWalked, segments.len() as u64);
         work.count_times(Event::DensityLookup, segments.len() as u64);
-        let pixel = match self.mode {
+        let pixel = match &self.scene.mode {
             Mode::Composited => unreachable!("composited samples have kernels of their own"),
             Mode::Projection(projection) => {
                 let number = self.number(projection, &segments, span);
@@ -102,9 +102,12 @@ impl<'s> ExactField<'s> {
         self.passed(surfaces, &self.segments(ray).0)
     }
 
-    /// The field along `ray`, and its span in the volume: no segments where it has no length.
+    /// The field along `ray`, and its span in what clips keep of the volume: no segments where it has no length.
     fn segments(&self, ray: &Ray) -> (Vec<CubicSegment>, Span) {
-        let span = self.extent.span(ray).unwrap_or(Span::new(0.0, 0.0));
+        let clips = self.scene.clips_of(0);
+        let span = self.extent.span(ray);
+        let span = span.and_then(|whole| kept(whole, f64::INFINITY, ray, clips));
+        let span = span.unwrap_or(Span::new(0.0, 0.0));
         if span.length() == 0.0 {
             return (vec![], span);
         }

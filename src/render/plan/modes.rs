@@ -2,6 +2,7 @@
 
 use super::EffectFinding::{self, Absent, Matters, NotAsked, Null};
 use super::classified::early_termination;
+use super::several::idle_clips;
 use super::{Decisions, Effect, Estimator, Kernel, Method, Plan, Reason};
 use crate::scene::{
     Classified, Isosurface, Isosurfaces, KeyLines, Mode, Panel, Projected, Projection, Window,
@@ -24,28 +25,35 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         .into_iter()
         .any(|effect| decisions.is_on(effect));
     let because = |field: &str, reason: String| Reason::of(field, reason, key_lines);
+    let clipped = match scene.objects.clips.len() {
+        0 => String::new(),
+        1 => ", within what 1 clip keeps".to_owned(),
+        count => format!(", within what {count} clips keep"),
+    };
     let (kernel, method, why) = if !is_seen {
         let why = because(SURFACES, unseen(scene));
         (Kernel::Background(scene), Method::Background, why)
     } else if scene.is_exact() {
-        let reason = "exact values are asked for, without samples";
+        let reason = format!("exact values are asked for, without samples{clipped}");
         (
             Kernel::Field(scene),
             Method::ClosedForm,
-            because(COMPOSITING, reason.to_owned()),
+            because(COMPOSITING, reason),
         )
     } else {
-        let reason = "the field is sampled one step apart";
+        let reason = format!("the field is sampled one step apart{clipped}");
         (
             Kernel::Field(scene),
             Method::RayCasting,
-            because("classified.step", reason.to_owned()),
+            because("classified.step", reason),
         )
     };
     Plan {
         panel,
         approximations: early_termination(scene, key_lines).into_iter().collect(),
-        warnings: warnings(scene, &decisions, key_lines),
+        warnings: (warnings(scene, &decisions, key_lines).into_iter())
+            .chain(idle_clips(scene, key_lines))
+            .collect(),
         estimator: Estimator { method, why },
         decisions: decisions.0,
         kernel,

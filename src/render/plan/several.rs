@@ -48,7 +48,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
 }
 
 /// Warnings of clips that keep all of what they are for.
-fn idle_clips(scene: &Classified, key_lines: &KeyLines) -> impl Iterator<Item = Reason> {
+pub(super) fn idle_clips(scene: &Classified, key_lines: &KeyLines) -> impl Iterator<Item = Reason> {
     scene.clips_that_cut_nothing().map(|number| {
         let message = "this clip cuts nothing: all of its volumes is on the side that it keeps";
         Reason::of(format!("{CLIP}[{number}]"), message, key_lines)

@@ -31,8 +31,16 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
             surface.into_iter().for_each(|it| it.colour *= 1.0 + change);
         })]
     }));
+    numbers.extend(clips(scene));
+    numbers.extend(classified::shared(scene));
+    numbers
+}
+
+/// Numbers of each clip plane.
+pub(super) fn clips(scene: &Classified) -> impl Iterator<Item = Number> {
+    let clips = &scene.objects.clips;
     let step = OFFSET_STEP * scene.diagonal();
-    numbers.extend(of_each(objects.clips.len(), |index| {
+    of_each(clips.len(), move |index| {
         let offset = Number::new(&OFFSET, step, move |panel, change| {
             if let Model::Classified(scene) = &mut panel.model
                 && let Some(clip) = scene.objects.clips.get_mut(index)
@@ -44,9 +52,7 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
             Some(())
         });
         // A box has no normal.
-        let is_plane = matches!(objects.clips[index].kept, Kept::Side { .. });
+        let is_plane = matches!(clips[index].kept, Kept::Side { .. });
         is_plane.then_some(offset).into_iter().collect()
-    }));
-    numbers.extend(classified::shared(scene));
-    numbers
+    })
 }

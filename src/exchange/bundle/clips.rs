@@ -1,0 +1,26 @@
+//! Clips of volumes in words and numbers.
+
+use super::inline_arrays::Json;
+use crate::geometry::Aabb;
+use crate::scene::{Clip, Kept};
+
+/// The plane or box of a clip.
+pub(super) fn clip(clip: &Clip) -> Json {
+    Json::Object(match clip.kept {
+        Kept::Side { point, normal } => vec![
+            ("kind", "plane".into()),
+            ("point", point.to_array().into()),
+            ("normal", normal.to_array().into()),
+        ],
+        Kept::Inside(Aabb { min, max }) => vec![
+            ("kind", "box".into()),
+            ("min", min.to_array().into()),
+            ("max", max.to_array().into()),
+        ],
+    })
+}
+
+/// What clips keep.
+pub(super) const CLIP: &str = "of a volume only that is left which all its clips (numbers in the list, from 0) keep: the \
+    points p with normal.(p - point) > 0 of a plane, or the inside of a box. t0 and t1 are where a ray \
+    enters and leaves what is left, and steps are counted from there, on rays towards the light, too";
