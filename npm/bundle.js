@@ -183,9 +183,9 @@ export class Bundle {
     return this.panel.ray.eye;
   }
 
-  /** Direction of the view, of length 1, as are `right` and `up`. */
+  /** Direction of the line of sight, perpendicular to the image, of length 1, as are `right` and `up`. */
   get forward() {
-    return this.panel.ray.forward;
+    return this.panel.ray.axis ?? this.panel.ray.forward;
   }
 
   get right() {
@@ -196,8 +196,10 @@ export class Bundle {
     return unit(this.panel.ray.half_up);
   }
 
-  /** Vertical field of view in degrees, of rays from one point. */
+  /** Vertical field of view in degrees, of rays from one point. Refuses a camera of which it does not say where they go:
+   * `projection` does. */
   get fieldOfView() {
+    if (this.panel.ray.axis) refuse('a camera whose image lies beside its axis, or whose pixels are not square');
     return (2 * Math.atan(length(this.panel.ray.half_up)) * 180) / Math.PI;
   }
 
@@ -252,6 +254,15 @@ export class Bundle {
     const depth = 1 / (near - far);
     const scale = this.isParallel ? 2 / this.parallelHeight : 1 / length(this.panel.ray.half_up);
     const [x, y] = [(scale * height) / width, scale];
+    const { axis, forward, half_right, half_up } = this.panel.ray;
+    if (axis) {
+      const ratios = [width / height, 1];
+      const [[right, across], [up, along]] = [half_right, half_up].map((half, k) => [
+        dot(forward, axis) / length(half) / ratios[k],
+        dot(forward, half) / length(half) ** 2 / ratios[k],
+      ]);
+      return [right, 0, 0, 0, 0, up, 0, 0, across, along, (far + near) * depth, -1, 0, 0, 2 * far * near * depth, 0];
+    }
     if (this.isParallel) return [x, 0, 0, 0, 0, y, 0, 0, 0, 0, 2 * depth, 0, 0, 0, (far + near) * depth, 1];
     return [x, 0, 0, 0, 0, y, 0, 0, 0, 0, (far + near) * depth, -1, 0, 0, 2 * far * near * depth, 0];
   }

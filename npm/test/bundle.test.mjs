@@ -11,6 +11,7 @@ const CASES = [
   'sampled/from-within',
   'sampled/column',
   'scenes/sheared',
+  'scenes/off-centre',
 ];
 
 const near = (a, b, tolerance = 1e-9) => {

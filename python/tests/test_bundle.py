@@ -29,7 +29,10 @@ def rays(bundle):
     return origins, directions / np.linalg.norm(directions, axis=2, keepdims=True)
 
 
-@pytest.mark.parametrize("name", ["figures/figure-3", "limit/orthographic", "scenes/turned", "limit/eye-inside"])
+@pytest.mark.parametrize(
+    "name",
+    ["figures/figure-3", "limit/orthographic", "scenes/turned", "limit/eye-inside", "scenes/off-centre"],
+)
 def test_points_of_a_ray_are_projected_to_its_pixel(read, name):
     bundle = read(name)
     (width, height), (near, far) = bundle.size, bundle.near_and_far

@@ -309,8 +309,9 @@ class Bundle:
 
     @property
     def forward(self) -> NDArray[np.float64]:
-        """The unit vector along the middle of the view."""
-        return np.array(self._seen["ray"]["forward"])
+        """The unit vector along the line of sight, perpendicular to the image."""
+        ray = self._seen["ray"]
+        return np.array(ray.get("axis", ray["forward"]))
 
     @property
     def up(self) -> NDArray[np.float64]:
@@ -329,7 +330,10 @@ class Bundle:
 
     @property
     def field_of_view(self) -> float | None:
-        """The vertical field of view in degrees, unless rays are parallel."""
+        """The vertical field of view in degrees, unless rays are parallel. Raises Refusal where that does not say
+        where they go: :attr:`projection` does."""
+        if "axis" in self._seen["ray"]:
+            refuse("a camera whose image lies beside its axis, or whose pixels are not square")
         return None if self.parallel_height else float(2 * np.degrees(np.arctan(self._half_height)))
 
     @property
@@ -359,6 +363,13 @@ class Bundle:
         """From the eye to clip coordinates, 4 x 4, as in OpenGL: y up, depths from -1 at :attr:`near_and_far` to 1."""
         (width, height), (near, far), half = self.size, self.near_and_far, self._half_height
         matrix = np.diag([height / width / half, 1 / half, 0.0, 0.0])
+        if "axis" in self._seen["ray"]:
+            ray = self._seen["ray"]
+            halves, middle = np.array([ray["half_right"], ray["half_up"]]), np.array(ray["forward"])
+            lengths = np.linalg.norm(halves, axis=1)
+            scales = middle @ self.forward / lengths / [width / height, 1]
+            matrix[[0, 1], [0, 1]] = scales
+            matrix[:2, 2] = halves @ middle / lengths**2 / [width / height, 1]
         if self.parallel_height:
             matrix[2:, 2:] = [[-2 / (far - near), -(far + near) / (far - near)], [0, 1]]
         else:

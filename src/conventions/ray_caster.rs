@@ -338,7 +338,7 @@ impl<'s> RayCaster<'s> {
         let axes = [
             camera.half_right().normalize(),
             camera.half_up().normalize(),
-            -*camera.forward(),
+            -*camera.axis(),
         ];
         let components = DVec3::from_array(axes.map(|axis| gradient.dot(axis)));
         let mapped = match &self.scene.to_world {
@@ -455,7 +455,7 @@ pub(super) fn near_depth(scene: &Classified) -> f64 {
         return 0.0; // however far a corner is
     }
     let (camera, extent) = (&scene.camera, voxel_extent(scene));
-    let depth = |corner| (extent.in_world(corner) - camera.eye()).dot(*camera.forward());
+    let depth = |corner| (extent.in_world(corner) - camera.eye()).dot(*camera.axis());
     let depths = extent.bounds.corners().map(depth);
     scene.conventions.near_plane * depths.into_iter().fold(0.0, f64::max)
 }
@@ -465,7 +465,7 @@ pub(super) fn behind(depth: f64, span: Span, ray: &Ray, scene: &Classified) -> O
     if depth == 0.0 {
         return Some(span);
     }
-    let near = depth / ray.direction.dot(*scene.camera.forward());
+    let near = depth / ray.direction.dot(*scene.camera.axis());
     (near <= span.far).then_some(Span::new(span.near.max(near), span.far))
 }
 

@@ -35,8 +35,8 @@ impl<'s> ExportScene<'s> {
         gap: fn(f64) -> f64,
         faults: &mut Faults,
     ) -> ExportScene<'s> {
-        let view = ExportView::of(&scene.camera);
         let size = [panel.width, panel.height];
+        let view = ExportView::of(&scene.camera, size);
         let [width, height] = size.map(|pixels| pixels as f64);
         // Between its corners a picture holds no other directions than theirs, mixed.
         let sight = [

@@ -26,7 +26,7 @@ use super::refusal::Faults;
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::film::CHANNELS;
-use crate::geometry::{Aabb, Direction, Transform};
+use crate::geometry::{Aabb, Direction, Intrinsics, Transform};
 use crate::optics::{Light, Material, Phase, Sides};
 use crate::scene::{Panel, Radiative};
 use crate::volume::Interpolation;
@@ -51,6 +51,17 @@ fn gap(reach: f64) -> f64 {
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
     let export = ExportScene::of(panel, scene, gap, &mut faults);
+    if let Some(Intrinsics {
+        focal_lengths: [x, y],
+        ..
+    }) = export.view.intrinsics
+        && (x - y).abs() > 1e-6 * y
+    {
+        faults.add(
+            "camera",
+            "pixels that are not square: give `fl_x` and `fl_y` one value",
+        );
+    }
     if export.reach < SMALLEST {
         let what = format!(
             "coordinates of at most {}: Mitsuba's rays start 9e-5 off a surface; choose a smaller \
@@ -172,7 +183,16 @@ impl MitsubaWriter<'_> {
         let (kind, mut sensor) = match view.orthographic_height {
             None => {
                 let fov = typed("float", "fov", view.vertical_fov);
-                ("perspective", vec![fov, typed("string", "fov_axis", "y")])
+                let mut sensor = vec![fov, typed("string", "fov_axis", "y")];
+                if let Some(Intrinsics { centre: [x, y], .. }) = view.intrinsics {
+                    // Fractions of the film that are added to a place in it.
+                    let offsets = [
+                        ("principal_point_offset_x", 0.5 - x / panel.width as f64),
+                        ("principal_point_offset_y", 0.5 - y / panel.height as f64),
+                    ];
+                    sensor.extend(offsets.map(|(name, offset)| typed("float", name, offset)));
+                }
+                ("perspective", sensor)
             }
             Some(_) => ("orthographic", vec![]),
         };

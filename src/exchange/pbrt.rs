@@ -304,12 +304,29 @@ impl PbrtWriter<'_, '_> {
             let around = export.nested_media.list[at].name();
             self.line(&format!("MediumInterface \"\" \"{around}\""));
         }
-        let camera = match view.orthographic_height {
-            None => {
+        let camera = match (view.orthographic_height, view.intrinsics) {
+            (None, Some(intrinsics)) => {
+                // With a right angle a window is that at distance 1.
+                let [across, along] = intrinsics.focal_lengths;
+                let [x, y] = intrinsics.centre;
+                let [width, height] = [panel.width, panel.height].map(|pixels| pixels as f64);
+                let window = [
+                    -x / across,
+                    (width - x) / across,
+                    (y - height) / along,
+                    y / along,
+                ];
+                let window = window.map(number).join(" ");
+                format!(
+                    "Camera \"perspective\" {} \"float screenwindow\" [ {window} ]",
+                    float("fov", 90.0)
+                )
+            }
+            (None, None) => {
                 let fov = view.shorter_fov(panel.width, panel.height);
                 format!("Camera \"perspective\" {}", float("fov", fov))
             }
-            Some(height) => {
+            (Some(height), _) => {
                 let half = 0.5 * height;
                 let half_width = half * panel.width as f64 / panel.height as f64;
                 let window = [-half_width, half_width, -half, half].map(number).join(" ");

@@ -1,6 +1,6 @@
 //! The camera, in the parameters of other renderers.
 
-use crate::geometry::{Camera, Direction, Ray};
+use crate::geometry::{Camera, Direction, Intrinsics, Ray};
 use crate::math::atan2;
 use glam::DVec3;
 
@@ -12,22 +12,31 @@ pub(super) struct ExportView {
     pub target: DVec3,
     /// The direction that points up in the image, perpendicular to the line of sight.
     pub up: DVec3,
-    /// Full angle from the top to the bottom edge of the image, degrees; 0 for parallel rays.
+    /// Full angle from the top to the bottom edge of an image in the middle, degrees; 0 for parallel rays.
     pub vertical_fov: f64,
     /// Height of the image of parallel rays, world units.
     pub orthographic_height: Option<f64>,
+    /// What an angle does not say: an image beside the axis, or pixels that are not square.
+    pub intrinsics: Option<Intrinsics>,
 }
 
 impl ExportView {
-    /// That of `camera`.
-    pub(super) fn of(camera: &Camera) -> ExportView {
+    /// That of `camera`, of an image of this size.
+    pub(super) fn of(camera: &Camera, size: [usize; 2]) -> ExportView {
+        let intrinsics = camera.intrinsics(size).filter(|_| !camera.is_centred());
+        let intrinsics = intrinsics.map(|it| Intrinsics {
+            focal_lengths: it.focal_lengths.map(rounded),
+            centre: it.centre.map(rounded),
+        });
+        let half_fov = intrinsics.map(|it| atan2(0.5 * size[1] as f64, it.focal_lengths[1]));
         ExportView {
             eye: camera.eye(),
-            target: ahead(camera.eye(), camera.forward()),
+            target: ahead(camera.eye(), camera.axis()),
             // Zeros without a sign.
             up: *camera.upright() + DVec3::ZERO,
             orthographic_height: camera.orthographic_height(),
-            vertical_fov: degrees(camera.vertical_fov()),
+            vertical_fov: degrees(half_fov.map_or(camera.vertical_fov(), |half| 2.0 * half)),
+            intrinsics,
         }
     }
 
@@ -61,7 +70,11 @@ pub(super) fn ahead(origin: DVec3, direction: Direction) -> DVec3 {
 /// Degrees, to fourteen digits: what conversions to radians and back have left of a round number is
 /// round again.
 pub(super) fn degrees(radians: f64) -> f64 {
-    let digits = format!("{:.13e}", radians.to_degrees());
+    rounded(radians.to_degrees())
+}
+
+fn rounded(number: f64) -> f64 {
+    let digits = format!("{number:.13e}");
     digits.parse().expect("a number is read back")
 }
 
@@ -74,7 +87,7 @@ mod tests {
         let eye = DVec3::new(0.0, 4.0, -11.5);
         let target = DVec3::new(0.0, 3.9, 5.0);
         let camera = Camera::new(eye, target, DVec3::Y, 37_f64.to_radians()).unwrap();
-        let view = ExportView::of(&camera);
+        let view = ExportView::of(&camera, [4, 3]);
         assert_eq!(view.eye, eye);
         // Unit vectors, a few roundings each.
         let forward = (target - eye).normalize();
@@ -86,7 +99,7 @@ mod tests {
         assert_eq!(view.shorter_fov(4, 3), view.vertical_fov);
         // Where 1 is less than a rounding of the eye to 32 bits, the target is no less another point.
         let far = Camera::new(1e12 * eye, 1e12 * target, DVec3::Y, 37_f64.to_radians()).unwrap();
-        let far = ExportView::of(&far);
+        let far = ExportView::of(&far, [4, 3]);
         let rounded = far.target.as_vec3() - far.eye.as_vec3();
         assert!((rounded.as_dvec3().normalize() - forward).length() < 1e-6);
         // Half as wide as high: half the tangent.
@@ -95,6 +108,6 @@ mod tests {
         assert!((half - expected).abs() < 1e-13);
         // An angle that rounding makes of nothing else.
         let narrow = Camera::new(eye, target, DVec3::Y, 1e-20_f64.to_radians()).unwrap();
-        assert_eq!(ExportView::of(&narrow).vertical_fov, 1e-20);
+        assert_eq!(ExportView::of(&narrow, [4, 3]).vertical_fov, 1e-20);
     }
 }

@@ -14,10 +14,13 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
+    /// Along the line of sight, perpendicular to the image.
+    axis: Direction,
+    /// To the centre of the image: the axis, unless the image lies beside it.
     forward: Direction,
     upright: Direction,
-    /// Half the height of the image plane, along the image's two axes: at distance 1, or at the eye
-    /// of an orthographic camera.
+    /// Half the height of the image plane, along the image's two axes: where its centre is at distance 1,
+    /// or at the eye of an orthographic camera.
     half_right: DVec3,
     half_up: DVec3,
     projection: Projection,
@@ -41,7 +44,30 @@ pub enum CameraError {
     /// `up` is zero or parallel to the viewing direction.
     #[error("`up` must not be zero or parallel to the viewing direction")]
     NoUpright,
+    /// The last row of a matrix makes no affine map of it.
+    #[error("the last row of `matrix` is {0:?}, and must be [0, 0, 0, 1]")]
+    LastRow([f64; 4]),
+    /// The columns of a matrix are no axes.
+    #[error(
+        "the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other"
+    )]
+    NotRigid,
 }
+
+/// Lengths of an image in its pixels: where its axis meets it, and how far away it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Focal lengths by widths and by heights of pixels, > 0.
+    pub focal_lengths: [f64; 2],
+    /// The point on the axis, from the upper left corner to the right and down.
+    pub centre: [f64; 2],
+}
+
+/// How far the columns of a matrix may be from perpendicular axes of length 1, in their products.
+///
+/// A number that is written with four decimals is off by up to 5e-5. Then the product of two columns, of which each
+/// adds up to √3 at most, is off by up to 2 √3 · 5e-5 = 1.8e-4.
+const NOT_RIGID: f64 = 2e-4;
 
 impl Camera {
     /// A camera at `eye` looking at `target`. `vertical_fov` is the full angle from the top to
@@ -68,6 +94,55 @@ impl Camera {
         Camera::towards(eye, target, up, 0.5 * height, Projection::Orthographic)
     }
 
+    /// A camera by its map into the world, row by row, of an image of this `size`, in pixels. The columns are the
+    /// directions right and up in the image and backward, and the eye: the axes of OpenGL. The ray of the pixel
+    /// (i, j) is the image of
+    ///
+    /// ```text
+    /// ((i + ½ − cx) / fl_x, −(j + ½ − cy) / fl_y, −1)
+    /// ```
+    ///
+    /// as in the `transforms.json` of NeRF (Mildenhall et al. 2020). The matrix is used as it stands, its digits too.
+    pub fn of_matrix(
+        rows: [[f64; 4]; 4],
+        intrinsics: Intrinsics,
+        [width, height]: [usize; 2],
+    ) -> Result<Camera, CameraError> {
+        if rows[3] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(CameraError::LastRow(rows[3]));
+        }
+        let column = |at: usize| DVec3::new(rows[0][at], rows[1][at], rows[2][at]);
+        let [right, up, backward, eye] = [0, 1, 2, 3].map(column);
+        let is_product = |a: DVec3, b: DVec3, of: f64| (a.dot(b) - of).abs() <= NOT_RIGID;
+        let is_rigid = [right, up, backward].iter().all(|&a| is_product(a, a, 1.0))
+            && is_product(right, up, 0.0)
+            && is_product(up, backward, 0.0)
+            && is_product(backward, right, 0.0)
+            && right.cross(up).dot(backward) > 0.0;
+        let axis = Direction::of(-backward).filter(|_| is_rigid);
+        let axis = axis.ok_or(CameraError::NotRigid)?;
+        let upright = Direction::of(up - *axis * up.dot(*axis)).ok_or(CameraError::NotRigid)?;
+        let [width, height] = [width, height].map(|pixels| pixels as f64);
+        let Intrinsics {
+            focal_lengths: [across, along],
+            centre: [x, y],
+        } = intrinsics;
+        let [half_right, half_up] = [right * (0.5 * height / across), up * (0.5 * height / along)];
+        let beside = [width - 2.0 * x, height - 2.0 * y].map(|pixels| pixels / height);
+        let centre = half_right * beside[0] - half_up * beside[1] - backward;
+        let mut camera = Camera {
+            eye,
+            axis,
+            forward: axis,
+            upright,
+            half_right,
+            half_up,
+            projection: Projection::Perspective,
+        };
+        camera.look_at(centre);
+        Ok(camera)
+    }
+
     fn towards(
         eye: DVec3,
         target: DVec3,
@@ -81,6 +156,7 @@ impl Camera {
         let upright = Direction::unit(right.cross(*forward));
         Ok(Camera {
             eye,
+            axis: forward,
             forward,
             upright,
             half_right: right * half,
@@ -104,8 +180,33 @@ impl Camera {
         self.is_orthographic().then(|| 2.0 * self.half_up.length())
     }
 
-    /// The full angle from the top to the bottom edge of the image, in radians; 0 of an orthographic
-    /// camera.
+    /// Whether a field of view says where its rays go: its centre is on the axis, and its pixels are square, to a
+    /// thousandth of a pixel in an image of a thousand.
+    pub fn is_centred(&self) -> bool {
+        let [right, up] = [self.half_right.length(), self.half_up.length()];
+        (*self.forward - *self.axis).length() <= 1e-6 * up && (right - up).abs() <= 1e-6 * up
+    }
+
+    /// The intrinsics of an image of this `size`; of parallel rays none.
+    pub fn intrinsics(&self, [width, height]: [usize; 2]) -> Option<Intrinsics> {
+        if self.is_orthographic() {
+            return None;
+        }
+        let [right, up] = [self.half_right.length(), self.half_up.length()];
+        let half = 0.5 * height as f64;
+        let distance = half * self.forward.dot(*self.axis);
+        let beside = [self.half_right / right, -self.half_up / up].map(|to| self.forward.dot(to));
+        Some(Intrinsics {
+            focal_lengths: [distance / right, distance / up],
+            centre: [
+                0.5 * width as f64 - half * beside[0] / right,
+                half - half * beside[1] / up,
+            ],
+        })
+    }
+
+    /// The full angle from the top to the bottom edge of the image, in radians; only nearly so where its centre
+    /// lies beside the axis, and 0 of an orthographic camera.
     pub fn vertical_fov(&self) -> f64 {
         match self.projection {
             Projection::Perspective => 2.0 * math::atan2(self.half_up.length(), 1.0),
@@ -113,13 +214,26 @@ impl Camera {
         }
     }
 
-    /// This camera with an image plane `factor` times as large.
+    /// This camera with an image plane `factor` times as large, about the axis.
     pub(crate) fn with_image_scaled(&self, factor: f64) -> Camera {
-        Camera {
+        let mut scaled = Camera {
             half_right: self.half_right * factor,
             half_up: self.half_up * factor,
             ..*self
+        };
+        if self.forward != self.axis {
+            let ahead = *self.axis * self.axis.dot(*self.forward);
+            scaled.look_at(ahead + (*self.forward - ahead) * factor);
         }
+        scaled
+    }
+
+    /// Puts the centre of the image there, from the eye, in its plane.
+    fn look_at(&mut self, centre: DVec3) {
+        let length = centre.length();
+        self.forward = Direction::unit(centre / length);
+        self.half_right /= length;
+        self.half_up /= length;
     }
 
     /// This camera with another [`Camera::vertical_fov`], in (0, π); an orthographic one has none and
@@ -142,9 +256,7 @@ impl Camera {
 
     /// This camera with its image plane shifted, so that all that is seen lies further right and down
     /// in the image by these fractions of its height. The rays are those of other points of the same
-    /// plane; [`Camera::forward`] then is the direction through the new centre, no longer
-    /// perpendicular to the plane, and [`Camera::vertical_fov`] only nearly the angle. Of an
-    /// orthographic camera the eye moves in its plane.
+    /// plane. Of an orthographic camera the eye moves in its plane.
     pub fn with_image_moved(&self, [right, down]: [f64; 2]) -> Camera {
         if self.is_orthographic() {
             let centre = self.half_up * (2.0 * down) - self.half_right * (2.0 * right);
@@ -154,16 +266,17 @@ impl Camera {
             };
         }
         let centre = *self.forward - self.half_right * (2.0 * right) + self.half_up * (2.0 * down);
-        let length = centre.length();
-        Camera {
-            forward: Direction::unit(centre / length),
-            half_right: self.half_right / length,
-            half_up: self.half_up / length,
-            ..*self
-        }
+        let mut moved = *self;
+        moved.look_at(centre);
+        moved
     }
 
-    /// Up direction of the image, perpendicular to [`Camera::forward`].
+    /// Direction of the line of sight, perpendicular to the image: that of depth.
+    pub fn axis(&self) -> Direction {
+        self.axis
+    }
+
+    /// Up direction of the image, perpendicular to [`Camera::axis`].
     pub fn upright(&self) -> Direction {
         self.upright
     }
@@ -173,8 +286,8 @@ impl Camera {
         self.forward
     }
 
-    /// Vector to the right in the image plane, at distance 1 or that of an orthographic camera, as long
-    /// as half the image's height.
+    /// Vector to the right in the image plane, whose centre is at distance 1, or that of an orthographic
+    /// camera, as long as half the image's height in pixels.
     pub fn half_right(&self) -> DVec3 {
         self.half_right
     }

@@ -36,7 +36,7 @@ pub use crate::math::Direction;
 pub use aabb::Aabb;
 pub(crate) use aabb::longest_axis;
 pub(crate) use bvh::Bvh;
-pub use camera::{Camera, CameraError};
+pub use camera::{Camera, CameraError, Intrinsics};
 pub use closed_mesh::ClosedMesh;
 pub use emitter::{Emitter, EmitterExtent, EmitterPdf};
 pub(crate) use forward::{forward, within};

@@ -146,7 +146,7 @@ fn entries(scene: &Scene, along_view: bool) -> Option<Vec<f32>> {
     let (extent, camera) = (volume.extent(), &volume.camera);
     let entry = |index: usize| {
         let ray = camera.ray([index % width, index / width], [width, height]);
-        let cosine = ray.direction.dot(*camera.forward());
+        let cosine = ray.direction.dot(*camera.axis());
         let scale = if along_view { cosine } else { 1.0 };
         extent.span(&ray).map_or(0.0, |span| scale * span.near) as f32
     };

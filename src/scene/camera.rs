@@ -3,7 +3,7 @@
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
-use crate::geometry::{Aabb, Camera, CameraError};
+use crate::geometry::{Aabb, Camera, CameraError, Intrinsics};
 use crate::math;
 use glam::DVec3;
 
@@ -19,7 +19,27 @@ pub(super) const CAMERA: Table = Table::new("The camera: pinhole, or orthographi
         .doc("Full angle between the top and bottom edge of the image, degrees."),
     Key::optional("orthographic_height", Kind::Number(Range::open(0.0, f64::INFINITY)))
         .doc("Height of the image, world units, of a camera with parallel rays, which begin in the plane through the eye. If left out, rays come together in the eye."),
-]).rules(&[Rule::Apart([&["vertical_fov"], &["orthographic_height"]])]);
+    Key::optional("matrix", Kind::Matrix(4))
+        .doc("Map of the camera into the world, four rows, in place of `eye`, `target`, `up` and `vertical_fov`. Its columns are the directions right and up in the image and backward, of length 1, and the eye: the axes of OpenGL and of `transforms.json`."),
+    Key::optional("fl_x", Kind::Number(FOCAL_LENGTH))
+        .doc("Focal length in widths of a pixel: the ray of pixel (i, j) is ((i + 1/2 - cx)/fl_x, -(j + 1/2 - cy)/fl_y, -1) in the camera."),
+    Key::optional("fl_y", Kind::Number(FOCAL_LENGTH))
+        .doc("Focal length in heights of a pixel."),
+    Key::optional("cx", Kind::Number(CENTRE))
+        .doc("Place of the optical axis in the image, pixels from its left edge; half its width is the middle."),
+    Key::optional("cy", Kind::Number(CENTRE))
+        .doc("Place of the optical axis in the image, pixels from its upper edge; half its height is the middle."),
+]).rules(&[
+    Rule::Apart([&["vertical_fov"], &["orthographic_height"]]),
+    Rule::Together(&MATRIX),
+    Rule::Apart([&["matrix"], &["eye", "target", "up", "vertical_fov", "orthographic_height"]]),
+]);
+
+const MATRIX: [&str; 5] = ["matrix", "fl_x", "fl_y", "cx", "cy"];
+
+/// With an image that begins this many pixels beside the axis, directions keep their digits.
+const CENTRE: Range = Range::closed(-1e9, 1e9);
+const FOCAL_LENGTH: Range = Range::closed(1e-3, 1e9);
 
 /// The camera and its target.
 pub(super) struct View {
@@ -46,9 +66,12 @@ impl ImageHeight {
 }
 
 impl View {
-    /// Reads `[camera]`; what the scene leaves out follows from what is looked at. `aspect` is
-    /// the width of the image over its height.
-    pub(super) fn framing(reader: &Reader, bounds: &Aabb, aspect: f64) -> SceneResult<View> {
+    /// Reads `[camera]`; what the scene leaves out follows from what is looked at. `size` is that of the image.
+    pub(super) fn framing(reader: &Reader, bounds: &Aabb, size: [usize; 2]) -> SceneResult<View> {
+        if let Some(camera) = by_matrix(reader, size)? {
+            let target = bounds.centre();
+            return Ok(View { camera, target });
+        }
         let image = ImageHeight::read(reader)?;
         let eye = reader.optional_vector("eye")?;
         let target = reader.vector_or("target", || bounds.centre())?;
@@ -56,6 +79,7 @@ impl View {
         // in which they are read.
         let up = reader.vector("up")?;
         let eye = eye.unwrap_or_else(|| {
+            let aspect = size[0] as f64 / size[1] as f64;
             let eye = eye_that_sees_all(bounds, up, image, aspect);
             reader.resolved("eye", eye);
             eye
@@ -65,7 +89,11 @@ impl View {
 
     /// Reads `[camera]` of a scene in which nothing says what is looked at: eye and target must
     /// be given.
-    pub(super) fn given(reader: &Reader) -> SceneResult<View> {
+    pub(super) fn given(reader: &Reader, size: [usize; 2]) -> SceneResult<View> {
+        if let Some(camera) = by_matrix(reader, size)? {
+            let target = camera.eye() + *camera.axis();
+            return Ok(View { camera, target });
+        }
         let image = ImageHeight::read(reader)?;
         let point = |name: &'static str| {
             reader.optional_vector(name)?.ok_or_else(|| {
@@ -73,7 +101,7 @@ impl View {
                     name,
                     format!("missing key `{name}` in [camera]"),
                     "a radiative scene has no default camera: give `eye`, its position, and \
-                    `target`, the point it looks at",
+                    `target`, the point it looks at, or a `matrix`",
                 )
             })
         };
@@ -95,12 +123,30 @@ impl View {
         let camera = camera.map_err(|error| {
             let key = match error {
                 CameraError::NoDirection => "eye",
-                CameraError::NoUpright => "up",
+                _ => "up",
             };
             reader.error(key, error.to_string())
         })?;
         Ok(View { camera, target })
     }
+}
+
+/// The camera of `matrix` and its intrinsics, if they are given.
+fn by_matrix(reader: &Reader, size: [usize; 2]) -> SceneResult<Option<Camera>> {
+    let Some(rows) = reader.optional_matrix("matrix")? else {
+        return Ok(None);
+    };
+    let intrinsics = Intrinsics {
+        focal_lengths: [reader.number("fl_x")?, reader.number("fl_y")?],
+        centre: [reader.number("cx")?, reader.number("cy")?],
+    };
+    let camera = Camera::of_matrix(rows, intrinsics, size).map_err(|error| {
+        let help = "give the map from the camera to the world, row by row, with four decimals or more and without \
+                    a scale: divide columns by their lengths, invert a map from the world to the camera, and of a \
+                    camera of OpenCV negate the second and third column";
+        reader.mistake("matrix", error.to_string(), help)
+    })?;
+    Ok(Some(camera))
 }
 
 /// Before the middle of the box on its −z side, where its front face fills the image but for a

@@ -165,13 +165,13 @@ const MOST_SAMPLES_PER_RAY: f64 = 1e8;
 const MOST_SAMPLES_WITH_SHADOW: f64 = 1e10;
 
 impl Classified {
-    /// Reads `[classified]` and `[camera]`; `aspect` is the width of the image over its height.
+    /// Reads `[classified]` and `[camera]`; `size` is that of the image.
     pub(super) fn read(
         reader: &Reader,
         camera_reader: &Reader,
         volumes: Vec<VolumeTable>,
         files: &mut Files,
-        aspect: f64,
+        size: [usize; 2],
     ) -> SceneResult<Classified> {
         let interpolation = match reader.text("interpolation")?.as_str() {
             "nearest" => Interpolation::Nearest,
@@ -196,7 +196,7 @@ impl Classified {
             .map(|surface| surface.shape.bounds());
         let boxes = volumes.iter().map(|it| it.placed.extent().world_bounds());
         let bounds = boxes.chain(surfaces).reduce(Aabb::union).expect("a volume");
-        let View { camera, target } = View::framing(camera_reader, &bounds, aspect)?;
+        let View { camera, target } = View::framing(camera_reader, &bounds, size)?;
         let light = read_light(reader, camera_reader, &camera, target)?;
 
         let phong = read_phong(reader)?;

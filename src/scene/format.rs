@@ -138,8 +138,8 @@ pub enum Kind {
     Number(Range),
     /// Three finite numbers x, y, z.
     Vector,
-    /// An affine map: three rows of four finite numbers.
-    Matrix,
+    /// An affine map: three or four rows of four finite numbers.
+    Matrix(usize),
     /// Three finite numbers red, green, blue, each in a range; one number means all three.
     Colour(Range),
     /// A positive length: world units, or voxels as in `"0.5 voxels"`.
@@ -269,8 +269,11 @@ impl Kind {
             }
             Kind::Number(_) => "a number".into(),
             Kind::Vector => "three numbers, such as [0, 1, 0]".into(),
-            Kind::Matrix => {
+            Kind::Matrix(3) => {
                 "three rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]".into()
+            }
+            Kind::Matrix(_) => {
+                "four rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]]".into()
             }
             Kind::Colour(_) => {
                 "a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three"
@@ -426,7 +429,7 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
         }
         Kind::Number(range) => number_schema(range),
         Kind::Vector => three(json!({ "type": "number" })),
-        Kind::Matrix => three(several(4, json!({ "type": "number" }))),
+        Kind::Matrix(rows) => several(rows, several(4, json!({ "type": "number" }))),
         Kind::Colour(range) => {
             let one = number_schema(range);
             json!({ "anyOf": [one, three(one.clone())] })

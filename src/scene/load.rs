@@ -400,8 +400,7 @@ impl Panel {
         let width = film.count("width")? as usize;
         let height = film.count("height")? as usize;
         let model = if let Some(reader) = root.table("classified")? {
-            let aspect = width as f64 / height as f64;
-            let classified = read_classified(&root, &reader, files, aspect)?;
+            let classified = read_classified(&root, &reader, files, [width, height])?;
             if classified.has_objects() {
                 // Keys that several volumes share were read for each.
                 let mut known = BTreeSet::new();
@@ -410,7 +409,7 @@ impl Panel {
             }
             classified.into()
         } else if let Some(reader) = root.table("radiative")? {
-            read_radiative(&root, &reader, files)?.into()
+            read_radiative(&root, &reader, files, [width, height])?.into()
         } else {
             let reader = root.table("curve")?.expect("one of the models");
             Model::Curve(read_curve(&root, &reader)?)
@@ -432,7 +431,7 @@ fn read_classified(
     root: &Reader,
     reader: &Reader,
     files: &mut Files,
-    aspect: f64,
+    size: [usize; 2],
 ) -> SceneResult<Classified> {
     let tables = reader.one_or_more("volume")?;
     check_count(reader, "volume", tables.len())?;
@@ -497,21 +496,26 @@ fn read_classified(
         });
     }
     let camera = root.table_or_default("camera")?;
-    Classified::read(reader, &camera, volumes, files, aspect)
+    Classified::read(reader, &camera, volumes, files, size)
 }
 
-fn read_radiative(root: &Reader, reader: &Reader, files: &mut Files) -> SceneResult<Radiative> {
+fn read_radiative(
+    root: &Reader,
+    reader: &Reader,
+    files: &mut Files,
+    size: [usize; 2],
+) -> SceneResult<Radiative> {
     if root.has("transfer_function") {
         let message = "a radiative scene has no densities for a transfer function";
         return Err(root.error("transfer_function", message));
     }
     let Some(camera) = root.table("camera")? else {
         let message = "a radiative scene needs a camera";
-        let help = "give [camera] with `eye`, its position, and `target`, the point it looks at";
+        let help = "give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`";
         return Err(reader.mistake_here(message, help));
     };
     let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
-    Radiative::read(reader, &camera, sampling, files)
+    Radiative::read(reader, &camera, sampling, files, size)
 }
 
 fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {

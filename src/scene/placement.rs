@@ -9,7 +9,7 @@ use crate::volume::{Grid, PlacedBox, cell_edges, voxel};
 use std::sync::Arc;
 
 /// A matrix.
-pub(super) const TRANSFORM: Key = Key::optional("transform", Kind::Matrix).doc(
+pub(super) const TRANSFORM: Key = Key::optional("transform", Kind::Matrix(3)).doc(
     "Maps the volume, as it stands without this key, into the world: three rows of a 3 × 4 matrix, whose last column is a translation in world units. In place of `scale`, `rotate` and `translate`.",
 );
 

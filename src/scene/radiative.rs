@@ -175,11 +175,12 @@ impl Radiative {
         camera: &Reader,
         sampling: SamplingTable,
         files: &mut Files,
+        size: [usize; 2],
     ) -> SceneResult<Radiative> {
         let View {
             camera: eye_and_image,
             ..
-        } = View::given(camera)?;
+        } = View::given(camera, size)?;
         let height = eye_and_image.orthographic_height().unwrap_or(0.0);
         if eye_and_image.eye().abs().max_element().max(height) > FARTHEST {
             let message = format!(

@@ -56,7 +56,7 @@ fn unknown_keys() {
     scene.toml:9:1: unknown key `interpolaton` in [classified] help: did you mean `interpolation`?
     scene.toml:9:1: unknown key `near_plane` in [classified] help: `near_plane` is a key of the table `conventions`
     scene.toml:8:13: unknown key `shading` in [classified] help: did you mean `shadow`?
-    scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov, orthographic_height
+    scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov, orthographic_height, matrix, fl_x, fl_y, cx, cy
     scene.toml:10:1: unknown key `widht` in [film] help: did you mean `width`?
     ");
 }
@@ -91,6 +91,40 @@ fn what_an_integral_does_not_cover() {
     scene.toml:10:23: [camera] mixes `vertical_fov` with `orthographic_height` help: give either `vertical_fov` or `orthographic_height`
     scene.toml:9:23: `orthographic_height` must be finite and above 0, got 0 help: `camera.orthographic_height`: Height of the image, world units, of a camera with parallel rays, which begin in the plane through the eye. If left out, rays come together in the eye.
     "#);
+}
+
+#[test]
+fn cameras_by_a_matrix() {
+    let mut said = String::new();
+    let intrinsics = "fl_x = 50\nfl_y = 50\ncx = 30\ncy = 32\n";
+    let matrix =
+        |[a, b]: [&str; 2]| format!("matrix = [[{a}], [0, 1, 0, 0], [0, 0, 1, 5], [{b}]]\n");
+    let right = matrix(["1, 0, 0, 0", "0, 0, 0, 1"]);
+    for keys in [
+        right.clone() + intrinsics + "eye = [0, 0, 5]\n",
+        right.clone() + intrinsics + "vertical_fov = 40\n",
+        right.clone(),
+        right.clone() + &intrinsics.replace("fl_y = 50", "fl_y = 0"),
+        matrix(["2, 0, 0, 0", "0, 0, 0, 1"]) + intrinsics,
+        matrix(["-1, 0, 0, 0", "0, 0, 0, 1"]) + intrinsics,
+        matrix(["1, 0, 0, 0", "0, 0, 5, 1"]) + intrinsics,
+        "matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5]]\n".to_owned() + intrinsics,
+    ] {
+        said.push_str(&after(
+            "[classified]",
+            &format!("[camera]\n{keys}[classified]"),
+        ));
+    }
+    assert_shown!(said, @"
+    scene.toml:14:7: [camera] mixes `matrix` with `eye` help: give either `matrix`, or `eye`, `target`, `up`, `vertical_fov`, `orthographic_height`
+    scene.toml:14:16: [camera] mixes `matrix` with `vertical_fov` help: give either `matrix`, or `eye`, `target`, `up`, `vertical_fov`, `orthographic_height`
+    scene.toml:9:10: [camera] gives `matrix` without `fl_x` help: give `fl_x` too: Focal length in widths of a pixel: the ray of pixel (i, j) is ((i + 1/2 - cx)/fl_x, -(j + 1/2 - cy)/fl_y, -1) in the camera.
+    scene.toml:11:8: `fl_y` must lie in [0.001, 1000000000], got 0 help: `camera.fl_y`: Focal length in heights of a pixel.
+    scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
+    scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
+    scene.toml:9:10: the last row of `matrix` is [0.0, 0.0, 5.0, 1.0], and must be [0, 0, 0, 1] help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
+    scene.toml:9:10: `matrix` must be four rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]] help: `camera.matrix`: Map of the camera into the world, four rows, in place of `eye`, `target`, `up` and `vertical_fov`. Its columns are the directions right and up in the image and backward, of length 1, and the eye: the axes of OpenGL and of `transforms.json`.
+    ");
 }
 
 #[test]

@@ -220,3 +220,47 @@ fn grids_alone() {
     folder.remove("both.toml");
     assert_eq!(folder.files(), before);
 }
+
+/// A camera by a matrix, with its centre beside the middle: what each format says of it.
+#[test]
+fn a_camera_by_a_matrix() {
+    let folder = folder();
+    let camera = "matrix = [[0, 0, 1, 6], [0, 1, 0, 1], [-1, 0, 0, 2], [0, 0, 0, 1]]\nfl_x = 5\nfl_y = 5\n\
+                  cx = 1\ncy = 1.5\n";
+    folder.edit("fog.toml", "eye = [0, 1, -6]\ntarget = [0, 1, 0]\n", camera);
+    let export = |format: &str| folder.volref(&["export", "fog.toml", "--to", format, "-o", "out"]);
+    assert_eq!(export("mitsuba").code, 0);
+    assert_holds(
+        &folder.text("out/fog.xml"),
+        &[
+            "name=\"principal_point_offset_x\" value=\"0.25\"",
+            "name=\"principal_point_offset_y\" value=\"0\"",
+        ],
+    );
+    assert_eq!(export("pbrt").code, 0);
+    assert_holds(
+        &folder.text("out/fog.pbrt"),
+        &["\"float fov\" [ 90 ] \"float screenwindow\" [ -0.2 0.6 -0.3 0.3 ]"],
+    );
+    assert_eq!(export("bundle").code, 0);
+    let bundle: serde_json::Value = serde_json::from_str(&folder.text("out/fog.json")).unwrap();
+    let ray = &bundle["panels"][0]["ray"];
+    let vector = |name: &str| [0, 1, 2].map(|at| ray[name][at].as_f64().unwrap());
+    assert_eq!(vector("axis"), [-1.0, 0.0, 0.0]);
+    assert_eq!(vector("eye"), [6.0, 1.0, 2.0]);
+    // Pixel (0, 0): ((1/2 - 1)/5, -(1/2 - 3/2)/5, -1) in the camera.
+    let [forward, right, up] = ["forward", "half_right", "half_up"].map(vector);
+    let way =
+        [0, 1, 2].map(|k| forward[k] + right[k] * (1.0 - 4.0) / 3.0 - up[k] * (1.0 - 3.0) / 3.0);
+    assert!(
+        (way[1] / -way[0] - 0.2).abs() < 1e-12 && (way[2] / -way[0] - 0.1).abs() < 1e-12,
+        "{way:?}"
+    );
+    folder.edit("fog.toml", "fl_y = 5", "fl_y = 4");
+    let run = export("mitsuba");
+    assert_holds(
+        &run.message(),
+        &["pixels that are not square: give `fl_x` and `fl_y` one value"],
+    );
+    assert_eq!(export("pbrt").code, 0);
+}

@@ -6,6 +6,7 @@
 mod any_scene;
 mod architecture;
 mod bricks;
+mod cameras;
 mod common;
 mod comparators;
 mod conventions;

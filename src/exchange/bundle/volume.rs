@@ -91,13 +91,24 @@ pub(super) fn ray(camera: &Camera) -> Entries {
                    vertical field of view. Coordinates are right-handed: half_right points \
                    along forward x half_up, so that with +y up and looking along +z, +x \
                    points left in the image";
+    let beside = "one ray through the centre of each pixel: with x the column and y the row \
+                  within this panel, both from 0, and row 0 at the top, it leaves eye along \
+                  direction = normalise(forward + half_right*(2*x + 1 - width)/height \
+                  - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. \
+                  forward has length 1 and leads to the centre of the image, which may lie beside the axis, the \
+                  perpendicular of the image; half_right and half_up are half the height of the image in widths and \
+                  in heights of its pixels, where forward meets it. Coordinates are right-handed: half_right \
+                  points along axis x half_up";
     let mut entries = vec![
         ("eye", camera.eye().to_array().into()),
         ("forward", camera.forward().to_array().into()),
         ("half_right", camera.half_right().to_array().into()),
         ("half_up", camera.half_up().to_array().into()),
     ];
-    if let Some(height) = camera.orthographic_height() {
+    if !camera.is_centred() {
+        entries.push(("axis", camera.axis().to_array().into()));
+        entries.push(("formula", beside.into()));
+    } else if let Some(height) = camera.orthographic_height() {
         entries.push(("orthographic_height", height.into()));
         entries.push(("formula", parallel.into()));
     } else {

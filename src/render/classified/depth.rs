@@ -63,7 +63,7 @@ fn of_pixels(
     let of_pixel = |(panel, pixel): (&LayersOfPanel<'_>, [usize; 2])| {
         let camera = &panel.volume.camera;
         let ray = camera.ray(pixel, panel.size);
-        let cosine = ray.direction.dot(*camera.forward());
+        let cosine = ray.direction.dot(*camera.axis());
         let scale = if along_view { cosine } else { 1.0 };
         (scale * distance(panel, &ray)) as f32
     };

@@ -71,12 +71,15 @@ impl<'d, 's> Reader<'d, 's> {
     }
 
     /// A declared [`Kind::Matrix`] that may be left out, row by row.
-    pub(crate) fn optional_matrix(&self, name: &str) -> SceneResult<Option<[[f64; 4]; 3]>> {
+    pub(crate) fn optional_matrix<const ROWS: usize>(
+        &self,
+        name: &str,
+    ) -> SceneResult<Option<[[f64; 4]; ROWS]>> {
         let read = |value: &Spanned<DeValue>| {
             let expected = self.declared(name).kind.expected();
             let wrong = || self.error(name, format!("`{name}` must be {expected}"));
-            let mut rows = [[0.0; 4]; 3];
-            let items = array(value).filter(|items| items.len() == 3);
+            let mut rows = [[0.0; 4]; ROWS];
+            let items = array(value).filter(|items| items.len() == ROWS);
             for (row, item) in rows.iter_mut().zip(items.ok_or_else(wrong)?) {
                 let numbers = array(item).filter(|numbers| numbers.len() == 4);
                 for (number, item) in row.iter_mut().zip(numbers.ok_or_else(wrong)?) {
