@@ -9,9 +9,12 @@ cannot say all of this (the course's grid) leave out what they cannot. Needs Pyt
 """
 
 import gzip
+import io
 import math
 import pathlib
 import struct
+import zipfile
+import zlib
 
 NODES = (4, 3, 2)
 SPACING = (0.5, 1.0, 2.0)
@@ -51,6 +54,26 @@ def npy(kind, shape, fortran, data):
     header = f"{{'descr': '{kind}', 'fortran_order': {fortran}, 'shape': {shape}, }}"
     header = header.ljust(-(len(header) + 11) % 64 + len(header)) + "\n"
     return b"\x93NUMPY\1\0" + struct.pack("<H", len(header)) + header.encode() + data
+
+
+def npz(method, *arrays):
+    """An archive of `arrays`, each with its name."""
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w", method) as archive:
+        for name, data in arrays:
+            entry = zipfile.ZipInfo(name + ".npy")
+            entry.compress_type = method
+            with archive.open(entry, "w", force_zip64=True) as file:
+                file.write(data)
+    return whole.getvalue()
+
+
+def meta(kind, sizes, rows, offset, spacing, more, file):
+    lines = ["ObjectType = Image", "NDims = 3", "BinaryData = True", *more]
+    lines += ["TransformMatrix = " + " ".join(map(str, rows)), "Offset = " + " ".join(map(str, offset))]
+    lines += ["CenterOfRotation = 0 0 0", "ElementSpacing = " + " ".join(map(str, spacing))]
+    lines += ["DimSize = " + " ".join(map(str, sizes)), f"ElementType = {kind}", f"ElementDataFile = {file}"]
+    return "\n".join(lines).encode() + b"\n"
 
 
 def nifti(order, code, bits, data, rows, sizes=NODES, scaling=(0, 0)):
@@ -108,6 +131,34 @@ def main():
     write("grid.npy", npy("<f4", (2, 3, 4), False, floats))
     z_fastest = [value(i, j, k) for i in range(4) for j in range(3) for k in range(2)]
     write("fortran.npy", npy(">i2", (2, 3, 4), True, packed(">", "h", z_fastest)))
+
+    array = npy("<f4", (2, 3, 4), False, floats)
+    write("grid.npz", npz(zipfile.ZIP_DEFLATED, ("volume", array)))
+    write("stored.npz", npz(zipfile.ZIP_STORED, ("arr_0", array)))
+    # As nibabel has arrays: (x, y, z).
+    write("xyz.npy", npy("<f4", NODES, False, packed("<", "f", z_fastest)))
+    write("xyz.raw", packed("<", "B", z_fastest))
+    write(
+        "xyz.raw.toml",
+        b"""# An array (x, y, z) in C order: z runs fastest.
+file = "xyz.raw"
+type = "uint8"
+nodes = [4, 3, 2]
+axes = "xyz"
+spacing = [0.5, 1, 2]
+origin = [-1, 2, 3]
+""",
+    )
+
+    # x runs backwards, as in the NIfTI; of the other, z runs fastest and x slowest.
+    mirror = (-1, 0, 0, 0, 1, 0, 0, 0, 1)
+    header = meta("MET_SHORT", NODES, mirror, (0.5, 2, 3), SPACING, ["BinaryDataByteOrderMSB = True"], "LOCAL")
+    write("grid.mha", header + packed(">", "h", mirrored))
+    data = zlib.compress(packed("<", "f", z_fastest))
+    more = ["BinaryDataByteOrderMSB = False", "CompressedData = True", f"CompressedDataSize = {len(data)}"]
+    turned = (0, 0, 1, 0, 1, 0, 1, 0, 0)
+    write("packed.mhd", meta("MET_FLOAT", NODES[::-1], turned, FIRST, SPACING[::-1], more, "packed.zraw"))
+    write("packed.zraw", data)
 
     write("bare.raw", b"\xff\xff" + packed(">", "I", X_FASTEST))
     write(

@@ -9,8 +9,8 @@ use crate::geometry::Transform;
 use crate::math::{Sum, ln};
 use crate::scene::{Scene, SceneVolume};
 use crate::volume::{
-    Centring, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, NonFinite, Orientation, Stored,
-    load_hashed, volume_formats,
+    AxisOrder, Centring, Content, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, LostValues,
+    NonFinite, Orientation, Stored, load_hashed, volume_format, volume_formats,
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -37,6 +37,9 @@ pub struct Arguments {
     /// Use the stored axes as x, y and z, whatever their direction
     #[arg(long)]
     as_stored: bool,
+    /// Arrays and raw samples: the order of the indices [default: as the description says, or else zyx]
+    #[arg(long, value_parser = AxisOrder::ALL.map(|(name, _)| name))]
+    axes: Option<String>,
     /// Allow the header (or a symbolic link) to refer to data outside its own folder
     #[arg(long)]
     detached_anywhere: bool,
@@ -69,6 +72,9 @@ struct Info {
     /// Rows of the map of the grid into the world, of oblique axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     to_world: Option<[[f64; 4]; 3]>,
+    /// Of an array whose file does not say which of its axes is x.
+    #[serde(skip)]
+    is_array: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     space: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -100,6 +106,18 @@ struct StoredJson {
     encoding: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     scaling: Option<Scaling>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    not_in_float32: Option<LostJson>,
+}
+
+/// Stored values that 32 bits do not hold: their number, and the first.
+#[derive(Serialize)]
+struct LostJson {
+    count: usize,
+    /// Along the stored axes.
+    voxel: [usize; 3],
+    stored: f64,
+    value: f64,
 }
 
 /// Summary of the stored samples s, whose values are `slope·s + intercept`.
@@ -156,6 +174,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         }),
         non_finite: NonFinite::Kept,
         detached_anywhere: arguments.detached_anywhere,
+        axes: arguments.axes.as_deref().and_then(AxisOrder::named),
         orientation: Orientation::Oblique,
         ..LoadOptions::default()
     };
@@ -241,6 +260,7 @@ fn placed(
             Centring::Cells => CELLS,
         },
         to_world: to_world.map(|map| map.rows()),
+        is_array: false,
         space: None,
         cloud: None,
         stored: None,
@@ -264,7 +284,10 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
             };
             (Some(cloud), None, None)
         }
-        Stored::Samples(layout) => (None, Some(stored(layout, &placed.values)), layout.space),
+        Stored::Samples { layout, lost } => {
+            let stored = stored(layout, lost.as_ref(), &placed.values);
+            (None, Some(stored), layout.space)
+        }
     };
     let files = loaded.files.iter().map(|file| FileJson {
         path: file.path.display().to_string(),
@@ -272,6 +295,8 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     });
     Info {
         files: files.collect(),
+        is_array: volume_format(&arguments.file).is_some_and(|it| it.content == Content::Array)
+            && arguments.axes.is_none(),
         space,
         cloud,
         stored,
@@ -279,7 +304,7 @@ fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
     }
 }
 
-fn stored(layout: &Layout, values: &ValueStatistics) -> StoredJson {
+fn stored(layout: &Layout, lost: Option<&LostValues>, values: &ValueStatistics) -> StoredJson {
     let scaling = layout.scaling.and_then(|(slope, intercept)| {
         // Whole numbers come back exactly, but for the rounding of values to f32.
         let sample = |value: f64| {
@@ -311,9 +336,16 @@ fn stored(layout: &Layout, values: &ValueStatistics) -> StoredJson {
         encoding: match layout.encoding {
             Encoding::Raw => "raw",
             Encoding::Gzip => "gzip",
+            Encoding::Zlib => "zlib",
             Encoding::Text => "text",
         },
         scaling,
+        not_in_float32: lost.map(|lost| LostJson {
+            count: lost.count,
+            voxel: lost.voxel,
+            stored: lost.stored,
+            value: f64::from(lost.stored as f32),
+        }),
     }
 }
 
@@ -382,6 +414,12 @@ fn describe(info: &Info) -> String {
     let [nx, ny, nz] = info.nodes;
     let count = nx * ny * nz;
     row("nodes", format!("{nx} × {ny} × {nz}, {count} in total"));
+    if info.is_array {
+        row(
+            "axes",
+            "z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`".to_owned(),
+        );
+    }
     let [x, y, z] = info.spacing;
     let spacing = if x == y && y == z {
         digits(x)
@@ -428,6 +466,23 @@ fn describe(info: &Info) -> String {
         signs.push_str(&format!(", {} of them negative", values.negative));
     }
     row("", signs);
+    if let Some(lost) = info
+        .stored
+        .as_ref()
+        .and_then(|it| it.not_in_float32.as_ref())
+    {
+        let LostJson {
+            count,
+            voxel: [i, j, k],
+            stored,
+            value,
+        } = lost;
+        let first = format!("voxel ({i}, {j}, {k}), counted as stored: {stored} becomes {value}");
+        row(
+            "float32",
+            format!("does not hold {count}, first at {first}"),
+        );
+    }
     if let Some(NonFiniteJson { voxel, value }) = &values.first_non_finite {
         let ([i, j, k], count) = (voxel, values.non_finite);
         let first = format!("{count}, first at voxel ({i}, {j}, {k}): {value}");
@@ -488,7 +543,9 @@ fn plot(bins: &[Bin]) -> String {
 }
 
 fn summary(min: f64, max: f64, mean: f64) -> String {
-    format!("{} to {}, mean {}", digits(min), digits(max), digits(mean))
+    // Range in all digits of the 32 bits, by which they can be told from their neighbours.
+    let [min, max] = [min, max].map(all_digits);
+    format!("{min} to {max}, mean {}", digits(mean))
 }
 
 fn between(min: [f64; 3], max: [f64; 3]) -> String {
@@ -503,6 +560,18 @@ fn vector(vector: [f64; 3]) -> String {
 /// A number to seven significant digits.
 fn digits(number: f64) -> String {
     rounded(number, 6)
+}
+
+/// A number that 32 bits hold, with the fewest digits that no other has; any other to seven.
+fn all_digits(number: f64) -> String {
+    let held = number as f32;
+    if f64::from(held) != number {
+        return digits(number);
+    }
+    match held.abs() {
+        0.0 | 1e-4..1e9 => held.to_string(),
+        _ => format!("{held:e}"),
+    }
 }
 
 /// A number to four significant digits.

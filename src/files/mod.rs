@@ -2,7 +2,9 @@
 
 pub mod atomic_file;
 pub(crate) mod decoder;
+pub(crate) mod file_kind;
 pub(crate) mod golden_mark;
+pub(crate) mod gzip;
 pub(crate) mod kept_file;
 pub(crate) mod misspelling;
 pub(crate) mod own_file;

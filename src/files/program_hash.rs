@@ -8,7 +8,8 @@ use std::sync::OnceLock;
 pub fn program_hash() -> Option<&'static str> {
     static HASH: OnceLock<Option<String>> = OnceLock::new();
     let read = || {
-        let bytes = regular_file::read(&std::env::current_exe().ok()?, regular_file::MOST_BYTES);
+        let bytes =
+            regular_file::read_any(&std::env::current_exe().ok()?, regular_file::MOST_BYTES);
         bytes.ok().map(|bytes| hash(&[&bytes]))
     };
     HASH.get_or_init(read).as_deref()

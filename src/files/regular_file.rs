@@ -1,9 +1,10 @@
 //! Reads regular files only, never beyond a size limit, and remembers which ones, so that no output
-//! is written over an input.
+//! is written over an input. What stands in place of a file, such as a pointer of Git LFS, is told as such.
 
+use super::file_kind::{HEAD, stand_in};
 use std::collections::HashSet;
 use std::fs::{File, Metadata};
-use std::io::{self, Read};
+use std::io::{self, Read, Seek};
 use std::path::Path;
 use std::sync::{LazyLock, Mutex, PoisonError};
 use thiserror::Error;
@@ -20,6 +21,9 @@ pub(crate) enum OpenError {
     /// Not a regular file; with the kind found.
     #[error("this is {0}, not a file")]
     NotAFile(&'static str),
+    /// Something else in place of the content; with what it is, and the remedy.
+    #[error("{0}")]
+    StandIn(String),
     /// Refused by the operating system.
     #[error("{0}")]
     Refused(io::Error),
@@ -54,7 +58,7 @@ impl From<OpenError> for io::Error {
     fn from(error: OpenError) -> io::Error {
         match error {
             OpenError::Missing(error) | OpenError::Refused(error) => error,
-            OpenError::NotAFile(_) => io::Error::other(error.to_string()),
+            OpenError::NotAFile(_) | OpenError::StandIn(_) => io::Error::other(error.to_string()),
         }
     }
 }
@@ -70,9 +74,33 @@ impl From<ReadError> for io::Error {
     }
 }
 
-/// Opens a regular file for reading; with its length in bytes. Never waits: a named pipe
-/// without a writer would be waited for, and a device may never end.
+/// Opens a regular file for reading; with its length in bytes. Refuses what stands in place of its content.
 pub fn open(path: &Path) -> Result<(File, u64), OpenError> {
+    let (mut file, length) = open_any(path)?;
+    let first = first_bytes(&mut file).map_err(OpenError::of)?;
+    match stand_in(&first) {
+        Some(what) => Err(OpenError::StandIn(what)),
+        None => Ok((file, length)),
+    }
+}
+
+/// The first bytes of a file, which is left at its beginning.
+fn first_bytes(file: &mut File) -> io::Result<Vec<u8>> {
+    let mut first = Vec::new();
+    file.take(HEAD as u64).read_to_end(&mut first)?;
+    file.rewind()?;
+    Ok(first)
+}
+
+/// The first bytes of the file at `path`, if there is a regular one.
+pub fn first_bytes_of(path: &Path) -> Option<Vec<u8>> {
+    let (mut file, _) = open_any(path).ok()?;
+    first_bytes(&mut file).ok()
+}
+
+/// As [`open`], whatever the file holds. Never waits: a named pipe without a writer would be waited for, and a
+/// device may never end.
+fn open_any(path: &Path) -> Result<(File, u64), OpenError> {
     check_kind(path)?;
     let file = File::open(path).map_err(OpenError::of)?;
     let metadata = file.metadata().map_err(OpenError::of)?;
@@ -96,7 +124,15 @@ pub fn check_kind(path: &Path) -> Result<(), OpenError> {
 
 /// All bytes of a regular file that has at most `most` of them.
 pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
-    let (file, length) = open(path)?;
+    read_from(open(path)?, most)
+}
+
+/// As [`read`], whatever the file holds: it is hashed, not read for what it says.
+pub fn read_any(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
+    read_from(open_any(path)?, most)
+}
+
+fn read_from((file, length): (File, u64), most: u64) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     if length <= most {
         // A file may grow while it is read, and some of the system's say that they are empty.

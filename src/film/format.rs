@@ -1,6 +1,7 @@
 //! Image formats, by extension and by first bytes.
 
 use super::FilmError;
+use crate::files::file_kind::by_bytes;
 use std::ffi::OsStr;
 use std::path::Path;
 
@@ -74,34 +75,17 @@ impl FilmFormat {
         found.expect("every format has one").0
     }
 
-    /// Fails if `bytes` begin with the signature of another kind of image file. Unknown bytes are
+    /// Fails if `bytes` begin with the signature of another kind of file. Unknown bytes are
     /// left to the reader, which reports the error.
     pub fn check(self, bytes: &[u8]) -> Result<(), FilmError> {
-        let begins = |(signature, ..): &&(&[u8], _, _)| bytes.starts_with(signature);
-        match KINDS.iter().find(begins) {
-            Some(&(_, really, format)) if format != Some(self) => Err(FilmError::Disguised {
-                extension: self.extension(),
-                really,
+        let extension = self.extension();
+        let image = format!("image.{extension}");
+        match by_bytes(bytes) {
+            Some(kind) if !kind.is_name(Path::new(&image)) => Err(FilmError::Disguised {
+                extension,
+                really: kind.name,
             }),
             _ => Ok(()),
         }
     }
 }
-
-/// First bytes of a kind of file, its name, and the format if it is one of ours.
-const KINDS: [(&[u8], &str, Option<FilmFormat>); 14] = [
-    (b"\x76\x2f\x31\x01", "an EXR image", Some(FilmFormat::Exr)),
-    (b"PF\n", "a PFM image", Some(FilmFormat::Pfm)),
-    (b"Pf\n", "a PFM image", Some(FilmFormat::Pfm)),
-    (b"\x93NUMPY", "a NumPy array", Some(FilmFormat::Npy)),
-    (b"\x89PNG\r\n\x1a\n", "a PNG image", Some(FilmFormat::Png)),
-    (b"\xff\xd8\xff", "a JPEG image", None),
-    (b"II*\0", "a TIFF image", None),
-    (b"MM\0*", "a TIFF image", None),
-    (b"#?RADIANCE", "a Radiance HDR image", None),
-    (b"GIF8", "a GIF image", None),
-    (b"P6", "a PPM image", None),
-    (b"PK\x03\x04", "a ZIP archive (as .npz is)", None),
-    (b"\x1f\x8b", "a file compressed by gzip", None),
-    (b"version https://git-lfs", "a pointer of Git LFS", None),
-];

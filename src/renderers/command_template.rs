@@ -177,7 +177,7 @@ pub fn hashes_of_files(command: &str) -> String {
     let words = shell_words::split(command).unwrap_or_default();
     let files = words
         .iter()
-        .filter_map(|word| regular_file::read(Path::new(word), MOST_HASHED_BYTES).ok());
+        .filter_map(|word| regular_file::read_any(Path::new(word), MOST_HASHED_BYTES).ok());
     let hashes = files.map(|bytes| blake3::hash(&bytes).to_hex().to_string());
     hashes.collect::<Vec<_>>().join(" ")
 }

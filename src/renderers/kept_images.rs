@@ -49,7 +49,7 @@ impl KeptImages {
         }
         let read = files.into_iter().filter_map(|file| {
             // Of an image that cannot be read the verdict says so.
-            let bytes = regular_file::read(&file, Picture::MOST_BYTES).ok()?;
+            let bytes = regular_file::read_any(&file, Picture::MOST_BYTES).ok()?;
             Some((file.strip_prefix(written).ok()?.to_owned(), bytes))
         });
         self.replace(case, read)

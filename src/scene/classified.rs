@@ -58,7 +58,7 @@ const VOLUME: Table =
         .keys(&VOLUME_KEYS)
         .rules(&PLACED_RULES);
 
-const VOLUME_KEYS: [Key; 25] = joined(
+const VOLUME_KEYS: [Key; 26] = joined(
     PLACED_KEYS,
     [
         Key::optional("name", Kind::Text).doc("Name of the volume, for clips."),

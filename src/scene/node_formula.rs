@@ -17,11 +17,11 @@ pub(super) const FORMULA_KEYS: [&str; 6] = ["nodes", "value", "slope", "every", 
 
 /// Distance between nodes, of formulas and of files that state none.
 pub(super) const SPACING: Key = Key::optional("spacing", Kind::Vector)
-    .doc("With `field` or an .npy file: distance between nodes along x, y and z, world units; 1 if left out.");
+    .doc("With `field` or an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.");
 
 /// Position of the first node, likewise.
 pub(super) const ORIGIN: Key = Key::optional("origin", Kind::Vector)
-    .doc("With `field` or an .npy file: position of the first node, world units; the origin if left out.");
+    .doc("With `field` or an .npy or .npz file: position of the first node, world units; the origin if left out.");
 
 /// The declarations of `field` and its keys.
 pub(super) const FORMULA: [Key; 9] = [

@@ -5,7 +5,7 @@ mod values;
 
 use super::format::{Key, Table};
 use super::{SceneError, SceneResult};
-use crate::files::misspelling::nearest;
+use crate::files::misspelling::{escape_remedy, nearest};
 use crate::volume::InvalidParameter;
 use std::cell::RefCell;
 use std::fmt::Display;
@@ -47,10 +47,12 @@ impl<'s> Document<'s> {
     /// The root table of the file.
     pub fn parse(&self) -> SceneResult<Spanned<DeTable<'s>>> {
         DeTable::parse(self.text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start);
             let help = if error.message().contains("invalid mantissa") {
                 "a number begins and ends with a digit, as 0.5 and 1.0"
             } else {
-                "the file is not valid TOML; see https://toml.io for its rules"
+                escape_remedy(self.text, start)
+                    .unwrap_or("the file is not valid TOML; see https://toml.io for its rules")
             };
             self.error(error.span(), error.message(), Some(help.into()))
         })

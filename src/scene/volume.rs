@@ -6,7 +6,8 @@ use super::node_formula::{FORMULA, FORMULA_KEYS, ORIGIN, SPACING};
 use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
 use crate::volume::{
-    Centring, LatticeError, LoadOptions, NonFinite, Orientation, Splatting, volume_format,
+    AxisOrder, Centring, Content, LatticeError, LoadOptions, NonFinite, Orientation, Splatting,
+    volume_format,
 };
 use std::path::Path;
 
@@ -14,14 +15,14 @@ use std::path::Path;
 pub(super) const VOLUME: Table =
     Table::new("The file a grid of densities comes from.").keys(&FILE_KEYS);
 
-const FILE_KEYS: [Key; 9] = joined(
+const FILE_KEYS: [Key; 10] = joined(
     KEYS,
     [
         SPACING.doc(
-            "Of an .npy file: distance between nodes along x, y and z, world units; 1 if left out.",
+            "Of an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.",
         ),
         ORIGIN.doc(
-            "Of an .npy file: position of the first node, world units; the origin if left out.",
+            "Of an .npy or .npz file: position of the first node, world units; the origin if left out.",
         ),
     ],
 );
@@ -41,19 +42,20 @@ const OF_FILES: &[&str] = &[
     "replace_non_finite",
     "orientation",
     "detached_anywhere",
+    "axes",
 ];
 
 /// The same, or a formula, with a map that places the volume in the world.
-pub(super) const PLACED_KEYS: [Key; 20] = {
-    let [a, b, c, d, e, f, g] = KEYS;
+pub(super) const PLACED_KEYS: [Key; 21] = {
+    let [a, b, c, d, e, f, g, h] = KEYS;
     let a = Key::optional(a.name, a.kind).doc(a.doc);
     let f = f.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged.");
     let [scale, rotate, translate] = STEPS;
-    let of_a_file = [a, b, c, d, e, f, g, TRANSFORM, scale, rotate, translate];
+    let of_a_file = [a, b, c, d, e, f, g, h, TRANSFORM, scale, rotate, translate];
     joined(of_a_file, FORMULA)
 };
 
-const KEYS: [Key; 7] = [
+const KEYS: [Key; 8] = [
     Key::required("file", Kind::Text)
         .doc("Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene."),
     Key::derived("resolution", Kind::Count(2, 4096), "one point per voxel, on average")
@@ -68,6 +70,8 @@ const KEYS: [Key; 7] = [
         .doc("Grids only: \"world\" (default) permutes and flips the axes of the file to match the world axes and rejects oblique ones; \"as-stored\" uses them as x, y and z unchanged."),
     Key::optional("detached_anywhere", Kind::Flag)
         .doc("Grids only: whether a header may name a data file outside its own folder, directly or through a symbolic link. Default: false."),
+    Key::optional("axes", Kind::Choice(&["zyx", "xyz"]))
+        .doc("Arrays (.npy, .npz) and described raw samples only: the order of their indices, in memory of C order: of \"zyx\" x runs fastest, of \"xyz\" z does. If left out, as the description says, or else \"zyx\"."),
 ];
 
 /// The request of a table that names a volume file.
@@ -102,7 +106,8 @@ impl VolumeRequest {
             })
         };
         let mut options = LoadOptions::default();
-        if format.is_some_and(|format| !format.is_point_cloud) {
+        let content = format.map(|format| format.content);
+        if content.is_some_and(|content| content != Content::Points) {
             without(
                 &["resolution", "padding"],
                 &format!("point clouds; {file:?} brings a grid of its own"),
@@ -110,7 +115,7 @@ impl VolumeRequest {
             options.splatting.padding = 0;
         } else {
             // A file in no known format is reported when it is loaded.
-            if format.is_some() {
+            if content.is_some() {
                 without(
                     &[
                         "centring",
@@ -141,10 +146,18 @@ impl VolumeRequest {
             options.orientation = Orientation::Oblique;
         }
         options.detached_anywhere = reader.flag("detached_anywhere")?;
-        if format.is_some_and(|format| format.extensions != [".npy"]) {
-            let what = format!(".npy files; {file:?} states its own");
+        if content.is_some_and(|content| content != Content::Array) {
+            let what = format!(".npy and .npz files; {file:?} states its own");
             without(&["spacing", "origin"], &what)?;
         }
+        if matches!(content, Some(Content::Points | Content::Grid)) {
+            let what = format!(
+                "arrays and raw samples; the format of {file:?} says in which order its values are"
+            );
+            without(&["axes"], &what)?;
+        }
+        let axes = reader.optional_text("axes")?;
+        options.axes = axes.as_deref().and_then(AxisOrder::named);
         options.spacing = reader.optional_vector("spacing")?;
         options.origin = reader.optional_vector("origin")?;
         let is_spacing = |along: f64| along.is_normal() && along > 0.0;

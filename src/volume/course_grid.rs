@@ -5,7 +5,7 @@
 //! node lies at the world origin.
 
 use super::error::{VolumeFault, refused};
-use super::format::VolumeFormat;
+use super::format::{Content, VolumeFormat};
 use super::orientation::Axes;
 use super::samples::{VolumeRead, fill, read_grid};
 use super::source::VolumeSource;
@@ -22,7 +22,7 @@ const ONE_NODE: &str =
 pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
     name: "binary grid",
     extensions: &[".bin"],
-    is_point_cloud: false,
+    content: Content::Grid,
     read,
 };
 

@@ -5,30 +5,31 @@ use super::error::{VolumeError, VolumeFault};
 use super::format::VolumeFormat;
 use super::grid::Grid;
 use super::load_options::LoadOptions;
+use super::meta_image::META_IMAGE;
 use super::mitsuba_vol::MITSUBA_VOL;
 use super::nifti::NIFTI;
-use super::npy_array::NPY;
+use super::npy_array::{NPY, NPZ};
 use super::nrrd::NRRD;
 use super::other_formats::{misnamed, remedy};
 use super::point_cloud::POINT_CLOUD;
 use super::raw_volume::BARE_SAMPLES;
 use super::samples::Stored;
-use super::source::{FileRead, VolumeSource, ends_in};
+use super::source::{FileRead, VolumeSource};
+use crate::files::file_kind::{HEAD, OF_SLICES, ends_in};
 use crate::geometry::Transform;
 use std::io::BufRead;
 use std::path::Path;
 
-/// Bytes at the beginning of a file that tell its format.
-const HEAD: usize = 352;
-
 /// Every format that is read.
-const VOLUME_FORMATS: [&VolumeFormat; 7] = [
+const VOLUME_FORMATS: [&VolumeFormat; 9] = [
     &POINT_CLOUD,
     &COURSE_GRID,
     &MITSUBA_VOL,
     &NRRD,
     &NIFTI,
+    &META_IMAGE,
     &NPY,
+    &NPZ,
     &BARE_SAMPLES,
 ];
 
@@ -64,15 +65,19 @@ pub fn read_volume(
     samples: Option<&[u8]>,
     options: &LoadOptions,
 ) -> Result<Grid<f32>, VolumeFault> {
-    let format = known_format(Path::new(name))?;
+    let format = known_format(Path::new(name), || None)?;
     let mut source = VolumeSource::of(name, bytes, samples);
     (format.read)(&mut source, options).map(|(grid, _)| grid)
 }
 
-fn known_format(path: &Path) -> Result<&'static VolumeFormat, VolumeFault> {
+/// The format of a file of that name; an error with the `remedy` for others, and the list of formats.
+fn known_format(
+    path: &Path,
+    remedy: impl FnOnce() -> Option<String>,
+) -> Result<&'static VolumeFormat, VolumeFault> {
     volume_format(path).ok_or_else(|| {
         let known = volume_formats();
-        let remedy = remedy(path).map_or(String::new(), |remedy| format!("; {remedy}"));
+        let remedy = remedy().map_or(String::new(), |remedy| format!("; {remedy}"));
         format!("unsupported file extension; supported are {known}{remedy}").into()
     })
 }
@@ -93,10 +98,16 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Grid<f32>, VolumeError
 ///
 /// A splatted cloud has the maximum 1. Values of a grid are finite by default, and may be negative.
 pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeError> {
-    let format = known_format(path).map_err(|fault| VolumeError {
+    let in_file = |fault| VolumeError {
         path: path.to_owned(),
         fault,
-    })?;
+    };
+    if path.is_dir() {
+        return Err(in_file(
+            format!("this is a directory, not a volume file; {OF_SLICES}").into(),
+        ));
+    }
+    let format = known_format(path, || remedy(path)).map_err(in_file)?;
     let mut source = VolumeSource::open(path)?;
     let first = source
         .fill_buf()
@@ -108,7 +119,7 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         None => source.error(fault),
     })?;
     let to_world = match &stored {
-        Stored::Samples(layout) => {
+        Stored::Samples { layout, .. } => {
             let placement = layout.axes.placement(options.centring, options.orientation);
             placement.ok().and_then(|placement| placement.to_world)
         }

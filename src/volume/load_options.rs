@@ -18,10 +18,22 @@ pub struct LoadOptions {
     /// True if a header may name a file of data outside its own folder: by an absolute path, by
     /// `..`, or by a symbolic link that leads there.
     pub detached_anywhere: bool,
-    /// For NPY, which states none: the distance between nodes along x, y and z; 1 if left out.
+    /// For arrays and raw samples: the order of their axes, overriding a description; (z, y, x) if left out.
+    pub axes: Option<AxisOrder>,
+    /// For arrays, which state none: the distance between nodes along x, y and z; 1 if left out.
     pub spacing: Option<DVec3>,
-    /// For NPY: the position of the first node; the origin if left out.
+    /// For arrays: the position of the first node; the origin if left out.
     pub origin: Option<DVec3>,
+}
+
+impl LoadOptions {
+    /// The same for an array, of which the axis that runs fastest is a matter of memory, not of place.
+    pub(super) fn of_array(&self) -> LoadOptions {
+        LoadOptions {
+            orientation: Orientation::World,
+            ..*self
+        }
+    }
 }
 
 impl Default for LoadOptions {
@@ -41,9 +53,32 @@ impl From<Splatting> for LoadOptions {
             non_finite: NonFinite::default(),
             orientation: Orientation::default(),
             detached_anywhere: false,
+            axes: None,
             spacing: None,
             origin: None,
         }
+    }
+}
+
+/// The order of the indices of an array.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AxisOrder {
+    /// (z, y, x): of raw samples in C order x runs fastest.
+    #[default]
+    Zyx,
+    /// (x, y, z): of raw samples in C order z runs fastest.
+    Xyz,
+}
+
+impl AxisOrder {
+    /// Both, by their names.
+    pub const ALL: [(&'static str, AxisOrder); 2] =
+        [("zyx", AxisOrder::Zyx), ("xyz", AxisOrder::Xyz)];
+
+    /// The order of that name.
+    pub(crate) fn named(name: &str) -> Option<AxisOrder> {
+        let found = AxisOrder::ALL.iter().find(|(known, _)| *known == name);
+        found.map(|(_, order)| *order)
     }
 }
 

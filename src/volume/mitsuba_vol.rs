@@ -10,7 +10,7 @@
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
 use super::error::{VolumeFault, refused};
-use super::format::VolumeFormat;
+use super::format::{Content, VolumeFormat};
 use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, read_grid};
 use super::source::VolumeSource;
@@ -24,7 +24,7 @@ const HEADER: usize = 48;
 pub(super) const MITSUBA_VOL: VolumeFormat = VolumeFormat {
     name: "Mitsuba volume",
     extensions: &[".vol"],
-    is_point_cloud: false,
+    content: Content::Grid,
     read,
 };
 

@@ -12,12 +12,11 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::format::VolumeFormat;
+use super::format::{Content, VolumeFormat};
 use super::orientation::{Axes, AxisSteps};
-use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
+use super::samples::{VolumeRead, check_sizes, fill, gunzipped, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
-use crate::files::decoder::Guarded;
 use glam::DVec3;
 use std::io::{self, BufReader, Read};
 
@@ -36,7 +35,7 @@ const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
 pub(super) const NIFTI: VolumeFormat = VolumeFormat {
     name: "NIfTI-1",
     extensions: &[".nii", ".nii.gz"],
-    is_point_cloud: false,
+    content: Content::Grid,
     read,
 };
 
@@ -52,8 +51,7 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     // Header and data are one stream, so it is unpacked here and read as if it were raw; how long
     // it is nobody knows before its end.
     let length = source.remaining();
-    let unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
-    let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
+    let mut unpacked = BufReader::with_capacity(1 << 16, gunzipped(source)?);
     let layout = layout(&mut unpacked, Encoding::Gzip, trouble)?;
     read_unpacked(&mut unpacked, length, &layout, options)
 }

@@ -1,61 +1,113 @@
-//! NPY: an array of NumPy of shape (z, y, x). It states no positions: spacing and origin are options.
+//! NPY, an array of NumPy, and NPZ, a ZIP archive of them, of which one of a single array is read. The shape is
+//! (z, y, x), or (x, y, z) if asked for. They state no positions: spacing and origin are options.
 
 use super::error::{VolumeFault, refused};
-use super::format::VolumeFormat;
-use super::orientation::{Axes, AxisSteps, Orientation};
-use super::samples::{VolumeRead, check_sizes, fill, read_grid};
+use super::format::{Content, VolumeFormat};
+use super::load_options::AxisOrder;
+use super::orientation::Axes;
+use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Element, Endian, Layout, LoadOptions};
+use crate::files::decoder::{self, Guarded};
 use crate::film::{FilmError, NpyHeader};
 use glam::DVec3;
-use std::io;
+use std::io::{self, Cursor, Read};
+use zip::ZipArchive;
 
 /// An array of NumPy.
 pub(super) const NPY: VolumeFormat = VolumeFormat {
-    name: "NumPy array of shape (z, y, x)",
+    name: "NumPy array",
     extensions: &[".npy"],
-    is_point_cloud: false,
+    content: Content::Array,
     read,
 };
 
+/// An archive of one array, stored or deflated.
+pub(super) const NPZ: VolumeFormat = VolumeFormat {
+    name: "NumPy archive of one array",
+    extensions: &[".npz"],
+    content: Content::Array,
+    read: read_archive,
+};
+
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-    let header = header(source)?;
-    let (element, endian) = element(&header.descr)?;
-    let [nz, ny, nx] = header.shape[..] else {
-        return refused(format!(
-            "an array of shape {:?}: a volume has the shape (z, y, x), one number at each place; save one \
-             channel, or one time, of it",
-            header.shape
-        ));
-    };
-    let sizes = check_sizes([nx, ny, nz].map(|count| count as u64))?;
-    let spacing = options.spacing.unwrap_or(DVec3::ONE);
-    let [x, y, z] = sizes;
-    let steps = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * spacing);
-    let (sizes, steps) = match header.fortran_order {
-        false => (sizes, AxisSteps::Upright(spacing)),
-        true => (
-            [z, y, x],
-            AxisSteps::Directed([steps[2], steps[1], steps[0]]),
-        ),
-    };
-    let axes = Axes {
-        steps,
-        ..Axes::upright(sizes, spacing, options.origin.unwrap_or_default())
-    };
-    let layout = Layout {
-        endian,
-        ..Layout::raw(element, axes)
-    };
-    // Which index runs fastest is a matter of memory, not of place.
-    let options = LoadOptions {
-        orientation: Orientation::World,
-        ..*options
-    };
-    read_grid(source, &layout, &options)
+    let layout = layout(&header(source)?, options)?;
+    read_grid(source, &layout, &options.of_array())
 }
 
-fn header(source: &mut VolumeSource) -> Result<NpyHeader, VolumeFault> {
+/// Largest archive read, in bytes: 4 GiB, which are held in memory.
+const MOST_BYTES: u64 = 1 << 32;
+
+fn read_archive(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    let length = source.remaining();
+    if length > MOST_BYTES {
+        return refused(format!(
+            "the archive has {length} bytes, and at most {MOST_BYTES} are read: write the array as .npy"
+        ));
+    }
+    let mut bytes = Vec::new();
+    source.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    let damaged = |error: String| {
+        VolumeFault::from(format!(
+            "no readable NPZ file: {error}; numpy.savez of one array writes it right"
+        ))
+    };
+    let trouble = |error: zip::result::ZipError| damaged(error.to_string());
+    let opened = decoder::run(|| ZipArchive::new(Cursor::new(bytes)));
+    let mut archive = opened
+        .map_err(|stopped| damaged(stopped.to_string()))?
+        .map_err(trouble)?;
+    let names: Vec<&str> = archive.file_names().collect();
+    let names: Vec<&str> = names.iter().map(|it| it.trim_end_matches(".npy")).collect();
+    if names.len() != 1 {
+        let shown = names.iter().take(8).map(|name| format!("{name:?}"));
+        let more = if names.len() > 8 { ", …" } else { "" };
+        let shown = shown.collect::<Vec<_>>().join(", ") + more;
+        return refused(format!(
+            "the archive holds {} arrays{}{shown}, and a volume is one: write it as \
+             `numpy.save(\"one.npy\", numpy.load(\"a.npz\")[NAME])`",
+            names.len(),
+            if names.is_empty() { "" } else { ": " }
+        ));
+    }
+    let entry = decoder::run(|| archive.by_index(0));
+    let entry = entry
+        .map_err(|stopped| damaged(stopped.to_string()))?
+        .map_err(trouble)?;
+    let mut entry = Guarded(entry);
+    let layout = layout(&header(&mut entry)?, options)?;
+    read_unpacked(&mut entry, length, &layout, &options.of_array())
+}
+
+/// The layout of the samples behind a header.
+fn layout(header: &NpyHeader, options: &LoadOptions) -> Result<Layout, VolumeFault> {
+    let (element, endian) = element(&header.descr)?;
+    let order = options.axes.unwrap_or_default();
+    let nodes = match (order, &header.shape[..]) {
+        (AxisOrder::Zyx, &[z, y, x]) | (AxisOrder::Xyz, &[x, y, z]) => [x, y, z],
+        _ => {
+            return refused(format!(
+                "an array of shape {:?}: a volume has the shape (z, y, x), one number at each place; save \
+                 one channel, or one time, of it",
+                header.shape
+            ));
+        }
+    };
+    let nodes = check_sizes(nodes.map(|count| count as u64))?;
+    let spacing = options.spacing.unwrap_or(DVec3::ONE);
+    let first = options.origin.unwrap_or_default();
+    let upright = Axes::upright(nodes, spacing, first);
+    let axes = match header.fortran_order == (order == AxisOrder::Zyx) {
+        true => upright.reversed(),
+        false => upright,
+    };
+    Ok(Layout {
+        endian,
+        ..Layout::raw(element, axes)
+    })
+}
+
+fn header(source: &mut impl Read) -> Result<NpyHeader, VolumeFault> {
     let mut bytes = Vec::new();
     read_up_to(NpyHeader::FIRST_BYTES, source, &mut bytes)?;
     let text = NpyHeader::text_at(&bytes).map_err(fault)?;
@@ -65,7 +117,7 @@ fn header(source: &mut VolumeSource) -> Result<NpyHeader, VolumeFault> {
 }
 
 /// Extends `bytes` to a number of bytes of the file, or to its end.
-fn read_up_to(end: usize, source: &mut VolumeSource, bytes: &mut Vec<u8>) -> io::Result<()> {
+fn read_up_to(end: usize, source: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<()> {
     let begin = bytes.len();
     bytes.resize(end.max(begin), 0);
     let filled = fill(source, &mut bytes[begin..])?;
@@ -117,7 +169,7 @@ fn element(descr: &str) -> Result<(Element, Endian), VolumeFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{Grid, read_volume};
+    use crate::volume::{Grid, Orientation, read_volume};
 
     fn read_npy(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
         read_volume("grid.npy", bytes, None, options)

@@ -16,12 +16,12 @@
 //!
 //! A file with the wrong `endian` cannot be told apart from one with unusual values.
 
-mod field;
+pub(super) mod field;
 mod fields;
 mod geometry;
 
 use super::error::{VolumeFault, refused};
-use super::format::VolumeFormat;
+use super::format::{Content, VolumeFormat};
 use super::samples::{VolumeRead, read_grid};
 use super::source::VolumeSource;
 use super::{Encoding, Layout, LoadOptions};
@@ -58,7 +58,7 @@ impl NrrdHeader {
                 // Too few are reported as a wrong length.
                 remaining.saturating_sub(promised)
             }
-            (Some(_), Encoding::Gzip) => {
+            (Some(_), Encoding::Gzip | Encoding::Zlib) => {
                 let message = "`byte skip` within compressed data is not read: write them without";
                 return refused(message);
             }
@@ -120,7 +120,7 @@ impl NrrdHeader {
 pub(super) const NRRD: VolumeFormat = VolumeFormat {
     name: "NRRD",
     extensions: &[".nrrd", ".nhdr"],
-    is_point_cloud: false,
+    content: Content::Grid,
     read,
 };
 

@@ -69,6 +69,20 @@ impl Axes {
         }
     }
 
+    /// The same places, for samples that run fastest along the last axis and slowest along the first.
+    pub(super) fn reversed(self) -> Axes {
+        let [x, y, z] = self.sizes;
+        let [along_x, along_y, along_z] = match self.steps {
+            AxisSteps::Upright(spacing) => DVec3::AXES.map(|axis| axis * spacing),
+            AxisSteps::Directed(steps) => steps,
+        };
+        Axes {
+            sizes: [z, y, x],
+            steps: AxisSteps::Directed([along_z, along_y, along_x]),
+            ..self
+        }
+    }
+
     /// The lattice of the samples, and the order they take in it.
     ///
     /// The faces of the box lie by `centring`, if given, in place of what the file says.

@@ -1,7 +1,7 @@
 //! Point clouds as volumes: read from Wavefront OBJ, splatted to a grid.
 
 use super::error::VolumeFault;
-use super::format::VolumeFormat;
+use super::format::{Content, VolumeFormat};
 use super::load_options::LoadOptions;
 use super::obj_points::read_obj_points;
 use super::samples::{Stored, VolumeRead};
@@ -17,7 +17,7 @@ const MOST_BYTES: u64 = 1 << 32;
 pub(super) const POINT_CLOUD: VolumeFormat = VolumeFormat {
     name: "Wavefront point cloud",
     extensions: &[".obj"],
-    is_point_cloud: true,
+    content: Content::Points,
     read,
 };
 

@@ -8,6 +8,7 @@
 //! spacing = [1, 1, 2]     # between nodes, world units; one number for all axes; 1 if left out
 //! origin = [0, 0, 0]      # position of the first node; the origin if left out
 //! centring = "nodes"      # or "cells"
+//! axes = "zyx"            # of an array (z, y, x) in C order, as above; or "xyz", in which z runs fastest
 //! encoding = "raw"        # or "gzip"
 //! header_bytes = 0        # to skip before the first sample
 //! ```
@@ -15,12 +16,13 @@
 //! A wrong `endian` cannot be told apart from unusual values.
 
 use super::error::{VolumeFault, refused};
-use super::format::VolumeFormat;
+use super::format::{Content, VolumeFormat};
+use super::load_options::AxisOrder;
 use super::orientation::{Axes, Orientation};
 use super::samples::{VolumeRead, check_sizes, read_grid};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, LatticeError, Layout, LoadOptions};
-use crate::files::misspelling::nearest;
+use crate::files::misspelling::{escape_remedy, nearest};
 use glam::DVec3;
 use serde::Deserialize;
 use std::io::{BufRead, Read};
@@ -34,7 +36,7 @@ const MOST_BYTES: u64 = 1 << 20;
 pub(super) const BARE_SAMPLES: VolumeFormat = VolumeFormat {
     name: "raw samples, described in TOML",
     extensions: &[".toml"],
-    is_point_cloud: false,
+    content: Content::Samples,
     read,
 };
 
@@ -64,6 +66,7 @@ struct Description {
     spacing: Option<Spanned<Value>>,
     origin: Option<Spanned<Value>>,
     centring: Option<Spanned<String>>,
+    axes: Option<Spanned<String>>,
     encoding: Option<Spanned<String>>,
     header_bytes: Option<Spanned<Value>>,
 }
@@ -109,7 +112,9 @@ fn of_parser(message: &str) -> String {
 /// A description of a file of raw samples.
 #[derive(Clone, Debug, PartialEq)]
 struct RawVolume {
+    /// As if x ran fastest.
     layout: Layout,
+    order: AxisOrder,
     file: String,
     header_bytes: u64,
 }
@@ -117,14 +122,18 @@ struct RawVolume {
 impl RawVolume {
     /// Reads a description.
     fn parse(text: &str) -> Result<RawVolume, VolumeFault> {
-        let description: Description = toml::from_str(text)
-            .map_err(|error| in_line(text, error.span(), &of_parser(error.message())))?;
+        let description: Description = toml::from_str(text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start);
+            let remedy = escape_remedy(text, start).map_or(String::new(), |it| format!("; {it}"));
+            in_line(text, error.span(), &(of_parser(error.message()) + &remedy))
+        })?;
         let written = Written { text };
         let element = written.value(&description.r#type, one_of("type", &Element::ALL))?;
         let endians = [("little", Endian::Little), ("big", Endian::Big)];
         let endian = written.optional(&description.endian, one_of("endian", &endians))?;
         let centrings = [("nodes", Centring::Nodes), ("cells", Centring::Cells)];
         let centring = written.optional(&description.centring, one_of("centring", &centrings))?;
+        let order = written.optional(&description.axes, one_of("axes", &AxisOrder::ALL))?;
         let encodings = [("raw", Encoding::Raw), ("gzip", Encoding::Gzip)];
         let encoding = written.optional(&description.encoding, one_of("encoding", &encodings))?;
         if endian.is_none() && element.bytes() > 1 {
@@ -173,6 +182,7 @@ impl RawVolume {
                 encoding: encoding.unwrap_or(Encoding::Raw),
                 ..Layout::raw(element, axes)
             },
+            order: order.unwrap_or_default(),
             file: description.file.into_inner(),
             header_bytes: header_bytes.unwrap_or(0),
         })
@@ -186,12 +196,15 @@ impl RawVolume {
             ));
         }
         source.skip(header_bytes)?;
-        let layout = &self.layout;
+        let mut layout = self.layout;
+        if options.axes.unwrap_or(self.order) == AxisOrder::Xyz {
+            layout.axes = layout.axes.reversed();
+        }
         let packed = source.fill_buf()?.starts_with(&[0x1f, 0x8b]);
         let samples: usize = layout.axes.sizes.iter().product();
         let expected = samples as u64 * layout.element.bytes() as u64;
         let more = source.remaining().saturating_sub(expected);
-        read_grid(source, layout, options).map_err(|fault| {
+        read_grid(source, &layout, &options.of_array()).map_err(|fault| {
             let remedy = match layout.encoding {
                 Encoding::Raw if packed => "the samples begin like gzip: `encoding = \"gzip\"` \
                                             unpacks them"

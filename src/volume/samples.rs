@@ -9,6 +9,7 @@ use super::orientation::Axes;
 use super::source::VolumeSource;
 use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
 use crate::files::decoder::Guarded;
+use crate::files::gzip;
 use crate::geometry::Aabb;
 use std::io::{self, BufRead, Read};
 
@@ -70,6 +71,11 @@ impl Element {
         !matches!(self, Element::Float16 | Element::Float32 | Element::Float64)
     }
 
+    /// True if it has numbers that 32-bit floats do not hold.
+    fn is_beyond_float32(self) -> bool {
+        self.bytes() == 8 || matches!(self, Element::Int32 | Element::Uint32)
+    }
+
     /// Least and most whole number; `None` of floating-point types.
     fn whole_range(self) -> Option<(i128, i128)> {
         let bits = 8 * self.bytes();
@@ -108,6 +114,8 @@ pub enum Encoding {
     Raw,
     /// Raw, then compressed by gzip.
     Gzip,
+    /// Raw, then compressed by zlib.
+    Zlib,
     /// As decimal numbers with blanks or commas between them.
     Text,
 }
@@ -157,13 +165,37 @@ pub enum Stored {
         extent: Aabb,
     },
     /// As samples of a grid.
-    Samples(Layout),
+    Samples {
+        /// Their layout.
+        layout: Layout,
+        /// Values that 32 bits do not hold, if there are any.
+        lost: Option<LostValues>,
+    },
+}
+
+/// Values of samples that lose more than their last digits in 32 bits: those beyond 2²⁴ that change, up to which
+/// every whole number is held, and those that become 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LostValues {
+    /// Number of them.
+    pub count: usize,
+    /// The first, by its place along the stored axes.
+    pub voxel: [usize; 3],
+    /// Its value in the file.
+    pub stored: f64,
+}
+
+/// True if `value` is one of [`LostValues`].
+fn is_lost(value: f64) -> bool {
+    const WHOLE: f64 = (1 << 24) as f64;
+    let held = f64::from(value as f32);
+    held != value && (value.abs() > WHOLE || held == 0.0) && held.is_finite()
 }
 
 /// Reads the samples that follow a header, and all that follows them: nothing may.
 ///
-/// Values are computed in `f64` and rounded to `f32` once more: whole numbers beyond 2²⁴ and
-/// `float64` lose digits.
+/// Values are computed in `f64` and rounded to `f32` once more: [`LostValues`] says where that loses more than
+/// the last digits.
 pub(super) fn read_grid(
     source: &mut VolumeSource,
     layout: &Layout,
@@ -176,9 +208,16 @@ pub(super) fn read_grid(
             samples.reserve(samples.count)?;
             samples.read_binary(source, VolumeFault::from)
         }),
-        Encoding::Gzip => {
-            let mut unpacked = Guarded(flate2::bufread::MultiGzDecoder::new(source));
-            read_unpacked(&mut unpacked, remaining, layout, options)
+        Encoding::Gzip => read_unpacked(&mut gunzipped(source)?, remaining, layout, options),
+        Encoding::Zlib => {
+            let zlib = flate2::bufread::ZlibDecoder::new(&mut *source);
+            let read = read_unpacked(&mut Guarded(zlib), remaining, layout, options)?;
+            match source.remaining() {
+                0 => Ok(read),
+                left => refused(format!(
+                    "{left} bytes follow the compressed data: the file contains something else as well"
+                )),
+            }
         }
         // A digit and a blank are the shortest sample; a last one without the blank is refused when it is read.
         Encoding::Text => read_as(layout, options, &mut |samples| {
@@ -187,6 +226,21 @@ pub(super) fn read_grid(
             samples.read_text(source)
         }),
     }
+}
+
+/// What is packed by gzip in the rest of `source`.
+pub(super) fn gunzipped<'s, 'b>(
+    source: &'s mut VolumeSource<'b>,
+) -> Result<gzip::Unpacked<&'s mut VolumeSource<'b>>, VolumeFault> {
+    let first = source.fill_buf()?;
+    if !first.is_empty() && !gzip::MAGIC.starts_with(&first[..first.len().min(2)]) {
+        let begins = String::from_utf8_lossy(&first[..first.len().min(16)]).into_owned();
+        return refused(format!(
+            "these are no gzip data: they begin with {begins:?}, and not with the bytes 1f 8b; give the right \
+             file, or compress it"
+        ));
+    }
+    Ok(gzip::Unpacked::new(source))
 }
 
 /// As [`read_grid`], of samples in a stream that `source` is already unpacking from a file of
@@ -199,7 +253,7 @@ pub(super) fn read_unpacked(
 ) -> VolumeRead {
     let trouble = |error: io::Error| {
         let message = "compress the file again, or copy it again";
-        format!("the gzip stream of the data is damaged ({error}): {message}").into()
+        format!("the compressed stream of the data is damaged ({error}): {message}").into()
     };
     read_as(layout, options, &mut |samples| {
         samples.check_density(length, MOST_EXPANSION)?;
@@ -220,7 +274,8 @@ fn read_as(
     read(&mut samples)?;
     let values = placement.put(samples.values, layout.axes.sizes);
     let grid = Grid::new(placement.lattice, values).expect("one value per node");
-    Ok((grid, Stored::Samples(*layout)))
+    let (layout, lost) = (*layout, samples.lost);
+    Ok((grid, Stored::Samples { layout, lost }))
 }
 
 /// Deflate cannot do better than 1032 to 1: 258 bytes from two bits.
@@ -240,6 +295,7 @@ struct Samples<'l> {
     count: usize,
     bytes_each: usize,
     values: Vec<f32>,
+    lost: Option<LostValues>,
 }
 
 impl<'l> Samples<'l> {
@@ -250,6 +306,7 @@ impl<'l> Samples<'l> {
             count: layout.axes.sizes.iter().product(),
             bytes_each: layout.element.bytes(),
             values: Vec::new(),
+            lost: None,
         }
     }
 
@@ -367,6 +424,20 @@ impl<'l> Samples<'l> {
                 self.values.extend(scaled.map(|value| value as f32));
             }
         }
+        // Nothing shorter is beyond 32 bits, and what a slope makes of numbers is rounded anyway.
+        if self.layout.element.is_beyond_float32() && self.layout.scaling.is_none() {
+            let lost = |word: &[u8; N]| is_lost(number(*word));
+            if let Some(first) = words.iter().position(lost) {
+                let (voxel, stored) = (self.voxel(start + first), number(words[first]));
+                let count = words[first..].iter().filter(|word| lost(word)).count();
+                let all = self.lost.get_or_insert(LostValues {
+                    count: 0,
+                    voxel,
+                    stored,
+                });
+                all.count += count;
+            }
+        }
         let wrong = self.values[start..].iter().position(|v| !v.is_finite());
         let Some(first) = wrong else {
             return Ok(());
@@ -388,8 +459,7 @@ impl<'l> Samples<'l> {
                 Ok(())
             }
             NonFinite::Refused => {
-                let [nx, ny, _] = self.layout.axes.sizes;
-                let [i, j, k] = [first % nx, first / nx % ny, first / nx / ny];
+                let [i, j, k] = self.voxel(first);
                 let scaling = self.layout.scaling;
                 let value = scaling.map_or(stored, |(slope, intercept)| slope * stored + intercept);
                 refused(format!(
@@ -399,6 +469,12 @@ impl<'l> Samples<'l> {
                 ))
             }
         }
+    }
+
+    /// The place of a sample along the stored axes.
+    fn voxel(&self, index: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.layout.axes.sizes;
+        [index % nx, index / nx % ny, index / nx / ny]
     }
 
     fn read_text(&mut self, source: &mut VolumeSource) -> Result<(), VolumeFault> {
@@ -669,14 +745,16 @@ mod tests {
         );
         assert!(
             message([2, 2, 2], &sound[..sound.len() - 5])
-                .contains("the gzip stream of the data is damaged")
+                .contains("the compressed stream of the data is damaged")
         );
         let mut wrong_sum = sound.clone();
         wrong_sum[sound.len() - 8] ^= 1;
-        assert!(message([2, 2, 2], &wrong_sum).contains("the gzip stream of the data is damaged"));
         assert!(
-            message([2, 2, 2], b"not gzip at all")
-                .contains("the gzip stream of the data is damaged")
+            message([2, 2, 2], &wrong_sum).contains("the compressed stream of the data is damaged")
+        );
+        assert!(
+            message([2, 2, 2], b"<!DOCTYPE html>")
+                .starts_with("these are no gzip data: they begin with \"<!DOCTYPE html>\"")
         );
     }
 

@@ -2,6 +2,7 @@
 
 use super::error::{VolumeError, VolumeFault};
 use super::load_options::LoadOptions;
+use crate::files::file_kind::ends_in;
 use crate::files::regular_file;
 use crate::files::regular_file::OpenError;
 use std::io::{self, BufRead, BufReader, Read};
@@ -56,8 +57,11 @@ impl<'b> VolumeSource<'b> {
         let (file, length) = regular_file::open(path).map_err(|error| VolumeError {
             path: path.to_owned(),
             fault: match error {
-                OpenError::Missing(_) => "there is no such file".into(),
+                OpenError::Missing(_) => {
+                    format!("there is no such file{}", backslashes(path)).into()
+                }
                 OpenError::NotAFile(what) => format!("this is {what}, not a volume file").into(),
+                OpenError::StandIn(what) => what.into(),
                 OpenError::Refused(error) => error.into(),
             },
         })?;
@@ -179,6 +183,21 @@ impl BufRead for VolumeSource<'_> {
     }
 }
 
+/// The remedy for a path of Windows on another system, on which a backslash is a letter of a name.
+fn backslashes(path: &Path) -> String {
+    let path = path.to_string_lossy();
+    if path.contains(['\t', '\n', '\r', '\u{8}', '\u{c}']) {
+        return "; in double quotes `\\t`, `\\n` and the like are single letters: write the path with slashes".to_owned();
+    }
+    if cfg!(windows) || !path.contains('\\') {
+        return String::new();
+    }
+    let slashes = path.replace('\\', "/");
+    format!(
+        "; backslashes separate folders on Windows alone: write {slashes:?}, which every system reads"
+    )
+}
+
 /// Real path of `data`, if a symbolic link leads out of the folder of the `header`: neither into
 /// the one in which it is named nor into the one in which it lies itself. `None` if the data are
 /// missing.
@@ -195,12 +214,4 @@ fn away(header: &Path, data: &Path) -> Option<PathBuf> {
         .flatten()
         .any(|folder| data.starts_with(folder));
     (!inside).then_some(data)
-}
-
-/// The name of the file at `path` ends in `ending`, in capitals or not, after at least one other
-/// letter.
-pub(super) fn ends_in(path: &Path, ending: &str) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let name = name.to_ascii_lowercase();
-    name.len() > ending.len() && name.ends_with(ending)
 }

@@ -371,17 +371,23 @@ fn refusals_name_the_remedy() {
         ),
         (
             "packed.nii",
-            ["begins like a gzip file", "so that it ends in .nii.gz"],
+            [
+                "begins like a file compressed by gzip",
+                "so that it ends in .nii.gz",
+            ],
         ),
         (
             "text.nii",
-            ["begins like a NRRD file", "so that it ends in .nrrd"],
+            ["begins like an NRRD file", "so that it ends in .nrrd"],
         ),
         (
             "nifti.nrrd",
             ["begins like a NIfTI-1 file", "so that it ends in .nii"],
         ),
-        ("meta.nrrd", ["begins like a MetaImage file", convert]),
+        (
+            "meta.nrrd",
+            ["begins like a MetaImage", "so that it ends in .mha"],
+        ),
         (
             "nodes.toml",
             ["nodes.toml:3:9: ", "`nodes` must be three whole numbers"],
@@ -421,7 +427,6 @@ fn refusals_name_the_remedy() {
             ["unsupported file extension", "`encoding = \"gzip\"`"],
         ),
         ("scan.img", [".img: unsupported file extension", convert]),
-        ("scan.mha", [".mha: unsupported file extension", convert]),
         (
             "scan.raw",
             [
@@ -438,6 +443,190 @@ fn refusals_name_the_remedy() {
     ] {
         folder.volref(&["info", file]).expect(2, &parts);
     }
+}
+
+/// What stands in place of a file, and formats that are not read, by their names and by their first bytes.
+#[test]
+fn files_that_are_something_else() {
+    let folder = with(&["detached.nhdr", "bare.raw.toml"]);
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+    let page = "<!DOCTYPE html>\n<html><body>404 Not Found</body></html>\n";
+    let told = "this is a pointer of Git LFS, not the file: run `git lfs pull` (in GitHub Actions: `lfs: true`)";
+    for ending in [
+        "obj", "bin", "vol", "nrrd", "nhdr", "nii", "nii.gz", "mha", "npy", "npz", "toml",
+    ] {
+        let name = format!("scan.{ending}");
+        folder.write(&name, pointer);
+        folder.volref(&["info", &name]).expect(2, &[told]);
+        folder.write(&name, page);
+        let message = "this is a web page, not the file: download the file again";
+        folder.volref(&["info", &name]).expect(2, &[message]);
+    }
+    folder.write("detached.raw", pointer);
+    folder.write("bare.raw", pointer);
+    folder
+        .volref("info detached.nhdr")
+        .expect(2, &["detached.raw", told]);
+    folder
+        .volref("info bare.raw.toml")
+        .expect(2, &["bare.raw", told]);
+
+    let mut mrc = vec![0; 1024];
+    mrc[208..212].copy_from_slice(b"MAP ");
+    let mut dicom = vec![0; 200];
+    dicom[128..132].copy_from_slice(b"DICM");
+    for (name, misnamed, bytes, remedy) in [
+        (
+            "a.vti",
+            "vti.nrrd",
+            &b"<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\">"[..],
+            "pyvista.read",
+        ),
+        (
+            "a.vtk",
+            "vtk.vol",
+            b"# vtk DataFile Version 3.0\n",
+            "pyvista.read",
+        ),
+        ("a.vdb", "vdb.nrrd", b" BDV\0\0\0\0", "copyToArray"),
+        ("a.nvdb", "nvdb.npy", b"NanoVDB0", "nanovdb_convert"),
+        ("a.tif", "tif.npy", b"II*\0", "tifffile.imread"),
+        ("a.tiff", "IM0001", b"MM\0*", "tifffile.imread"),
+        ("a.mrc", "mrc.mha", &mrc, "mrcfile.read"),
+        ("a.h5", "h5.bin", b"\x89HDF\r\n\x1a\n", "h5py.File"),
+        ("a.dcm", "IM0002", &dicom, "dcm2niix"),
+        ("a.mgz", "", b"", "nibabel.load"),
+    ] {
+        folder
+            .volref(&["info", name])
+            .expect(2, &["unsupported file extension", remedy]);
+        if !misnamed.is_empty() {
+            folder.write(misnamed, bytes);
+            folder
+                .volref(&["info", misnamed])
+                .expect(2, &["begins like", remedy]);
+        }
+    }
+    folder.write("slices/1.dcm", &dicom);
+    folder
+        .volref("info slices")
+        .expect(2, &["this is a directory", "dcm2niix"]);
+}
+
+/// MetaImage and archives; what is behind gzip; names of Windows.
+#[test]
+fn archives_headers_and_streams() {
+    let folder = with(&[
+        "packed.mhd",
+        "packed.zraw",
+        "grid.npz",
+        "xyz.npy",
+        "gzip.nrrd",
+    ]);
+    folder.volref("info packed.mhd").prints(
+        0,
+        &[
+            "packed.mhd: MetaImage",
+            "first node  (-1, 2, 3)",
+            "space       left-posterior-superior, as ITK takes it",
+            "stored      float32, little endian, zlib, 2 × 3 × 4 in other order",
+            "values      0 to 123, mean 61.5",
+        ],
+    );
+    folder.volref("info grid.npz").prints(
+        0,
+        &[
+            "4 × 3 × 2",
+            "axes        z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`",
+        ],
+    );
+    folder.volref("info xyz.npy").prints(0, &["2 × 3 × 4"]);
+    folder
+        .volref("info xyz.npy --axes xyz")
+        .prints(0, &["4 × 3 × 2"]);
+    let mut padded = fixture("gzip.nrrd");
+    padded.extend([0; 512]);
+    folder.write("padded.nrrd", &padded);
+    folder
+        .volref("info padded.nrrd")
+        .prints(0, &["values      0 to 123"]);
+    padded.extend(b"more");
+    folder.write("padded.nrrd", &padded);
+    folder
+        .volref("info padded.nrrd")
+        .expect(2, &["zeros and then other bytes follow its end"]);
+
+    let two = fixture("grid.npz");
+    folder.write("cut.npz", &two[..two.len() - 30]);
+    folder
+        .volref("info cut.npz")
+        .expect(2, &["no readable NPZ file"]);
+    let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\ndata file: data\\a.raw\n";
+    folder.write("windows.nhdr", header);
+    folder.write("data/a.raw", "1");
+    #[cfg(unix)]
+    folder.volref("info windows.nhdr").expect(
+        2,
+        &[
+            "backslashes separate folders on Windows alone",
+            "data/a.raw",
+        ],
+    );
+    folder.write(
+        "escape.raw.toml",
+        "file = \"data\\a.raw\"\ntype = \"uint8\"\nnodes = [1, 1, 1]\n",
+    );
+    folder.volref("info escape.raw.toml").expect(
+        2,
+        &[
+            "escape.raw.toml:1:",
+            "a backslash in double quotes begins an escape",
+        ],
+    );
+}
+
+/// What 32 bits do not hold is told with its place, and the range has all digits.
+#[test]
+fn values_that_32_bits_do_not_hold() {
+    let folder = Folder::new();
+    let raw = |kind: &str| {
+        format!("file = \"{kind}.raw\"\ntype = {kind:?}\nendian = \"little\"\nnodes = [3, 1, 1]\n")
+    };
+    let whole = [16_777_216_i32, 16_777_217, -16_777_219];
+    folder.write("int32.raw", whole.map(i32::to_le_bytes).concat());
+    folder.write("int32.toml", raw("int32"));
+    folder.volref("info int32.toml").prints(
+        0,
+        &[
+            "values      -16777220 to 16777216, mean",
+            "float32     does not hold 2, first at voxel (1, 0, 0), counted as stored: 16777217 becomes 16777216",
+        ],
+    );
+    let json = folder.volref("info int32.toml --json").json();
+    assert_eq!(
+        json["stored"]["not_in_float32"],
+        json!({ "count": 2, "voxel": [1, 0, 0], "stored": 16777217.0, "value": 16777216.0 })
+    );
+    // Digits that are lost below are those of every decimal number; what becomes 0 is lost.
+    folder.write(
+        "float64.raw",
+        [0.1, 1e-300, 100.0].map(f64::to_le_bytes).concat(),
+    );
+    folder.write("float64.toml", raw("float64"));
+    folder.volref("info float64.toml").prints(
+        0,
+        &[
+            "values      0 to 100, mean",
+            "does not hold 1, first at voxel (1, 0, 0), counted as stored: ",
+        ],
+    );
+    folder.write(
+        "float64.raw",
+        [0.1, 1e39, 100.0].map(f64::to_le_bytes).concat(),
+    );
+    folder
+        .volref("info float64.toml")
+        .prints(0, &["not finite  1, first at voxel (1, 0, 0): inf"]);
 }
 
 #[test]

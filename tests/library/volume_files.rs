@@ -98,19 +98,24 @@ fn what_is_no_volume_file() {
         ("missing.obj", "missing.obj: there is no such file"),
         (
             "folder.obj",
-            "folder.obj: this is a directory, not a volume file",
+            "folder.obj: this is a directory, not a volume file; the slices of a folder become one file by \
+             `dcm2niix FOLDER`, or in Python by \
+             `SimpleITK.ReadImage(SimpleITK.ImageSeriesReader.GetGDCMSeriesFileNames(\"FOLDER\"))` and \
+             `SimpleITK.WriteImage`",
         ),
         (
-            "smoke.vdb",
-            "smoke.vdb: unsupported file extension; supported are .obj (Wavefront point cloud), \
+            "smoke.xyzw",
+            "smoke.xyzw: unsupported file extension; supported are .obj (Wavefront point cloud), \
              .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
-             .npy (NumPy array of shape (z, y, x)), .toml (raw samples, described in TOML)",
+             .mha or .mhd (MetaImage), .npy (NumPy array), .npz (NumPy archive of one array), \
+             .toml (raw samples, described in TOML)",
         ),
         (
             "bare",
             "bare: unsupported file extension; supported are .obj (Wavefront point cloud), \
              .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
-             .npy (NumPy array of shape (z, y, x)), .toml (raw samples, described in TOML)",
+             .mha or .mhd (MetaImage), .npy (NumPy array), .npz (NumPy archive of one array), \
+             .toml (raw samples, described in TOML)",
         ),
     ] {
         assert_eq!(message(&folder, &folder.join(name)), expected);
@@ -185,7 +190,10 @@ fn all_formats_give_the_same_grid() {
         "detached.nhdr",
         "grid.nii",
         "grid.nii.gz",
+        "grid.mha",
+        "packed.mhd",
         "bare.raw.toml",
+        "xyz.raw.toml",
     ] {
         let loaded = load_hashed(&fixture(name), &LoadOptions::default()).unwrap();
         assert_eq!(loaded.grid, expected, "{name}");
@@ -196,7 +204,17 @@ fn all_formats_give_the_same_grid() {
         origin: Some(lattice.first()),
         ..LoadOptions::default()
     };
-    for name in ["grid.npy", "fortran.npy"] {
+    let xyz = LoadOptions {
+        axes: Some(AxisOrder::Xyz),
+        ..options
+    };
+    for (name, options) in [
+        ("grid.npy", options),
+        ("fortran.npy", options),
+        ("grid.npz", options),
+        ("stored.npz", options),
+        ("xyz.npy", xyz),
+    ] {
         let loaded = load_hashed(&fixture(name), &options).unwrap();
         assert_eq!(loaded.grid, expected, "{name}");
         assert_eq!(loaded.to_world, None, "{name}");
@@ -215,6 +233,8 @@ fn the_hash_of_every_file_is_told() {
         ("gzip.nrrd", &[]),
         ("grid.nii.gz", &[]),
         ("detached.nhdr", &["detached.raw"]),
+        ("packed.mhd", &["packed.zraw"]),
+        ("grid.npz", &[]),
         ("bare.raw.toml", &["bare.raw"]),
     ] {
         let loaded = load_hashed(&fixture(name), &LoadOptions::default()).unwrap();
@@ -511,6 +531,30 @@ fn keys_of_volume_files() {
         assert_eq!(density.bounds(), expected.lattice().bounds());
     }
 
+    // The order of the axes by the scene, over that of a description.
+    let expected = load(&fixture("grid.npy"), &LoadOptions::default()).unwrap();
+    for name in [
+        "xyz.npy",
+        "bare.raw.toml",
+        "bare.raw",
+        "xyz.raw.toml",
+        "xyz.raw",
+    ] {
+        fs::copy(fixture(name), folder.join(name)).unwrap();
+    }
+    for keys in [
+        "file = \"xyz.npy\"\naxes = \"xyz\"",
+        "file = \"grid.npy\"\naxes = \"zyx\"",
+        "file = \"xyz.raw.toml\"",
+        "file = \"xyz.raw.toml\"\naxes = \"xyz\"",
+        "file = \"bare.raw.toml\"\naxes = \"zyx\"",
+    ] {
+        let read = scene(&folder, keys).unwrap();
+        assert_eq!(grid_of(&read).values(), expected.values(), "{keys}");
+    }
+    let other = scene(&folder, "file = \"xyz.raw.toml\"\naxes = \"zyx\"").unwrap();
+    assert_ne!(grid_of(&other).values(), expected.values());
+
     for (keys, expected) in [
         (
             "file = \"grid.npy\"\nspacing = [1, 0, 1]",
@@ -518,9 +562,22 @@ fn keys_of_volume_files() {
         ),
         (
             "file = \"nan.vol\"\nspacing = [1, 1, 1]",
-            ":5:11: `spacing` applies to .npy files; \"nan.vol\" states its own",
+            ":5:11: `spacing` applies to .npy and .npz files; \"nan.vol\" states its own",
         ),
         ("file = \"grid.npy\"\nnodes = [1, 1, 1]", "`nodes`"),
+        (
+            "file = \"nan.vol\"\naxes = \"xyz\"",
+            ":5:8: `axes` applies to arrays and raw samples; the format of \"nan.vol\" says in which order",
+        ),
+        (
+            "file = \"two.obj\"\naxes = \"zyx\"",
+            ":5:8: `axes` applies to arrays and raw samples",
+        ),
+        ("file = \"grid.npy\"\naxes = \"yxz\"", "`axes`"),
+        (
+            "file = \"a\\b.vol\"",
+            "a backslash in double quotes begins an escape",
+        ),
         ("file = \"nan.vol\"", ":4:8: "),
         (
             "file = \"nan.vol\"",
@@ -663,7 +720,7 @@ fn check_grid<E: std::error::Error>(read: Result<Grid<f32>, E>) -> Result<(), Te
 
 fn check_all_grids(bytes: &[u8]) -> Result<(), TestCaseError> {
     let options = LoadOptions::default();
-    for extension in ["vol", "nrrd", "npy", "nii", "nii.gz", "toml"] {
+    for extension in ["vol", "nrrd", "npy", "npz", "mha", "nii", "nii.gz", "toml"] {
         let name = format!("grid.{extension}");
         check_grid(read_volume(&name, bytes, None, &options))?;
     }
@@ -679,7 +736,16 @@ fn small_volumes() -> impl Strategy<Value = Vec<u8>> {
         "detached.nhdr",
         "grid.nii",
     ];
-    let more = ["grid.nii.gz", "bare.raw.toml", "grid.npy", "fortran.npy"];
+    let more = [
+        "grid.nii.gz",
+        "grid.mha",
+        "packed.mhd",
+        "bare.raw.toml",
+        "grid.npy",
+        "fortran.npy",
+        "grid.npz",
+        "stored.npz",
+    ];
     let names: Vec<&str> = names.into_iter().chain(more).collect();
     prop::sample::select(names).prop_flat_map(|name| mutated(fs::read(fixture(name)).unwrap()))
 }

@@ -5,26 +5,26 @@ use glam::DVec3;
 
 /// A field of a header.
 #[derive(Clone, Copy)]
-pub(super) struct HeaderField<'h> {
-    pub(super) name: &'static str,
-    pub(super) value: &'h str,
-    pub(super) line: usize,
+pub(in crate::volume) struct HeaderField<'h> {
+    pub(in crate::volume) name: &'static str,
+    pub(in crate::volume) value: &'h str,
+    pub(in crate::volume) line: usize,
 }
 
 impl HeaderField<'_> {
     /// A mistake in the line of the field.
-    pub(super) fn fault(&self, message: &str) -> VolumeFault {
+    pub(in crate::volume) fn fault(&self, message: &str) -> VolumeFault {
         VolumeFault::Line(format!("{}: {message}", self.line))
     }
 
-    pub(super) fn wrong(&self, expected: &str) -> VolumeFault {
+    pub(in crate::volume) fn wrong(&self, expected: &str) -> VolumeFault {
         let (name, value) = (self.name, shortened(self.value));
         self.fault(&format!("`{name}` must be {expected}, not {value:?}"))
     }
 
     /// Refuses data in several files: a list of them, or a pattern with the numbers that take the
     /// place of its `%`.
-    pub(super) fn check_one_file(&self) -> Result<(), VolumeFault> {
+    pub(in crate::volume) fn check_one_file(&self) -> Result<(), VolumeFault> {
         let words: Vec<&str> = self.value.split_ascii_whitespace().collect();
         let is_number = |word: &&&str| word.parse::<i64>().is_ok();
         let numbers = words.iter().rev().take_while(is_number).count();
@@ -48,7 +48,7 @@ impl HeaderField<'_> {
         )))
     }
 
-    pub(super) fn number<T: std::str::FromStr>(
+    pub(in crate::volume) fn number<T: std::str::FromStr>(
         &self,
         expected: &'static str,
         accepts: impl Fn(&T) -> bool,
@@ -57,7 +57,11 @@ impl HeaderField<'_> {
         number.ok_or_else(|| self.wrong(expected))
     }
 
-    pub(super) fn count(&self, found: usize, dimension: usize) -> Result<(), VolumeFault> {
+    pub(in crate::volume) fn count(
+        &self,
+        found: usize,
+        dimension: usize,
+    ) -> Result<(), VolumeFault> {
         if found == dimension {
             return Ok(());
         }
@@ -68,7 +72,7 @@ impl HeaderField<'_> {
     }
 
     /// Words that stand in quotes, or between blanks if none does.
-    pub(super) fn units(&self) -> Vec<&str> {
+    pub(in crate::volume) fn units(&self) -> Vec<&str> {
         if self.value.contains('"') {
             let quoted = self.value.split('"').skip(1).step_by(2);
             quoted.map(str::trim).collect()
@@ -78,7 +82,7 @@ impl HeaderField<'_> {
     }
 
     /// One word for each axis.
-    pub(super) fn each<T>(
+    pub(in crate::volume) fn each<T>(
         &self,
         dimension: usize,
         read: impl Fn(&str) -> Result<T, VolumeFault>,
@@ -89,7 +93,10 @@ impl HeaderField<'_> {
     }
 
     /// `(1,0,0) (0,1,0) none`
-    pub(super) fn vectors(&self, dimension: usize) -> Result<Vec<Option<DVec3>>, VolumeFault> {
+    pub(in crate::volume) fn vectors(
+        &self,
+        dimension: usize,
+    ) -> Result<Vec<Option<DVec3>>, VolumeFault> {
         let mut vectors = Vec::new();
         let mut rest = self.value.trim();
         while !rest.is_empty() {
@@ -107,7 +114,7 @@ impl HeaderField<'_> {
     }
 
     /// `(1,0,0)`; `None` for `none` or `(nan,nan,nan)`.
-    pub(super) fn vector_in(&self, text: &str) -> Result<Option<DVec3>, VolumeFault> {
+    pub(in crate::volume) fn vector_in(&self, text: &str) -> Result<Option<DVec3>, VolumeFault> {
         let text = text.trim();
         if text == "none" {
             return Ok(None);
@@ -125,7 +132,7 @@ impl HeaderField<'_> {
 }
 
 /// Text for a message, cut where it is long.
-pub(super) fn shortened(text: &str) -> String {
+pub(in crate::volume) fn shortened(text: &str) -> String {
     const LONGEST: usize = 60;
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", &text[..end]),

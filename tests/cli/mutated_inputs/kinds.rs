@@ -434,6 +434,9 @@ pub const KINDS: &[Kind] = &[
     volume!("nii", "read.nii", "mutant.nii", any),
     volume!("nii.gz", "read.nii.gz", "mutant.nii.gz", gzip),
     volume!("raw.toml", "read.raw.toml", "mutant.raw.toml", any),
+    volume!("mha", "read.mha", "mutant.mha", any),
+    volume!("mhd", "read.mhd", "mutant.mhd", any),
+    volume!("npz", "read.npz", "mutant.npz", any),
     volume!("npy-volume", ".npy", "read.volume.npy", "mutant.npy", any),
     Kind {
         name: "exr-header",
@@ -496,7 +499,7 @@ impl Workshop {
                 let path = entry.unwrap().path();
                 let name = path.file_name().unwrap().to_str().unwrap();
                 // Beside a header, its data.
-                if name.ends_with(".raw") {
+                if name.ends_with("raw") {
                     folder.write(name, std::fs::read(&path).unwrap());
                 }
             }

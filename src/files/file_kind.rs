@@ -1,0 +1,354 @@
+//! One recogniser of what a file is, by its name and its first bytes, where it is not what was expected.
+
+use std::path::Path;
+
+/// Bytes at the beginning of a file that tell its kind.
+pub const HEAD: usize = 512;
+
+/// A kind of file.
+pub struct FileKind {
+    /// Its name, with an article.
+    pub name: &'static str,
+    /// Endings of its files, in small letters.
+    pub endings: &'static [&'static str],
+    /// Beginnings of its files, of which one is there.
+    marks: &'static [Mark],
+    /// Remedy for a volume in such a file, if it is not read as it is.
+    pub as_volume: Option<&'static str>,
+}
+
+/// Bytes by which a kind is known.
+enum Mark {
+    /// These, from this byte on.
+    At(usize, &'static [u8]),
+    /// These words, in small or capital letters, within the [`HEAD`] of a text that begins with `<`.
+    Markup(&'static str),
+}
+
+impl Mark {
+    fn is_in(&self, first: &[u8]) -> bool {
+        match *self {
+            Mark::At(offset, bytes) => first.get(offset..).is_some_and(|it| it.starts_with(bytes)),
+            Mark::Markup(words) => {
+                let text = first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first);
+                let text = text.trim_ascii_start();
+                let mut windows = text.windows(words.len());
+                text.starts_with(b"<")
+                    && windows.any(|it| it.eq_ignore_ascii_case(words.as_bytes()))
+            }
+        }
+    }
+}
+
+/// Remedy for formats of scanners and of medical software.
+const CONVERT: &str = "write the volume as one .nii or .nrrd, as by `nibabel.save` or \
+                       `SimpleITK.WriteImage`";
+
+/// Remedy for the format of scanners, a slice a file.
+pub const OF_SLICES: &str = "the slices of a folder become one file by `dcm2niix FOLDER`, or in Python by \
+                      `SimpleITK.ReadImage(SimpleITK.ImageSeriesReader.GetGDCMSeriesFileNames(\"FOLDER\"))` \
+                      and `SimpleITK.WriteImage`";
+
+/// Remedy for compressed files.
+const UNPACK: &str = "unpack the file, as by `gunzip`";
+
+/// Remedy for point clouds.
+const POINTS: &str = "write the points to an .obj, each as a line `v x y z`";
+
+const VTK: &str = "in Python, values at points become an array by `grid = pyvista.read(\"a.vti\")` and \
+                   `numpy.save(\"a.npy\", grid.point_data[NAME].reshape(grid.dimensions[::-1]))`; `spacing` \
+                   and `origin` beside `file` in the scene are those of `grid`";
+
+const VDB: &str = "in Python, a grid becomes an array by `grid = openvdb.read(\"a.vdb\", NAME)`, \
+                   `grid.copyToArray(array, ijk=FIRST)` and `numpy.save(\"a.npy\", array)`; it has the order \
+                   `axes = \"xyz\"`";
+
+const TIFF: &str = "in Python, `numpy.save(\"a.npy\", tifffile.imread(\"a.tif\"))`";
+
+const HDF5: &str = "in Python, `numpy.save(\"a.npy\", h5py.File(\"a.h5\")[NAME][:])`";
+
+const fn kind(
+    name: &'static str,
+    endings: &'static [&'static str],
+    marks: &'static [Mark],
+    as_volume: Option<&'static str>,
+) -> FileKind {
+    FileKind {
+        name,
+        endings,
+        marks,
+        as_volume,
+    }
+}
+
+use Mark::{At, Markup};
+
+/// What stands in a file in place of its content: no reader is meant to have it.
+const STAND_INS: [(FileKind, &str); 3] = [
+    (
+        kind(
+            "a pointer of Git LFS",
+            &[],
+            &[At(0, b"version https://git-lfs.github.com/spec/")],
+            None,
+        ),
+        "run `git lfs pull` (in GitHub Actions: `lfs: true`)",
+    ),
+    (
+        kind(
+            "a web page",
+            &[".html", ".htm"],
+            &[Markup("<!doctype html"), Markup("<html")],
+            None,
+        ),
+        DOWNLOAD,
+    ),
+    (
+        kind(
+            "the message of a server of files",
+            &[],
+            &[Markup("<error><code>")],
+            None,
+        ),
+        DOWNLOAD,
+    ),
+];
+
+const DOWNLOAD: &str = "download the file again, signed in where its server asks for it";
+
+/// Kinds of files, those that are read as volumes or images among them.
+const KINDS: [FileKind; 31] = [
+    kind(
+        "an EXR image",
+        &[".exr"],
+        &[At(0, b"\x76\x2f\x31\x01")],
+        None,
+    ),
+    kind(
+        "a PFM image",
+        &[".pfm"],
+        &[At(0, b"PF\n"), At(0, b"Pf\n")],
+        None,
+    ),
+    kind("a NumPy array", &[".npy"], &[At(0, b"\x93NUMPY")], None),
+    kind(
+        "a PNG image",
+        &[".png"],
+        &[At(0, b"\x89PNG\r\n\x1a\n")],
+        None,
+    ),
+    kind(
+        "a JPEG image",
+        &[".jpg", ".jpeg"],
+        &[At(0, b"\xff\xd8\xff")],
+        None,
+    ),
+    kind(
+        "a TIFF image",
+        &[".tif", ".tiff"],
+        &[
+            At(0, b"II*\0"),
+            At(0, b"MM\0*"),
+            At(0, b"II+\0"),
+            At(0, b"MM\0+"),
+        ],
+        Some(TIFF),
+    ),
+    kind("a Radiance HDR image", &[], &[At(0, b"#?RADIANCE")], None),
+    kind("a GIF image", &[".gif"], &[At(0, b"GIF8")], None),
+    kind("a PPM image", &[".ppm"], &[At(0, b"P6")], None),
+    kind(
+        "a ZIP archive (as .npz is)",
+        &[".npz"],
+        &[At(0, b"PK\x03\x04")],
+        None,
+    ),
+    kind(
+        "an NRRD file packed once more",
+        &[".nrrd.gz"],
+        &[],
+        Some("unpack the file, as by `gunzip`; the format compresses by `encoding: gzip`"),
+    ),
+    kind(
+        "raw samples, compressed",
+        &[".raw.gz"],
+        &[],
+        Some(
+            "describe the samples by a .toml with the keys `file`, `type`, `endian`, `nodes`, and \
+             `encoding = \"gzip\"`",
+        ),
+    ),
+    kind(
+        "a FreeSurfer volume",
+        &[".mgz", ".mgh"],
+        &[],
+        Some(
+            "in Python, `nibabel.save(nibabel.Nifti1Image.from_image(nibabel.load(\"a.mgz\")), \
+             \"a.nii\")`",
+        ),
+    ),
+    kind(
+        "a file compressed by gzip",
+        &[".nii.gz", ".obj.gz", ".vol.gz"],
+        &[At(0, b"\x1f\x8b\x08")],
+        Some(UNPACK),
+    ),
+    kind(
+        "an NRRD file",
+        &[".nrrd", ".nhdr"],
+        &[At(0, b"NRRD000")],
+        None,
+    ),
+    kind("a NIfTI-1 file", &[".nii"], &[At(344, b"n+1\0")], None),
+    kind("a Mitsuba volume", &[".vol"], &[At(0, b"VOL\x03")], None),
+    kind(
+        "a MetaImage",
+        &[".mha", ".mhd"],
+        &[At(0, b"ObjectType"), At(0, b"NDims")],
+        None,
+    ),
+    kind("an Analyze image", &[".hdr", ".img"], &[], Some(CONVERT)),
+    kind(
+        "a DICOM file",
+        &[".dcm", ".ima"],
+        &[At(128, b"DICM")],
+        Some(OF_SLICES),
+    ),
+    kind(
+        "a VTK file",
+        &[".vti", ".vtk", ".vtr", ".vts", ".vtu"],
+        &[At(0, b"# vtk DataFile"), Markup("<vtkfile")],
+        Some(VTK),
+    ),
+    kind("an OpenVDB file", &[".vdb"], &[At(0, b" BDV")], Some(VDB)),
+    kind(
+        "a NanoVDB file",
+        &[".nvdb"],
+        &[At(0, b"NanoVDB")],
+        Some(
+            "`nanovdb_convert a.nvdb a.vdb` writes an OpenVDB file, whose grids `openvdb` reads in Python",
+        ),
+    ),
+    kind(
+        "an MRC file",
+        &[".mrc", ".rec", ".map"],
+        &[At(208, b"MAP ")],
+        Some(
+            "in Python, `numpy.save(\"a.npy\", mrcfile.read(\"a.mrc\"))`; `spacing` beside `file` in the \
+             scene is its `voxel_size`",
+        ),
+    ),
+    kind(
+        "an HDF5 file",
+        &[".h5", ".hdf5", ".hdf"],
+        &[At(0, b"\x89HDF\r\n\x1a\n")],
+        Some(HDF5),
+    ),
+    kind(
+        "raw samples",
+        &[".raw"],
+        &[],
+        Some("describe the samples by a .toml with the keys `file`, `type`, `endian` and `nodes`"),
+    ),
+    kind("a list of points", &[".xyz"], &[], Some(POINTS)),
+    kind(
+        "a PLY file",
+        &[".ply"],
+        &[At(0, b"ply\n"), At(0, b"ply\r")],
+        Some(POINTS),
+    ),
+    kind("a PCD file", &[".pcd"], &[At(0, b"# .PCD")], Some(POINTS)),
+    kind("a mesh of glTF", &[".glb"], &[At(0, b"glTF")], None),
+    kind("a PDF document", &[".pdf"], &[At(0, b"%PDF")], None),
+];
+
+/// What stands in a file that begins with `first` in place of its content, and the remedy.
+pub fn stand_in(first: &[u8]) -> Option<String> {
+    let first = &first[..first.len().min(HEAD)];
+    let found = STAND_INS
+        .iter()
+        .find(|(kind, _)| kind.marks.iter().any(|mark| mark.is_in(first)));
+    found.map(|(kind, remedy)| format!("this is {}, not the file: {remedy}", kind.name))
+}
+
+/// The kind of a file that begins with `first`.
+pub fn by_bytes(first: &[u8]) -> Option<&'static FileKind> {
+    let first = &first[..first.len().min(HEAD)];
+    let is_it = |kind: &&FileKind| kind.marks.iter().any(|mark| mark.is_in(first));
+    KINDS.iter().find(is_it)
+}
+
+/// The kind of a file at `path`, by its name.
+pub fn by_name(path: &Path) -> Option<&'static FileKind> {
+    KINDS.iter().find(|kind| kind.is_name(path))
+}
+
+impl FileKind {
+    /// True if the name of the file at `path` is that of this kind.
+    pub fn is_name(&self, path: &Path) -> bool {
+        self.endings.iter().any(|ending| ends_in(path, ending))
+    }
+}
+
+/// The name of the file at `path` ends in `ending`, in capitals or not, after at least one other
+/// letter.
+pub fn ends_in(path: &Path, ending: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.to_ascii_lowercase();
+    name.len() > ending.len() && name.ends_with(ending)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_in_place_of_a_file() {
+        let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+        assert_eq!(
+            stand_in(pointer).unwrap(),
+            "this is a pointer of Git LFS, not the file: run `git lfs pull` (in GitHub Actions: \
+             `lfs: true`)"
+        );
+        for page in [
+            "<!DOCTYPE html><html><head>",
+            "\u{feff}\n <!doctype HTML>",
+            "<HTML lang=\"en\">",
+            "<?xml version=\"1.0\"?>\n<!DOCTYPE html PUBLIC>",
+            "<!-- saved --><html>",
+            "<?xml version='1.0' encoding='UTF-8'?><Error><Code>AccessDenied</Code>",
+        ] {
+            let told = stand_in(page.as_bytes()).expect(page);
+            assert!(told.contains("download the file again"), "{told}");
+        }
+        let scenes: [&[u8]; 6] = [
+            b"<?xml version=\"1.0\"?><scene version=\"3.0.0\">",
+            b"<medium type=\"procedural\"/>",
+            b"# <html> in a comment",
+            b"version = 1",
+            b"<",
+            b"",
+        ];
+        for scene in scenes {
+            assert_eq!(stand_in(scene), None);
+        }
+    }
+
+    /// Each is found, so that no row stands before it that takes its files.
+    #[test]
+    fn every_kind_is_known_by_its_marks_and_endings() {
+        for kind in &KINDS {
+            for mark in kind.marks {
+                let bytes = match mark {
+                    At(offset, bytes) => [&vec![0; *offset], *bytes].concat(),
+                    Markup(words) => format!("<?xml?>\n{words} ").into_bytes(),
+                };
+                assert_eq!(by_bytes(&bytes).unwrap().name, kind.name);
+            }
+            for ending in kind.endings {
+                let path = format!("A{}", ending.to_ascii_uppercase());
+                assert_eq!(by_name(Path::new(&path)).unwrap().name, kind.name);
+            }
+        }
+    }
+}

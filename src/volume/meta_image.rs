@@ -1,0 +1,665 @@
+//! MetaImage, the format of ITK: header and data in one file (`.mha`), or a header (`.mhd`) that names the file of
+//! the data.
+//!
+//! Source: "MetaIO/Documentation", ITK wiki (itk.org/Wiki/MetaIO/Documentation), and the behaviour of ITK's reader.
+//!
+//! Grids of three axes are read, and those with further axes of a single sample. `Offset` is the centre of the
+//! first sample; each row of `TransformMatrix` is the direction of an axis of the grid, along which samples are
+//! `ElementSpacing` apart. Coordinates are those of the file, which ITK takes for LPS. Data are raw, in
+//! decimal numbers, or compressed by zlib.
+
+use super::error::{VolumeFault, refused};
+use super::format::{Content, VolumeFormat};
+use super::nrrd::field::{HeaderField, shortened};
+use super::orientation::{Axes, AxisSteps};
+use super::samples::{VolumeRead, check_sizes, read_grid};
+use super::source::VolumeSource;
+use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
+use crate::files::gzip;
+use crate::files::misspelling::nearest;
+use glam::DVec3;
+use std::io::{BufRead, Read};
+use strsim::damerau_levenshtein;
+
+/// MetaImage, whose data may lie in another file.
+pub(super) const META_IMAGE: VolumeFormat = VolumeFormat {
+    name: "MetaImage",
+    extensions: &[".mha", ".mhd"],
+    content: Content::Grid,
+    read,
+};
+
+/// Fields that are read.
+const READ: [&str; 24] = [
+    "ObjectType",
+    "NDims",
+    "DimSize",
+    "ElementType",
+    "ElementNumberOfChannels",
+    "ElementToIntensityFunctionSlope",
+    "ElementToIntensityFunctionOffset",
+    "ElementSpacing",
+    "ElementSize",
+    "BinaryData",
+    "ElementByteOrderMSB",
+    "BinaryDataByteOrderMSB",
+    "CompressedData",
+    "CompressedDataSize",
+    "HeaderSize",
+    "ElementDataFile",
+    OFFSETS[0],
+    OFFSETS[1],
+    OFFSETS[2],
+    OFFSETS[3],
+    MATRICES[0],
+    MATRICES[1],
+    MATRICES[2],
+    MATRICES[3],
+];
+
+/// Names of the position of the first sample.
+const OFFSETS: [&str; 4] = ["Offset", "Position", "Origin", "ElementOrigin"];
+
+/// Names of the directions of the axes.
+const MATRICES: [&str; 4] = [
+    "TransformMatrix",
+    "Rotation",
+    "Orientation",
+    "ElementDirection",
+];
+
+/// Types of samples.
+const TYPES: [(&str, Element); 12] = [
+    ("MET_CHAR", Element::Int8),
+    ("MET_UCHAR", Element::Uint8),
+    ("MET_SHORT", Element::Int16),
+    ("MET_USHORT", Element::Uint16),
+    ("MET_INT", Element::Int32),
+    ("MET_UINT", Element::Uint32),
+    ("MET_LONG", Element::Int32),
+    ("MET_ULONG", Element::Uint32),
+    ("MET_LONG_LONG", Element::Int64),
+    ("MET_ULONG_LONG", Element::Uint64),
+    ("MET_FLOAT", Element::Float32),
+    ("MET_DOUBLE", Element::Float64),
+];
+
+/// Longest header: as that of NRRD.
+const LONGEST_HEADER: u64 = 1 << 20;
+
+/// More axes than anybody uses: as ITK's reader has.
+const MOST_AXES: usize = 10;
+
+/// The remedy for data and axes that are not read.
+const WRITE_ONE: &str = "write one volume to one file, as by `SimpleITK.WriteImage(SimpleITK.ReadImage(\"a.mhd\"), \
+                         \"one.mha\")`";
+
+fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    let length = source.remaining();
+    let header = Fields::read(source)?.header()?;
+    if header.is_local() {
+        return header.read_from(source, length, options);
+    }
+    let data = source.open_data(&header.data_file, options)?;
+    let length = data.remaining();
+    let read = header.read_from(data, length, options);
+    read.map_err(|fault| match fault {
+        // A fault with a place of its own needs the file of that place.
+        VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
+        _ => fault,
+    })
+}
+
+/// A header, and the position of the data.
+struct Header {
+    layout: Layout,
+    data_file: String,
+    /// Bytes before the data, from the beginning of their file; `None` if they are its last.
+    skip: Option<u64>,
+    /// Bytes of compressed data.
+    packed: Option<u64>,
+}
+
+impl Header {
+    fn is_local(&self) -> bool {
+        self.data_file.eq_ignore_ascii_case("local")
+    }
+
+    /// Reads the data from what is left of a source of `length` bytes.
+    fn read_from(
+        &self,
+        source: &mut VolumeSource,
+        length: u64,
+        options: &LoadOptions,
+    ) -> VolumeRead {
+        let mut layout = self.layout;
+        let begin = length - source.remaining();
+        let samples: usize = layout.axes.sizes.iter().product();
+        let promised = samples as u64 * layout.element.bytes() as u64;
+        let end = match (self.skip, layout.encoding) {
+            (Some(0), _) => begin,
+            (Some(skip), _) if (begin..=length).contains(&skip) => skip,
+            // Too few are reported as a wrong length.
+            (None, Encoding::Raw) => length.saturating_sub(promised).max(begin),
+            (None, _) => return refused("`HeaderSize` of -1 needs data that are not compressed"),
+            (Some(skip), _) => {
+                return refused(format!(
+                    "`HeaderSize` is {skip}, and the data are after byte {begin} and before byte {length}"
+                ));
+            }
+        };
+        source.skip(end - begin)?;
+        let left = source.remaining();
+        if let Some(packed) = self.packed.filter(|packed| *packed != left) {
+            return refused(format!(
+                "`CompressedDataSize` is {packed}, and {left} bytes follow the header: the file is \
+                 truncated, or contains something else as well"
+            ));
+        }
+        // ITK unpacks either.
+        if layout.encoding == Encoding::Zlib && source.fill_buf()?.starts_with(&gzip::MAGIC) {
+            layout.encoding = Encoding::Gzip;
+        }
+        read_grid(source, &layout, options)
+    }
+}
+
+/// The fields of a header: name, value, line.
+#[derive(Default)]
+struct Fields(Vec<(&'static str, String, usize)>);
+
+impl Fields {
+    /// Reads the header at the beginning of `source`, which is left behind the line of `ElementDataFile`.
+    fn read(source: &mut VolumeSource) -> Result<Fields, VolumeFault> {
+        let mut header = source.by_ref().take(LONGEST_HEADER);
+        let mut fields = Fields::default();
+        let mut line = Vec::new();
+        for number in 1.. {
+            line.clear();
+            if header.read_until(b'\n', &mut line)? == 0 {
+                return refused(
+                    "the header has no field `ElementDataFile`, which is its last: this is no MetaImage, or it \
+                     was cut short",
+                );
+            }
+            let text = String::from_utf8_lossy(line.trim_ascii());
+            fields.take(&text, number)?;
+            if fields.get("ElementDataFile").is_some() {
+                source.line = number;
+                break;
+            }
+        }
+        Ok(fields)
+    }
+
+    fn take(&mut self, text: &str, line: usize) -> Result<(), VolumeFault> {
+        let fault = |message| VolumeFault::Line(format!("{line}: {message}"));
+        if text.is_empty() {
+            return Ok(());
+        }
+        let (name, value) = text.split_once(['=', ':']).ok_or_else(|| {
+            let text = shortened(text);
+            fault(format!(
+                "a line of the header is `Field = value`, not {text:?}"
+            ))
+        })?;
+        let name = name.trim();
+        let Some(field) = READ.into_iter().find(|field| *field == name) else {
+            // Programs add fields of their own, so only what is meant for another one is wrong.
+            let near = nearest(name, READ).filter(|near| {
+                let [near, name] = [near, name].map(str::to_ascii_lowercase);
+                damerau_levenshtein(&near, &name) <= 2
+            });
+            return near.map_or(Ok(()), |near| {
+                Err(fault(format!(
+                    "unknown field {name:?}: did you mean `{near}`?"
+                )))
+            });
+        };
+        if self.get(field).is_some() {
+            return Err(fault(format!("the field `{field}` is there twice")));
+        }
+        self.0.push((field, value.trim().to_owned(), line));
+        Ok(())
+    }
+
+    fn get(&self, name: &str) -> Option<HeaderField<'_>> {
+        let found = self.0.iter().find(|(field, ..)| *field == name);
+        found.map(|(name, value, line)| HeaderField {
+            name,
+            value,
+            line: *line,
+        })
+    }
+
+    fn required(&self, name: &str) -> Result<HeaderField<'_>, VolumeFault> {
+        let missing =
+            || format!("the header has no field `{name}`, which the format demands").into();
+        self.get(name).ok_or_else(missing)
+    }
+
+    /// True or false, or `default` if the field is missing.
+    fn flag(&self, name: &str, default: bool) -> Result<bool, VolumeFault> {
+        let Some(field) = self.get(name) else {
+            return Ok(default);
+        };
+        match field.value.to_ascii_lowercase().as_str() {
+            "true" | "t" | "1" => Ok(true),
+            "false" | "f" | "0" => Ok(false),
+            _ => Err(field.wrong("True or False")),
+        }
+    }
+
+    /// A number; `default` if the field is missing.
+    fn number(&self, name: &str, default: f64) -> Result<f64, VolumeFault> {
+        let field = self.get(name);
+        field.map_or(Ok(default), |field| {
+            field.number("a finite number", |number: &f64| number.is_finite())
+        })
+    }
+
+    /// `count` numbers of the field with one of these names; two names must say the same.
+    fn numbers(&self, names: &[&str], count: usize) -> Result<Option<Vec<f64>>, VolumeFault> {
+        let mut given = names.iter().filter_map(|name| self.get(name));
+        let Some(field) = given.next() else {
+            return Ok(None);
+        };
+        if let Some(other) = given.find(|other| other.value != field.value) {
+            return Err(other.fault(&format!(
+                "`{}` and `{}` say the same thing differently: keep the one that is right",
+                field.name, other.name
+            )));
+        }
+        let expected = format!("{count} finite numbers");
+        let numbers = field
+            .value
+            .split_ascii_whitespace()
+            .map(|word| word.parse().ok());
+        let numbers: Option<Vec<f64>> = numbers.collect();
+        let is_right = |numbers: &Vec<f64>| {
+            numbers.len() == count && numbers.iter().all(|number| number.is_finite())
+        };
+        let numbers = numbers.filter(is_right);
+        numbers.map(Some).ok_or_else(|| field.wrong(&expected))
+    }
+
+    fn header(&self) -> Result<Header, VolumeFault> {
+        if let Some(field) = self.get("ObjectType").filter(|it| it.value != "Image") {
+            return Err(field.wrong("Image: only images are volumes"));
+        }
+        for (name, usual) in [
+            ("ElementNumberOfChannels", 1.0),
+            ("ElementToIntensityFunctionSlope", 1.0),
+            ("ElementToIntensityFunctionOffset", 0.0),
+        ] {
+            let number = self.number(name, usual)?;
+            if number != usual {
+                return Err(self.required(name)?.fault(&format!(
+                    "`{name}` is {number}, and only {usual} is read: a volume has one value per sample, as it \
+                     stands; write that"
+                )));
+            }
+        }
+        let is_binary = self.flag("BinaryData", true)?;
+        let encoding = match (is_binary, self.flag("CompressedData", false)?) {
+            (false, _) => Encoding::Text,
+            (true, true) => Encoding::Zlib,
+            (true, false) => Encoding::Raw,
+        };
+        let big = self.flag(
+            "BinaryDataByteOrderMSB",
+            self.flag("ElementByteOrderMSB", false)?,
+        )?;
+        let skip = match self.get("HeaderSize") {
+            Some(field) if field.value == "-1" => None,
+            Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
+            None => Some(0),
+        };
+        let packed = self
+            .get("CompressedDataSize")
+            .filter(|_| encoding == Encoding::Zlib);
+        let packed = packed.map(|field| field.number("a number of bytes", |_: &u64| true));
+        Ok(Header {
+            layout: Layout {
+                axes: self.axes()?,
+                element: self.element()?,
+                endian: if big { Endian::Big } else { Endian::Little },
+                encoding,
+                scaling: None,
+                space: Some("left-posterior-superior, as ITK takes it"),
+            },
+            data_file: self.data_file()?,
+            skip,
+            // Some writers leave it 0.
+            packed: packed.transpose()?.filter(|packed| *packed > 0),
+        })
+    }
+
+    fn data_file(&self) -> Result<String, VolumeFault> {
+        let field = self.required("ElementDataFile")?;
+        let first = field.value.split_ascii_whitespace().next();
+        match first {
+            None => Err(field.wrong("LOCAL, or the name of a file")),
+            Some("LIST") => Err(field.fault(&format!(
+                "the data are spread over a list of files: {WRITE_ONE}"
+            ))),
+            _ if field.value.contains('%') => Err(field.fault(&format!(
+                "the data are spread over files with numbers in the place of %: {WRITE_ONE}"
+            ))),
+            _ => Ok(field.value.to_owned()),
+        }
+    }
+
+    fn element(&self) -> Result<Element, VolumeFault> {
+        let field = self.required("ElementType")?;
+        let name = field.value.strip_suffix("_ARRAY").unwrap_or(field.value);
+        let found = TYPES.iter().find(|(known, _)| *known == name);
+        found
+            .map(|(_, element)| *element)
+            .ok_or_else(|| field.wrong("a type of numbers, such as MET_SHORT or MET_FLOAT"))
+    }
+
+    /// Positions of the samples.
+    fn axes(&self) -> Result<Axes, VolumeFault> {
+        let dims = self.required("NDims")?;
+        let expected = "the number of axes, from 1 to 10";
+        let dims = dims.number(expected, |dims: &usize| (1..=MOST_AXES).contains(dims))?;
+        let field = self.required("DimSize")?;
+        let sizes: Vec<u64> = field.each(dims, |word| {
+            let size = word.parse().ok().filter(|size| *size > 0);
+            size.ok_or_else(|| field.wrong("positive whole numbers"))
+        })?;
+        let [x, y, z, ref more @ ..] = sizes[..] else {
+            return Err(field.fault(
+                "a volume has three axes: write a plane with a third of a single sample, as `NDims = 3` and \
+                 `DimSize = 64 64 1`",
+            ));
+        };
+        if more.iter().any(|size| *size != 1) {
+            return Err(field.fault(&format!(
+                "the file has {dims} axes, and a volume three, with one value per sample: {WRITE_ONE}, of one \
+                 index of the other axis"
+            )));
+        }
+        let spacing = self.numbers(&["ElementSpacing"], dims)?;
+        let spacing = match spacing {
+            Some(spacing) => spacing,
+            None => self
+                .numbers(&["ElementSize"], dims)?
+                .unwrap_or(vec![1.0; dims]),
+        };
+        let offset = self.numbers(&OFFSETS, dims)?.unwrap_or(vec![0.0; dims]);
+        let matrix = self.numbers(&MATRICES, dims * dims)?;
+        let along = |axis: usize| match &matrix {
+            Some(matrix) => DVec3::from_slice(&matrix[axis * dims..]),
+            None => DVec3::AXES[axis],
+        };
+        Ok(Axes {
+            sizes: check_sizes([x, y, z])?,
+            steps: AxisSteps::Directed([0, 1, 2].map(|axis| along(axis) * spacing[axis])),
+            first: DVec3::from_slice(&offset),
+            centring: Centring::Nodes,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::{Grid, read_volume};
+
+    const HEADER: &str = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 1\nElementType = MET_SHORT\n\
+                          ElementDataFile = LOCAL\n";
+
+    fn read(header: &str, data: &[u8]) -> Result<Grid<f32>, VolumeFault> {
+        let bytes = [header.as_bytes(), data].concat();
+        read_volume("a.mha", &bytes, None, &LoadOptions::default())
+    }
+
+    /// The header with `old` replaced.
+    fn with(old: &str, new: &str) -> String {
+        assert!(HEADER.contains(old));
+        HEADER.replacen(old, new, 1)
+    }
+
+    fn message(header: &str) -> String {
+        read(header, &[0; 8]).unwrap_err().to_string()
+    }
+
+    const DATA: [u8; 8] = [1, 0, 2, 0, 3, 0, 0xff, 0xff];
+
+    #[test]
+    fn what_may_be_left_out_and_other_spellings() {
+        let grid = read(HEADER, &DATA).unwrap();
+        assert_eq!(grid.values(), [1.0, 2.0, 3.0, -1.0]);
+        assert_eq!(grid.lattice().spacing(), DVec3::ONE);
+        assert_eq!(grid.lattice().first(), DVec3::ZERO);
+        let places =
+            "Position = 1 2 3\nElementSize = 0.5 2 4\nRotation = 0 1 0 1 0 0 0 0 1\nMine = 7\n";
+        let grid = read(&with("ElementType", &format!("{places}ElementType")), &DATA).unwrap();
+        assert_eq!(grid.lattice().spacing(), DVec3::new(2.0, 0.5, 4.0));
+        assert_eq!(grid.lattice().first(), DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(grid.values(), [1.0, 3.0, 2.0, -1.0]);
+        let big = with("NDims", "ElementByteOrderMSB = True\r\nNDims");
+        let swapped = DATA
+            .chunks(2)
+            .flat_map(|it| [it[1], it[0]])
+            .collect::<Vec<u8>>();
+        assert_eq!(
+            read(&big, &swapped).unwrap().values(),
+            [1.0, 2.0, 3.0, -1.0]
+        );
+        let text = with("NDims", "BinaryData = False\nNDims");
+        assert_eq!(
+            read(&text, b"1 2 3 -1\n").unwrap().values(),
+            [1.0, 2.0, 3.0, -1.0]
+        );
+        let four = with(
+            "NDims = 3\nDimSize = 2 2 1",
+            "NDims = 4\nDimSize = 2 2 1 1\nOffset = 5 6 7 8",
+        );
+        assert_eq!(
+            read(&four, &DATA).unwrap().lattice().first(),
+            DVec3::new(5.0, 6.0, 7.0)
+        );
+        let same = with("ElementType", "Offset = 1 1 1\nOrigin = 1 1 1\nElementType");
+        assert!(read(&same, &DATA).is_ok());
+    }
+
+    #[test]
+    fn data_after_a_header_of_their_own() {
+        let after = |size: &str, data: &[u8]| {
+            let header = with("LOCAL", "a.raw")
+                .replace("ElementType", &format!("HeaderSize = {size}\nElementType"));
+            let read = read_volume(
+                "a.mhd",
+                header.as_bytes(),
+                Some(data),
+                &LoadOptions::default(),
+            );
+            read.map(|grid| grid.values().to_vec())
+                .map_err(|fault| fault.to_string())
+        };
+        let values = Ok(vec![1.0, 2.0, 3.0, -1.0]);
+        let behind = [b"abc", &DATA[..]].concat();
+        assert_eq!(after("3", &behind), values);
+        assert_eq!(after("-1", &behind), values);
+        assert_eq!(after("0", &DATA), values);
+        assert!(
+            after("99", &DATA)
+                .unwrap_err()
+                .contains("`HeaderSize` is 99")
+        );
+        assert!(
+            after("1", &DATA)
+                .unwrap_err()
+                .contains("8 bytes, but 7 bytes follow it")
+        );
+    }
+
+    #[test]
+    fn what_is_no_volume_says_what_to_do() {
+        for (old, new, expected) in [
+            ("= Image", "= Tube", "1: `ObjectType` must be Image"),
+            ("NDims = 3\n", "", "the header has no field `NDims`"),
+            (
+                "ElementType",
+                "NDims = 3\nElementType",
+                "4: the field `NDims` is there twice",
+            ),
+            (
+                "NDims = 3",
+                "NDims = 99",
+                "2: `NDims` must be the number of axes",
+            ),
+            (
+                "2 2 1",
+                "2 2",
+                "3: `DimSize` has 2 values, and the file 3 axes",
+            ),
+            (
+                "2 2 1",
+                "2 0 1",
+                "3: `DimSize` must be positive whole numbers",
+            ),
+            ("2 2 1", "99999 99999 99999", "too large"),
+            (
+                "3\nDimSize = 2 2 1",
+                "2\nDimSize = 2 2",
+                "3: a volume has three axes: write a plane",
+            ),
+            (
+                "3\nDimSize = 2 2 1",
+                "4\nDimSize = 2 2 1 5",
+                "3: the file has 4 axes",
+            ),
+            (
+                "MET_SHORT",
+                "MET_STRING",
+                "4: `ElementType` must be a type of numbers",
+            ),
+            (
+                "ElementType",
+                "ElementSpacng = 2 2 2\nElementType",
+                "4: unknown field \"ElementSpacng\": did you mean `ElementSpacing`?",
+            ),
+            (
+                "ElementType",
+                "elementspacing = 2 2 2\nElementType",
+                "4: unknown field",
+            ),
+            (
+                "ElementType",
+                "ElementSpacing = 2 2\nElementType",
+                "4: `ElementSpacing` must be 3 finite numbers",
+            ),
+            (
+                "ElementType",
+                "Offset = 1 2 nan\nElementType",
+                "4: `Offset` must be 3 finite numbers",
+            ),
+            (
+                "ElementType",
+                "Offset = 1 2 3\nPosition = 3 2 1\nElementType",
+                "5: `Offset` and `Position` say",
+            ),
+            (
+                "ElementType",
+                "ElementNumberOfChannels = 3\nElementType",
+                "4: `ElementNumberOfChannels` is 3",
+            ),
+            (
+                "ElementType",
+                "ElementToIntensityFunctionSlope = 2\nElementType",
+                "4: `ElementToIntensityFunctionSlope` is 2",
+            ),
+            (
+                "ElementType",
+                "TransformMatrix = 1 0 0 1 0 0 0 0 1\nElementType",
+                "axes 1 and 2 of the file point along the same axis",
+            ),
+            (
+                "ElementType",
+                "ElementSpacing = 1 0 1\nElementType",
+                "must be positive and finite",
+            ),
+            (
+                "ElementType",
+                "CompressedData = maybe\nElementType",
+                "4: `CompressedData` must be True or False",
+            ),
+            (
+                "ElementType",
+                "nonsense\nElementType",
+                "4: a line of the header is `Field = value`",
+            ),
+            (
+                "LOCAL",
+                "LIST",
+                "5: the data are spread over a list of files",
+            ),
+            (
+                "LOCAL",
+                "a%03d.raw 1 9 1",
+                "5: the data are spread over files",
+            ),
+            ("LOCAL", "", "5: `ElementDataFile` must be LOCAL"),
+            (
+                "ElementDataFile = LOCAL\n",
+                "",
+                "the header has no field `ElementDataFile`",
+            ),
+            (
+                "ElementType",
+                "CompressedData = True\nCompressedDataSize = 9\nElementType",
+                "`CompressedDataSize` is 9, and 8 bytes",
+            ),
+            (
+                "ElementType",
+                "CompressedData = True\nElementType",
+                "the compressed stream of the data is damaged",
+            ),
+            (
+                "ElementType",
+                "CompressedData = True\nHeaderSize = -1\nElementType",
+                "`HeaderSize` of -1",
+            ),
+        ] {
+            let message = message(&with(old, new));
+            assert!(message.contains(expected), "{new}: {message}");
+        }
+    }
+
+    #[test]
+    fn compressed_data_end_where_the_file_does() {
+        use std::io::Write;
+        let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        zlib.write_all(&DATA).unwrap();
+        let packed = zlib.finish().unwrap();
+        let header = with("ElementType", "CompressedData = True\nElementType");
+        assert_eq!(
+            read(&header, &packed).unwrap().values(),
+            [1.0, 2.0, 3.0, -1.0]
+        );
+        let more = read(&header, &[&packed[..], b"x"].concat()).unwrap_err();
+        assert!(
+            more.to_string()
+                .starts_with("1 bytes follow the compressed data"),
+            "{more}"
+        );
+        let cut = read(&header, &packed[..packed.len() - 2]).unwrap_err();
+        assert!(
+            cut.to_string()
+                .contains("the compressed stream of the data is damaged"),
+            "{cut}"
+        );
+        let mut bomb = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        bomb.write_all(&vec![0; 10_000_000]).unwrap();
+        let bomb = read(&header, &bomb.finish().unwrap()).unwrap_err();
+        assert!(
+            bomb.to_string()
+                .contains("there is data after the 2 × 2 × 1 samples"),
+            "{bomb}"
+        );
+    }
+}
