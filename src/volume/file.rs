@@ -57,6 +57,10 @@ pub(crate) fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
     })
 }
 
+fn is_volume(path: &Path) -> bool {
+    volume_format(path).is_some()
+}
+
 /// The grid in `bytes` of a file of that name, whose extension tells the format, and in the `samples` of
 /// the file that it may name as theirs.
 pub fn read_volume(
@@ -107,14 +111,14 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
             format!("this is a directory, not a volume file; {OF_SLICES}").into(),
         ));
     }
-    let format = known_format(path, || remedy(path)).map_err(in_file)?;
+    let format = known_format(path, || remedy(path, is_volume)).map_err(in_file)?;
     let mut source = VolumeSource::open(path)?;
     let first = source
         .fill_buf()
         .map(|first| first[..first.len().min(HEAD)].to_vec());
     let first = first.map_err(|error| source.error(error))?;
     let read = (format.read)(&mut source, options);
-    let (grid, stored) = read.map_err(|fault| match misnamed(path, &first) {
+    let (grid, stored) = read.map_err(|fault| match misnamed(path, &first, is_volume) {
         Some(misnamed) => source.error(misnamed),
         None => source.error(fault),
     })?;

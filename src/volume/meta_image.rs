@@ -607,7 +607,7 @@ mod tests {
             (
                 "ElementDataFile = LOCAL\n",
                 "",
-                "the header has no field `ElementDataFile`",
+                "5: a line of the header is `Field = value`",
             ),
             (
                 "ElementType",

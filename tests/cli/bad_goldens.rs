@@ -85,7 +85,7 @@ fn images_that_cannot_be_read() {
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.exr: not a readable EXR image: it does not begin with the signature of the format; restore it from version control
+                  cannot read golden/smoke/plain.exr: this is a pointer of Git LFS, not the file: run `git lfs pull` (in GitHub Actions: `lfs: true`); mend that and run the same command again
     ");
 }
 

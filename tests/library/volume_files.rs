@@ -576,6 +576,10 @@ fn keys_of_volume_files() {
         ("file = \"grid.npy\"\naxes = \"yxz\"", "`axes`"),
         (
             "file = \"a\\b.vol\"",
+            "there is no such file; in double quotes `\\t`, `\\n` and the like are single letters",
+        ),
+        (
+            "file = \"a\\q.vol\"",
             "a backslash in double quotes begins an escape",
         ),
         ("file = \"nan.vol\"", ":4:8: "),
