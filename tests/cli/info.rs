@@ -576,6 +576,10 @@ fn archives_headers_and_streams() {
         "escape.raw.toml",
         "file = \"data\\a.raw\"\ntype = \"uint8\"\nnodes = [1, 1, 1]\n",
     );
+    let scene = "[classified.volume]\nfile = \"data\\a.raw\"\n";
+    folder.write("scene.toml", scene);
+    let told = "a backslash in double quotes begins an escape";
+    folder.volref("plan scene.toml").expect(2, &[told]);
     folder.volref("info escape.raw.toml").expect(
         2,
         &[

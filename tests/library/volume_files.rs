@@ -578,10 +578,7 @@ fn keys_of_volume_files() {
             "file = \"a\\b.vol\"",
             "there is no such file; in double quotes `\\t`, `\\n` and the like are single letters",
         ),
-        (
-            "file = \"a\\q.vol\"",
-            "a backslash in double quotes begins an escape",
-        ),
+        ("file = \"a\\q.vol\"", ":4:11: missing escaped value"),
         ("file = \"nan.vol\"", ":4:8: "),
         (
             "file = \"nan.vol\"",
