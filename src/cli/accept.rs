@@ -10,9 +10,9 @@ use crate::runs::{AcceptError, AcceptRequest, Change, UnitFolder};
 use crate::suite::StoreError;
 use serde_json::json;
 
-/// Render cases and accept the images as new goldens; inspect them before and after
+/// Render cases and accept the images as new goldens
 ///
-/// All cases are accepted, or none. Finished units of stochastic cases (see volref units) are kept
+/// Look at the images before and after. All cases are accepted, or none. Finished units of stochastic cases (see volref units) are kept
 /// in .volref until all goldens are written, so an interrupted run continues where it stopped.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {

@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Measure what accuracy costs: error versus lookups and time, for each parameter
+/// Measure what accuracy costs: error against lookups and time
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Errors and work counts are the same on every run; only times differ. \

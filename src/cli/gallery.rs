@@ -24,7 +24,7 @@ const LAYOUT: &str = "Each DIR is the run of one renderer, and holds results.jso
     --json=DIR/results.json`. A file renderer.toml may state name, version, date and command; otherwise the name is that \
     of the folder, and the command that of volref validate.";
 
-/// Make one page of many renderers, judged: their images and verdicts, case by case
+/// Make one page of many renderers, judged case by case
 #[derive(Debug, clap::Args)]
 #[command(after_help = LAYOUT)]
 pub struct Arguments {

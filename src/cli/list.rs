@@ -2,17 +2,18 @@
 
 use super::Outcome;
 use super::failure::Failure;
-use super::output::{self, Json};
+use super::output::{self, Json, number_of};
 use super::suite::Selection;
-use crate::report::widest;
-use crate::suite::{ANALYTIC, row_name};
+use crate::hard_cases::Row;
+use crate::report::{widest, wrapped};
+use crate::suite::{ANALYTIC, CORE, Case, Family, HARD, Suite, row_name};
 use crate::variations::mistakes;
-use serde_json::json;
+use serde_json::{Value, json};
 
-/// List the cases of the suite
+/// List the families of the suite and its core set, or cases
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Families, cases, or patterns over them; those with ! before them are left out [default: all cases]
+    /// Families, cases, patterns over them, or core; those with ! before them are left out [default: an overview of all]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     /// Instead: list the known mistakes, with the advice that `validate` gives
@@ -46,48 +47,106 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
     let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
+    let families = suite.families(&cases);
+    let text = match arguments.filters.is_empty() {
+        true => overview(&suite, &families, rows.len()),
+        false => listing(&cases, &rows),
+    };
+    let is_core = |case: &Case| suite.core().contains(&case.name);
+    let family = |family: &Family<'_>| {
+        json!({
+            "name": family.name,
+            "asks": family.asks,
+            "cases": family.cases.len(),
+            "core": family.cases.iter().filter(|case| is_core(case)).count(),
+        })
+    };
+    let mut value = json!({
+        "schema": "volref/list/1",
+        "families": families.iter().map(family).collect::<Vec<_>>(),
+        "cases": cases.iter().map(|case| case_json(case, is_core(case))).collect::<Vec<_>>(),
+    });
+    if !rows.is_empty() {
+        value["rows"] = rows.iter().map(|row| row_json(row)).collect();
+    }
+    arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// The families, in the order of their use, and the core set.
+fn overview(suite: &Suite, families: &[Family<'_>], rows: usize) -> String {
+    let width = widest(families.iter().map(|family| family.name)).max("family".len());
+    let mut text = format!("{:<width$}  cases  asks of a renderer\n", "family");
+    for Family { name, asks, cases } in families {
+        let line = format!("{name:<width$}  {:>5}  {}", cases.len(), asks.unwrap_or(""));
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    let rows = match rows {
+        0 => String::new(),
+        rows => format!(", and {rows} laws without an image in the family {HARD}"),
+    };
+    let cases = families
+        .iter()
+        .map(|family| family.cases.len())
+        .sum::<usize>();
+    text.push_str(&format!(
+        "\nIn all {}{rows}.\n",
+        number_of(cases as u64, "case")
+    ));
+    let core = suite.core();
+    if !core.is_empty() {
+        text.push_str(&format!(
+            "\nThe core set, {} that a renderer is asked first, as the filter {CORE}:\n{}",
+            number_of(core.len() as u64, "case"),
+            wrapped(&core.join(" "), 2)
+        ));
+    }
+    text.push_str("\n`volref list FAMILY` lists its cases, with what they show.\n");
+    text
+}
+
+/// A line for each case and row, and what the case shows.
+fn listing(cases: &[&Case], rows: &[&Row]) -> String {
     let row_names: Vec<String> = rows.iter().map(|row| row_name(row)).collect();
     let names = cases.iter().map(|case| &case.name).chain(&row_names);
     let widest = widest(names);
     let mut text = String::new();
-    let mut entries = Vec::new();
     for case in cases {
-        text.push_str(&format!(
-            "{:<widest$}  {:<13}  {}\n",
-            case.name,
-            case.class(),
-            short(&case.source)
-        ));
-        entries.push(json!({
-            "name": case.name,
-            "family": case.family,
-            "class": case.class(),
-            "gate": case.gate().name(),
-            "scene": case.scene,
-            "source": case.source,
-            "shows": case.shows,
-            "computes": case.computes,
-            "exposure": case.exposure,
-            "opacity": case.opacity,
-            "depth": case.depth.map(|depth| depth.to_string()),
-        }));
+        let (name, source) = (&case.name, short(&case.source));
+        text.push_str(&format!("{name:<widest$}  {}\n", case.class()));
+        text.push_str(&wrapped(&format!("{} [{source}]", case.shows), 4));
     }
-    let mut value = json!({ "schema": "volref/list/1", "cases": entries });
-    let mut entries = Vec::new();
     for (row, name) in rows.iter().zip(&row_names) {
         text.push_str(&format!("{name:<widest$}  {ANALYTIC:<13}  {}\n", row.what));
-        entries.push(json!({
-            "name": name,
-            "what": row.what,
-            "tolerance": row.tolerance,
-            "remedy": row.remedy,
-            "file": row.file,
-        }));
     }
-    if !entries.is_empty() {
-        value["rows"] = entries.into();
-    }
-    arguments.json.instead_of(text, &value).map(Outcome::from)
+    text
+}
+
+fn case_json(case: &Case, is_core: bool) -> Value {
+    json!({
+        "name": case.name,
+        "family": case.family,
+        "core": is_core,
+        "class": case.class(),
+        "gate": case.gate().name(),
+        "scene": case.scene,
+        "source": case.source,
+        "shows": case.shows,
+        "computes": case.computes,
+        "exposure": case.exposure,
+        "opacity": case.opacity,
+        "depth": case.depth.map(|depth| depth.to_string()),
+    })
+}
+
+fn row_json(row: &Row) -> Value {
+    json!({
+        "name": row_name(row),
+        "what": row.what,
+        "tolerance": row.tolerance,
+        "remedy": row.remedy,
+        "file": row.file,
+    })
 }
 
 /// Lists the catalogue of mistakes, which no suite is needed for.

@@ -5,7 +5,7 @@ use super::failure::{Exit, Failure, bad_input};
 use clap::CommandFactory;
 use clap_mangen::Man;
 
-/// Print the manual page of volref or one of its commands (view with `man -l -`)
+/// Print the manual page of volref or of a command, for `man -l -`
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Command [default: volref itself]

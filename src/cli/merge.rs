@@ -26,9 +26,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Join what several machines computed: results of verify, validate or selftest, and units of goldens
+/// Join what several machines computed: results, units of goldens
 ///
-/// The results of all parts become one, with one exit code, as if one machine had judged all cases. Units
+/// The results of verify, validate or selftest of all parts become one, with one exit code, as if one machine had judged all cases. Units
 /// are copied to .volref of the suite, where volref accept finds them. What is missing is listed, and is exit code 5.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]

@@ -11,6 +11,7 @@ mod embedded;
 mod export;
 mod failure;
 mod gallery;
+mod help;
 mod info;
 mod interrupt;
 mod keep;
@@ -48,6 +49,7 @@ pub use failure::Exit;
 /// against it.
 #[derive(Debug, Parser)]
 #[command(name = "volref", version, max_term_width = 100)]
+#[command(help_template = help::template::<Command>(), before_help = help::EXAMPLE)]
 #[command(after_help = failure::EXIT_CODES)]
 struct Arguments {
     #[command(subcommand)]

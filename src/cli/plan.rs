@@ -17,7 +17,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Show how a scene will be rendered: effects and why, kernel, defaults
+/// Show how a scene is rendered: effects and why, kernel, defaults
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file (TOML), or a case of the suite

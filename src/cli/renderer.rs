@@ -27,23 +27,23 @@ pub struct Command<'c> {
 /// Options of a renderer that is run.
 #[derive(Debug, clap::Args)]
 pub struct RendererArguments {
-    /// With --run or --serve: time limit of an image, after which the renderer and all its child processes are
+    /// Time limit of an image, after which the renderer and all its child processes are
     /// killed
     #[arg(long, value_name = "SECONDS", default_value = TIMEOUT, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
-    /// With --run or --serve: number of cases rendered at the same time
+    /// Number of cases rendered at the same time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
-    /// With --run or --serve: samples per pixel, {spp}
+    /// Samples per pixel, {spp}
     #[arg(long, value_name = "N", default_value = SPP, value_parser = crate::scene::samples)]
     spp: u32,
-    /// With --run or --serve: seed, {seed}
+    /// Seed, {seed}
     #[arg(long, value_name = "N", default_value = SEED)]
     seed: u64,
-    /// With --run or --serve: image format of {output}: exr, pfm, npy or png
+    /// Image format of {output}: exr, pfm, npy or png
     #[arg(long, value_name = "EXT", default_value = FORMAT, value_parser = OtherRenderer::FORMATS)]
     pub format: String,
-    /// With --run or --serve: render cases that noise leaves open again, with other seeds and more samples, until
+    /// Render cases that noise leaves open again, with other seeds and more samples, until
     /// each passes or fails, or the budget is spent; all these looks together raise a false alarm no more
     /// often than one
     #[arg(long, requires = "renderer", conflicts_with = "outputs")]

@@ -7,6 +7,7 @@ use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::Suite;
 use serde_json::{Value, json};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Destinations of the results.
@@ -140,7 +141,12 @@ fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
 
 /// The command line of this process.
 pub fn command_line() -> String {
-    let words = std::env::args_os().skip(1);
+    command_line_with(|word| word)
+}
+
+/// The command line of this process, with each word as `change` has it.
+pub fn command_line_with(change: impl Fn(OsString) -> OsString) -> String {
+    let words = std::env::args_os().skip(1).map(change);
     let words: Vec<String> = words
         .map(|word| word.to_string_lossy().into_owned())
         .collect();

@@ -6,7 +6,7 @@ use crate::conventions::PROFILE;
 use crate::scene::{SCENE, format::json_schema};
 use crate::suite::MANIFEST;
 
-/// Print the JSON Schema of scenes, cases or profiles, for completion in editors
+/// Print the JSON Schema of scenes, cases or profiles, for editors
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Kind of file

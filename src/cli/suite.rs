@@ -2,6 +2,7 @@
 
 use super::embedded;
 use super::failure::{Exit, Failure};
+use super::results::command_line_with;
 use crate::check::SUITE_VARIABLE;
 use crate::files::regular_file::note_input;
 use crate::judging::CaseResult;
@@ -120,9 +121,12 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
     let is_file_name = given
         .extension()
         .is_some_and(|extension| extension == "toml");
-    let Some(name) = given.to_str().filter(|_| !is_file_name && !given.exists()) else {
+    let Some(name) = given.to_str().filter(|_| !given.exists()) else {
         return as_given;
     };
+    if is_file_name {
+        return case_of_missing_file(given).map_or(as_given, Err);
+    }
     let suite = here_or_embedded()?;
     let is_it = |case: &&Case| case.name == name || case.name.ends_with(&format!("/{name}"));
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
@@ -144,6 +148,22 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
         }
         _ => as_given,
     }
+}
+
+/// The error of a scene file of the repository that is not here, where the suite has a case of it.
+fn case_of_missing_file(given: &Path) -> Option<Failure> {
+    let path = given.to_str()?.replace('\\', "/");
+    let (_, file) = path.rsplit_once("fixtures/scenes/")?;
+    let suite = here_or_embedded().ok()?;
+    let name = &suite.case(file.strip_suffix(".toml")?)?.name;
+    let place = match named_suite() {
+        Some(folder) => format!("in {}", folder.display()),
+        None => "within volref".to_owned(),
+    };
+    let message = format!("there is no file {}", given.display());
+    let again = command_line_with(|word| if word == given { name.into() } else { word });
+    let help = format!("the suite {place} has the case {name}: `{again}`");
+    Some(Failure::new(Exit::BadInput, message, Some(&help)))
 }
 
 /// True if the folder of the path exists.

@@ -1,6 +1,7 @@
 //! `volref validate (--outputs DIR | --run CMD | --serve CMD) [FILTER…]`
 
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
+use super::help::EXAMPLE_FIRST;
 use super::kept::{KeepArgument, keep, run_of};
 use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
@@ -20,6 +21,7 @@ use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all}
 use crate::report;
 use crate::runs::{ResultFolder, Run};
 use crate::suite::{Case, Output, Outputs, Store, Suite, image_path, telling_case};
+use clap::ArgAction;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -45,78 +47,101 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     cached in the folder that VOLREF_CACHE names (empty: no cache), or else in the user's cache \
     folder, such as ~/.cache/volref; the cache holds at most 256 MB and can be deleted at any time.";
 
-/// Compare the images of another renderer with the goldens, and name its mistakes
+/// Headings of options.
+const WHERE: &str = "Where the images are";
+const RIGHT: &str = "What counts as right";
+const REPORTED: &str = "What is reported";
+const WHICH: &str = "Which cases, and on which machine";
+
+/// An example, for `--help`.
+const EXAMPLE: &str = "\
+For example:
+  volref validate core --run 'my-renderer {scene} {output}' --report report
+  volref validate sampled --outputs my-images --only-present";
+
+/// Judge the images of another renderer, and name its mistakes
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("images").required(true))]
 #[command(
+    help_template = EXAMPLE_FIRST,
+    before_help = EXAMPLE,
+    disable_help_flag = true,
     after_help = format!("{IMAGES}\n\n{EXIT_CODES}"),
 )]
 pub struct Arguments {
-    /// Families, cases, or patterns over them such as 'figures/*'; those with ! before them are left out
+    /// Families, cases, patterns over them such as 'figures/*', or core; those with ! before them are left out
     /// [default: all cases]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
-    #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
-    partition: PartitionArgument,
-    #[command(flatten)]
-    kept: KeepArgument,
     /// Folder with finished images
-    #[arg(long, value_name = "DIR", group = "images")]
+    #[arg(long, value_name = "DIR", group = "images", help_heading = WHERE)]
     outputs: Option<PathBuf>,
     /// Command that renders a case; run once for each, without a shell
-    #[arg(long, value_name = "CMD", groups = ["images", "renderer"])]
+    #[arg(long, value_name = "CMD", groups = ["images", "renderer"], help_heading = WHERE)]
     run: Option<String>,
     /// Command of a renderer that stays: started once (or once for each of --jobs), and asked for one image after
     /// the other, by lines of JSON
-    #[arg(long, value_name = "CMD", groups = ["images", "renderer"])]
+    #[arg(long, value_name = "CMD", groups = ["images", "renderer"], help_heading = WHERE)]
     serve: Option<String>,
     /// Skip cases that have no image or cannot be exported to the renderer's format
-    #[arg(long)]
+    #[arg(long, help_heading = WHERE)]
     only_present: bool,
-    /// List every case without an image
-    #[arg(long)]
-    verbose: bool,
     /// Conventions of the renderer: classified volumes are judged by the right image under them. One
     /// of the profiles that volref brings, or a file (volref schema profile)
-    #[arg(long = "as", value_name = "PROFILE")]
+    #[arg(long = "as", value_name = "PROFILE", help_heading = RIGHT)]
     profile: Option<String>,
     /// Bits of a channel in the images: 8, 8-linear or 8-srgb. Differences up to half a code agree then, in
     /// every case, and values are cut off at the largest code. A PNG holds codes of radiance at the exposure of its
     /// case, sRGB unless it is 8-linear; of other files it is found which of the two all values are
     /// [default: as in the profile]
-    #[arg(long, value_name = "BITS")]
+    #[arg(long, value_name = "BITS", help_heading = RIGHT)]
     bits: Option<Bits>,
     /// Colours of .exr and .npy images with opacity leave out the background of the scene: premultiplied by opacity, or
     /// straight [default: as in the profile, else they contain it]
-    #[arg(long, value_name = "ALPHA")]
+    #[arg(long, value_name = "ALPHA", help_heading = RIGHT)]
     alpha: Option<Alpha>,
     /// Accept images that are right under other conventions than the golden's, and say which
-    #[arg(long)]
+    #[arg(long, help_heading = RIGHT)]
     accept_conventions: bool,
-    #[command(flatten)]
+    /// List every case without an image
+    #[arg(long, help_heading = REPORTED)]
+    verbose: bool,
+    #[command(flatten, next_help_heading = REPORTED)]
     explain: ExplainArgument,
-    #[command(flatten)]
+    #[command(
+        flatten,
+        next_help_heading = "How the renderer is run, with --run or --serve"
+    )]
     renderer: RendererArguments,
     /// A stochastic image passes only if a bias this large would have been detected, in percent of (image
     /// mean + 0.001); noisier images are inconclusive [default: from the case, else 2]
-    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = compare::percent)]
+    #[arg(long, value_name = "PERCENT", help_heading = RIGHT, allow_negative_numbers = true, value_parser = compare::percent)]
     resolution: Option<f64>,
     /// With --run or --serve: keep the images in DIR; with --decide those of the last look: put
     /// together as .exr, or numbered
     #[arg(
         long,
         value_name = "DIR",
+        help_heading = WHERE,
         requires = "renderer",
         conflicts_with = "outputs"
     )]
     keep: Option<PathBuf>,
     /// Print metrics and pictures as lines that CTest collects, with the pictures in DIR
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = REPORTED)]
     ctest: Option<PathBuf>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = REPORTED)]
     files: ResultFiles,
+    #[command(flatten, next_help_heading = WHICH)]
+    selection: Selection,
+    #[command(flatten, next_help_heading = WHICH)]
+    partition: PartitionArgument,
+    #[command(flatten, next_help_heading = WHICH)]
+    kept: KeepArgument,
+    /// Print help
+    // Not by clap itself, which would show it before all else.
+    #[arg(id = "help", short = 'h', long = "help", action = ArgAction::Help, help_heading = WHICH)]
+    _help: Option<bool>,
 }
 
 /// Runs the command.

@@ -10,6 +10,7 @@ mod template;
 mod terminal;
 mod visible;
 
+pub(crate) use cost::wrapped;
 pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
 pub(crate) use gallery::{
     GalleryCase, GalleryCell, GalleryRenderer, GalleryRow, gallery_html, gallery_row,

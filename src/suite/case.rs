@@ -1,5 +1,6 @@
 //! The suite: every manifest in its folder is a case.
 
+use super::outline::Outline;
 use super::{Answer, EmbeddedSuite, Store, row_name};
 use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
 use crate::files::misspelling::nearest;
@@ -23,7 +24,7 @@ const FIXTURES: &str = "fixtures";
 /// Folder of the scenes, relative to the root of the suite.
 const SCENES: &str = "fixtures/scenes";
 /// Folder of the manifests, relative to the root of the suite.
-const CASES: &str = "fixtures/cases";
+pub(super) const CASES: &str = "fixtures/cases";
 /// Folder of the goldens.
 const GOLDEN: &str = "golden";
 /// Folder for the results of other renderers, among the goldens.
@@ -179,14 +180,15 @@ impl Case {
 /// A folder with `fixtures/cases` and `golden`.
 #[derive(Clone, Debug)]
 pub struct Suite {
-    root: PathBuf,
+    pub(super) root: PathBuf,
     cases: Vec<Case>,
     /// Places of the cases, by name.
     by_name: HashMap<String, usize>,
     /// `family/name` of manifests that cannot be read, with the files.
     unreadable: Vec<(String, PathBuf)>,
     /// Files of the suite, relative to the root; `None` if every file there is one.
-    own: Option<BTreeSet<PathBuf>>,
+    pub(super) own: Option<BTreeSet<PathBuf>>,
+    pub(super) outline: Outline,
 }
 
 /// Errors in finding a suite or its cases.
@@ -283,6 +285,7 @@ impl Suite {
             by_name: HashMap::new(),
             unreadable: Vec::new(),
             own,
+            outline: Outline::default(),
         };
         let manifests = suite.records(CASES)?;
         check_names(&manifests)?;
@@ -295,6 +298,7 @@ impl Suite {
                 Err(_) => suite.unreadable.push((name_of(&path), path)),
             }
         }
+        suite.read_outline()?;
         Ok(suite)
     }
 
@@ -406,6 +410,7 @@ impl Suite {
             filter: filter.to_owned(),
             help,
         };
+        let filters = &self.with_core(filters)[..];
         for filter in filters {
             let pattern = pattern_of(filter);
             let reason = match fast_glob::validate(pattern) {
@@ -581,13 +586,16 @@ fn name_of(path: &Path) -> String {
     format!("{}/{}", part(path.parent()), part(Some(path)))
 }
 
+/// The text of a manifest, or the reason why there is none.
+pub(super) fn text_of(path: &Path) -> Result<String, String> {
+    let bytes = regular_file::read(path, MOST_MANIFEST_BYTES)
+        .map_err(|error| format!("cannot read the manifest: {error}"))?;
+    String::from_utf8(bytes).map_err(|_| "the manifest is not UTF-8 text".to_owned())
+}
+
 fn read_manifest(path: &Path) -> SceneResult<Case> {
     let shown = path.display().to_string();
-    let text = regular_file::read(path, MOST_MANIFEST_BYTES)
-        .map_err(|error| format!("cannot read the manifest: {error}"))
-        .and_then(|bytes| {
-            String::from_utf8(bytes).map_err(|_| "the manifest is not UTF-8 text".to_owned())
-        });
+    let text = text_of(path);
     let document = Document {
         path: &shown,
         text: text.as_deref().unwrap_or(""),

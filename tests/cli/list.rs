@@ -1,6 +1,7 @@
 //! `volref list`, and the command as a whole.
 
 use crate::folder::{Folder, Run, assert_holds, assert_shown};
+use serde_json::Value;
 use std::process::Stdio;
 
 #[test]
@@ -9,11 +10,103 @@ fn text() {
     assert_shown!(suite.volref("list").shown(), @r"
     exit code 0
     --- stdout
-    plots/curve    deterministic  a test
-    smoke/nearest  deterministic  a test
-    smoke/plain    deterministic  a test
-    smoke/shadow   deterministic  a test
+    family  cases  asks of a renderer
+    plots       1
+    smoke       3
+
+    In all 4 cases.
+
+    `volref list FAMILY` lists its cases, with what they show.
     ");
+}
+
+/// An outline: smoke comes first, then families without a line of their own.
+const OUTLINE: &str = "\
+core = [\"smoke/shadow\", \"plots/curve\"]
+
+[[family]]
+name = \"smoke\"
+asks = \"is smoke where it should be?\"
+";
+
+#[test]
+fn families_in_their_order_and_the_core_set() {
+    let suite = Folder::with_suite();
+    suite.write("fixtures/suite.toml", OUTLINE);
+    assert_shown!(suite.volref("list").shown(), @r"
+    exit code 0
+    --- stdout
+    family  cases  asks of a renderer
+    smoke       3  is smoke where it should be?
+    plots       1
+
+    In all 4 cases.
+
+    The core set, 2 cases that a renderer is asked first, as the filter core:
+      smoke/shadow plots/curve
+
+    `volref list FAMILY` lists its cases, with what they show.
+    ");
+    assert_shown!(suite.volref("list core").shown(), @r"
+    exit code 0
+    --- stdout
+    plots/curve   deterministic
+        a diamond [a test]
+    smoke/shadow  deterministic
+        a diamond [a test]
+    ");
+    let listed = suite.volref("list --json").json();
+    let names = |key: &str, all: &Value| -> Vec<String> {
+        let entries = all[key].as_array().unwrap().iter();
+        entries
+            .map(|it| format!("{} {} {}", it["name"], it["core"], it["asks"]))
+            .collect()
+    };
+    assert_eq!(
+        names("families", &listed),
+        [
+            "\"smoke\" 1 \"is smoke where it should be?\"",
+            "\"plots\" 1 null"
+        ]
+    );
+    assert_eq!(
+        names("cases", &listed),
+        [
+            "\"plots/curve\" true null",
+            "\"smoke/nearest\" false null",
+            "\"smoke/plain\" false null",
+            "\"smoke/shadow\" true null",
+        ]
+    );
+    // Every command that takes filters knows the word, beside others.
+    let run = suite.volref("accept core plain --reason first");
+    run.expect(0, &[]);
+    let run = suite.volref("verify core --verbose");
+    run.expect(0, &[]);
+    assert_holds(
+        &run.stdout,
+        &["smoke/shadow", "plots/curve", "2 cases: 2 passed"],
+    );
+}
+
+#[test]
+fn an_outline_with_a_mistake() {
+    let suite = Folder::with_suite();
+    let place = "fixtures/suite.toml:1:8";
+    suite.write("fixtures/suite.toml", "core = [\"smoke/gone\"]\n");
+    let help = "add its manifest, fixtures/cases/smoke/gone.toml";
+    suite
+        .volref("list")
+        .expect(2, &[place, "\"smoke/gone\"", help]);
+    suite.write("fixtures/suite.toml", "[[family]]\nname = \"smoke\"\n");
+    suite
+        .volref("list")
+        .expect(2, &["fixtures/suite.toml", "asks"]);
+    // A suite without a core set has no such filter.
+    suite.write("fixtures/suite.toml", "");
+    suite
+        .volref("list core")
+        .expect(5, &["no case matches \"core\""]);
 }
 
 #[test]
@@ -28,6 +121,7 @@ fn json() {
         {
           "class": "deterministic",
           "computes": "what the scene says",
+          "core": false,
           "depth": null,
           "exposure": 0.0,
           "family": "plots",
@@ -37,6 +131,14 @@ fn json() {
           "scene": "fixtures/scenes/plots/curve.toml",
           "shows": "a diamond",
           "source": "a test"
+        }
+      ],
+      "families": [
+        {
+          "asks": null,
+          "cases": 1,
+          "core": 0,
+          "name": "plots"
         }
       ],
       "schema": "volref/list/1"
@@ -81,10 +183,8 @@ fn filters() {
         ("{plots,smoke/s*}", "plots/curve smoke/shadow"),
     ] {
         let run = suite.volref(&["list", filter]);
-        let names = run
-            .stdout
-            .lines()
-            .map(|line| line.split(' ').next().unwrap());
+        let lines = run.stdout.lines().filter(|line| !line.starts_with(' '));
+        let names = lines.map(|line| line.split(' ').next().unwrap());
         assert_eq!(names.collect::<Vec<_>>().join(" "), found, "{filter}");
     }
 }
@@ -253,29 +353,39 @@ fn help() {
     A reference renderer for volumes, and a golden-image harness that tests other volume renderers
     against it
 
+    For example, in any folder:
+      volref list
+      volref validate core --run 'my-renderer {scene} {output}' --report report
+      volref render figures/figure-3 -o figure-3.png
+
     Usage: volref <COMMAND>
 
-    Commands:
-      verify       Render the suite and compare it with the goldens, bit for bit
-      validate     Compare the images of another renderer with the goldens, and name its mistakes
-      gallery      Make one page of many renderers, judged: their images and verdicts, case by case
+    My renderer: are its images right?
+      list         List the families of the suite and its core set, or cases
+      validate     Judge the images of another renderer, and name its mistakes
       compare      Compare two images
-      render       Render a scene to an image
-      plan         Show how a scene will be rendered: effects and why, kernel, defaults
-      cost         Measure what accuracy costs: error versus lookups and time, for each parameter
       export       Write a scene for another renderer
-      accept       Render cases and accept the images as new goldens; inspect them before and after
-      units        List the work units of goldens, or compute some of them
-      merge        Join what several machines computed: results of verify, validate or selftest, and
-                   units of goldens
-      selftest     Check that the suite catches every known mistake and rejects no correct image
-      sensitivity  Differentiate the image of a scene by one of its numbers
+      gallery      Make one page of many renderers, judged case by case
+
+    My data: how does it look, and what does that cost?
+      render       Render a scene to an image
       info         Show the contents of a volume file: position, storage, values
-      list         List the cases of the suite
+      plan         Show how a scene is rendered: effects and why, kernel, defaults
+      cost         Measure what accuracy costs: error against lookups and time
+      sensitivity  Differentiate the image of a scene by one of its numbers
+
+    My goldens: do they still hold?
+      verify       Render the suite and compare it with the goldens, bit for bit
+      accept       Render cases and accept the images as new goldens
+
+    Also
+      units        List the work units of goldens, or compute some of them
+      merge        Join what several machines computed: results, units of goldens
+      selftest     Check that the suite rejects known mistakes and no correct image
       suite        Show the suite within this program, or write a copy of it
-      schema       Print the JSON Schema of scenes, cases or profiles, for completion in editors
+      schema       Print the JSON Schema of scenes, cases or profiles, for editors
       completions  Print a shell completion script
-      man          Print the manual page of volref or one of its commands (view with `man -l -`)
+      man          Print the manual page of volref or of a command, for `man -l -`
       help         Print this message or the help of the given subcommand(s)
 
     Options:

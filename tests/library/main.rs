@@ -10,6 +10,7 @@ mod cameras;
 mod common;
 mod comparators;
 mod conventions;
+mod core_set;
 mod cost_orders;
 mod cost_plots;
 mod decide;

@@ -10,6 +10,7 @@ mod words;
 
 pub use page::{CostPage, cost_html};
 pub use plot::work_precision_svg;
+pub(crate) use table::wrapped;
 pub use tables::cost_csv;
 pub use text::cost_text;
 

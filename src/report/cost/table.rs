@@ -262,7 +262,7 @@ fn cut(text: &str, width: usize) -> String {
 
 /// The words of `text` in lines that are at most [`WIDEST`] long, each after `indent` blanks; a
 /// word that is longer has a line to itself.
-pub(super) fn wrapped(text: &str, indent: usize) -> String {
+pub(crate) fn wrapped(text: &str, indent: usize) -> String {
     let mut out = String::new();
     let mut length = 0;
     for word in text.split_whitespace() {
