@@ -96,6 +96,15 @@ grep "In all, $caught mistakes" src/guide/working_on_volref.md || {
     exit 1
 }
 
+step "the core set catches as many mistakes as the guide says"
+core=$(cargo run --release --quiet -- selftest --quick core) || true
+caught=$(sed -n 's/^\([0-9]*\) mistakes caught, .*; 0 correct images rejected$/\1/p' <<<"$core")
+grep "The core set catches $caught of the" src/guide/suite.md || {
+    echo "$core"
+    echo "src/guide/suite.md states another number of mistakes than the $caught that the core set catches"
+    exit 1
+}
+
 step "the same bits from both builds, on some cases"
 scripts/same-bits.sh --built figures smoke fog/heterogeneous procedural/coloured 'g8-*' 'A[45]'
 

@@ -14,6 +14,52 @@ fn prints(run: &Run, parts: &[&str]) {
     }
 }
 
+/// A command that was copied from a clone says how it runs without one.
+#[test]
+fn the_scene_file_of_a_case_names_the_case() {
+    let folder = Folder::new();
+    let file = "fixtures/scenes/figures/figure-2.toml";
+    let run = folder.volref(&["render", file, "-o", "x y.png"]);
+    let again = "`volref render figures/figure-2 -o 'x y.png'`";
+    let case = "the suite within volref has the case figures/figure-2";
+    run.expect(2, &["there is no file fixtures/scenes", case, again]);
+    // A case that there is not is a file that there is not.
+    let run = folder.volref(&["plan", "fixtures/scenes/figures/figure-9.toml"]);
+    run.expect(2, &["cannot read the scene"]);
+}
+
+/// The core set is that of the suite, in every folder.
+#[test]
+fn the_core_set_is_listed() {
+    let folder = Folder::new();
+    let overview = folder.volref("list");
+    let core = "The core set, 25 cases that a renderer is asked first, as the filter core:";
+    prints(&overview, &["\nsampled ", "\nhard ", core]);
+    assert!(
+        overview
+            .stdout
+            .lines()
+            .all(|line| line.chars().count() <= 100)
+    );
+    let listed = folder.volref("list --json").json();
+    let cases = listed["cases"].as_array().unwrap();
+    let core: Vec<&str> = cases
+        .iter()
+        .filter(|case| case["core"] == true)
+        .map(|case| case["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(core.len(), 25);
+    for name in core {
+        let is_shown = overview.stdout.split_whitespace().any(|word| word == name);
+        assert!(is_shown, "{name}");
+    }
+    let families = listed["families"].as_array().unwrap();
+    assert_eq!(families[0]["name"], "sampled");
+    assert_eq!(families[families.len() - 1]["name"], "hard");
+    let selected = folder.volref("list core --json").json();
+    assert_eq!(selected["cases"].as_array().unwrap().len(), 25);
+}
+
 #[test]
 fn an_empty_folder_is_enough() {
     let folder = Folder::new();
@@ -122,6 +168,6 @@ fn without_a_place_to_keep_it() {
     );
     // Whoever names a suite needs none.
     let suite = Folder::with_suite();
-    let run = with(&suite, &[("TMPDIR", "nowhere")], &["list"]);
+    let run = with(&suite, &[("TMPDIR", "nowhere")], &["list", "smoke"]);
     prints(&run, &["smoke/plain"]);
 }
