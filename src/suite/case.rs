@@ -1,10 +1,9 @@
 //! The suite: every manifest in its folder is a case.
 
-use super::outline::Outline;
+use super::outline::{self, Outline};
 use super::{Answer, EmbeddedSuite, Store, row_name};
 use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
 use crate::files::misspelling::nearest;
-use crate::files::regular_file;
 use crate::files::regular_file::Identity;
 use crate::film::Depth;
 use crate::hard_cases::{CATALOGUE_FILE, Row, rows};
@@ -24,15 +23,13 @@ const FIXTURES: &str = "fixtures";
 /// Folder of the scenes, relative to the root of the suite.
 const SCENES: &str = "fixtures/scenes";
 /// Folder of the manifests, relative to the root of the suite.
-pub(super) const CASES: &str = "fixtures/cases";
+const CASES: &str = "fixtures/cases";
 /// Folder of the goldens.
 const GOLDEN: &str = "golden";
 /// Folder for the results of other renderers, among the goldens.
 const PEERS: &str = "peers";
 /// Folder for renderings of an interrupted accept.
 const CACHE: &str = ".volref";
-/// Longest manifest read: 1 MiB, far more than any needs.
-const MOST_MANIFEST_BYTES: u64 = 1 << 20;
 
 /// The default of `mean_resolution` in [`MANIFEST`]: bias of the mean of an image that a case must
 /// detect, relative to that mean plus [`DARK`](crate::compare::stochastic::DARK). Wrong factors are
@@ -180,14 +177,14 @@ impl Case {
 /// A folder with `fixtures/cases` and `golden`.
 #[derive(Clone, Debug)]
 pub struct Suite {
-    pub(super) root: PathBuf,
+    root: PathBuf,
     cases: Vec<Case>,
     /// Places of the cases, by name.
     by_name: HashMap<String, usize>,
     /// `family/name` of manifests that cannot be read, with the files.
     unreadable: Vec<(String, PathBuf)>,
     /// Files of the suite, relative to the root; `None` if every file there is one.
-    pub(super) own: Option<BTreeSet<PathBuf>>,
+    own: Option<BTreeSet<PathBuf>>,
     pub(super) outline: Outline,
 }
 
@@ -298,7 +295,12 @@ impl Suite {
                 Err(_) => suite.unreadable.push((name_of(&path), path)),
             }
         }
-        suite.read_outline()?;
+        let file = Path::new(outline::FILE);
+        let path = suite.root.join(file);
+        if suite.own.as_ref().is_none_or(|own| own.contains(file)) && path.exists() {
+            let outline = Outline::read(&path, |name| suite.has_manifest(name));
+            suite.outline = outline.map_err(SuiteError::Manifest)?;
+        }
         Ok(suite)
     }
 
@@ -410,7 +412,7 @@ impl Suite {
             filter: filter.to_owned(),
             help,
         };
-        let filters = &self.with_core(filters)[..];
+        let filters = &self.outline.with_core(filters)[..];
         for filter in filters {
             let pattern = pattern_of(filter);
             let reason = match fast_glob::validate(pattern) {
@@ -586,16 +588,9 @@ fn name_of(path: &Path) -> String {
     format!("{}/{}", part(path.parent()), part(Some(path)))
 }
 
-/// The text of a manifest, or the reason why there is none.
-pub(super) fn text_of(path: &Path) -> Result<String, String> {
-    let bytes = regular_file::read(path, MOST_MANIFEST_BYTES)
-        .map_err(|error| format!("cannot read the manifest: {error}"))?;
-    String::from_utf8(bytes).map_err(|_| "the manifest is not UTF-8 text".to_owned())
-}
-
 fn read_manifest(path: &Path) -> SceneResult<Case> {
     let shown = path.display().to_string();
-    let text = text_of(path);
+    let text = outline::text_of(path);
     let document = Document {
         path: &shown,
         text: text.as_deref().unwrap_or(""),

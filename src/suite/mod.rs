@@ -4,6 +4,7 @@ pub(crate) mod analytic;
 pub(crate) mod answer;
 pub(crate) mod case;
 pub(crate) mod embedded;
+pub(crate) mod families;
 pub(crate) mod golden;
 pub(crate) mod name_hash;
 pub(crate) mod outline;
@@ -20,10 +21,10 @@ pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };
 pub(crate) use embedded::EmbeddedSuite;
+pub use families::Family;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};
 pub(crate) use name_hash::name_hash;
 pub(crate) use outline::CORE;
-pub use outline::Family;
 pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path};
 pub(crate) use outputs::{NOT_RENDERED, entries, step_name};
 pub(crate) use row_name::{HARD, row_name};

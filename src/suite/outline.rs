@@ -1,7 +1,6 @@
 //! Outline of a suite: its families in the order of their use, and its core set.
 
-use super::case::{CASES, text_of};
-use super::{Case, Suite, SuiteError};
+use crate::files::regular_file;
 use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Table};
 use crate::scene::reader::{Document, Reader};
@@ -9,7 +8,9 @@ use std::cell::RefCell;
 use std::path::Path;
 
 /// The file, relative to the root of the suite; without it families are in the order of their names.
-const FILE: &str = "fixtures/suite.toml";
+pub(super) const FILE: &str = "fixtures/suite.toml";
+/// Longest manifest read: 1 MiB, far more than any needs.
+const MOST_BYTES: u64 = 1 << 20;
 /// The filter that selects the core set.
 pub(crate) const CORE: &str = "core";
 
@@ -29,80 +30,15 @@ const FAMILY: Table = Table::new("A family of cases.").keys(&[
 /// What the file says.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outline {
-    core: Vec<String>,
-    /// Name of a family, and what it asks.
-    families: Vec<(String, String)>,
-}
-
-/// Some cases of a family.
-#[derive(Clone, Debug)]
-pub struct Family<'s> {
-    /// Name of the family.
-    pub name: &'s str,
-    /// What it asks of a renderer, where the suite says so.
-    pub asks: Option<&'s str>,
-    /// The cases.
-    pub cases: Vec<&'s Case>,
-}
-
-impl Suite {
     /// Names of the cases that a renderer is asked first.
-    pub fn core(&self) -> &[String] {
-        &self.outline.core
-    }
+    pub core: Vec<String>,
+    /// Name of a family, and what it asks.
+    pub families: Vec<(String, String)>,
+}
 
-    /// `cases` by families, in the order of their use.
-    pub fn families<'s>(&'s self, cases: &[&'s Case]) -> Vec<Family<'s>> {
-        let said = &self.outline.families;
-        let place = |name: &str| said.iter().position(|(other, _)| other == name);
-        let mut families: Vec<Family<'s>> = Vec::new();
-        for case in cases {
-            match families.iter_mut().find(|it| it.name == case.family) {
-                Some(family) => family.cases.push(case),
-                None => families.push(Family {
-                    name: &case.family,
-                    asks: place(&case.family).map(|at| said[at].1.as_str()),
-                    cases: vec![case],
-                }),
-            }
-        }
-        families.sort_by_key(|family| (place(family.name).unwrap_or(said.len()), family.name));
-        families
-    }
-
-    /// The filters, with the names of its cases in place of the word [`CORE`].
-    pub(super) fn with_core(&self, filters: &[String]) -> Vec<String> {
-        let core = self.core();
-        let names = |filter: &String| {
-            // A filter that begins with ! excludes what the rest of it names.
-            let mark = filter
-                .strip_suffix(CORE)
-                .filter(|it| matches!(*it, "" | "!"));
-            match mark {
-                Some(mark) if !core.is_empty() => {
-                    core.iter().map(|name| format!("{mark}{name}")).collect()
-                }
-                _ => vec![filter.clone()],
-            }
-        };
-        filters.iter().flat_map(names).collect()
-    }
-
-    /// Reads the outline, once the cases are known.
-    pub(super) fn read_outline(&mut self) -> Result<(), SuiteError> {
-        let path = self.root.join(FILE);
-        let is_own = self
-            .own
-            .as_ref()
-            .is_none_or(|own| own.contains(Path::new(FILE)));
-        if is_own && path.exists() {
-            let read = self.outline_in(&path);
-            self.outline = read.map_err(SuiteError::Manifest)?;
-        }
-        Ok(())
-    }
-
-    fn outline_in(&self, path: &Path) -> SceneResult<Outline> {
+impl Outline {
+    /// The outline in a file, whose core set names cases of the suite only.
+    pub fn read(path: &Path, is_case: impl Fn(&str) -> bool) -> SceneResult<Outline> {
         let shown = path.display().to_string();
         let text = text_of(path);
         let document = Document {
@@ -116,13 +52,39 @@ impl Suite {
         let log = RefCell::default();
         let reader = Reader::new(&document, &OUTLINE, &root, &log)?;
         let core = reader.words("core")?;
-        if let Some(name) = core.iter().find(|name| !self.has_manifest(name)) {
+        if let Some(name) = core.iter().find(|name| !is_case(name)) {
             let message = format!("the core set names {name:?}, which is no case of this suite");
-            let help = format!("remove it from `core`, or add its manifest, {CASES}/{name}.toml");
+            let help =
+                format!("remove it from `core`, or add its manifest, fixtures/cases/{name}.toml");
             return Err(reader.mistake("core", message, help));
         }
         let family = |table: &Reader| Ok((table.text("name")?, table.text("asks")?));
         let families = reader.tables_as("family", family)?;
         Ok(Outline { core, families })
     }
+
+    /// The filters, with the names of its cases in place of the word [`CORE`].
+    pub fn with_core(&self, filters: &[String]) -> Vec<String> {
+        let names = |filter: &String| {
+            // A filter that begins with ! excludes what the rest of it names.
+            let mark = filter
+                .strip_suffix(CORE)
+                .filter(|mark| matches!(*mark, "" | "!"));
+            match mark {
+                Some(mark) if !self.core.is_empty() => {
+                    let named = self.core.iter().map(|name| format!("{mark}{name}"));
+                    named.collect()
+                }
+                _ => vec![filter.clone()],
+            }
+        };
+        filters.iter().flat_map(names).collect()
+    }
+}
+
+/// The text of a manifest, or the reason why there is none.
+pub(super) fn text_of(path: &Path) -> Result<String, String> {
+    let bytes = regular_file::read(path, MOST_BYTES)
+        .map_err(|error| format!("cannot read the manifest: {error}"))?;
+    String::from_utf8(bytes).map_err(|_| "the manifest is not UTF-8 text".to_owned())
 }
