@@ -113,12 +113,12 @@ fn failures_are_json_where_json_is_asked_for() {
     assert!(!folder.path("plan.json").exists());
 }
 
-/// The names in the list of commands that clap prints.
+/// The names of commands in the help, which stand in groups.
 #[cfg(target_os = "linux")]
 fn commands(folder: &Folder) -> Vec<String> {
     let help = folder.volref("--help").stdout;
-    let (_, list) = help.split_once("Commands:\n").unwrap();
-    let lines = list.lines().take_while(|line| !line.is_empty());
+    let (_, list) = help.split_once("Usage:").unwrap();
+    let lines = list.lines().take_while(|line| *line != "Options:");
     // Lines of a long description begin further to the right.
     let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
     let names = names.filter(|name| !name.is_empty()).map(str::to_owned);
