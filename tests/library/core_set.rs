@@ -60,17 +60,14 @@ fn maps() -> Vec<(String, DMat3)> {
     // A tenth is less than the aspect of voxels that are no cubes, and more than rounding.
     const TENTH: f64 = 0.1;
     maps.push(("scale".to_owned(), DMat3::IDENTITY * (1.0 + TENTH)));
-    for axis in 0..3 {
+    for (axis, name) in AXES.iter().enumerate() {
         let along = DVec3::AXES[axis];
         let scale = DMat3::from_diagonal(DVec3::ONE + along * TENTH);
-        maps.push((format!("scale of {}", AXES[axis]), scale));
+        maps.push((format!("scale of {name}"), scale));
         let next = (axis + 1) % 3;
         let mut shear = DMat3::IDENTITY;
         *shear.col_mut(next) += along * TENTH;
-        maps.push((
-            format!("shear of {} along {}", AXES[next], AXES[axis]),
-            shear,
-        ));
+        maps.push((format!("shear of {} along {name}", AXES[next]), shear));
     }
     maps
 }
