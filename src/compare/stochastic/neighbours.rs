@@ -185,11 +185,6 @@ fn axes(comparison: &Comparison<'_>, unit: Unit) -> [NeighbourAxis; 2] {
     axes
 }
 
-/// Correlation across and down, by the noise of the blocks.
-pub(super) fn correlations(comparison: &Comparison<'_>) -> [f64; 2] {
-    axes(comparison, Unit::Noise).map(|axis| axis.correlation())
-}
-
 pub(super) fn judge_neighbours(
     comparison: &Comparison<'_>,
     level: f64,
