@@ -147,11 +147,16 @@ class Volume:
             near, far = np.maximum(near, begin), np.minimum(far, end)
         return near.clip(0), far
 
+    def density(self, value):
+        """Of the formula, at a value of the volume."""
+        low, high = self.panel["transfer_function"].get("range", (0, 0))
+        return np.clip((value - low) / (high - low), 0, 1) if low < high else value
+
     def opacity_of_reference(self, density):
         transfer = self.panel["transfer_function"]
         if transfer["kind"] == "table":
             return by_points(transfer["points"], "opacity", density)
-        return 1 - transparency(density, transfer["floor"])
+        return 1 - transparency(self.density(density), transfer["floor"])
 
     def factor(self, points):
         """Of opacities, by a second number."""
@@ -172,7 +177,7 @@ class Volume:
             return by_points(transfer["points"], "colour", density)
         colours = transfer["colours"]
         position = np.linspace(0, 1, len(colours))
-        return np.array([np.interp(density, position, channel) for channel in zip(*colours)])
+        return np.array([np.interp(self.density(density), position, channel) for channel in zip(*colours)])
 
     def shade(self, colour, points, to_eye, two_sided=False):
         """Phong's reflection model; the normal of two sides is that of the eye's."""
@@ -204,7 +209,7 @@ class Volume:
             if by_table:
                 with np.errstate(divide="ignore"):
                     density = -np.log1p(-self.opacity_of_reference(density))
-            total[rays] += density * step / shadow["reference_step"]
+            total[rays] += self.density(density) * step / shadow["reference_step"]
         return np.exp(-total) if by_table else np.minimum(1, np.exp(-total / 100))
 
     def radiance(self, density, points, to_eye, shading_volumes=None):
@@ -215,7 +220,7 @@ class Volume:
         if self.panel["shadow"] and mistake != "no-shadow":
             for volume in shading_volumes or [self]:
                 colour = colour * volume.light_arriving(points)
-        return colour if self.panel["transfer_function"]["kind"] == "table" else density**2 * colour
+        return colour if self.panel["transfer_function"]["kind"] == "table" else self.density(density) ** 2 * colour
 
 
 def rays_of(panel, shift=0):

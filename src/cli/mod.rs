@@ -22,6 +22,7 @@ mod merge;
 mod merged_units;
 mod output;
 mod partition;
+mod picture;
 mod plan;
 mod progress;
 mod render;

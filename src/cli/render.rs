@@ -1,24 +1,26 @@
-//! `volref render SCENE -o FILE`
+//! `volref render SCENE|CASE|VOLUME -o FILE`
 
 use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
-use super::suite::scene_file;
+use super::picture::Picture;
+use super::suite::{NamedScene, named_scene};
 use super::{Outcome, progress};
 use crate::film::{Depth, Film, FilmFormat};
 use crate::math;
 use crate::reference;
 use crate::render::plan::{Method, Reason};
 use crate::render::{self, Plan, Sampling, Seed};
-use crate::scene::{Conventions, Length, Mode, Model, Scene, samples};
+use crate::scene::{Conventions, Length, Mode, Model, Origin, Scene, samples};
 use crate::sensitivity::number;
+use crate::volume::volume_format;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Render a scene to an image
+/// Render a scene, or a volume file, to an image
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML), or a case of the suite
+    /// Scene file (TOML), a case of the suite, or a volume file
     scene: PathBuf,
     /// Image to write: .exr or .npy (linear radiance, 32-bit float), or .png (8-bit sRGB preview)
     #[arg(short, long, value_name = "FILE")]
@@ -41,15 +43,14 @@ pub struct Arguments {
     /// Threads to use; the image is the same for any number [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Exposure of a .png, in stops: radiance is multiplied by 2^STOPS
+    /// Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default: that of the case, else 0]
     #[arg(
         long,
         value_name = "STOPS",
-        default_value_t = 0.0,
         allow_hyphen_values = true,
         value_parser = output::stops
     )]
-    exposure: f64,
+    exposure: Option<f64>,
     /// Use the plain reference renderers (src/reference): usually slower; every [radiative]
     /// scene is path traced
     #[arg(long)]
@@ -60,22 +61,34 @@ pub struct Arguments {
     #[arg(long, value_name = "KIND", num_args = 0..=1, require_equals = true, default_missing_value = "mean")]
     depth: Option<Depth>,
     #[command(flatten)]
+    picture: Picture,
+    #[command(flatten)]
     json: Json,
 }
 
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.scene = scene_file(&arguments.scene)?;
+    let NamedScene { file, exposure, .. } = named_scene(&arguments.scene)?;
+    arguments.scene = file;
+    let exposure = arguments.exposure.or(exposure).unwrap_or(0.0);
+    let is_volume = is_volume(&arguments.scene);
+    if !is_volume {
+        arguments.picture.refuse()?;
+    }
     let format = format_of(&arguments.output, "linear radiance")?;
     let depth_file = arguments.depth_file(format)?;
     let outputs = [
         Some(arguments.output.as_path()),
         depth_file.as_deref(),
+        arguments.picture.save_scene.as_deref(),
         arguments.json.file(),
     ];
     output::check(&outputs, &[&arguments.scene])?;
-    let read = || Scene::load(&arguments.scene);
-    let scene = progress::during("reading the scene", read)?;
+    let read = || match is_volume {
+        true => arguments.picture.scene(&arguments.scene),
+        false => Ok((Scene::load(&arguments.scene)?, String::new())),
+    };
+    let (scene, scene_text) = progress::during("reading the scene", read)?;
     output::check(&outputs, &[])?;
     let scene = arguments.changed(scene)?;
     let sampling = Sampling {
@@ -99,11 +112,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let seconds = start.elapsed().as_secs_f64();
 
     let bytes = match format {
-        FilmFormat::Png => film.to_png(arguments.exposure),
+        FilmFormat::Png => film.to_png(exposure),
         FilmFormat::Npy => film.to_npy(),
         FilmFormat::Exr | FilmFormat::Pfm => film.to_exr().map_err(bad_input)?,
     };
     output::write(&arguments.output, &bytes)?;
+    arguments.picture.save(&scene_text)?;
     if let (Some(file), Some(bytes)) = (&depth_file, film.depth_to_npy()) {
         output::write(file, &bytes)?;
     }
@@ -121,7 +135,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         ));
     }
     let warnings = warnings_of_all(&plans);
-    text.push_str(&arguments.notes(&film, format, &plans, &warnings, is_sampled));
+    text.push_str(&arguments.notes(&film, (format, exposure), &plans, &warnings, is_sampled));
     let mut value = json!({
         "schema": "volref/render/1",
         "scene": arguments.scene,
@@ -223,12 +237,15 @@ impl Arguments {
     fn notes(
         &self,
         film: &Film,
-        format: FilmFormat,
+        shown: (FilmFormat, f64),
         plans: &[Plan],
         warnings: &[&Reason],
         is_sampled: bool,
     ) -> String {
-        let mut notes = brightness_note(film, format, self.exposure, plans).unwrap_or_default();
+        let mut notes = brightness_note(film, shown, plans)
+            .or_else(|| opacity_note(film, plans))
+            .unwrap_or_default();
+        notes.push_str(&range_notes(plans));
         for warning in warnings {
             notes.push_str(&format!("note: {warning}\n"));
         }
@@ -276,8 +293,7 @@ pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
 /// A note on an image that is black, or too dark to see as a preview.
 fn brightness_note(
     film: &Film,
-    format: FilmFormat,
-    exposure: f64,
+    (format, exposure): (FilmFormat, f64),
     plans: &[Plan<'_>],
 ) -> Option<String> {
     let mut lit: Vec<f32> = film
@@ -302,6 +318,62 @@ fn brightness_note(
         ));
     }
     None
+}
+
+/// A note on a volume of which all is opaque, or nothing.
+fn opacity_note(film: &Film, plans: &[Plan<'_>]) -> Option<String> {
+    let [plan] = plans else {
+        return None;
+    };
+    let volume = plan.panel.classified()?;
+    if volume.mode != Mode::Composited || volume.has_objects() {
+        return None;
+    }
+    let (extent, size) = (volume.extent(), [plan.panel.width, plan.panel.height]);
+    let pixels = film.opacity()?.iter().enumerate();
+    let mut seen = pixels.filter(|(index, _)| {
+        let ray = volume.camera.ray([index % size[0], index / size[0]], size);
+        extent.span(&ray).is_some_and(|span| span.length() > 0.0)
+    });
+    let opacities: Vec<f32> = seen.by_ref().map(|(_, &opacity)| opacity).collect();
+    let count = |of: fn(f32) -> bool| opacities.iter().filter(|&&opacity| of(opacity)).count();
+    // Rays through an edge of the box are short; less than a code of 255 is seen by nobody.
+    let (what, reference_length, values) = if 10 * count(|it| it > 0.99) > 9 * opacities.len() {
+        ("opaque: of its inside nothing is seen", "longer", "less")
+    } else if count(|it| it > 1.0 / 255.0) == 0 && !opacities.is_empty() {
+        ("transparent: nothing of it is seen", "shorter", "more")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "note: the whole volume is {what}; in [transfer_function], a {reference_length} `reference_length` than {}, \
+         or a `range` or points by which {values} of its values are opaque, shows more\n",
+        volume.transfer_function.reference_length
+    ))
+}
+
+/// Notes on the ranges of values that no scene states.
+fn range_notes(plans: &[Plan<'_>]) -> String {
+    let readings = plans.iter().flat_map(|plan| &plan.panel.readings);
+    let mut notes: Vec<String> = readings
+        .filter_map(|reading| match reading.origin {
+            Origin::Derived(rule) if reading.key.ends_with("transfer_function.range") => Some(format!(
+                "note: values are shown from {} by default ({rule}); state `range` in [transfer_function] to change that\n",
+                reading.value.trim_matches(['[', ']']).replace(", ", " to ")
+            )),
+            _ => None,
+        })
+        .collect();
+    notes.dedup();
+    notes.concat()
+}
+
+/// True of a volume file. A description of bare samples ends in .toml, as scenes do.
+fn is_volume(path: &Path) -> bool {
+    let is_toml = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    !is_toml && volume_format(path).is_some()
 }
 
 /// The reason for which the image of a scene is black.

@@ -1,7 +1,7 @@
 //! Classification: opacity and colour of a value of the field.
 
 use super::opacity::Correction;
-use crate::optics::{Appearance, TransferFunction};
+use crate::optics::TransferFunction;
 use crate::scene::Classified;
 use crate::volume::{Cell, Grid, Lerp as _, Reconstruction as _};
 use glam::DVec3;
@@ -144,13 +144,7 @@ impl LookTable {
     /// The table of `scene` with `size` entries, at least two.
     fn of(scene: &Classified, size: u32) -> LookTable {
         let function = &scene.transfer_function;
-        let (least, most) = match &function.appearance {
-            Appearance::Points(points) => {
-                let points = points.points();
-                (points[0].value, points[points.len() - 1].value)
-            }
-            Appearance::Formula { .. } => (0.0, scene.grid.range().1),
-        };
+        let [least, most] = function.domain(scene.grid.range().1);
         LookTable {
             least,
             most,

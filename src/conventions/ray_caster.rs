@@ -423,7 +423,9 @@ impl<'s> RayCaster<'s> {
         });
         match &scene.transfer_function.appearance {
             Appearance::Formula { .. } => {
-                let sum: f64 = samples.map(|(density, length)| density * length).sum();
+                let sum: f64 = samples
+                    .map(|(value, length)| scene.transfer_function.density(value) * length)
+                    .sum();
                 exp(-(sum / shadow.reference_step) / 100.0).min(1.0)
             }
             Appearance::Points(points) => samples

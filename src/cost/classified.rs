@@ -62,7 +62,7 @@ impl<'s> ShadedVolume<'s> {
     pub(crate) fn has_exact_shadow(scene: &Classified) -> bool {
         matches!(
             scene.transfer_function.appearance,
-            Appearance::Formula { .. }
+            Appearance::Formula { range: None, .. }
         )
     }
 

@@ -103,6 +103,7 @@ mod tests {
             appearance: Appearance::Formula {
                 opacity: TransferOpacity { floor },
                 colormap: Colormap::named(colormap).unwrap(),
+                range: None,
             },
             reference_length: 1.0,
         }

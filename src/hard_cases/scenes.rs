@@ -228,6 +228,7 @@ pub fn by_formula(reference_length: f64) -> TransferFunction {
         appearance: Appearance::Formula {
             opacity: TransferOpacity { floor: 0.36 },
             colormap,
+            range: None,
         },
         reference_length,
     }

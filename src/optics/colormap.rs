@@ -14,12 +14,22 @@ pub struct Colormap {
 impl Colormap {
     /// Every name [`Colormap::named`] knows.
     pub const NAMES: &[&str] = &[
-        "heat", "grey", "white", "viridis", "magma", "inferno", "plasma", "turbo",
+        "heat",
+        "grey",
+        "display-grey",
+        "bone",
+        "white",
+        "viridis",
+        "magma",
+        "inferno",
+        "plasma",
+        "turbo",
     ];
 
     /// The map of that name: `heat` (blue, cyan, green, yellow, red), `grey` (black to white),
-    /// `white` (constant), or one of the perceptual maps. The latter are published as display
-    /// colours; they are decoded to linear light, so that a preview shows them as published.
+    /// `display-grey` (the same as codes of sRGB, as most viewers show values), `bone` (brown to ivory, for scans),
+    /// `white` (constant), or one of the perceptual maps. The latter are published as display colours; they are
+    /// decoded to linear light, so that a preview shows them as published.
     pub fn named(name: &str) -> Option<Colormap> {
         let stops = match name {
             "heat" => {
@@ -27,12 +37,14 @@ impl Colormap {
                 vec![DVec3::Z, cyan, DVec3::Y, yellow, DVec3::X]
             }
             "grey" => vec![DVec3::ZERO, DVec3::ONE],
+            "display-grey" => decoded(|i| [i; 3]),
+            "bone" => BONE.map(in_linear_light).to_vec(),
             "white" => vec![DVec3::ONE],
-            "viridis" => decoded(colorous::VIRIDIS),
-            "magma" => decoded(colorous::MAGMA),
-            "inferno" => decoded(colorous::INFERNO),
-            "plasma" => decoded(colorous::PLASMA),
-            "turbo" => decoded(colorous::TURBO),
+            "viridis" => published(colorous::VIRIDIS),
+            "magma" => published(colorous::MAGMA),
+            "inferno" => published(colorous::INFERNO),
+            "plasma" => published(colorous::PLASMA),
+            "turbo" => published(colorous::TURBO),
             _ => return None,
         };
         Some(Colormap { stops })
@@ -62,13 +74,31 @@ impl Colormap {
 }
 
 /// Published display colours in linear light.
-fn decoded(gradient: colorous::Gradient) -> Vec<DVec3> {
-    let decode = |code: u8| math::srgb_to_linear(f64::from(code) / 255.0);
-    let colours = (0..256).map(|i| gradient.eval_rational(i, 256));
-    colours
-        .map(|c| DVec3::new(decode(c.r), decode(c.g), decode(c.b)))
-        .collect()
+fn published(gradient: colorous::Gradient) -> Vec<DVec3> {
+    decoded(|i| {
+        let colour = gradient.eval_rational(i.into(), 256);
+        [colour.r, colour.g, colour.b]
+    })
 }
+
+/// 256 colours of sRGB in linear light.
+fn decoded(codes: impl Fn(u8) -> [u8; 3]) -> Vec<DVec3> {
+    (0..=u8::MAX).map(|i| in_linear_light(codes(i))).collect()
+}
+
+/// Codes of sRGB in linear light.
+fn in_linear_light(codes: [u8; 3]) -> DVec3 {
+    DVec3::from_array(codes.map(|code| math::srgb_to_linear(f64::from(code) / 255.0)))
+}
+
+/// Codes of sRGB of the map `bone`.
+const BONE: [[u8; 3]; 5] = [
+    [28, 16, 20],
+    [107, 64, 53],
+    [183, 117, 84],
+    [230, 186, 144],
+    [255, 250, 240],
+];
 
 #[cfg(test)]
 mod tests {
@@ -82,6 +112,16 @@ mod tests {
         assert_eq!(heat.at(0.625), DVec3::new(0.5, 1.0, 0.0));
         assert_eq!(heat.at(1.0), DVec3::new(1.0, 0.0, 0.0));
         assert_eq!(heat.at(7.0), DVec3::new(1.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn display_grey_is_the_code_of_the_display() {
+        let grey = Colormap::named("display-grey").unwrap();
+        for code in [0.0, 1.0, 50.0, 128.0, 255.0] {
+            let code: f64 = code / 255.0;
+            let expected = math::srgb_to_linear(code);
+            assert!((grey.at(code).x - expected).abs() <= 2.0 * f64::EPSILON);
+        }
     }
 
     #[test]

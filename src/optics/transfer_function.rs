@@ -22,6 +22,9 @@ pub enum Appearance {
         opacity: TransferOpacity,
         /// Colour by density.
         colormap: Colormap,
+        /// Values, in order, that are densities 0 and 1: see [`TransferFunction::density`]. Without it, values
+        /// are densities.
+        range: Option<[f64; 2]>,
     },
     /// A table of points, for any values: those of a scan may be negative.
     Points(TransferPoints),
@@ -38,11 +41,34 @@ impl TransferFunction {
         )
     }
 
+    /// Density of the formula at `value`: of a range, the position in it, in [0, 1]. For a table it is the value.
+    #[inline(always)]
+    pub fn density(&self, value: f64) -> f64 {
+        match self.appearance {
+            Appearance::Formula {
+                range: Some([low, high]),
+                ..
+            } => ((value - low) / (high - low)).clamp(0.0, 1.0),
+            _ => value,
+        }
+    }
+
+    /// The values between which looks change, in a volume of values up to `most`.
+    pub(crate) fn domain(&self, most: f64) -> [f64; 2] {
+        match &self.appearance {
+            Appearance::Formula { range, .. } => range.unwrap_or([0.0, most]),
+            Appearance::Points(points) => {
+                let points = points.points();
+                [points[0].value, points[points.len() - 1].value]
+            }
+        }
+    }
+
     /// Opacity `a` over the reference length at `value`.
     #[inline(always)]
     pub fn reference_opacity(&self, value: f64) -> f64 {
         match &self.appearance {
-            Appearance::Formula { opacity, .. } => opacity.at(value),
+            Appearance::Formula { opacity, .. } => opacity.at(self.density(value)),
             Appearance::Points(points) => points.opacity(value),
         }
     }
@@ -62,7 +88,7 @@ impl TransferFunction {
     #[inline(always)]
     pub fn colour(&self, value: f64) -> DVec3 {
         match &self.appearance {
-            Appearance::Formula { colormap, .. } => colormap.at(value),
+            Appearance::Formula { colormap, .. } => colormap.at(self.density(value)),
             Appearance::Points(points) => points.colour(value),
         }
     }
@@ -72,7 +98,12 @@ impl TransferFunction {
     #[inline(always)]
     pub fn look(&self, value: f64) -> (f64, DVec3) {
         match &self.appearance {
-            Appearance::Formula { opacity, colormap } => (opacity.at(value), colormap.at(value)),
+            Appearance::Formula {
+                opacity, colormap, ..
+            } => {
+                let density = self.density(value);
+                (opacity.at(density), colormap.at(density))
+            }
             Appearance::Points(points) => points.look(value),
         }
     }
@@ -84,10 +115,15 @@ impl TransferFunction {
         values: [f64; N],
     ) -> ([f64; N], [DVec3; N]) {
         match &self.appearance {
-            Appearance::Formula { opacity, colormap } => (
-                values.map(|value| opacity.at(value)),
-                values.map(|value| colormap.at(value)),
-            ),
+            Appearance::Formula {
+                opacity, colormap, ..
+            } => {
+                let densities = values.map(|value| self.density(value));
+                (
+                    densities.map(|density| opacity.at(density)),
+                    densities.map(|density| colormap.at(density)),
+                )
+            }
             Appearance::Points(points) => points.look_at_several(values),
         }
     }
@@ -97,7 +133,10 @@ impl TransferFunction {
     /// they stand, so there it is 1.
     pub fn emission(&self, value: f64) -> f64 {
         match &self.appearance {
-            Appearance::Formula { .. } => value * value,
+            Appearance::Formula { .. } => {
+                let density = self.density(value);
+                density * density
+            }
             Appearance::Points(_) => 1.0,
         }
     }
@@ -114,11 +153,24 @@ impl TransferFunction {
     pub fn knots(&self) -> Vec<f64> {
         let mut knots: Vec<f64> = match &self.appearance {
             Appearance::Points(points) => points.points().iter().map(|point| point.value).collect(),
-            Appearance::Formula { opacity, colormap } => {
+            Appearance::Formula {
+                opacity,
+                colormap,
+                range,
+            } => {
                 let stops = colormap.stops().len();
                 let last = (stops - 1).max(1) as f64;
                 let mut knots: Vec<f64> = (0..stops).map(|stop| stop as f64 / last).collect();
-                knots.extend(opacity.opaque_from());
+                // In a range there are no densities above 1, from which on all is constant.
+                match range {
+                    None => knots.extend(opacity.opaque_from()),
+                    Some([low, high]) => {
+                        knots.extend([0.0, 1.0]);
+                        knots.extend(opacity.opaque_from().filter(|&density| density < 1.0));
+                        let value = |density: &mut f64| *density = low + (high - low) * *density;
+                        knots.iter_mut().for_each(value);
+                    }
+                }
                 knots
             }
         };
@@ -131,8 +183,16 @@ impl TransferFunction {
     /// `least` to `most`, both finite and, for the formula, not negative.
     pub(crate) fn is_transparent_between(&self, least: f64, most: f64) -> bool {
         match &self.appearance {
-            // Opacity rises with density, so the largest decides; it is 0 for density 0 only.
-            Appearance::Formula { opacity, .. } => opacity.at(most) == 0.0,
+            // Opacity rises with density, so the largest decides; it is 0 for density 0 only, which no rounding
+            // exceeds between zeros.
+            Appearance::Formula {
+                opacity,
+                range: None,
+                ..
+            } => opacity.at(most) == 0.0,
+            Appearance::Formula { .. } => {
+                self.reference_opacity(most + interpolation_slack(least, most)) == 0.0
+            }
             Appearance::Points(points) => {
                 let slack = interpolation_slack(least, most);
                 points.is_transparent_between(least - slack, most + slack)
@@ -144,7 +204,7 @@ impl TransferFunction {
     /// transparent.
     pub(crate) fn may_be_transparent_between(&self, least: f64, most: f64) -> bool {
         match &self.appearance {
-            Appearance::Formula { opacity, .. } => opacity.at(least) == 0.0,
+            Appearance::Formula { .. } => self.reference_opacity(least) == 0.0,
             Appearance::Points(points) => points.may_be_transparent_between(least, most),
         }
     }

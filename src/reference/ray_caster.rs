@@ -197,7 +197,9 @@ impl RayCaster<'_> {
         });
         match &scene.transfer_function.appearance {
             Appearance::Formula { .. } => {
-                let sum: f64 = samples.map(|(density, length)| density * length).sum();
+                let sum: f64 = samples
+                    .map(|(value, length)| scene.transfer_function.density(value) * length)
+                    .sum();
                 exp(-(sum / shadow.reference_step) / 100.0).min(1.0) // negative densities would make light
             }
             Appearance::Points(points) => samples

@@ -3,13 +3,13 @@
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
-use crate::geometry::{Aabb, Camera, CameraError, Intrinsics};
+use crate::geometry::{Aabb, Camera, CameraError, Intrinsics, length_of};
 use crate::math;
 use glam::DVec3;
 
 /// The declaration of `[camera]`.
 pub(super) const CAMERA: Table = Table::new("The camera: pinhole, or orthographic with `orthographic_height`. By default it sees the whole of a classified volume from the front; required in a radiative scene.").keys(&[
-    Key::derived("eye", Kind::Vector, "in front of the volume, on the −z side (−y if `up` is along z), as close as possible with the whole volume in view")
+    Key::derived("eye", Kind::Vector, "in front of the volume, on the −z side (−y if `up` is along z), as close as possible with the whole volume in view; with `azimuth`, `elevation` or `zoom` where these say")
         .doc("Position of the camera, world units; required in a radiative scene."),
     Key::derived("target", Kind::Vector, "volume centre")
         .doc("The point in the middle of the image, world units; required in a radiative scene."),
@@ -29,10 +29,15 @@ pub(super) const CAMERA: Table = Table::new("The camera: pinhole, or orthographi
         .doc("Place of the optical axis in the image, pixels from its left edge; half its width is the middle."),
     Key::optional("cy", Kind::Number(CENTRE))
         .doc("Place of the optical axis in the image, pixels from its upper edge; half its height is the middle."),
+    AROUND[0],
+    AROUND[1],
+    AROUND[2],
 ]).rules(&[
     Rule::Apart([&["vertical_fov"], &["orthographic_height"]]),
     Rule::Together(&MATRIX),
-    Rule::Apart([&["matrix"], &["eye", "target", "up", "vertical_fov", "orthographic_height"]]),
+    Rule::Apart([&["matrix"], &["eye", "target", "up", "vertical_fov", "orthographic_height", "azimuth", "elevation", "zoom"]]),
+    Rule::Apart([&["eye", "target"], &AROUND_NAMES]),
+    Rule::Apart([&["orthographic_height"], &["zoom"]]),
 ]);
 
 const MATRIX: [&str; 5] = ["matrix", "fl_x", "fl_y", "cx", "cy"];
@@ -40,6 +45,18 @@ const MATRIX: [&str; 5] = ["matrix", "fl_x", "fl_y", "cx", "cy"];
 /// With an image that begins this many pixels beside the axis, directions keep their digits.
 const CENTRE: Range = Range::closed(-1e9, 1e9);
 const FOCAL_LENGTH: Range = Range::closed(1e-3, 1e9);
+
+const AROUND_NAMES: [&str; 3] = ["azimuth", "elevation", "zoom"];
+
+/// Keys that place the eye around a classified volume, which is seen whole.
+const AROUND: [Key; 3] = [
+    Key::optional(AROUND_NAMES[0], Kind::Number(Range::closed(-360.0, 360.0)))
+        .doc("In place of `eye` and `target`, of a classified volume: angle of the eye about `up`, degrees, from in front of the volume towards the right of the image; 0 if left out."),
+    Key::optional(AROUND_NAMES[1], Kind::Number(Range::open(-90.0, 90.0)))
+        .doc("In place of `eye` and `target`, of a classified volume: angle of the eye above the horizon, degrees; 0 if left out."),
+    Key::optional(AROUND_NAMES[2], Kind::Number(Range::closed(0.01, 100.0)))
+        .doc("In place of `eye` and `target`, of a classified volume: its distance from the eye is divided by this number; at 1, which holds if left out, the whole box just fits into the image."),
+];
 
 /// The camera and its target.
 pub(super) struct View {
@@ -78,12 +95,18 @@ impl View {
         // Last, though the eye may follow from it: the hash of a scene holds its keys in the order
         // in which they are read.
         let up = reader.vector("up")?;
-        let eye = eye.unwrap_or_else(|| {
-            let aspect = size[0] as f64 / size[1] as f64;
-            let eye = eye_that_sees_all(bounds, up, image, aspect);
-            reader.resolved("eye", eye);
-            eye
-        });
+        let aspect = size[0] as f64 / size[1] as f64;
+        let eye = match (eye, Around::read(reader)?) {
+            (Some(eye), _) => eye,
+            (None, around) => {
+                let eye = match around {
+                    None => eye_that_sees_all(bounds, up, image, aspect),
+                    Some(around) => around.eye(bounds, up, image, aspect),
+                };
+                reader.resolved("eye", eye);
+                eye
+            }
+        };
         View::new(reader, eye, target, up, image)
     }
 
@@ -131,6 +154,61 @@ impl View {
     }
 }
 
+/// A place around what is looked at.
+struct Around {
+    /// About `up`, radians.
+    azimuth: f64,
+    /// Above the horizon, radians.
+    elevation: f64,
+    zoom: f64,
+}
+
+impl Around {
+    fn read(reader: &Reader) -> SceneResult<Option<Around>> {
+        let [azimuth, elevation, zoom] =
+            [0, 1, 2].map(|index| reader.optional_number(AROUND_NAMES[index]));
+        let numbers = [azimuth?, elevation?, zoom?];
+        let is_asked = numbers.iter().any(Option::is_some);
+        Ok(is_asked.then(|| Around {
+            azimuth: numbers[0].unwrap_or(0.0).to_radians(),
+            elevation: numbers[1].unwrap_or(0.0).to_radians(),
+            zoom: numbers[2].unwrap_or(1.0),
+        }))
+    }
+
+    /// The eye from which all corners of the box lie in the image, at a margin of 5 %, or one of them at it; with
+    /// parallel rays, two diagonals away.
+    fn eye(&self, bounds: &Aabb, up: DVec3, image: ImageHeight, aspect: f64) -> DVec3 {
+        let front = if up.x == 0.0 && up.y == 0.0 {
+            DVec3::Y
+        } else {
+            DVec3::Z
+        };
+        // Where there is no such frame, as `up` is 0 or not finite, the camera is refused.
+        let up = up.normalize_or(DVec3::Y);
+        let front = (front - up * front.dot(up)).normalize_or(front);
+        let right = front.cross(up);
+        let level = right * math::sin(self.azimuth) - front * math::cos(self.azimuth);
+        let to_eye = level * math::cos(self.elevation) + up * math::sin(self.elevation);
+        let right = up.cross(to_eye).normalize_or(right);
+        let upright = to_eye.cross(right);
+        let half = bounds.size() * 0.5;
+        let distance = match image {
+            ImageHeight::Length(_) => 4.0 * length_of(half),
+            ImageHeight::Angle(vertical_fov) => {
+                let edge = 0.95 * math::tan(0.5 * vertical_fov);
+                let needed = bounds.corners().map(|corner| {
+                    let corner = corner - bounds.centre();
+                    let [x, y] = [corner.dot(right).abs() / aspect, corner.dot(upright).abs()];
+                    x.max(y) / edge + corner.dot(to_eye)
+                });
+                needed.into_iter().fold(0.0, f64::max) / self.zoom
+            }
+        };
+        bounds.centre() + to_eye * distance
+    }
+}
+
 /// The camera of `matrix` and its intrinsics, if they are given.
 fn by_matrix(reader: &Reader, size: [usize; 2]) -> SceneResult<Option<Camera>> {
     let Some(rows) = reader.optional_matrix("matrix")? else {
@@ -171,6 +249,46 @@ fn eye_that_sees_all(bounds: &Aabb, up: DVec3, image: ImageHeight, aspect: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// From wherever a scene looks at its volume, all corners are in the image, and the outermost at its margin.
+    #[test]
+    fn an_eye_around_the_volume_sees_all_and_no_more() {
+        let min = DVec3::new(-3.0, 5.0, 7.0);
+        for size in [[1.0, 1.0, 1.0], [4.0, 0.5, 2.0], [2.0, 2.0, 0.01]] {
+            let max = min + DVec3::from_array(size);
+            let bounds = Aabb { min, max };
+            for (up, azimuth, elevation) in [
+                (DVec3::Y, 0.0, 0.0),
+                (DVec3::Y, 30.0_f64, 20.0_f64),
+                (DVec3::Z, -150.0, -80.0),
+                (DVec3::new(1.0, 2.0, 0.5), 75.0, 45.0),
+            ] {
+                for aspect in [0.5, 1.0, 2.0] {
+                    let around = Around {
+                        azimuth: azimuth.to_radians(),
+                        elevation: elevation.to_radians(),
+                        zoom: 1.0,
+                    };
+                    let fov = 0.7;
+                    let eye = around.eye(&bounds, up, ImageHeight::Angle(fov), aspect);
+                    let camera = Camera::new(eye, bounds.centre(), up, fov).unwrap();
+                    let above = (-*camera.forward()).dot(up) / length_of(up);
+                    assert!((above - math::sin(elevation.to_radians())).abs() < 1e-12);
+                    let edge = math::tan(0.5 * fov);
+                    let widest = bounds.corners().map(|corner| {
+                        let seen = corner - eye;
+                        let depth = edge * seen.dot(*camera.forward());
+                        assert!(depth > 0.0);
+                        let right = camera.forward().cross(*camera.upright());
+                        let across = seen.dot(right).abs() / (depth * aspect);
+                        across.max(seen.dot(*camera.upright()).abs() / depth)
+                    });
+                    let widest = widest.into_iter().fold(0.0, f64::max);
+                    assert!((widest - 0.95).abs() < 1e-9, "{size:?} {up}: {widest}");
+                }
+            }
+        }
+    }
 
     /// The camera that a scene gets if it says nothing shows all corners of the volume, and does
     /// not stand farther away than that needs.

@@ -136,11 +136,14 @@ pub enum Kind {
     Counts(u64, u64),
     /// A finite number in a range.
     Number(Range),
+    /// Two numbers in a range, the second above the first.
+    Interval(Range),
     /// Three finite numbers x, y, z.
     Vector,
     /// An affine map: three or four rows of four finite numbers.
     Matrix(usize),
-    /// Three finite numbers red, green, blue, each in a range; one number means all three.
+    /// Three finite numbers red, green, blue, each in a range; one number means all three, and `"#rrggbb"` a
+    /// colour of sRGB.
     Colour(Range),
     /// A positive length: world units, or voxels as in `"0.5 voxels"`.
     Length,
@@ -268,6 +271,7 @@ impl Kind {
                 format!("three whole numbers from {low} to {high}, such as [64, 64, 32]")
             }
             Kind::Number(_) => "a number".into(),
+            Kind::Interval(_) => "two numbers, the smaller first, such as [0, 1000]".into(),
             Kind::Vector => "three numbers, such as [0, 1, 0]".into(),
             Kind::Matrix(3) => {
                 "three rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]".into()
@@ -276,7 +280,7 @@ impl Kind {
                 "four rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]]".into()
             }
             Kind::Colour(_) => {
-                "a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three"
+                "a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000'"
                     .into()
             }
             Kind::Length => {
@@ -428,11 +432,13 @@ fn key_schema(root: &'static Table, key: &Key, complete: bool) -> Value {
             three(json!({ "type": "integer", "minimum": low, "maximum": high }))
         }
         Kind::Number(range) => number_schema(range),
+        Kind::Interval(range) => several(2, number_schema(range)),
         Kind::Vector => three(json!({ "type": "number" })),
         Kind::Matrix(rows) => several(rows, several(4, json!({ "type": "number" }))),
         Kind::Colour(range) => {
             let one = number_schema(range);
-            json!({ "anyOf": [one, three(one.clone())] })
+            let srgb = json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" });
+            json!({ "anyOf": [one, three(one.clone()), srgb] })
         }
         Kind::Length => json!({ "anyOf": [
             { "type": "number", "exclusiveMinimum": 0 },

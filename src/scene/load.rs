@@ -11,7 +11,9 @@ use super::objects::check_count;
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::sampling::{SAMPLING, SamplingTable};
-use super::transfer_function::{OpacityByValue, TRANSFER_FUNCTION, read_transfer_function};
+use super::transfer_function::{
+    OpacityByValue, TRANSFER_FUNCTION, read_range, read_transfer_function,
+};
 use super::{Classified, Curve, Radiative, SceneError, SceneResult, TransportFault};
 use crate::files::regular_file;
 use crate::geometry::Camera;
@@ -219,7 +221,7 @@ impl Scene {
             let file = path.file_name().unwrap_or_default().display().to_string();
             let message = "this is a volume, not a scene".to_owned();
             let help = format!(
-                "put this into a file beside it, say mine.toml, and give that:\n\
+                "`volref render` shows it as it is; else put this into a file beside it, say mine.toml, and give that:\n\
                  [classified]\n[classified.volume]\nfile = {file:?}\n[classified.phong]"
             );
             return Err(mistake(message, &help));
@@ -469,19 +471,31 @@ fn read_classified(
                 .expect("some volume has none of its own"),
         };
         let placed = files.placed_values(volume)?;
+        let table = own.as_ref().unwrap_or(&shared);
+        if has_other_colours && table.has("range") {
+            let message =
+                "`range` has no effect: a window or isosurfaces state values of their own";
+            return Err(table.mistake("range", message, "leave the key out"));
+        }
+        let mut range = None;
         if matches!(opacity, OpacityByValue::Formula(_)) && !has_other_colours {
-            files.check_densities(
-                volume,
-                &placed.grid,
-                "for other values, give [[transfer_function.point]] with `value`, `colour` and \
-                 `opacity`, once for each point of a table",
-            )?;
+            let is_shared = own.is_none() && tables.len() > 1;
+            let is_sum = reader.says("mode", "sum");
+            range = read_range(table, volume, is_shared, &placed, is_sum)?;
+            if range.is_none() {
+                files.check_densities(
+                    volume,
+                    &placed.grid,
+                    "for other values, give their `range` in [transfer_function], or \
+                     [[transfer_function.point]] with `value`, `colour` and `opacity`, once for \
+                     each point of a table",
+                )?;
+            }
         }
         if let Some(nodes) = placed.grid.lattice().nodes().iter().max() {
             volume.resolved("resolution", nodes);
         }
         let voxel = placed.voxel();
-        let table = own.as_ref().unwrap_or(&shared);
         let name = volume.optional_text("name")?;
         if name.is_some() && volumes.iter().any(|other| other.name == name) {
             let message = "another volume has this name, too";
@@ -490,7 +504,7 @@ fn read_classified(
         volumes.push(VolumeTable {
             reader: volume,
             name,
-            transfer_function: read_transfer_function(table, opacity, voxel)?,
+            transfer_function: read_transfer_function(table, opacity, range, voxel)?,
             modulation: Modulation::read(volume, &placed, files)?,
             placed,
         });
@@ -521,7 +535,7 @@ fn read_radiative(
 fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
     let transfer_function = root.table_or_default("transfer_function")?;
     let opacity = OpacityByValue::read(&transfer_function)?;
-    for unused in ["reference_length", "colormap"] {
+    for unused in ["reference_length", "colormap", "range"] {
         if transfer_function.has(unused) {
             let message = format!("`{unused}` has no effect on a plot of the curve");
             return Err(transfer_function.error(unused, message));

@@ -187,6 +187,17 @@ impl<'d, 's> Reader<'d, 's> {
         }
     }
 
+    /// Notes a value that the file leaves out, and that follows by `rule`.
+    pub(crate) fn derived(&self, name: &str, value: String, rule: &'static str) {
+        self.note(name, value, Origin::Derived(rule));
+    }
+
+    /// True if the file says `word` at `name`; nothing is noted.
+    pub(crate) fn says(&self, name: &str, word: &str) -> bool {
+        let text = self.value(name).map(Spanned::get_ref);
+        text.and_then(DeValue::as_str) == Some(word)
+    }
+
     /// Notes something that was read for this table in a text of another kind.
     pub fn also(&self, name: &str, reading: &Reading) {
         let inside = format!("{name}.{}", reading.key);

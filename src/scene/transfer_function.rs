@@ -2,6 +2,7 @@
 
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
+use super::placement::PlacedGrid;
 use super::reader::Reader;
 use crate::optics::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
@@ -15,16 +16,18 @@ pub(super) const TRANSFER_FUNCTION: Table = Table::new("Opacity over the referen
         .doc("Path length over which the transparency is stated, world units or voxels."),
     Key::or("colormap", Kind::Choice(Colormap::NAMES), "'heat'")
         .doc("Colours for densities 0 to 1."),
+    Key::optional("range", Kind::Interval(VALUES))
+        .doc("Values [lo, hi] that stand for densities 0 and 1, and all between for those between; beyond its ends they count as the nearer end. With `point`, its values are these densities. If left out, the values are densities; those of a file that leave 0 to 1 have the range from their 1st to their 99.9th percentile, with `mode = \"sum\"` times the longest edge of the box."),
     Key::optional("point", Kind::Tables(&POINT))
         .doc("A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself."),
 ]).rules(&[Rule::Apart([&["point"], &["floor", "colormap"]])]);
 
+/// Finite numbers that a grid can hold.
+const VALUES: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
+
 const POINT: Table = Table::new("Colour and opacity of one value of the volume.").keys(&[
-    Key::required(
-        "value",
-        Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
-    )
-    .doc("Value of the volume, in the unit of its file."),
+    Key::required("value", Kind::Number(VALUES))
+        .doc("Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1."),
     Key::required("colour", Kind::Colour(Range::at_least(0.0)))
         .doc("Linear radiance of the material before shading."),
     Key::required("opacity", Kind::Number(Range::closed(0.0, 1.0))).doc(
@@ -44,9 +47,12 @@ pub(super) enum OpacityByValue {
 impl OpacityByValue {
     pub(super) fn read(reader: &Reader) -> SceneResult<OpacityByValue> {
         if reader.has("point") {
+            let range = reader.optional_interval("range")?;
             let points = read_points(reader, |row| {
+                let value = row.number("value")?;
                 Ok(TransferPoint {
-                    value: row.number("value")?,
+                    // Exactly the ends of the range at 0 and 1.
+                    value: range.map_or(value, |[low, high]| low * (1.0 - value) + high * value),
                     colour: row.vector("colour")?,
                     opacity: row.number("opacity")?,
                 })
@@ -71,10 +77,42 @@ pub(super) fn read_points(
     })
 }
 
+/// The range of values of a formula: that of its table, read by `table`, or, without it, that of a `volume` from a
+/// file whose values are not all in [0, 1].
+pub(super) fn read_range(
+    table: &Reader,
+    volume: &Reader,
+    is_shared: bool,
+    placed: &PlacedGrid,
+    is_sum: bool,
+) -> SceneResult<Option<[f64; 2]>> {
+    if let Some(range) = table.optional_interval("range")? {
+        return Ok(Some(range));
+    }
+    let (least, most) = placed.grid.range();
+    if volume.has("field") || (least >= 0.0 && most <= 1.0) {
+        return Ok(None);
+    }
+    let mut range = placed.grid.usual_range();
+    let mut rule = "1st to 99.9th percentile of the values of the file";
+    if is_sum {
+        let edge = placed.extent().world_bounds().size().max_element();
+        range = range.map(|value| value * edge);
+        rule =
+            "1st to 99.9th percentile of the values of the file, times the longest edge of the box";
+    }
+    match is_shared {
+        true => volume.derived("transfer_function.range", format!("{range:?}"), rule),
+        false => table.derived("range", format!("{range:?}"), rule),
+    }
+    Ok(Some(range))
+}
+
 /// The rest of the transfer function, once the grid gives the length of a voxel.
 pub(super) fn read_transfer_function(
     reader: &Reader,
     opacity: OpacityByValue,
+    range: Option<[f64; 2]>,
     voxel: f64,
 ) -> SceneResult<TransferFunction> {
     let reference_length = reader.length("reference_length")?.in_world_units(voxel);
@@ -84,7 +122,11 @@ pub(super) fn read_transfer_function(
         OpacityByValue::Formula(opacity) => {
             let colormap = reader.text("colormap")?;
             let colormap = Colormap::named(&colormap).expect("one of the declared names");
-            Appearance::Formula { opacity, colormap }
+            Appearance::Formula {
+                opacity,
+                colormap,
+                range,
+            }
         }
     };
     Ok(TransferFunction {

@@ -36,6 +36,7 @@ mod point_cloud;
 mod raw_volume;
 mod reconstruction;
 mod samples;
+mod shown_values;
 mod source;
 mod splat;
 mod walk;

@@ -252,9 +252,9 @@ fn wrong_types() {
     scene.toml:6:20: `reference_length`: expected a length such as 0.01 (world units) or "0.5 voxels", got "0.2 pixels" help: `transfer_function.reference_length`: Path length over which the transparency is stated, world units or voxels.
     scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", not an integer help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
     scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", but is "cubic" help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
-    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, not a boolean help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000', not a boolean help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:14: `background` must be three numbers, not 2 help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], or one for all three, not a string help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000', not a string help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:16: `vertical_fov` must be a number, not a string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
     scene.toml:11:8: `file` must be text in quotes, not an integer help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
     scene.toml:1:9: `panel` must be tables in double brackets, [[panel]]
@@ -476,7 +476,7 @@ fn formulas() {
     scene.toml:14:9: `every` has no effect on the field "ramp" help: `classified.volume.every`: Of spots: a spot at the first node of each brick of so many nodes to an edge, that is at nodes whose numbers are multiples of it; along an axis of no more nodes, at the middle one.
     scene.toml:14:14: [classified.volume] mixes `field` with `resolution` help: give either `field`, or `resolution`, `padding`, `replace_non_finite`, `orientation`, `detached_anywhere`
     scene.toml:12:9: a ramp of `value` 0.1 and `slope` [1, 0, 0] over 8 × 8 × 8 nodes has values that 32-bit numbers do not hold exactly: give multiples of one power of two, such as 0.125, of which no value has more than 2^24 help: `classified.volume.slope`: Of a ramp, the change from node to node along x, y and z; exact are powers of two.
-    scene.toml:11:9: voxel (0, 0, 0) holds -2: densities must be finite and not negative help: for other values, give [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
+    scene.toml:11:9: voxel (0, 0, 0) holds -2: densities must be finite and not negative help: for other values, give their `range` in [transfer_function], or [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
     scene.toml:14:10: 0.3 is not exact in 32 bits, which hold 0.30000001192092896: give that, or a multiple of a power of two help: `classified.volume.bright`: Of spots: the value at the nodes that `every` tells; 1 if left out.
     scene.toml:13:9: `slope` has no effect on the field "spots" help: `classified.volume.slope`: Of a ramp, the change from node to node along x, y and z; exact are powers of two.
     scene.toml:13:8: there is no node (3, 8, 2): nodes are counted from 0, the last is (7, 7, 7) help: `classified.volume.spot`: Of spots: single nodes, with their values.
@@ -485,7 +485,7 @@ fn formulas() {
     "#);
 }
 
-/// Values below 0 are no densities; a table of points takes them, a medium does not.
+/// Values below 0 are no densities; a range and a table of points take them, a medium does not.
 #[test]
 fn values_below_zero() {
     let folder = Folder::new();
@@ -499,7 +499,12 @@ fn values_below_zero() {
     let points = "[transfer_function]\npoint = [{ value = -500, colour = 0.5, opacity = 0 },\n\
                   { value = 300, colour = 1, opacity = 0.9 }]\n";
     folder.write("scene.toml", scene);
-    let mut said = folder.volref("plan scene.toml").message() + "\n";
+    folder.write("plain.toml", scene.replace("[classified.shadow]\n", ""));
+    let range = "[-1000.0, 1000.0]  (1st to 99.9th percentile of the values of the file)";
+    folder
+        .volref("plan plain.toml")
+        .prints(0, &["transfer_function.range", range]);
+    let mut said = String::new();
     folder.write(
         "medium.toml",
         "[camera]\neye = [0, 0, -9]\ntarget = [0, 0, 0]\n[[radiative.medium]]\n\
@@ -507,7 +512,6 @@ fn values_below_zero() {
     );
     said.push_str(&(folder.volref("plan medium.toml").message() + "\n"));
     assert_shown!(said, @r#"
-    scene.toml:5:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: for other values, give [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
     medium.toml:8:8: scan.nrrd: voxel (0, 0, 0) holds -1000: densities must be finite and not negative help: densities must not be negative: shift or scale the values
     "#);
     folder.write("scene.toml", scene.to_owned() + points);
@@ -640,10 +644,10 @@ fn no_such_scene() {
             &["folder: cannot read the scene: this is a directory, not a file"],
         );
         run("cloud.obj/x").expect(2, &["cloud.obj/x: cannot read the scene"]);
-        run("cloud.obj").expect(
-            2,
-            &["cloud.obj: this is a volume, not a scene", "mine.toml"],
-        );
+        if command == "plan" {
+            let message = ["cloud.obj: this is a volume, not a scene", "mine.toml"];
+            run("cloud.obj").expect(2, &message);
+        }
     }
 }
 

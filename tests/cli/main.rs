@@ -37,6 +37,7 @@ mod opacity_and_depth;
 mod outputs;
 mod partition;
 mod peers;
+mod pictures;
 mod plan;
 mod precision;
 mod progress;

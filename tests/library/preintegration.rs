@@ -136,6 +136,7 @@ fn one_segment_is_the_integral() {
         appearance: Appearance::Formula {
             opacity: TransferOpacity { floor },
             colormap: Colormap::named(colormap).unwrap(),
+            range: None,
         },
         reference_length: 0.2,
     };
@@ -172,6 +173,7 @@ fn colours_of_the_formula() {
         appearance: Appearance::Formula {
             opacity,
             colormap: Colormap::named("heat").unwrap(),
+            range: None,
         },
         reference_length: 0.25,
     };

@@ -195,7 +195,14 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
         transfer_function.reference_length.into(),
     )];
     match &transfer_function.appearance {
-        Appearance::Formula { opacity, colormap } => {
+        Appearance::Formula {
+            opacity,
+            colormap,
+            range,
+        } => {
+            if let Some(range) = range {
+                entries.extend([("range", (*range).into()), ("density", DENSITY.into())]);
+            }
             let formula = "at density d a step of length h has the opacity \
                            a = 1 - T(d)^(h/reference_length), where \
                            T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor))) is the \
@@ -231,6 +238,9 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
     }
     entries
 }
+
+const DENSITY: &str = "with [lo, hi] = range, a value v has the density d = min(1, max(0, (v - lo)/(hi - lo))), \
+    which takes the place of d wherever it stands: in opacities, colours, radiances and shadows";
 
 const GRADIENT: &str = "stored at the nodes, by central differences: along each axis \
     (value(i+1) - value(i-1))/(2*spacing). A border node takes the gradient of the nearest inner \

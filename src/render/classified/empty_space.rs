@@ -174,6 +174,7 @@ mod tests {
             appearance: Appearance::Formula {
                 opacity: TransferOpacity { floor: 0.36 },
                 colormap: Colormap::named("white").unwrap(),
+                range: None,
             },
             reference_length: 1.0,
         };

@@ -129,8 +129,9 @@ impl Part {
             let cell = Cell::around(self.scene.grid.lattice(), line.at(t));
             let value = self.density(&cell, work);
             let references = length / shadow.reference_step;
-            sum += match &self.scene.transfer_function.appearance {
-                Appearance::Formula { .. } => -0.01 * value * references,
+            let look = &self.scene.transfer_function;
+            sum += match &look.appearance {
+                Appearance::Formula { .. } => -0.01 * look.density(value) * references,
                 Appearance::Points(points) => {
                     let opacity = points.opacity(value);
                     if opacity == 0.0 || references == 0.0 {

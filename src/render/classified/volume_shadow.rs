@@ -125,8 +125,9 @@ impl VolumeShadow<'_> {
             let value = field.density(&field.locate(point), work);
             match &self.transfer_function.appearance {
                 Appearance::Formula { .. } => {
-                    sum += value * length;
-                    in_empty_space = value == 0.0;
+                    let density = self.transfer_function.density(value);
+                    sum += density * length;
+                    in_empty_space = density == 0.0;
                 }
                 Appearance::Points(points) => {
                     let opacity = points.opacity(value);

@@ -84,9 +84,9 @@ impl<'s> Contents<'s> {
                 matters(TRANSFER_FUNCTION, extent)
             }
             Effect::Emission => {
-                let light = match self.is_by_formula() {
-                    true => "the colormap emits light",
-                    false => "the colours of the points emit light",
+                let light = match self.scene.transfer_function.appearance {
+                    Appearance::Formula { .. } => "the colormap emits light",
+                    Appearance::Points(_) => "the colours of the points emit light",
                 };
                 matters(TRANSFER_FUNCTION, light)
             }
@@ -144,9 +144,10 @@ impl<'s> Contents<'s> {
         }
     }
 
+    /// True if values are densities.
     fn is_by_formula(&self) -> bool {
         let appearance = &self.scene.transfer_function.appearance;
-        matches!(appearance, Appearance::Formula { .. })
+        matches!(appearance, Appearance::Formula { range: None, .. })
     }
 
     /// Grids hold `f32`, whose digits are the shorter ones.

@@ -2,6 +2,7 @@
 
 use super::{Origin, Reader};
 use crate::files::misspelling::nearest;
+use crate::math::srgb_to_linear;
 use crate::scene::SceneResult;
 use crate::scene::format::{Absent, Kind, Range, Table, whole_number};
 use crate::scene::length::Length;
@@ -91,10 +92,36 @@ impl<'d, 's> Reader<'d, 's> {
         self.present(name, read, |rows| format!("{rows:?}"))
     }
 
-    /// Three channels, or one number for all of them.
+    /// A declared [`Kind::Interval`] that may be left out.
+    pub(crate) fn optional_interval(&self, name: &str) -> SceneResult<Option<[f64; 2]>> {
+        let Kind::Interval(range) = self.declared(name).kind else {
+            panic!("{name} is not an interval")
+        };
+        let read = |value: &Spanned<DeValue>| {
+            let Some([low, high]) = array(value) else {
+                let expected = self.declared(name).kind.expected();
+                return Err(self.error(name, format!("`{name}` must be {expected}")));
+            };
+            let ends = [self.float(name, low)?, self.float(name, high)?];
+            if let Some(end) = ends.iter().find(|&&end| !range.contains(end)) {
+                return Err(self.error(name, format!("`{name}` must {range}, got {end}")));
+            }
+            self.accepted_at(name, checked_interval(ends))
+                .map(|()| ends)
+        };
+        self.present(name, read, |ends| format!("{ends:?}"))
+    }
+
+    /// Three channels, one number for all of them, or sRGB.
     fn colour(&self, name: &str, value: &Spanned<DeValue>, range: &Range) -> SceneResult<DVec3> {
         let colour = match value.get_ref() {
             DeValue::Float(_) | DeValue::Integer(_) => DVec3::splat(self.float(name, value)?),
+            DeValue::String(text) => srgb(text).ok_or_else(|| {
+                let message = format!("`{name}` is {text:?}, which is no colour");
+                let help = "give sRGB as six hexadecimal digits, such as \"#3b528b\", or linear \
+                            numbers, such as [1, 0.5, 0]";
+                self.mistake(name, message, help)
+            })?,
             _ => self.three(name, value)?,
         };
         if let Some(channel) = colour.to_array().iter().find(|&&c| !range.contains(c)) {
@@ -392,6 +419,26 @@ impl<'d, 's> Reader<'d, 's> {
             _ => panic!("{name} is not a table"),
         }
     }
+}
+
+/// Fails where an interval holds no more than a number.
+pub(crate) fn checked_interval([low, high]: [f64; 2]) -> Result<(), String> {
+    if low < high {
+        return Ok(());
+    }
+    Err(format!(
+        "the range from {low} to {high} is empty: its second number must be above its first"
+    ))
+}
+
+/// The colour `#rrggbb` of sRGB, in linear light.
+fn srgb(text: &str) -> Option<DVec3> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let is_hexadecimal = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let code = u32::from_str_radix(digits, 16).ok();
+    let [_, codes @ ..] = code.filter(|_| is_hexadecimal)?.to_be_bytes();
+    let linear = codes.map(|code| srgb_to_linear(f64::from(code) / 255.0));
+    Some(DVec3::from_array(linear))
 }
 
 /// The items of a list.

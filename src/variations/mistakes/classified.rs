@@ -209,12 +209,12 @@ fn strengthened(scene: &mut Classified, strength: fn(f64) -> f64) -> bool {
     if scene.shadow.is_some() || is_table || scene.mode != Mode::Composited {
         return false;
     }
-    let most = scene.grid.range().1;
+    let [least, most] = transfer_function.domain(scene.grid.range().1);
     let point = |index: usize| {
-        let value = most * index as f64 / (POINTS - 1) as f64;
+        let value = least + (most - least) * index as f64 / (POINTS - 1) as f64;
         TransferPoint {
             value,
-            colour: transfer_function.colour(value) * strength(value),
+            colour: transfer_function.colour(value) * strength(transfer_function.density(value)),
             opacity: transfer_function.reference_opacity(value),
         }
     };

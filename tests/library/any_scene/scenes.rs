@@ -127,7 +127,16 @@ impl Written {
             }
             if !curve && choices.one_in(2) {
                 let names = [
-                    "heat", "grey", "white", "viridis", "magma", "inferno", "plasma", "turbo",
+                    "heat",
+                    "grey",
+                    "display-grey",
+                    "bone",
+                    "white",
+                    "viridis",
+                    "magma",
+                    "inferno",
+                    "plasma",
+                    "turbo",
                 ];
                 keys.give("colormap", quoted(choices.pick(&names)));
             }

@@ -71,6 +71,7 @@ pub fn formula(floor: f64, colormap: &str) -> Appearance {
     Appearance::Formula {
         opacity: TransferOpacity { floor },
         colormap: Colormap::named(colormap).unwrap(),
+        range: None,
     }
 }
 

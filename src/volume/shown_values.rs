@@ -1,0 +1,82 @@
+//! What is shown of the values of a volume if nobody says.
+
+use super::{Grid, Lattice};
+
+/// Bins of a histogram.
+const BINS: usize = 256;
+
+impl Grid<f32> {
+    /// From the 1st to the 99.9th percentile of the values, by the nearest rank, which must be finite: what most viewers
+    /// show of them. From least to largest where these are equal, and never empty: of equal values, one end is 0.
+    pub fn usual_range(&self) -> [f64; 2] {
+        let mut values: Vec<f64> = self.values().iter().map(|&value| value.into()).collect();
+        let last = values.len() - 1;
+        let mut at = |share: f64| {
+            let rank = (share * last as f64).round() as usize;
+            *values.select_nth_unstable_by(rank, f64::total_cmp).1
+        };
+        let ([low, high], (least, most)) = ([at(0.01), at(0.999)], self.range());
+        if low < high {
+            [low, high]
+        } else if least < most {
+            [least, most]
+        } else {
+            let one = if least == 0.0 { 1.0 } else { least };
+            [one.min(0.0), one.max(0.0)]
+        }
+    }
+
+    /// True if a quarter of the values or more are at most `low`.
+    pub(crate) fn is_empty_below(&self, low: f64) -> bool {
+        let values = self.values().iter();
+        let below = values.filter(|&&value| f64::from(value) <= low).count();
+        4 * below >= self.values().len()
+    }
+
+    /// The position in a range, between 0 and 1, that best parts the values in it into two classes: with the largest
+    /// variance between the classes, values beyond the ends being left out.
+    ///
+    /// Source: Otsu 1979, "A threshold selection method from gray-level histograms".
+    pub(crate) fn threshold(&self, [low, high]: [f64; 2]) -> f64 {
+        let mut counts = [0.0; BINS];
+        for &value in self.values() {
+            let position = (f64::from(value) - low) / (high - low);
+            if (0.0..1.0).contains(&position) {
+                counts[(position * BINS as f64) as usize] += 1.0;
+            }
+        }
+        let total: f64 = counts.iter().sum();
+        let moment = |(bin, count): (usize, &f64)| bin as f64 * count;
+        let whole: f64 = counts.iter().enumerate().map(moment).sum();
+        let (mut below, mut sum, mut best, mut most) = (0.0, 0.0, BINS / 2, 0.0);
+        for (bin, &count) in counts.iter().enumerate() {
+            below += count;
+            sum += bin as f64 * count;
+            let difference = sum * total - whole * below;
+            let variance = difference * difference / (below * (total - below));
+            // Not where a class is empty, and the quotient no number.
+            if below > 0.0 && below < total && variance > most {
+                (best, most) = (bin + 1, variance);
+            }
+        }
+        best as f64 / BINS as f64
+    }
+
+    /// Means of the rows of nodes along an axis, as a grid of one layer.
+    pub(crate) fn means_along(&self, axis: usize) -> Grid<f32> {
+        let nodes = self.lattice().nodes();
+        let stride: usize = nodes[..axis].iter().product();
+        let length = nodes[axis];
+        let mean = |row: usize| {
+            let first = row / stride * stride * length + row % stride;
+            let of = (0..length).map(|index| f64::from(self.values()[first + index * stride]));
+            (of.sum::<f64>() / length as f64) as f32
+        };
+        let means = (0..self.values().len() / length).map(mean).collect();
+        let mut layer = nodes;
+        layer[axis] = 1;
+        let lattice = self.lattice();
+        let lattice = Lattice::new(layer, lattice.spacing(), lattice.first());
+        Grid::new(lattice.expect("fewer nodes"), means).expect("one for each row")
+    }
+}
