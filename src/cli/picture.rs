@@ -28,10 +28,10 @@ pub struct Picture {
     size: Option<[u64; 2]>,
     /// Angle of the eye about the vertical, from the front towards the right, degrees [default: 30; for
     /// projections 0; of RAS+ scans 180 more]
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = degrees)]
     azimuth: Option<f64>,
     /// Angle of the eye above the horizon, degrees [default: 20; for projections 0]
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = degrees)]
     elevation: Option<f64>,
     /// Scene to write, which renders this image
     #[arg(long, value_name = "FILE")]
@@ -134,6 +134,10 @@ fn range(text: &str) -> Result<[f64; 2], String> {
     Err(format!(
         "the range from {low} to {high} is empty: give the smaller number first"
     ))
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    numbers(text, "a number of degrees, such as -30").map(|[degrees]| degrees)
 }
 
 fn spacing(text: &str) -> Result<[f64; 3], String> {

@@ -331,16 +331,20 @@ fn opacity_note(film: &Film, plans: &[Plan<'_>]) -> Option<String> {
     }
     let (extent, size) = (volume.extent(), [plan.panel.width, plan.panel.height]);
     let pixels = film.opacity()?.iter().enumerate();
-    let mut seen = pixels.filter(|(index, _)| {
+    let seen = pixels.filter_map(|(index, &opacity)| {
         let ray = volume.camera.ray([index % size[0], index / size[0]], size);
-        extent.span(&ray).is_some_and(|span| span.length() > 0.0)
+        Some((extent.span(&ray)?.length(), opacity))
     });
-    let opacities: Vec<f32> = seen.by_ref().map(|(_, &opacity)| opacity).collect();
-    let count = |of: fn(f32) -> bool| opacities.iter().filter(|&&opacity| of(opacity)).count();
-    // Rays through an edge of the box are short; less than a code of 255 is seen by nobody.
-    let (what, reference_length, values) = if 10 * count(|it| it > 0.99) > 9 * opacities.len() {
-        ("opaque: of its inside nothing is seen", "longer", "less")
-    } else if count(|it| it > 1.0 / 255.0) == 0 && !opacities.is_empty() {
+    let seen: Vec<(f64, f32)> = seen.filter(|(length, _)| *length > 0.0).collect();
+    let longest = seen.iter().map(|(length, _)| *length).fold(0.0, f64::max);
+    // Rays through an edge of the box have little way to become opaque.
+    let mut long = seen.iter().filter(|(length, _)| 2.0 * length >= longest);
+    let (what, reference_length, values) = if seen.is_empty() {
+        return None;
+    } else if long.all(|(_, opacity)| *opacity > 0.99) {
+        ("opaque: of its inside nothing is seen", "longer", "fewer")
+    } else if seen.iter().all(|(_, opacity)| *opacity < 1.0 / 255.0) {
+        // Less than a code of 8 bits.
         ("transparent: nothing of it is seen", "shorter", "more")
     } else {
         return None;

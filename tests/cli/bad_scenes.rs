@@ -56,7 +56,7 @@ fn unknown_keys() {
     scene.toml:9:1: unknown key `interpolaton` in [classified] help: did you mean `interpolation`?
     scene.toml:9:1: unknown key `near_plane` in [classified] help: `near_plane` is a key of the table `conventions`
     scene.toml:8:13: unknown key `shading` in [classified] help: did you mean `shadow`?
-    scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov, orthographic_height, matrix, fl_x, fl_y, cx, cy
+    scene.toml:9:1: unknown key `fov` in [camera] help: allowed keys in [camera]: eye, target, up, vertical_fov, orthographic_height, matrix, fl_x, fl_y, cx, cy, azimuth, elevation, zoom
     scene.toml:10:1: unknown key `widht` in [film] help: did you mean `width`?
     ");
 }
@@ -421,11 +421,11 @@ fn transfer_functions_by_points() {
     scene.toml:6:23: unknown key `color` in [transfer_function.point[0]] help: did you mean `colour`?
     scene.toml:6:45: `opacity` must lie in [0, 1], got 1.5 help: `transfer_function.point[0].opacity`: Opacity over the reference length: the fraction of the light behind that is absorbed.
     scene.toml:6:45: `opacity` must lie in [0, 1], got -0.5 help: `transfer_function.point[0].opacity`: Opacity over the reference length: the fraction of the light behind that is absorbed.
-    scene.toml:6:20: `value` must lie in [-340282346638528860000000000000000000000, 340282346638528860000000000000000000000], got 1000000000000000000000000000000000000000 help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
-    scene.toml:6:20: `value` must be finite, got nan help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file.
+    scene.toml:6:20: `value` must lie in [-340282346638528860000000000000000000000, 340282346638528860000000000000000000000], got 1000000000000000000000000000000000000000 help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1.
+    scene.toml:6:20: `value` must be finite, got nan help: `transfer_function.point[0].value`: Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1.
     scene.toml:6:32: `colour` must not be negative, got [0, -1, 0] help: `transfer_function.point[0].colour`: Linear radiance of the material before shading.
-    scene.toml:8:11: the points must be sorted by value, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file.
-    scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file.
+    scene.toml:8:11: the points must be sorted by value, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1.
+    scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1.
     scene.toml:13:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point`, or `floor` and `colormap`
     scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point`, or `floor` and `colormap`
@@ -526,16 +526,16 @@ fn values_below_zero() {
     folder
         .volref("render scene.toml -o image.exr")
         .expect(0, &[]);
-    // Of one scene, the panel with the formula is refused whatever the first made of the file.
+    // The panel with the formula has a range of its own, whatever the first made of the file.
     folder.write(
         "panels.toml",
-        scene.to_owned()
+        scene.replace("[classified.shadow]\n", "")
             + "[[panel]]\n[panel.transfer_function]\n\
          point = [{ value = 0, colour = 1, opacity = 1 }]\n[[panel]]\n",
     );
     folder
         .volref("plan panels.toml")
-        .expect(2, &["voxel (0, 0, 0) holds -1000"]);
+        .prints(0, &["transfer_function.range", range]);
 }
 
 #[test]

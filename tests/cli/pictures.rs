@@ -131,7 +131,7 @@ fn sizes_ranges_and_options_that_make_no_picture() {
             &["--elevation", "90"],
             "`elevation` must lie in (-90, 90), got 90",
         ),
-        (&["--azimuth", "nan"], "`azimuth` must be finite"),
+        (&["--azimuth", "nan"], "expected a number of degrees"),
         (
             &["--mode", "attenuated-maximum", "--colormap", "heat"],
             "`attenuated-maximum` is shown in greys alone",
