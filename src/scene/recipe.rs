@@ -165,9 +165,9 @@ impl Recipe {
                 quoted(&named("display-grey"))
             ),
             None => {
-                // What fills much of the volume with the lowest value is empty, and the rest soft as smoke is; other
-                // backgrounds are noise.
-                let (begin, share, colormap) = match grid.is_empty_below(low) {
+                // A volume much of which is 0 is empty there, and soft elsewhere, as smoke is; other backgrounds are
+                // air or noise.
+                let (begin, share, colormap) = match low == 0.0 && grid.is_empty_below(low) {
                     true => (0.0, 0.04, named("inferno")),
                     false => (grid.threshold(range), 0.1, named("bone")),
                 };
