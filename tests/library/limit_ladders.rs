@@ -40,8 +40,8 @@ fn judged(suite: &Suite, case: &Case, images: &[Film], profile: Option<&Profile>
     judged
 }
 
-/// A single image with the step of its scene is right, wherever its samples are within the steps: what is thinner than a
-/// step lies between samples or on one.
+/// A single image with the step of its scene is right, with samples in the middle or at the ends of steps: what is thinner
+/// than a step lies between samples or on one.
 #[test]
 fn a_single_image_at_the_step_of_its_scene_is_no_failure() {
     let verdict = |name: &str, first_sample: f64, factor: f32| {
@@ -61,7 +61,7 @@ fn a_single_image_at_the_step_of_its_scene_is_no_failure() {
     for (name, first_sample) in [
         ("opaque-shell", 0.5),
         ("sharp-peak", 0.5),
-        ("sharp-peak", 0.3),
+        ("sharp-peak", 1.0),
     ] {
         assert_ne!(
             verdict(name, first_sample, 1.0),
