@@ -512,6 +512,7 @@ impl Judge<'_> {
         if let Some(as_it_came) = as_it_came {
             add_right_declaration(&mut judged, as_it_came, case, store, profile);
         }
+        judged.result.search_ended = judged.differs().then_some(false);
         judged.result.notes.extend(rendered.notes);
         let telling_case = self.telling_case(&judged.result);
         judged.result.notes.extend(telling_case);

@@ -158,8 +158,8 @@ impl CauseSearch {
         profile: Option<&Profile>,
         judged: &mut [Judged],
     ) -> (Likenesses, String) {
-        let open = judged.iter_mut().filter(|judged| judged.differs());
-        let failed = open.map(|it| it.result.search_ended = Some(false)).count();
+        let is_open = |judged: &&Judged| judged.result.search_ended == Some(false);
+        let failed = judged.iter().filter(is_open).count();
         if failed == 0 || self.seconds == 0.0 {
             let said = if failed > 0 && self.is_left_out {
                 LEFT_OUT
