@@ -250,6 +250,40 @@ mod tests {
         assert_eq!(table.emission(-1000.0), 1.0);
     }
 
+    /// Values look as their positions in the range do, and as its ends beyond them.
+    #[test]
+    fn a_range_maps_values_to_densities() {
+        let formula = |range| TransferFunction {
+            appearance: Appearance::Formula {
+                opacity: TransferOpacity { floor: 0.36 },
+                colormap: Colormap::named("heat").unwrap(),
+                range,
+            },
+            reference_length: 2.0,
+        };
+        let (mapped, plain) = (formula(Some([-1000.0, 1048.0])), formula(None));
+        for (value, density) in [
+            (-1e30, 0.0),
+            (-1000.0, 0.0),
+            (-488.0, 0.25),
+            (24.0, 0.5),
+            (1048.0, 1.0),
+            (1e30, 1.0),
+        ] {
+            assert_eq!(mapped.look(value), plain.look(density));
+            assert_eq!(
+                mapped.look_at_several([value]),
+                plain.look_at_several([density])
+            );
+            assert_eq!(mapped.emission(value), plain.emission(density));
+        }
+        assert_eq!(mapped.knots(), [-1000.0, -488.0, 24.0, 536.0, 1048.0]);
+        assert!(mapped.is_transparent_between(-2000.0, -1001.0));
+        assert!(!mapped.is_transparent_between(-2000.0, -999.0));
+        assert!(mapped.may_be_transparent_between(-1000.0, 5.0));
+        assert!(!mapped.may_be_transparent_between(-999.0, 5.0));
+    }
+
     /// The interval of the nodes is not quite that of the field between them.
     #[test]
     fn rounding_of_the_interpolation_is_allowed_for() {

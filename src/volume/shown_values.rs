@@ -80,3 +80,46 @@ impl Grid<f32> {
         Grid::new(lattice.expect("fewer nodes"), means).expect("one for each row")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn grid(nodes: [usize; 3], values: Vec<f32>) -> Grid<f32> {
+        Grid::new(
+            Lattice::new(nodes, DVec3::ONE, DVec3::ZERO).unwrap(),
+            values,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn ranges_leave_outliers_out_and_are_never_empty() {
+        let mut values: Vec<f32> = (0..=1000_u16).map(f32::from).collect();
+        values[7] = 1e9;
+        assert_eq!(grid([1001, 1, 1], values).usual_range(), [11.0, 1000.0]);
+        let mut rare = vec![2.0; 10_000];
+        rare[5] = 3.0;
+        assert_eq!(grid([100, 100, 1], rare).usual_range(), [2.0, 3.0]);
+        for (value, range) in [(5.0, [0.0, 5.0]), (-5.0, [-5.0, 0.0]), (0.0, [0.0, 1.0])] {
+            assert_eq!(grid([2, 2, 2], vec![value; 8]).usual_range(), range);
+        }
+    }
+
+    #[test]
+    fn the_threshold_parts_two_classes() {
+        let value = |i: u16| f32::from(i % 10) + if i < 700 { 0.0 } else { 80.0 };
+        let values = (0..1000).map(value).collect();
+        let threshold = grid([1000, 1, 1], values).threshold([0.0, 100.0]);
+        assert!((0.09..=0.81).contains(&threshold), "{threshold}");
+    }
+
+    #[test]
+    fn means_are_those_of_rows() {
+        let grid = grid([2, 2, 2], vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        assert_eq!(grid.means_along(0).values(), [0.5, 2.5, 4.5, 6.5]);
+        assert_eq!(grid.means_along(1).values(), [1.0, 2.0, 5.0, 6.0]);
+        assert_eq!(grid.means_along(2).values(), [2.0, 3.0, 4.0, 5.0]);
+    }
+}

@@ -178,9 +178,17 @@ fn values_of_a_file_have_a_range_by_default() {
     let run = folder.volref("render stated.toml -o stated.exr");
     assert!(!run.stdout.contains("values are shown"), "{}", run.stdout);
     assert_eq!(folder.read("default.exr"), folder.read("stated.exr"));
-    // As though the values were positions in the range, and clamped at the look-up.
-    let film = folder.film("stated.exr");
-    assert_eq!(film.opacity().unwrap()[0], 0.0);
+    // The plain renderer maps values likewise, in the shadow, too.
+    folder.write(
+        "shadow.toml",
+        scene("range = [-500, 800]\n") + "[classified.shadow]\nreference_step = 0.05\n",
+    );
+    let hashes = [&[][..], &["--reference"]].map(|how| {
+        let render = [&["render", "shadow.toml", "-o", "shadow.exr"], how].concat();
+        folder.volref(&render).prints(0, &[]);
+        folder.film("shadow.exr").pixel_hash()
+    });
+    assert_eq!(hashes[0], hashes[1]);
     for (range, message) in [
         ("range = [3, 3]\n", "the range from 3 to 3 is empty"),
         ("range = [4, -3]\n", "the range from 4 to -3 is empty"),
