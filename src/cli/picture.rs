@@ -14,7 +14,7 @@ pub struct Picture {
     /// What a pixel shows
     #[arg(long, value_parser = ["composite", "maximum", "minimum", "mean", "sum", "attenuated-maximum", "isosurface"])]
     mode: Option<String>,
-    /// Colours of the values [default: bone, of volumes that are mostly empty inferno, for projections display-grey]
+    /// Colours of the values [default: bone; inferno if much of the volume is 0; display-grey for projections]
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Colormap::NAMES))]
     colormap: Option<String>,
     /// Values of the first and last colour [default: 1st and 99.9th percentile]

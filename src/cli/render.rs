@@ -61,9 +61,9 @@ pub struct Arguments {
     #[arg(long, value_name = "KIND", num_args = 0..=1, require_equals = true, default_missing_value = "mean")]
     depth: Option<Depth>,
     #[command(flatten)]
-    picture: Picture,
-    #[command(flatten)]
     json: Json,
+    #[command(flatten)]
+    picture: Picture,
 }
 
 /// Runs the command.

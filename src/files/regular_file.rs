@@ -104,8 +104,7 @@ fn open_any(path: &Path) -> Result<(File, u64), OpenError> {
     check_kind(path)?;
     let file = File::open(path).map_err(OpenError::of)?;
     let metadata = file.metadata().map_err(OpenError::of)?;
-    remember(path, &metadata);
-    Ok((file, metadata.len()))
+    Ok((file, metadata))
 }
 
 /// Fails where no regular file is at `path`. Called before opening, as opening a named pipe waits

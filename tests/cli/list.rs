@@ -404,12 +404,12 @@ fn help_of_a_command() {
     assert_shown!(Folder::new().volref("render --help").shown(), @r#"
     exit code 0
     --- stdout
-    Render a scene to an image
+    Render a scene, or a volume file, to an image
 
     Usage: volref render [OPTIONS] --output <FILE> <SCENE>
 
     Arguments:
-      <SCENE>  Scene file (TOML), or a case of the suite
+      <SCENE>  Scene file (TOML), a case of the suite, or a volume file
 
     Options:
       -o, --output <FILE>         Image to write: .exr or .npy (linear radiance, 32-bit float), or .png
@@ -424,7 +424,7 @@ fn help_of_a_command() {
           --threads <N>           Threads to use; the image is the same for any number [default: all
                                   cores]
           --exposure <STOPS>      Exposure of a .png, in stops: radiance is multiplied by 2^STOPS
-                                  [default: 0]
+                                  [default: that of the case, else 0]
           --reference             Use the plain reference renderers (src/reference): usually slower;
                                   every [radiative] scene is path traced
           --depth[=<KIND>]        Depth of each pixel as well, in world units: mean (weighted by
@@ -434,6 +434,22 @@ fn help_of_a_command() {
           --json[=<FILE>]         Print the result as JSON instead of text; with =FILE, write it there
                                   as well as the text
       -h, --help                  Print help
+
+    Of a volume file:
+          --mode <MODE>          What a pixel shows [possible values: composite, maximum, minimum, mean,
+                                 sum, attenuated-maximum, isosurface]
+          --colormap <NAME>      Colours of the values [default: bone; inferno if much of the volume is
+                                 0; display-grey for projections] [possible values: heat, grey,
+                                 display-grey, bone, white, viridis, magma, inferno, plasma, turbo]
+          --range <LO,HI>        Values of the first and last colour [default: 1st and 99.9th
+                                 percentile]
+          --spacing <X,Y,Z>      Distances between nodes, in place of those of the file
+          --size <N|WxH>         Size of the image, pixels: one number, or WxH [default: 512]
+          --azimuth <DEGREES>    Angle of the eye about the vertical, from the front towards the right,
+                                 degrees [default: 30; for projections 0; of RAS+ scans 180 more]
+          --elevation <DEGREES>  Angle of the eye above the horizon, degrees [default: 20; for
+                                 projections 0]
+          --save-scene <FILE>    Scene to write, which renders this image
     "#);
 }
 
