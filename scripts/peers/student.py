@@ -147,8 +147,8 @@ class Volume:
             near, far = np.maximum(near, begin), np.minimum(far, end)
         return near.clip(0), far
 
-    def density(self, value):
-        """Of the formula, at a value of the volume."""
+    def in_range(self, value):
+        """The density of the formula, at a value of the volume."""
         low, high = self.panel["transfer_function"].get("range", (0, 0))
         return np.clip((value - low) / (high - low), 0, 1) if low < high else value
 
@@ -156,7 +156,7 @@ class Volume:
         transfer = self.panel["transfer_function"]
         if transfer["kind"] == "table":
             return by_points(transfer["points"], "opacity", density)
-        return 1 - transparency(self.density(density), transfer["floor"])
+        return 1 - transparency(self.in_range(density), transfer["floor"])
 
     def factor(self, points):
         """Of opacities, by a second number."""
@@ -177,7 +177,7 @@ class Volume:
             return by_points(transfer["points"], "colour", density)
         colours = transfer["colours"]
         position = np.linspace(0, 1, len(colours))
-        return np.array([np.interp(self.density(density), position, channel) for channel in zip(*colours)])
+        return np.array([np.interp(self.in_range(density), position, channel) for channel in zip(*colours)])
 
     def shade(self, colour, points, to_eye, two_sided=False):
         """Phong's reflection model; the normal of two sides is that of the eye's."""
@@ -209,7 +209,7 @@ class Volume:
             if by_table:
                 with np.errstate(divide="ignore"):
                     density = -np.log1p(-self.opacity_of_reference(density))
-            total[rays] += self.density(density) * step / shadow["reference_step"]
+            total[rays] += self.in_range(density) * step / shadow["reference_step"]
         return np.exp(-total) if by_table else np.minimum(1, np.exp(-total / 100))
 
     def radiance(self, density, points, to_eye, shading_volumes=None):

@@ -40,12 +40,9 @@ pub(crate) fn golden_within(folder: &Path) -> Option<PathBuf> {
     files.find(|path| path.extension().is_some_and(|it| it == "toml") && has_mark(path))
 }
 
-/// Read without being noted as an input, which nothing replaces: it may be a scene that is saved again.
 fn has_mark(provenance: &Path) -> bool {
-    let is_short = || std::fs::metadata(provenance).is_ok_and(|of| of.len() <= MOST_BYTES);
-    let is_read = regular_file::check_kind(provenance).is_ok() && is_short();
-    let bytes = is_read.then(|| std::fs::read(provenance).ok()).flatten();
-    bytes.is_some_and(|bytes| {
+    // Not as an input, which nothing replaces: it may be a scene that is saved again.
+    regular_file::read_unnoted(provenance, MOST_BYTES).is_ok_and(|bytes| {
         let text = String::from_utf8_lossy(&bytes);
         text.lines().any(|line| line.starts_with(MARK))
     })

@@ -101,6 +101,12 @@ pub fn first_bytes_of(path: &Path) -> Option<Vec<u8>> {
 /// As [`open`], whatever the file holds. Never waits: a named pipe without a writer would be waited for, and a
 /// device may never end.
 fn open_any(path: &Path) -> Result<(File, u64), OpenError> {
+    let (file, metadata) = open_unnoted(path)?;
+    remember(path, &metadata);
+    Ok((file, metadata.len()))
+}
+
+fn open_unnoted(path: &Path) -> Result<(File, Metadata), OpenError> {
     check_kind(path)?;
     let file = File::open(path).map_err(OpenError::of)?;
     let metadata = file.metadata().map_err(OpenError::of)?;
@@ -129,6 +135,12 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
 /// As [`read`], whatever the file holds: it is hashed, not read for what it says.
 pub fn read_any(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
     read_from(open_any(path)?, most)
+}
+
+/// As [`read_any`], of a file that an output may take the place of: it counts as no input.
+pub fn read_unnoted(path: &Path, most: u64) -> Result<Vec<u8>, ReadError> {
+    let (file, metadata) = open_unnoted(path)?;
+    read_from((file, metadata.len()), most)
 }
 
 fn read_from((file, length): (File, u64), most: u64) -> Result<Vec<u8>, ReadError> {
@@ -179,6 +191,14 @@ fn remember(path: &Path, metadata: &Metadata) {
     if let Some(identity) = Identity::with(path, metadata) {
         let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
         inputs.insert(identity);
+    }
+}
+
+/// Counts the file at `path` among the inputs no more: it is ours and will be removed, and another file may get its number.
+pub fn forget(path: &Path) {
+    let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(identity) = Identity::of(path) {
+        inputs.remove(&identity);
     }
 }
 

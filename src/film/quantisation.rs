@@ -510,7 +510,7 @@ mod tests {
         assert_eq!(origin(&few), Ok(Origin::Declared));
         let refused = origin(&golden()).unwrap_err().to_string();
         assert!(
-            refused.contains("0.0022727272 is none, red in column 0 of row 0"),
+            refused.contains("0.0022727274 is none, red in column 0 of row 0"),
             "{refused}"
         );
         // A mean of roundings is no code, and not taken for one.

@@ -4,7 +4,7 @@ use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::own_file::{self, FolderError};
 use crate::files::{golden_mark, partial_file, regular_file};
-use crate::suite::{Outputs, entries};
+use crate::suite::{OutputError, Outputs, entries};
 use std::error::Error;
 use std::fs;
 use std::io::Write;
@@ -38,15 +38,7 @@ impl KeptImages {
     /// Copies all that was written into the folder `written`, and removes what else there was of `case`. What is
     /// behind links is copied, too, for it need not stay.
     pub fn replace_by_folder(&self, case: &str, written: &Path) -> Result<(), Box<dyn Error>> {
-        let mut files = Vec::new();
-        for (entry, is_folder) in entries(written)? {
-            if !is_folder {
-                files.push(entry);
-            } else if !entry.is_symlink() {
-                let within = entries(&entry)?.into_iter();
-                files.extend(within.filter_map(|(file, is_folder)| (!is_folder).then_some(file)));
-            }
-        }
+        let files = files_in(written)?;
         let read = files.into_iter().filter_map(|file| {
             // Of an image that cannot be read the verdict says so.
             let bytes = regular_file::read_any(&file, Picture::MOST_BYTES).ok()?;
@@ -98,4 +90,18 @@ impl KeptImages {
         let files = outputs.files_of(case).filter(is_removed);
         Ok(files.map(Path::to_owned).collect())
     }
+}
+
+/// The files in `folder`, and in the folders in it.
+pub(crate) fn files_in(folder: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    let mut files = Vec::new();
+    for (entry, is_folder) in entries(folder)? {
+        if !is_folder {
+            files.push(entry);
+        } else if !entry.is_symlink() {
+            let within = entries(&entry)?.into_iter();
+            files.extend(within.filter_map(|(file, is_folder)| (!is_folder).then_some(file)));
+        }
+    }
+    Ok(files)
 }

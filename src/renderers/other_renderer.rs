@@ -1,11 +1,13 @@
 //! Another renderer: called or asked for a case, once, or once for each of three steps.
 
 use super::call::{Call, not_run, shown};
+use super::kept_images::files_in;
 use super::printed::quoted_words;
 use super::process::{Ran, run};
 use super::staying::Called;
 use super::{CallSettings, CommandTemplate, Keeper, KeptImages, StayingRenderers};
 use crate::files::atomic_file::directory_of;
+use crate::files::regular_file;
 use crate::files::temporary_folder::TemporaryFolder;
 use crate::film::Film;
 use crate::suite::{Case, Output, Outputs, image_path, step_name};
@@ -173,6 +175,9 @@ impl OtherRenderer {
             && let Err(reason) = kept.replace_by_folder(&case.name, folder)
         {
             notes.push(format!("its images cannot be kept: {reason}"));
+        }
+        for file in files_in(folder).unwrap_or_default() {
+            regular_file::forget(&file);
         }
         Ok(Rendered {
             output,

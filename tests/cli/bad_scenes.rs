@@ -116,8 +116,8 @@ fn cameras_by_a_matrix() {
         ));
     }
     assert_shown!(said, @"
-    scene.toml:14:7: [camera] mixes `matrix` with `eye` help: give either `matrix`, or `eye`, `target`, `up`, `vertical_fov`, `orthographic_height`
-    scene.toml:14:16: [camera] mixes `matrix` with `vertical_fov` help: give either `matrix`, or `eye`, `target`, `up`, `vertical_fov`, `orthographic_height`
+    scene.toml:14:7: [camera] mixes `matrix` with `eye` help: give either `matrix`, or `eye`, `target`, `up`, `vertical_fov`, `orthographic_height`, `azimuth`, `elevation`, `zoom`
+    scene.toml:14:16: [camera] mixes `matrix` with `vertical_fov` help: give either `matrix`, or `eye`, `target`, `up`, `vertical_fov`, `orthographic_height`, `azimuth`, `elevation`, `zoom`
     scene.toml:9:10: [camera] gives `matrix` without `fl_x` help: give `fl_x` too: Focal length in widths of a pixel: the ray of pixel (i, j) is ((i + 1/2 - cx)/fl_x, -(j + 1/2 - cy)/fl_y, -1) in the camera.
     scene.toml:11:8: `fl_y` must lie in [0.001, 1000000000], got 0 help: `camera.fl_y`: Focal length in heights of a pixel.
     scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
@@ -472,7 +472,7 @@ fn formulas() {
     scene.toml:13:9: `nodes` must be three whole numbers from 1 to 134217728, such as [64, 64, 32] help: `classified.volume.nodes`: With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB.
     scene.toml:13:9: `nodes` must be three whole numbers from 1 to 134217728, such as [64, 64, 32] help: `classified.volume.nodes`: With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB.
     scene.toml:13:9: 1024 × 1024 × 129 nodes are too many: a formula is computed at no more than 2^27, which take 512 MiB help: give fewer nodes, or a file of that size
-    scene.toml:14:11: the node spacing must be positive and finite on every axis, and not below 2.3e-308, got [1, 0, 1] help: `classified.volume.spacing`: With `field` or an .npy file: distance between nodes along x, y and z, world units; 1 if left out.
+    scene.toml:14:11: the node spacing must be positive and finite on every axis, and not below 2.3e-308, got [1, 0, 1] help: `classified.volume.spacing`: With `field` or an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.
     scene.toml:14:9: `every` has no effect on the field "ramp" help: `classified.volume.every`: Of spots: a spot at the first node of each brick of so many nodes to an edge, that is at nodes whose numbers are multiples of it; along an axis of no more nodes, at the middle one.
     scene.toml:14:14: [classified.volume] mixes `field` with `resolution` help: give either `field`, or `resolution`, `padding`, `replace_non_finite`, `orientation`, `detached_anywhere`
     scene.toml:12:9: a ramp of `value` 0.1 and `slope` [1, 0, 0] over 8 × 8 × 8 nodes has values that 32-bit numbers do not hold exactly: give multiples of one power of two, such as 0.125, of which no value has more than 2^24 help: `classified.volume.slope`: Of a ramp, the change from node to node along x, y and z; exact are powers of two.

@@ -12,13 +12,13 @@ fn asking(depth: &str) -> Folder {
     let folder = Folder::with_suite();
     // Opaque enough for half of the light to be lost.
     folder.edit(SCENE, "0.2 voxels", "0.01 voxels");
-    folder.accept_all();
     let manifest = "fixtures/cases/smoke/plain.toml";
     let text = String::from_utf8(folder.read(manifest)).unwrap();
     folder.write(
         manifest,
         format!("opacity = true\ndepth = \"{depth}\"\n{text}"),
     );
+    folder.accept_all();
     folder
 }
 

@@ -642,7 +642,7 @@ fn the_students_paths_pass_and_mistakes_do_not() {
     }
     let folder = tempfile::tempdir().unwrap();
     let cases = ["known-answers/lit-ball", "known-answers/absorbing-grid"];
-    let command = "{export:bundle} {output} --spp 64 --seed {seed}";
+    let command = "{export:bundle} {output} --spp 128 --seed {seed}";
     let (code, results) = validated_paths(&cases, command, folder.path());
     assert_eq!(code, 0, "{results:#}");
     let mistake = format!("{command} --mistake no-absorption");
