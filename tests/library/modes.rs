@@ -985,6 +985,8 @@ fn mistakes_of_the_family_are_named() {
             let said = &judged[0].result.looks_like;
             if said.contains(name) {
                 named += 1;
+            } else if judged[0].result.reason.contains("nothing was drawn") {
+                // Turned around, the two planes leave nothing between them.
             } else {
                 unnamed.push(format!("{}: {name}: {said:?}", case.name));
             }

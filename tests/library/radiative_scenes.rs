@@ -1124,13 +1124,13 @@ fn what_belongs_to_other_models() {
     7:1: the file has more than one model: [classified], [radiative]
         keep exactly one of [classified], [radiative]
     1:1: missing key `eye` in [camera]
-        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at
+        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
     1:1: missing key `target` in [camera]
-        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at
+        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
     2:7: the camera is at its target, so it has no direction
         `camera.eye`: Position of the camera, world units; required in a radiative scene.
     2:1: a radiative scene needs a camera
-        give [camera] with `eye`, its position, and `target`, the point it looks at
+        give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`
     6:1: unknown key `scatering` in [radiative]
         did you mean `scattering`?
     16:13: unknown key `lights` in [radiative]
