@@ -220,7 +220,7 @@ class Volume:
         if self.panel["shadow"] and mistake != "no-shadow":
             for volume in shading_volumes or [self]:
                 colour = colour * volume.light_arriving(points)
-        return colour if self.panel["transfer_function"]["kind"] == "table" else self.density(density) ** 2 * colour
+        return colour if self.panel["transfer_function"]["kind"] == "table" else self.in_range(density) ** 2 * colour
 
 
 def rays_of(panel, shift=0):
