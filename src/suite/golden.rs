@@ -70,7 +70,7 @@ pub struct Provenance {
     pub seal: String,
     /// Hashes of the files the scene names, by path.
     pub inputs: BTreeMap<String, String>,
-    /// Keys of the manifest that change how images are judged, with their values: [`Case::judged_by`].
+    /// Keys of the manifest that change how images are judged, with their values.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub judged_by: BTreeMap<String, String>,
     /// Formula of the image, if that is a known answer.
