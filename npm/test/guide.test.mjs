@@ -30,7 +30,7 @@ test('a project tests its canvas', { skip: findChromium() ? false : 'there is no
   const ran = spawnSync(process.execPath, ['--test', 'my.test.mjs'], { cwd: folder, env, encoding: 'utf8' });
   assert.strictEqual(ran.status, 1, ran.stdout + ran.stderr);
   for (const name of ['opaque', 'thin']) {
-    assert.match(ran.stdout, new RegExp(`sampled/${name}: fail\\n.*\\n *looks like black: the image is black`));
+    assert.match(ran.stdout, new RegExp(`sampled/${name}: fail\\n *nothing was drawn`));
   }
 });
 
