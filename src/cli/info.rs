@@ -72,7 +72,7 @@ struct Info {
     /// Rows of the map of the grid into the world, of oblique axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     to_world: Option<[[f64; 4]; 3]>,
-    /// Of an array whose file does not say which of its axes is x.
+    /// True if the file does not say which of its axes is x.
     #[serde(skip)]
     is_array: bool,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -21,7 +21,7 @@ pub(super) struct ExportView {
 }
 
 impl ExportView {
-    /// That of `camera`, of an image of this size.
+    /// The view of `camera`, for an image of this size.
     pub(super) fn of(camera: &Camera, size: [usize; 2]) -> ExportView {
         let intrinsics = camera.intrinsics(size).filter(|_| !camera.is_centred());
         let intrinsics = intrinsics.map(|it| Intrinsics {

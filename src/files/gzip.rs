@@ -9,7 +9,7 @@ use std::io::{self, BufRead, Read};
 /// First bytes of a stream.
 pub const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// What is in a stream of gzip; a panic of its decoder is an error.
+/// The content of a gzip stream; a panic of its decoder is an error.
 pub struct Unpacked<R>(Option<Guarded<GzDecoder<R>>>);
 
 impl<R: BufRead> Unpacked<R> {

@@ -120,8 +120,8 @@ pub struct CaseResult {
     /// The reason says the cause, such as codes read in another way or an image without anything drawn: none is looked for.
     #[serde(skip)]
     pub cause_is_said: bool,
-    /// Of an image that differs for a reason to be looked for: true if the search came to its end, so that nothing else
-    /// that is known explains it; false if there was none, or if a limit or Ctrl-C ended it.
+    /// True if the search for the cause of a difference came to its end, so that nothing else that is known explains it;
+    /// false if there was none, or if a limit or Ctrl-C ended it. `None` where there was no cause to look for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub search_ended: Option<bool>,
     /// Wall time, for information.

@@ -40,7 +40,7 @@ impl KeptImages {
     pub fn replace_by_folder(&self, case: &str, written: &Path) -> Result<(), Box<dyn Error>> {
         let files = files_in(written)?;
         let read = files.into_iter().filter_map(|file| {
-            // Of an image that cannot be read the verdict says so.
+            // The verdict tells an image that cannot be read.
             let bytes = regular_file::read_any(&file, Picture::MOST_BYTES).ok()?;
             Some((file.strip_prefix(written).ok()?.to_owned(), bytes))
         });

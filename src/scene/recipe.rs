@@ -8,7 +8,7 @@ use crate::volume::{Grid, LoadOptions, Loaded, NonFinite, Orientation, Stored, l
 use glam::DVec3;
 use std::path::Path;
 
-/// What is asked for; the rest follows from the file.
+/// The options that were given; the rest follows from the file.
 #[derive(Clone, Debug, Default)]
 pub struct Recipe {
     /// A mode of `[classified]`; samples are composited without one.

@@ -228,7 +228,7 @@ pub(super) fn read_grid(
     }
 }
 
-/// What is packed by gzip in the rest of `source`.
+/// The content of the gzip stream in the rest of `source`.
 pub(super) fn gunzipped<'s, 'b>(
     source: &'s mut VolumeSource<'b>,
 ) -> Result<gzip::Unpacked<&'s mut VolumeSource<'b>>, VolumeFault> {

@@ -1,4 +1,4 @@
-//! What is shown of the values of a volume if nobody says.
+//! The range of values that is shown if nobody states one.
 
 use super::{Grid, Lattice};
 
