@@ -7,8 +7,11 @@ use crate::files::atomic_file::{directory_of, file_behind, remedy, write_atomica
 use crate::files::golden_mark;
 use crate::files::own_file;
 use crate::files::regular_file::{Identity, is_input, note_input};
+use crate::judging::Verdict;
 use crate::report::{visible, visible_json};
+use anstream::{AutoStream, ColorChoice};
 use clap::Args;
+use clap::builder::styling::AnsiColor;
 use clap::error::{ContextKind, ContextValue};
 use serde::Serialize;
 use serde_json::json;
@@ -22,8 +25,45 @@ static STDOUT_ERROR: OnceLock<io::Error> = OnceLock::new();
 
 /// Writes `text` to stdout; [`exit_after_output`] heeds an error.
 pub fn print(text: &str) {
-    write_out(&printable(text));
+    let text = printable(text);
+    match is_coloured() {
+        true => write_out(&coloured(&text)),
+        false => write_out(&text),
+    }
 }
+
+/// True if standard output is a terminal that shows colours, unless the environment says otherwise (NO_COLOR,
+/// CLICOLOR, CLICOLOR_FORCE).
+fn is_coloured() -> bool {
+    AutoStream::choice(&io::stdout()) != ColorChoice::Never && !is_for_ctest()
+}
+
+/// `text` with the verdict at the beginning of a line in its colour.
+fn coloured(text: &str) -> String {
+    let line = |line: &str| {
+        let verdict = VERDICTS
+            .into_iter()
+            .find(|(verdict, _)| line.starts_with(&format!("{}  ", verdict.name())));
+        match verdict {
+            Some((verdict, colour)) => {
+                let (word, style) = (verdict.name(), colour.on_default());
+                format!("{style}{word}{style:#}{}", &line[word.len()..])
+            }
+            None => line.to_owned(),
+        }
+    };
+    text.split_inclusive('\n').map(line).collect()
+}
+
+/// Colours of the verdicts.
+const VERDICTS: [(Verdict, AnsiColor); 6] = [
+    (Verdict::Pass, AnsiColor::Green),
+    (Verdict::Fail, AnsiColor::Red),
+    (Verdict::Convention, AnsiColor::Cyan),
+    (Verdict::Inconclusive, AnsiColor::Yellow),
+    (Verdict::Missing, AnsiColor::Yellow),
+    (Verdict::Error, AnsiColor::Magenta),
+];
 
 /// Writes elements that CTest collects to stdout; all other text loses its `<`.
 pub fn print_measurements(elements: &str) {
