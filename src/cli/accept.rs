@@ -2,13 +2,20 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
+use super::page::{PageOf, ReportPage};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
+use crate::compare::{Exact, Picture};
+use crate::film::Film;
+use crate::judging::{CaseFinding, Cause, Evidence, Judged, JudgedWith, Verdict};
+use crate::naming::Likenesses;
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Change, UnitFolder};
-use crate::suite::StoreError;
+use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
 use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
 
 /// Render cases and accept the images as new goldens
 ///
@@ -16,7 +23,8 @@ use serde_json::json;
 /// in .volref until all goldens are written, so an interrupted run continues where it stopped.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out
+    /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out. Of a scene file of
+    /// the suite without a manifest, one is written
     #[arg(value_name = "CASE", required = true)]
     cases: Vec<String>,
     /// What was wrong with the old goldens, or what new ones are for; stored with each golden
@@ -31,41 +39,51 @@ pub struct Arguments {
     #[command(flatten)]
     partition: PartitionArgument,
     #[command(flatten)]
+    page: ReportPage,
+    #[command(flatten)]
     json: Json,
 }
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let suite = arguments.selection.open_to_change()?;
-    output::check(&[arguments.json.file()], &[])?;
-    let mut cases = suite.select(&arguments.cases)?;
-    arguments
-        .partition
-        .retain(&mut cases, "cases", |case| case.name.clone())?;
-    let bar = progress::work();
-    let kept = UnitFolder::open(suite.cache_folder());
     let request = AcceptRequest {
         reason: &arguments.reason,
         keep_images: arguments.keep_images,
         in_ci: super::is_in_ci(),
     };
-    let accepted = runs::accept(&cases, &suite.store(), &kept, request, &bar);
+    let suite = arguments.selection.open_to_change()?;
+    arguments.page.check(Some(&suite))?;
+    let page = arguments.page.file();
+    output::check(&[arguments.json.file(), page.as_deref()], &[])?;
+    let (filters, drafts) = with_drafts(&suite, &arguments.cases)?;
+    request.check().map_err(failure)?;
+    for draft in &drafts {
+        let path = output::write_within(suite.root(), &draft.file, draft.text.as_bytes())?;
+        progress::note(&format!("wrote {}: {}", path.display(), draft.said));
+    }
+    let suite = match drafts.is_empty() {
+        true => suite,
+        false => arguments.selection.open_to_change()?,
+    };
+    let mut cases = suite.select(&filters)?;
+    arguments
+        .partition
+        .retain(&mut cases, "cases", |case| case.name.clone())?;
+    let bar = progress::work();
+    let kept = UnitFolder::open(suite.cache_folder());
+    let store = suite.store();
+    // Before they are replaced.
+    let old: Vec<Option<Film>> = match arguments.page.is_asked() {
+        true => cases.iter().map(|case| image(&store, case)).collect(),
+        false => Vec::new(),
+    };
+    let accepted = runs::accept(&cases, &store, &kept, request, &bar);
     bar.finish_and_clear();
-    let accepted = accepted.map_err(|error| {
-        let exit = match error {
-            AcceptError::Store(StoreError::Journal { .. } | StoreError::Lost { .. }) => {
-                Exit::Golden
-            }
-            _ => Exit::BadInput,
-        };
-        Failure {
-            exit,
-            report: error.into(),
-        }
-    })?;
+    let accepted = accepted.map_err(failure)?;
 
     let mut text = String::new();
     let mut entries = Vec::new();
+    let mut said = Vec::new();
     for entry in &accepted {
         let (word, detail) = match &entry.change {
             Change::New { damaged: false } => ("new", "its first golden".to_owned()),
@@ -84,6 +102,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         };
         text.push_str(&format!("{word:<9}  {}: {detail}\n", entry.case));
         entries.push(json!({ "name": entry.case, "change": word, "reason": detail }));
+        said.push((word, detail));
     }
     if accepted
         .iter()
@@ -95,6 +114,99 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             folder.display()
         ));
     }
+    if arguments.page.is_asked() {
+        let shown = cases.iter().zip(old).zip(&said);
+        let judged: Vec<Judged> = shown
+            .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
+            .collect();
+        let page = PageOf {
+            command: "accept",
+            headline: &headline(&said),
+            judged: &judged,
+            found: &Likenesses::default(),
+            judged_with: &JudgedWith::default(),
+        };
+        arguments.page.write(&page, &mut text)?;
+    }
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+fn failure(error: AcceptError) -> Failure {
+    let exit = match error {
+        AcceptError::Store(StoreError::Journal { .. } | StoreError::Lost { .. }) => Exit::Golden,
+        _ => Exit::BadInput,
+    };
+    Failure {
+        exit,
+        report: error.into(),
+    }
+}
+
+/// The filters, with the names of cases in place of scene files, and the manifests to be written first.
+fn with_drafts(suite: &Suite, given: &[String]) -> Result<(Vec<String>, Vec<Draft>), Failure> {
+    let (mut filters, mut others, mut drafts) = (Vec::new(), Vec::new(), Vec::<Draft>::new());
+    for filter in given {
+        let file = Path::new(filter);
+        let is_scene = file.extension().is_some_and(|it| it == "toml") && file.is_file();
+        match is_scene.then(|| suite.cases_of_scene(file)).transpose()? {
+            None => others.push(filter.clone()),
+            Some(CasesOfScene::Known(names)) => others.extend(names),
+            Some(CasesOfScene::New(draft)) => {
+                filters.push(draft.case.clone());
+                if drafts.iter().all(|other| other.case != draft.case) {
+                    drafts.push(draft);
+                }
+            }
+        }
+    }
+    // A mistake in them is to be found before anything is written; without any, all cases would be chosen.
+    if others.iter().any(|filter| !filter.starts_with('!')) {
+        suite.select(&others)?;
+    }
+    filters.extend(others);
+    Ok((filters, drafts))
+}
+
+/// The image of the golden of a case, if there is a trustworthy one.
+fn image(store: &Store, case: &Case) -> Option<Film> {
+    Golden::read(store, case).ok().map(|golden| golden.film)
+}
+
+/// The goldens of a run, counted by what became of them.
+fn headline(said: &[(&str, String)]) -> String {
+    let words = ["new", "replaced", "recorded", "unchanged"];
+    let counts = words.map(|word| (said.iter().filter(|(it, _)| *it == word).count(), word));
+    let counts = counts.iter().filter(|(count, _)| *count > 0);
+    let counts: Vec<String> = counts
+        .map(|(count, word)| format!("{count} {word}"))
+        .collect();
+    format!("Accepted: {}.", counts.join(", "))
+}
+
+impl Arguments {
+    /// An accepted image beside the one that it replaced.
+    fn shown(
+        &self,
+        case: &Case,
+        old: Option<Film>,
+        new: Option<Film>,
+        (word, detail): &(&str, String),
+    ) -> Judged {
+        let reason = format!("{word}: {detail}");
+        let finding = CaseFinding::new(Verdict::Pass, Cause::None, reason);
+        let mut result = finding.result(&case.name, case.class(), &Exact, Instant::now());
+        let note = "the golden shown is the one before this accept; the test image is the one accepted now";
+        result.notes.push(note.to_owned());
+        Judged {
+            result,
+            evidence: Evidence {
+                golden: old,
+                test: new.map(Picture::Radiance),
+                provenance: vec![("accepted because".to_owned(), self.reason.clone())],
+                reproduce: vec![self.selection.again("verify", &case.name, &[])],
+                ..Evidence::of(case)
+            },
+        }
+    }
 }

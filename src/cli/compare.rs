@@ -3,13 +3,17 @@
 use super::Outcome;
 use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
+use super::page::{PageOf, ReportPage};
+use super::results::command_line;
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
     Conditions, Exact, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
     precision_in_words, recognised,
 };
 use crate::film::{Bits, Film, FilmFormat};
-use crate::judging::{CaseFinding, CaseResult, radiance};
+use crate::judging::measured::decoded;
+use crate::judging::{CaseFinding, CaseResult, Evidence, Judged, JudgedWith, radiance};
+use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::MEAN_RESOLUTION;
 use std::path::{Path, PathBuf};
@@ -53,6 +57,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     heatmap: Option<PathBuf>,
     #[command(flatten)]
+    page: ReportPage,
+    #[command(flatten)]
     json: Json,
 }
 
@@ -79,8 +85,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(path) = &arguments.heatmap {
         check_heatmap(path)?;
     }
+    arguments.page.check(None)?;
     output::check(
-        &[arguments.json.file(), arguments.heatmap.as_deref()],
+        &[
+            arguments.json.file(),
+            arguments.heatmap.as_deref(),
+            arguments.page.file().as_deref(),
+        ],
         &[&arguments.reference, &arguments.test],
     )?;
     // The reference first: where both are unreadable, its exit code is the one that counts.
@@ -118,10 +129,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let film = test.radiance();
     let hidden = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
     result.notes.extend(hidden);
-    let mut films = [&reference, &test]
-        .into_iter()
-        .filter_map(Picture::radiance);
-    if films.any(|film| film.depth().is_some()) {
+    let has_depth = |picture: &Picture| {
+        picture
+            .radiance()
+            .is_some_and(|film| film.depth().is_some())
+    };
+    if has_depth(&reference) || has_depth(&test) {
         let note = "depths are not compared without a scene: volref validate compares them where a case asks for one";
         result.notes.push(note.to_owned());
     }
@@ -147,12 +160,40 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     text.push_str(note);
     let exit = result.cause.into();
-    let json = report::results_json("compare", &[result]);
+    let json = report::results_json("compare", std::slice::from_ref(&result));
+    let evidence = arguments.evidence(reference, test);
+    let page = PageOf {
+        command: "compare",
+        headline: "",
+        judged: &[Judged { result, evidence }],
+        found: &Likenesses::default(),
+        judged_with: &JudgedWith::default(),
+    };
+    arguments.page.write(&page, &mut text)?;
     let text = arguments.json.instead_of(text, &json)?;
     Ok(Outcome { text, exit })
 }
 
 impl Arguments {
+    /// Both images, for a page.
+    fn evidence(&self, reference: Picture, test: Picture) -> Evidence {
+        let fact = |name: &str, path: &Path| (name.to_owned(), path.display().to_string());
+        Evidence {
+            golden: Some(match reference {
+                Picture::Radiance(film) => film,
+                Picture::Codes(codes) => decoded(&codes, self.exposure),
+            }),
+            test: Some(test),
+            exposure: self.exposure,
+            provenance: vec![
+                fact("golden", &self.reference),
+                fact("test image", &self.test),
+            ],
+            reproduce: vec![command_line()],
+            ..Evidence::default()
+        }
+    }
+
     /// `test` with its bits, declared or recognised.
     fn with_bits(&self, reference: &Picture, test: Picture) -> Result<Picture, Failure> {
         let Picture::Radiance(golden) = reference else {

@@ -21,6 +21,7 @@ mod man;
 mod merge;
 mod merged_units;
 mod output;
+mod page;
 mod partition;
 mod picture;
 mod plan;

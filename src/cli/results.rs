@@ -2,7 +2,8 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use crate::judging::{CaseResult, Evidence, Judged, JudgedWith};
+use super::page::{PageOf, ReportPage};
+use crate::judging::{CaseResult, Judged, JudgedWith};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::Suite;
@@ -18,9 +19,8 @@ pub struct ResultFiles {
     /// Write the results as JUnit XML, for build servers
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Write the report as one offline HTML page, DIR/index.html
-    #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    report: ReportPage,
 }
 
 /// Results of a command on the suite.
@@ -57,29 +57,24 @@ impl ResultFiles {
 
     /// True if the report needs the images behind the results.
     pub fn wants_evidence(&self) -> bool {
-        self.report.is_some()
+        self.report.is_asked()
     }
 
     /// Fails if a file cannot be written or is in the folder of the goldens; called before long
     /// work.
     pub fn check(&self, suite: &Suite) -> Result<(), Failure> {
-        let page = self.report.as_deref().map(|folder| folder.join(PAGE));
-        if let Some(folder) = &self.report {
-            output::make_folder(folder)?;
-        }
+        let page = self.report.file();
+        self.report.check(Some(suite))?;
         let outputs = [self.json.file(), self.junit.as_deref(), page.as_deref()];
         for path in outputs.into_iter().flatten() {
             check_not_golden(path, suite)?;
         }
-        let folder = self.report.as_deref();
-        folder.map_or(Ok(()), output::check_no_goldens_in)?;
-        page.as_deref().map_or(Ok(()), output::check_own)?;
         output::check(&outputs, &[])
     }
 
     /// Fails if files are asked for that only results fill.
     pub fn check_no_results(&self) -> Result<(), Failure> {
-        if self.junit.is_none() && self.report.is_none() {
+        if self.junit.is_none() && !self.report.is_asked() {
             return Ok(());
         }
         let message =
@@ -101,11 +96,14 @@ impl ResultFiles {
                 report::results_junit(&results, &findings.judged_with).as_bytes(),
             )?;
         }
-        if let Some(folder) = &self.report {
-            let page = page(findings, &results);
-            let path = output::write_within(folder, Path::new(PAGE), page.as_bytes())?;
-            text.push_str(&format!("\nreport: {}\n", path.display()));
-        }
+        let page = PageOf {
+            command: findings.command,
+            headline: "",
+            judged: &findings.judged,
+            found: &findings.found,
+            judged_with: &findings.judged_with,
+        };
+        self.report.write(&page, &mut text)?;
         let mut json = match findings.command {
             "validate" => {
                 let mut json = report::validation_json(&results, &findings.found.likely);
@@ -122,21 +120,6 @@ impl ResultFiles {
         }
         self.json.instead_of(text, &json)
     }
-}
-
-/// Name of the page within the folder of a report.
-const PAGE: &str = "index.html";
-
-fn page(findings: &Findings<'_>, results: &[CaseResult]) -> String {
-    let evidence: Vec<Evidence> = findings.judged.iter().map(|j| j.evidence.clone()).collect();
-    report::results_html(&report::Page {
-        title: &format!("volref {}", findings.command),
-        command: &command_line(),
-        judged_with: &findings.judged_with.in_words(),
-        results,
-        evidence: &evidence,
-        found: &findings.found,
-    })
 }
 
 /// The command line of this process.

@@ -63,9 +63,10 @@ impl Selection {
 
     /// The arguments that name this suite.
     pub fn words(&self) -> Vec<String> {
-        let folder = self.folder.iter();
-        let words = folder.flat_map(|folder| ["--suite".to_owned(), folder.display().to_string()]);
-        words.collect()
+        // Whoever repeats the command may have another environment.
+        let folder = self.folder.clone().or_else(named_suite);
+        let words = folder.map(|folder| ["--suite".to_owned(), folder.display().to_string()]);
+        words.into_iter().flatten().collect()
     }
 }
 

@@ -8,7 +8,7 @@ use super::suite::{Selection, exit};
 use super::{Outcome, output, progress, render};
 use crate::hard_cases::Row;
 use crate::judging;
-use crate::judging::{CaseResult, Evidence, JudgedWith, Verdict};
+use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite;
@@ -90,6 +90,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let judged = match selected {
                 Selected::Case(case) => {
                     let mut judged = judging::verify(case, &store, &bar);
+                    if arguments.files.wants_evidence() && judged.result.cause == Cause::Golden {
+                        judging::show_unjudged(case, &store, &mut judged.evidence, &bar);
+                    }
                     if to_keep.is_none() && !arguments.files.wants_evidence() {
                         judged.evidence = Evidence::default();
                     }

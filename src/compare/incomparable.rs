@@ -8,7 +8,7 @@ use super::picture::Picture;
 use crate::film::Film;
 
 /// The metric of images that are not finite.
-pub(super) const NON_FINITE: Metric = (
+pub(crate) const NON_FINITE: Metric = (
     "non_finite_pixels",
     "Pixels with NaN or infinity; none are allowed.",
 );

@@ -57,7 +57,8 @@ pub use stochastic::Stochastic;
 
 use crate::film::Film;
 use depth::OUTLIERS_OF_DEPTH;
-use incomparable::{NON_FINITE, REFERENCE, TEST};
+pub(crate) use incomparable::NON_FINITE;
+use incomparable::{REFERENCE, TEST};
 use precision::CUT_OFF;
 
 /// Every gate for a pair of images. If several are the default for a pair, the first is used.

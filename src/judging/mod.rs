@@ -39,4 +39,4 @@ pub(crate) use self_test::{
 pub use validate::validate;
 pub(crate) use validate::{add_right_declaration, validate_at};
 pub use verify::verify;
-pub(crate) use verify::without_case;
+pub(crate) use verify::{show_unjudged, without_case};

@@ -10,11 +10,13 @@ use crate::compare::{
 };
 use crate::film::Film;
 use crate::known_answers::Formula;
-use crate::render::{self, Detail};
+use crate::render::{self, Detail, plans};
 use crate::suite::analytic::ERROR_OF_TOLERANCE;
 use crate::suite::golden::{input_hashes, short};
-use crate::suite::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
-use crate::suite::{Answer, Case, Quick, Store, Suite, SuiteError};
+use crate::suite::rendering::{
+    CaseRendering, ReferenceRenderer, Renderer, check_class, render_case,
+};
+use crate::suite::{Answer, Case, Golden, Quick, Store, Suite, SuiteError};
 use std::time::Instant;
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
@@ -81,6 +83,34 @@ pub(crate) fn verify_with(
         result: finding.result(&case.name, case.class(), gate, start),
         evidence,
     }
+}
+
+/// Adds what there is to look at where a case has no golden for its scene: the golden as it is, if its files are whole,
+/// and the image of the scene now.
+pub(crate) fn show_unjudged(
+    case: &Case,
+    store: &Store,
+    evidence: &mut Evidence,
+    progress: render::Progress<'_>,
+) {
+    let Ok(scene) = case.load_scene() else { return };
+    let plans = plans(&scene);
+    if check_class(&ReferenceRenderer, case, &plans).is_err() {
+        return;
+    }
+    evidence.golden = Golden::read(store, case).ok().map(|golden| golden.film);
+    let rendering = match case.sampling {
+        Some(sampling) => CaseRendering::Quick(sampling.quick),
+        None => CaseRendering::Only,
+    };
+    let image = render_case(
+        &ReferenceRenderer,
+        &plans,
+        rendering,
+        Detail::Whole,
+        progress,
+    );
+    evidence.test = image.ok().map(|image| Picture::Radiance(image.film));
 }
 
 /// Judges by the known answer, which outranks the golden.

@@ -21,6 +21,8 @@ pub struct Page<'a> {
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,
+    /// The result in a sentence; empty where the verdicts give it.
+    pub headline: &'a str,
     /// What loosens the judgements, in one line; empty where nothing does.
     pub judged_with: &'a str,
     /// Results of the cases.
@@ -56,7 +58,10 @@ pub fn results_html(page: &Page<'_>) -> String {
             command => page.command,
             judged_with => page.judged_with,
             version => env!("CARGO_PKG_VERSION"),
-            headline => words::headline(page.results, page.found),
+            headline => match page.headline {
+                "" => words::headline(page.results, page.found),
+                given => given.to_owned(),
+            },
             verdict => overall.name(),
             symbol => words::symbol(overall),
             likely => page.found.likely,

@@ -139,6 +139,19 @@ pub struct Request<'r> {
     pub in_ci: bool,
 }
 
+impl Request<'_> {
+    /// Fails where no golden may change.
+    pub(crate) fn check(&self) -> Result<(), AcceptError> {
+        if self.in_ci {
+            return Err(AcceptError::Ci);
+        }
+        if self.reason.trim().is_empty() {
+            return Err(AcceptError::NoReason);
+        }
+        Ok(())
+    }
+}
+
 /// Progress of an accept, called from any thread. Work is counted in pixels times samples.
 pub trait AcceptWatch: Sync {
     /// Announces the amount of work, without units kept by earlier runs.
@@ -201,13 +214,8 @@ pub(crate) fn accept_with(
     request: Request<'_>,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
-    if request.in_ci {
-        return Err(AcceptError::Ci);
-    }
+    request.check()?;
     let reason = request.reason.trim();
-    if reason.is_empty() {
-        return Err(AcceptError::NoReason);
-    }
     // All scenes first: a mistake in the last is not to be found after hours.
     let mut tasks = cases
         .iter()
@@ -547,9 +555,7 @@ fn prepare(
             record: "",
         },
     };
-    let replaces = old.as_ref().map(|golden| golden.provenance.pixels.clone());
-    let replaces = replaces.unwrap_or_default();
-    let files = Golden::encode(case, scene, &plans, golden, reasons, replaces)
+    let files = Golden::encode(case, scene, &plans, golden, reasons, old.as_ref())
         .map_err(|error| AcceptError::incomplete(case, error))?;
     Ok((change, files))
 }

@@ -21,9 +21,9 @@ use thiserror::Error;
 /// Folder of scenes, manifests and their files, relative to the root of the suite.
 const FIXTURES: &str = "fixtures";
 /// Folder of the scenes, relative to the root of the suite.
-const SCENES: &str = "fixtures/scenes";
+pub(super) const SCENES: &str = "fixtures/scenes";
 /// Folder of the manifests, relative to the root of the suite.
-const CASES: &str = "fixtures/cases";
+pub(super) const CASES: &str = "fixtures/cases";
 /// Folder of the goldens.
 const GOLDEN: &str = "golden";
 /// Folder for the results of other renderers, among the goldens.
@@ -37,11 +37,11 @@ const CACHE: &str = ".volref";
 pub const MEAN_RESOLUTION: f64 = 0.02;
 
 /// The class of cases that are rendered without random numbers.
-const DETERMINISTIC: &str = "deterministic";
+pub(super) const DETERMINISTIC: &str = "deterministic";
 /// The class of cases whose picture is an integral without samples.
 const LIMIT: &str = "limit";
 /// The class of cases whose pixels are Monte Carlo estimates.
-const STOCHASTIC: &str = "stochastic";
+pub(super) const STOCHASTIC: &str = "stochastic";
 
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how images of it are compared.").keys(&[
@@ -88,6 +88,8 @@ pub struct Case {
     pub family: String,
     /// Scene file.
     pub scene: PathBuf,
+    /// Folder of its suite; empty for the current one.
+    suite: PathBuf,
     /// Document and figure that the case reproduces.
     pub source: String,
     /// Features of a correct image.
@@ -168,6 +170,11 @@ impl Case {
         self.limit
     }
 
+    /// The arguments that name the suite in a command, with a blank before them; none where it is the current folder.
+    pub(crate) fn suite_option(&self) -> String {
+        suite_option(&self.suite)
+    }
+
     /// The scene of the case.
     pub fn load_scene(&self) -> SceneResult<Scene> {
         Scene::load(&self.scene)
@@ -177,7 +184,7 @@ impl Case {
 /// A folder with `fixtures/cases` and `golden`.
 #[derive(Clone, Debug)]
 pub struct Suite {
-    root: PathBuf,
+    pub(super) root: PathBuf,
     cases: Vec<Case>,
     /// Places of the cases, by name.
     by_name: HashMap<String, usize>,
@@ -235,6 +242,17 @@ pub enum SuiteError {
         filter: String,
         /// Reason.
         reason: String,
+    },
+    /// A scene of which no manifest can be drafted.
+    #[error("no manifest can be written for {}: {why}", file.display())]
+    #[diagnostic(help("{help}"))]
+    NoDraft {
+        /// The scene file as given.
+        file: PathBuf,
+        /// Reason.
+        why: &'static str,
+        /// Remedy.
+        help: String,
     },
     /// A filter that matches no case.
     #[error("no case matches {filter:?}")]
@@ -355,7 +373,7 @@ impl Suite {
     }
 
     /// The files `*/*.toml` of a part of the suite, sorted.
-    fn records(&self, part: &str) -> Result<Vec<PathBuf>, SuiteError> {
+    pub(super) fn records(&self, part: &str) -> Result<Vec<PathBuf>, SuiteError> {
         let mut records = records(&self.root.join(part))?;
         records.retain(|path| {
             let is_own = |own: &BTreeSet<PathBuf>| {
@@ -464,23 +482,28 @@ impl Suite {
             );
         }
         if let Some(scene) = self.scene_without_manifest(filter) {
-            let manifest = self.root.join(CASES).join(format!("{scene}.toml"));
+            let [manifest, file] =
+                [CASES, SCENES].map(|part| self.root.join(part).join(format!("{scene}.toml")));
             return format!(
-                "there is a scene {scene}, but no manifest {}, which would make a case of it",
-                manifest.display()
+                "there is a scene {scene}, but no manifest {}, which would make a case of it; \
+                 `volref accept {}{} --reason ...` writes one",
+                manifest.display(),
+                shell_words::quote(&file.display().to_string()),
+                suite_option(&self.root),
             );
         }
         if self.cases.is_empty() && others.is_empty() {
             return format!("{CASES} is empty");
         }
+        let all = format!("`volref list{}` shows all cases", suite_option(&self.root));
         let names = self.names(others).flat_map(|name| parts(name));
         match nearest(filter, names) {
             Some(name) => {
                 let mark = given.strip_suffix(filter).unwrap_or_default();
                 let meant = format!("{mark}{name}");
-                format!("did you mean {meant:?}? `volref list` shows all cases")
+                format!("did you mean {meant:?}? {all}")
             }
-            None => "`volref list` shows all cases".to_owned(),
+            None => all,
         }
     }
 
@@ -493,6 +516,15 @@ impl Suite {
             let name = name.to_str()?.replace('\\', "/");
             (name == filter || parts(&name)[2] == filter).then_some(name)
         })
+    }
+}
+
+/// The arguments that name the suite in the folder `root` in a command, with a blank before them; none where it is the
+/// current folder.
+fn suite_option(root: &Path) -> String {
+    match root.to_string_lossy() {
+        root if root.is_empty() => String::new(),
+        root => format!(" --suite {}", shell_words::quote(&root)),
     }
 }
 
@@ -556,7 +588,7 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
 }
 
 /// Fails where two manifests have one name, or a manifest that of a row of the catalogue.
-fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
+pub(super) fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
     let of_row = |row: &Row| {
         let file = format!("row {} of the catalogue, {CATALOGUE_FILE}", row.id);
         let name = row_name(row);
@@ -653,7 +685,9 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         ),
     ];
     let changed = changed.into_iter();
+    let suite = folder.ancestors().nth(3).unwrap_or(Path::new(""));
     Ok(Case {
+        suite: suite.to_owned(),
         judged_by: changed
             .filter_map(|(key, value)| Some((key.to_owned(), value?)))
             .collect(),

@@ -30,6 +30,10 @@ pub struct Provenance {
     pub record_reason: String,
     /// Hash of the image it replaced; empty for a first golden.
     pub replaces: String,
+    /// Pixels that differ in any bit of colour or opacity from the image it replaced; left out for a first golden, and
+    /// where the sizes differ.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub changed_pixels: Option<u64>,
     /// Hash of the pixels of the EXR image.
     pub pixels: String,
     /// Hash of the preview file.
@@ -149,12 +153,14 @@ pub struct Golden {
 /// The commands that make the golden of a case: the one to look at its image, and the one to accept it.
 #[derive(Debug, Error)]
 #[error(
-    "look at the image (volref render {} -o now.exr), then accept it (volref accept {case} --reason \
-     ...)",
-    scene.display()
+    "look at the image (volref render {} -o now.exr), then accept it (volref accept {case}{suite} \
+     --reason ...)",
+    shell_words::quote(&scene.display().to_string())
 )]
 pub struct AcceptAdvice {
     case: String,
+    /// Arguments that name the suite.
+    suite: String,
     scene: PathBuf,
 }
 
@@ -162,6 +168,7 @@ impl AcceptAdvice {
     pub(crate) fn of(case: &Case) -> AcceptAdvice {
         AcceptAdvice {
             case: case.name.clone(),
+            suite: case.suite_option(),
             scene: case.scene.clone(),
         }
     }
@@ -201,8 +208,8 @@ pub enum GoldenError {
     /// Sensitivities that are not those of the golden.
     #[error(
         "{file} {fault}; restore the golden from version control, or make this file anew (volref \
-        sensitivity {} --all -o FILE) and record it (volref accept {case} --keep-images --reason ...)",
-        scene.display()
+        sensitivity {} --all -o FILE) and record it (volref accept {case}{suite} --keep-images --reason ...)",
+        shell_words::quote(&scene.display().to_string())
     )]
     Sensitivities {
         /// Their file.
@@ -211,6 +218,8 @@ pub enum GoldenError {
         fault: String,
         /// `family/name`.
         case: String,
+        /// Arguments that name the suite.
+        suite: String,
         /// Their scene.
         scene: PathBuf,
     },
@@ -226,6 +235,7 @@ impl GoldenError {
             file: shown(&sensitivities_file(case)),
             fault: fault.into(),
             case: case.name.clone(),
+            suite: case.suite_option(),
             scene: case.scene.clone(),
         }
     }
@@ -257,6 +267,19 @@ pub(crate) fn input_hashes(scene: &Scene) -> BTreeMap<String, String> {
     files
         .map(|file| (file.name.clone(), file.hash.clone()))
         .collect()
+}
+
+/// Pixels of two images of one size that differ in any bit of colour or opacity.
+fn changed_pixels(old: &Film, new: &Film) -> Option<u64> {
+    if (old.width(), old.height()) != (new.width(), new.height()) {
+        return None;
+    }
+    let bits = |film: &Film, index: usize| {
+        let opacity = film.opacity().map(|opacity| opacity[index].to_bits());
+        (film.radiance()[index].map(f32::to_bits), opacity)
+    };
+    let differs = |index: &usize| bits(old, *index) != bits(new, *index);
+    Some((0..old.radiance().len()).filter(differs).count() as u64)
 }
 
 /// A path below the goldens, for people.
@@ -364,7 +387,7 @@ impl Golden {
         plans: &[Plan<'_>],
         image: GoldenImage,
         reasons: Reasons<'_>,
-        replaces: String,
+        old: Option<&Golden>,
     ) -> Result<Vec<(PathBuf, Vec<u8>)>, FilmError> {
         let sensitivities = image.sensitivities_hash();
         let GoldenImage {
@@ -377,7 +400,8 @@ impl Golden {
             case: case.name.clone(),
             reason: reasons.picture.to_owned(),
             record_reason: reasons.record.to_owned(),
-            replaces,
+            replaces: old.map_or(String::new(), |old| old.provenance.pixels.clone()),
+            changed_pixels: old.and_then(|old| changed_pixels(&old.film, &film)),
             pixels: film.pixel_hash(),
             preview: hash(&png),
             sensitivities,

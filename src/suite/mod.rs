@@ -3,6 +3,7 @@
 pub(crate) mod analytic;
 pub(crate) mod answer;
 pub(crate) mod case;
+pub(crate) mod draft;
 pub(crate) mod embedded;
 pub(crate) mod families;
 pub(crate) mod golden;
@@ -20,6 +21,7 @@ pub use answer::Answer;
 pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };
+pub(crate) use draft::{CasesOfScene, Draft};
 pub(crate) use embedded::EmbeddedSuite;
 pub use families::Family;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};

@@ -53,6 +53,9 @@ impl Store {
     }
 }
 
+/// What hides the lock file from version control, in a folder that the store has made.
+const IGNORES_LOCK: &[u8] = b"/.lock\n";
+
 /// Time for which another accept is waited for: writing the goldens of a whole suite takes a second or two.
 const PATIENCE: Duration = Duration::from_secs(if cfg!(test) { 0 } else { 60 });
 
@@ -236,8 +239,13 @@ impl<D: Disk> Store<D> {
 
     fn lock(&self) -> Result<Lock, StoreError> {
         let lock = self.root.join(LOCK);
+        let is_new = !self.root.exists();
         self.create_directory(&self.root)
             .map_err(StoreError::Untouched)?;
+        if is_new {
+            // For version control, as a courtesy: a folder of the user's is left as it is.
+            let _ = own_file::write(&self.root.join(".gitignore"), IGNORES_LOCK);
+        }
         // To open a named pipe for writing is to wait for its reader, and a link may lead to a user's file.
         own_file::check(&lock)
             .map_err(failed("open the lock file", &lock))

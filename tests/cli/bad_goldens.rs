@@ -218,7 +218,7 @@ fn provenance_that_was_changed() {
     error         smoke/plain [seconds]
                   golden/smoke/plain.exr: the image has 12 × 10 pixels, but golden/smoke/plain.toml says 6 × 10; restore it from version control
     error         smoke/plain [seconds]
-                  golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `record_reason`, `replaces`, `pixels`, `preview`, `sensitivities`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`, `judged_by`, `truth`, `quick`; restore it from version control
+                  golden/smoke/plain.toml: unknown field `signed_off_by`, expected one of `schema`, `case`, `reason`, `record_reason`, `replaces`, `changed_pixels`, `pixels`, `preview`, `sensitivities`, `exposure`, `scene`, `plan`, `omitted`, `width`, `height`, `samples`, `seed`, `error_estimate`, `volref`, `libm`, `target`, `seal`, `inputs`, `judged_by`, `truth`, `quick`; restore it from version control
     error         smoke/plain [seconds]
                   golden/smoke/plain.toml has changed since it was accepted: its hash is [hash], the golden records [hash]; restore it from version control
     error         smoke/plain [seconds]

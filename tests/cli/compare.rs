@@ -318,3 +318,43 @@ fn images_that_cannot_be_read() {
     image.ppm: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); convert 8-bit sRGB codes without loss: oiiotool image.ppm -o image.png
     ");
 }
+
+/// The page of a pair, of radiance or of codes.
+#[test]
+fn a_pair_as_a_page() {
+    let folder = images();
+    for (pair, code) in [
+        ("right.exr hot.exr", 1),
+        ("right.png hot.png", 1),
+        ("right.exr small.exr", 1),
+    ] {
+        let run = folder.volref(&*format!("compare {pair} --report page"));
+        run.prints(code, &["report: page/index.html"]);
+        let page = folder.text("page/index.html");
+        let command = format!("volref compare {pair} --report page");
+        crate::folder::assert_holds(&page, &["1 of 1 case fails", &command, "\"golden\":{"]);
+    }
+    let run = folder.volref("compare right.exr nan.exr --report page");
+    assert_eq!(run.code, 1);
+    crate::folder::assert_holds(&folder.text("page/index.html"), &["NaN or infinity in 1"]);
+}
+
+/// Verdicts have their colours where the environment asks for them, and none in a pipe.
+#[test]
+fn verdicts_in_colour() {
+    let folder = images();
+    let run = |arguments: &str, variables: &[&str]| {
+        let mut command = folder.command(arguments);
+        variables.iter().for_each(|name| {
+            command.env(name, "1");
+        });
+        crate::folder::Run::of(command.output().unwrap()).stdout
+    };
+    let [right, hot] = ["right", "hot"].map(|name| format!("compare right.exr {name}.exr"));
+    let force = "CLICOLOR_FORCE";
+    assert!(run(&right, &[force]).starts_with("\u{1b}[32mpass\u{1b}[0m  (det"));
+    assert!(run(&hot, &[force]).starts_with("\u{1b}[31mfail\u{1b}[0m  (det"));
+    assert!(run(&hot, &[]).starts_with("fail  (det"));
+    assert!(run(&hot, &[force, "NO_COLOR"]).starts_with("fail  (det"));
+    assert!(!run(&format!("{hot} --json"), &[force]).contains('\u{1b}'));
+}

@@ -15,8 +15,8 @@ fn accepted_and_verified() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert_eq!(
         folder.files().len(),
-        5,
-        "nothing is left beside the goldens"
+        6,
+        "nothing is left beside the goldens, but for what hides their lock"
     );
     let run = folder.volref("verify --json");
     assert_eq!(run.code, 0, "{}", run.stdout);

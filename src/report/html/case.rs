@@ -6,6 +6,11 @@ use crate::compare::DifferenceScale;
 use crate::judging::{CaseResult, Evidence, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
 
+/// A name as the fragment of an address: a browser decodes it again.
+fn fragment(name: &str) -> String {
+    name.replace('%', "%25")
+}
+
 /// One case, as the template asks for it, at a position on the page from 0.
 pub(super) fn view(
     index: usize,
@@ -45,6 +50,7 @@ pub(super) fn view(
     let small_test = srgb.map(|image| small(image.pixels(), image.width()));
     context! {
         index,
+        address => fragment(&result.name),
         result,
         symbol => words::symbol(result.verdict),
         gate => result.gate.name(),

@@ -554,6 +554,7 @@ new ResizeObserver(draw).observe(find("#stage"));
 const main = find("main");
 const items = findAll("#cases li");
 const links = items.map(item => find("a", item));
+const articles = findAll("article");
 let open = -1;
 
 function filterCases() {
@@ -588,10 +589,10 @@ async function openCase(which) {
   setBlinking(false);
   viewer.hidden = true;
   main.classList.toggle("reading", which >= 0);
-  findAll("article").forEach((article, i) => article.classList.toggle("open", i === which));
+  articles.forEach((article, i) => article.classList.toggle("open", i === which));
   links.forEach((link, i) => i === which ? link.setAttribute("aria-current", "true") : link.removeAttribute("aria-current"));
   if (which < 0) return;
-  const article = find(`#case-${which}`);
+  const article = articles[which];
   if (main.getBoundingClientRect().top < 0 || getComputedStyle(find("nav")).display === "none") main.scrollIntoView();
   const stored = find(".pictures", article);
   if (!stored) return;
@@ -638,8 +639,9 @@ function usualDifference() {
 }
 
 const placeInAddress = () => {
-  const place = /^#case-(\d+)$/.exec(location.hash);
-  return place && Number(place[1]) < links.length ? Number(place[1]) : -1;
+  let name = location.hash.slice(1);
+  try { name = decodeURIComponent(name); } catch { /* It is no fragment of this page. */ }
+  return articles.findIndex(article => article.id === name);
 };
 addEventListener("hashchange", () => openCase(placeInAddress()));
 findAll(".back").forEach(button => button.addEventListener("click", () => { location.hash = ""; }));

@@ -1,5 +1,6 @@
 //! Sentences of a report.
 
+use crate::compare::NON_FINITE;
 use crate::judging::{CaseResult, Summary, Verdict};
 use crate::naming::{Likenesses, is_number_found};
 
@@ -40,11 +41,21 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
                 "; a change of a number explains it".to_owned()
             }
             None => format!("; {}", found.nothing_known(None)),
-            Some(it) if it.explains == it.of => format!(": it looks like “{}”", it.mistake),
+            Some(it) if it.explains == summary.fail => format!(": it looks like “{}”", it.mistake),
             Some(it) if it.explains == 1 => format!("; one of them looks like “{}”", it.mistake),
             Some(it) => format!("; {} of them look like “{}”", it.explains, it.mistake),
         };
-        return format!("{} of {of} {cases} {verb}{guess}.{rest}", summary.fail);
+        let broken = results
+            .iter()
+            .filter(|result| result.metrics.contains_key(NON_FINITE.0));
+        let broken = match broken.count() {
+            0 => String::new(),
+            count => format!("; NaN or infinity in {count}"),
+        };
+        return format!(
+            "{} of {of} {cases} {verb}{broken}{guess}.{rest}",
+            summary.fail
+        );
     }
     match (summary.pass, of) {
         (0, _) if summary.convention == of => format!("No case fails.{rest}"),

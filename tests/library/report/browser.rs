@@ -304,8 +304,9 @@ fn every_case_opens_in_every_view() {
     };
     let mut opened = Vec::new();
     for place in 0..sample.results.len() {
-        browser.run(&format!("location.hash = '#case-{place}'"));
-        browser.wait_for(&format!("document.querySelector('#case-{place}.open')"));
+        let article = format!("document.querySelectorAll('article')[{place}]");
+        browser.run(&format!("location.hash = encodeURIComponent({article}.id)"));
+        browser.wait_for(&format!("{article}.classList.contains('open')"));
         let name = browser.run(&format!(
             "return document.querySelectorAll('#cases .name')[{place}].textContent"
         ));

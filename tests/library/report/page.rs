@@ -33,6 +33,7 @@ fn names_are_escaped() {
     let page = Page {
         title: HOSTILE,
         command: HOSTILE,
+        headline: HOSTILE,
         judged_with: HOSTILE,
         ..sample.page()
     };

@@ -1,0 +1,77 @@
+//! `--report DIR`: results as one offline page.
+
+use super::failure::Failure;
+use super::output;
+use super::results::{check_not_golden, command_line};
+use crate::judging::{Evidence, Judged, JudgedWith};
+use crate::naming::Likenesses;
+use crate::report;
+use crate::suite::Suite;
+use std::path::{Path, PathBuf};
+
+/// Name of the page within the folder of a report.
+const PAGE: &str = "index.html";
+
+/// Where a page is written.
+#[derive(clap::Args, Debug)]
+pub struct ReportPage {
+    /// Write the report as one offline HTML page, DIR/index.html
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+/// What a page shows.
+pub struct PageOf<'p> {
+    /// `verify`, for one.
+    pub command: &'p str,
+    /// The result in a sentence; empty where the verdicts give it.
+    pub headline: &'p str,
+    pub judged: &'p [Judged],
+    pub found: &'p Likenesses,
+    pub judged_with: &'p JudgedWith,
+}
+
+impl ReportPage {
+    pub fn is_asked(&self) -> bool {
+        self.report.is_some()
+    }
+
+    /// The file of the page.
+    pub fn file(&self) -> Option<PathBuf> {
+        self.report.as_deref().map(|folder| folder.join(PAGE))
+    }
+
+    /// Fails if the page cannot be written or is among goldens; called before long work.
+    pub fn check(&self, suite: Option<&Suite>) -> Result<(), Failure> {
+        let (Some(folder), Some(page)) = (&self.report, self.file()) else {
+            return Ok(());
+        };
+        output::make_folder(folder)?;
+        suite.map_or(Ok(()), |suite| check_not_golden(&page, suite))?;
+        output::check_no_goldens_in(folder)?;
+        output::check_own(&page)
+    }
+
+    /// Writes the page if that was asked for, and says so in `text`.
+    pub fn write(&self, of: &PageOf<'_>, text: &mut String) -> Result<(), Failure> {
+        let Some(folder) = &self.report else {
+            return Ok(());
+        };
+        let judged = of.judged.iter();
+        let (results, evidence): (Vec<_>, Vec<Evidence>) = judged
+            .map(|judged| (judged.result.clone(), judged.evidence.clone()))
+            .unzip();
+        let page = report::results_html(&report::Page {
+            title: &format!("volref {}", of.command),
+            command: &command_line(),
+            headline: of.headline,
+            judged_with: &of.judged_with.in_words(),
+            results: &results,
+            evidence: &evidence,
+            found: of.found,
+        });
+        let path = output::write_within(folder, Path::new(PAGE), page.as_bytes())?;
+        text.push_str(&format!("\nreport: {}\n", path.display()));
+        Ok(())
+    }
+}
