@@ -47,6 +47,8 @@ pub(crate) struct CaseFinding {
     pub cause: Cause,
     /// Reason in words.
     pub reason: String,
+    /// Notes beside the verdict.
+    pub notes: Vec<String>,
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
     /// Changes of numbers of the scene that the difference looks like.
@@ -68,6 +70,7 @@ impl CaseFinding {
             verdict,
             cause,
             reason: reason.into(),
+            notes: Vec::new(),
             metrics: BTreeMap::new(),
             changes: Vec::new(),
             detectable: Vec::new(),
@@ -93,7 +96,7 @@ impl CaseFinding {
             metrics: self.metrics,
             gate,
             reason: self.reason,
-            notes: Vec::new(),
+            notes: self.notes,
             conventions: Vec::new(),
             profile: None,
             looks_like: Vec::new(),
@@ -274,18 +277,13 @@ impl CheckedGolden {
         facts.into_iter().map(named).collect()
     }
 
-    /// Effects that the scene is declared to leave out, as the end of a sentence in every
-    /// comparison.
-    pub fn omissions(&self) -> String {
-        match self.without() {
-            without if without.is_empty() => without,
-            without => {
-                let profile = self.profile.as_ref();
-                let under =
-                    profile.map_or(String::new(), |name| format!(" under the profile {name}"));
-                format!("; the scene{under} leaves out {without} (declared)")
-            }
-        }
+    /// Effects that the scene is declared to leave out, as a note.
+    pub fn omissions(&self) -> Option<String> {
+        let without = self.without();
+        let profile = self.profile.as_ref();
+        let under = profile.map_or(String::new(), |name| format!(" under the profile {name}"));
+        let note = format!("the scene{under} leaves out {without} {DECLARED}");
+        (!without.is_empty()).then_some(note)
     }
 
     /// Effects that the scene is declared to leave out.
@@ -320,6 +318,14 @@ impl CheckedGolden {
             }
         }
     }
+}
+
+/// Ends a note on what a scene leaves out on purpose.
+const DECLARED: &str = "(declared)";
+
+/// True for a note on what the scene leaves out on purpose: it stands in a report and in JSON, and is not printed.
+pub(crate) fn is_declared(note: &str) -> bool {
+    note.ends_with(DECLARED)
 }
 
 /// Cases among which the false alarms of a suite are divided: as many as any suite has, so that

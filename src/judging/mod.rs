@@ -20,8 +20,8 @@ pub(crate) mod verify;
 
 pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, Likeness};
-pub(crate) use finding::CaseFinding;
 pub use finding::Judged;
+pub(crate) use finding::{CaseFinding, is_declared};
 pub(crate) use judged_with::JudgedWith;
 pub(crate) use more_samples::MoreSamples;
 pub use more_samples::is_open;

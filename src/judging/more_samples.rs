@@ -1,6 +1,6 @@
 //! More samples for cases that noise leaves open: a renderer is called again until each is decided.
 
-use super::{Cause, Judged, Looks, Verdict};
+use super::{Cause, Judged, Looks, Verdict, is_declared};
 use crate::compare::{Picture, are_comparable, is_of_precision};
 use crate::film::Film;
 use crate::renderers::{CallSettings, OtherRenderer, Rendered, stop_all};
@@ -292,8 +292,9 @@ impl OpenCase<'_> {
     fn judged_at(&mut self, look: u32, rendered: Rendered) -> Judged {
         let mut now = (self.more.judge)(self.case, rendered, look);
         let notes = std::mem::take(&mut self.judged.result.notes);
-        // The note on 8 bits is made anew for each image.
-        let notes = notes.into_iter().filter(|note| !is_of_precision(note));
+        // These are made anew for each image.
+        let is_old = |note: &String| is_of_precision(note) || is_declared(note);
+        let notes = notes.into_iter().filter(|note| !is_old(note));
         now.result.notes.splice(0..0, notes);
         now
     }

@@ -410,7 +410,7 @@ fn with_words(
             finding.reason = said.join("; ");
         }
     }
-    finding.reason.push_str(&checked.omissions());
+    finding.notes.extend(checked.omissions());
     finding.reason.extend(exposure);
     finding
 }

@@ -163,11 +163,12 @@ fn compare(checked: &CheckedGolden, film: &Film) -> CaseFinding {
     let golden = &checked.golden;
     if film.pixel_hash() == golden.provenance.pixels {
         let reason = format!(
-            "the same bits as the golden ({}){}",
+            "the same bits as the golden ({})",
             short(&golden.provenance.pixels),
-            checked.omissions()
         );
-        return CaseFinding::new(Verdict::Pass, Cause::None, reason);
+        let mut finding = CaseFinding::new(Verdict::Pass, Cause::None, reason);
+        finding.notes.extend(checked.omissions());
+        return finding;
     }
     let pictures = [&golden.film, film].map(|film| Picture::Radiance(film.clone()));
     let gates: [&dyn ImageGate; 2] = [&Exact, &Deterministic];
@@ -176,13 +177,13 @@ fn compare(checked: &CheckedGolden, film: &Film) -> CaseFinding {
         judgement.expect("both images are radiance")
     });
     let reason = format!(
-        "{} ({} the tolerance for other renderers){}{}",
+        "{} ({} the tolerance for other renderers){}",
         exact.reason,
         if tolerant.passed { "within" } else { "beyond" },
         moved_inputs(checked),
-        checked.omissions()
     );
     let mut finding = CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason);
+    finding.notes.extend(checked.omissions());
     finding.metrics = tolerant.metrics;
     finding.metrics.extend(exact.metrics);
     finding
@@ -285,12 +286,12 @@ fn pinned(
     if !passed {
         reason.push_str(&moved_inputs(checked));
     }
-    reason.push_str(&checked.omissions());
     let mut finding = if passed {
         CaseFinding::new(Verdict::Pass, Cause::None, reason)
     } else {
         CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
     };
+    finding.notes.extend(checked.omissions());
     finding.metrics = judgement.metrics;
     let same_bits = f64::from(u8::from(has_bits));
     finding.metrics.insert(SAME_BITS.0.to_owned(), same_bits);

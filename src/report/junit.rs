@@ -1,7 +1,7 @@
 //! Results for build servers.
 
 use super::visible::xml_text;
-use crate::judging::{CaseResult, Cause, JudgedWith, Verdict};
+use crate::judging::{CaseResult, Cause, JudgedWith, Verdict, is_declared};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -81,8 +81,10 @@ fn test_case(result: &CaseResult) -> String {
             r#"            <{element} message="{message}" type="{kind}"/>"#
         );
     }
-    if !result.notes.is_empty() {
-        let notes = xml_text(&result.notes.join("\n"));
+    let notes = result.notes.iter().filter(|note| !is_declared(note));
+    let notes: Vec<&str> = notes.map(String::as_str).collect();
+    if !notes.is_empty() {
+        let notes = xml_text(&notes.join("\n"));
         let _ = writeln!(children, "            <system-out>{notes}</system-out>");
     }
     let tag = format!(

@@ -1,7 +1,7 @@
 //! Results for people.
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, JudgedWith, Summary, Verdict};
+use crate::judging::{CaseResult, JudgedWith, Summary, Verdict, is_declared};
 use crate::naming::{Likenesses, SearchStep, Stage, is_number_found};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
@@ -111,7 +111,8 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
         (None, None) if result.verdict == Verdict::Convention => below.push(accepts.to_owned()),
         (None, None) => {}
     }
-    below.extend(result.notes.iter().map(|note| format!("note: {note}")));
+    let notes = result.notes.iter().filter(|note| !is_declared(note));
+    below.extend(notes.map(|note| format!("note: {note}")));
     for line in below {
         text.push_str(&format!("              {line}\n"));
     }

@@ -841,7 +841,7 @@ fn conventions_are_told_apart_and_accepted() {
     exit code 1
     --- stdout
     fail          smoke/plain [seconds]
-                  16 of 120 pixels (13.333 %) differ by more than 0.001 + 1 %; at most 0.02 % may. The worst is (5, 1), 9.7 times the tolerance; the scene leaves out volume shadow, gradient shading (declared)
+                  16 of 120 pixels (13.333 %) differ by more than 0.001 + 1 %; at most 0.02 % may. The worst is (5, 1), 9.7 times the tolerance
 
     after the search for conventions:
     convention    smoke/plain [seconds]

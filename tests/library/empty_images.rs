@@ -72,10 +72,7 @@ fn is_told_empty(case: &Case, picture: Picture, most: &str) {
     let rest = result.reason.strip_prefix(&sentence);
     let rest = rest.unwrap_or_else(|| panic!("{}: {}", case.name, result.reason));
     let rest = rest.trim_start_matches(|digit: char| digit.is_ascii_digit());
-    assert!(
-        rest.is_empty() || rest.starts_with("; the scene leaves out"),
-        "{rest}"
-    );
+    assert!(rest.is_empty(), "{rest}");
     assert!(result.conventions.is_empty() && result.looks_like.is_empty());
     assert!(result.changes.is_empty() && result.difference.is_empty());
 }
