@@ -142,8 +142,10 @@ fn json_has_the_promised_keys() {
     let cases = json["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 4);
     for case in cases {
+        let mut always = keys(case);
+        always.retain(|key| *key != "notes");
         assert_eq!(
-            keys(case),
+            always,
             [
                 "class",
                 "family",
