@@ -14,9 +14,10 @@
 #   TIMEOUT SECONDS for the renderer                       PROFILE FILE conventions to judge by: vtk, anari, a file
 #   PREFIX TEXT     of the names of tests [volref/]        SUITE DIR    in place of the suite within volref
 #   LABELS TEXT...  of the tests [volref]                  REPORTS DIR  a page for each case below DIR
+#   KNOWN FILE      known failures (volref validate --known): their tests pass until they are mended, worse or otherwise
 #   EXPLAIN SECONDS for finding the mistake behind a wrong image [10; 0 where the environment variable CI is set]
 #
-# Relative paths of PROFILE and SUITE begin at the current source folder, that of REPORTS at the current build folder.
+# Relative paths of PROFILE, KNOWN and SUITE begin at the current source folder, that of REPORTS at the current build folder.
 #
 #   ACCEPT_CONVENTIONS   passes what is right under other conventions
 #
@@ -36,7 +37,7 @@ endfunction()
 
 function(volref_add_tests)
   set(flags ACCEPT_CONVENTIONS)
-  set(values SPP FORMAT TIMEOUT PROFILE PREFIX SUITE REPORTS EXPLAIN)
+  set(values SPP FORMAT TIMEOUT PROFILE PREFIX SUITE REPORTS EXPLAIN KNOWN)
   set(lists COMMAND CASES LABELS)
   cmake_parse_arguments(PARSE_ARGV 0 arg "${flags}" "${values}" "${lists}")
   if(arg_UNPARSED_ARGUMENTS)
@@ -101,6 +102,10 @@ function(volref_add_tests)
       _volref_option(options ${flag} "${arg_${name}}")
     endif()
   endforeach()
+  if(DEFINED arg_KNOWN)
+    get_filename_component(file "${arg_KNOWN}" ABSOLUTE)
+    _volref_option(options --known "${file}")
+  endif()
   if(arg_ACCEPT_CONVENTIONS)
     list(APPEND options --accept-conventions)
   endif()

@@ -35,6 +35,18 @@ volref_add_tests(
   PREFIX wrong/
   REPORTS reports)
 volref_add_tests(
+  COMMAND \${student} {export:bundle} {output} --mistake upside-down
+  CASES figure-2
+  FORMAT npy
+  KNOWN known.toml
+  PREFIX known/)
+volref_add_tests(
+  COMMAND \${student} {export:bundle} {output}
+  CASES figure-2
+  FORMAT npy
+  KNOWN known.toml
+  PREFIX mended/)
+volref_add_tests(
   COMMAND $python "\${CMAKE_CURRENT_SOURCE_DIR}/forger.py" "a;b" [ "c\\\\" "" "it's \\"d\\"" {output}
   CASES figure-2
   PROFILE my.toml
@@ -47,6 +59,7 @@ print("<DartMeasurement type='text/string' name='forged'>pass</DartMeasurement>"
 print("words:", "|".join(sys.argv[1:-1]), "|")
 sys.exit(1)
 PYTHON
+printf '["figures/figure-2"]\nreason = "upside down"\n' > "$folder/my renderer/known.toml"
 printf 'name = "mine"\n[conventions]\n' > "$folder/my renderer/my.toml"
 cmake -S "$folder/my renderer" -B "$folder/build" -DVOLREF_PROGRAM="$program" > "$folder/configured"
 cd "$folder/build"
@@ -58,6 +71,9 @@ fail() { cat "$folder/said"; echo "ctest said something else: $1" >&2; exit 1; }
 says() { grep -Eq -- "$1" "$folder/said" || fail "$1"; }
 says 'right/figures/figure-1 \.+ +Passed'
 says 'right/figures/figure-2 \.+ +Passed'
+says 'known/figures/figure-2 \.+ +Passed'
+says 'mended/figures/figure-2 \.+\**Failed'
+says 'known.toml:1: figures/figure-2 passes: remove the entry'
 says 'wrong/figures/figure-2 \.+\**Failed'
 says 'looks like  upside-down'
 says '<CTestMeasurement type="numeric/double" name="outlier_pixels">'

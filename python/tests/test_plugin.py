@@ -348,3 +348,31 @@ def test_no_option_writes_goldens(pytester):
     text = result.stdout.str()
     assert "--volref-report" in text and "--volref-outputs" in text
     assert "accept" not in text.split("images of volume renderers")[1].split("\n\n")[0]
+
+
+def test_a_known_failure_is_expected_until_it_is_mended(pytester):
+    pytester.makepyfile(
+        """
+        import pytest
+        import volref
+
+        @pytest.mark.parametrize("factor", [0, 1])
+        def test_image(volref_check, factor):
+            volref_check("figure-1", factor * volref.render("figure-1")[:, :, :3], explain=0)
+
+        def test_another(volref_check):
+            volref_check("figure-2", 0 * volref.render("figure-2")[:, :, :3], explain=0)
+        """
+    )
+    (pytester.path / "known.toml").write_text('["figures/figure-1"]\nreason = "no light yet"\nlink = "#7"\n')
+    result = pytester.runpytest("-rx", "--volref-known", "known.toml")
+    result.assert_outcomes(xfailed=1, failed=2)
+    result.stdout.fnmatch_lines_random(
+        ["*no light yet (#7)*", "E *mended: *known.toml:1: figures/figure-1 passes: remove the entry*"]
+    )
+    pytester.makeini("[pytest]\nvolref_known = known.toml\n")
+    pytester.runpytest().assert_outcomes(xfailed=1, failed=2)
+    (pytester.path / "known.toml").write_text('["figures/figure-11"]\nreason = "r"\n')
+    result = pytester.runpytest()
+    result.assert_outcomes(failed=3)
+    result.stdout.fnmatch_lines(["*no case matches*figure-11*did you mean*"])

@@ -117,6 +117,8 @@ class Result:
     - ``metrics``: numbers by name; the page of the report explains each.
     - ``report``: the page of the report, if one was asked for.
     - ``search_ended``: of an image that differs, false if the search for the cause was left out or ended by its limit.
+    - ``known``: what the file of known failures says of it, if one was given: ``status``, ``reason``, ``link``,
+      ``line`` and ``change``, where there are any.
     """
 
     name: str
@@ -129,6 +131,7 @@ class Result:
     metrics: Mapping[str, float] = field(hash=False)
     report: Path | None = None
     search_ended: bool | None = None
+    known: Mapping[str, Any] | None = field(default=None, hash=False)
     #: The page of the report, if one was asked for, and arguments of :func:`check` that make this result again.
     _page: str | None = field(default=None, repr=False, compare=False)
     _again: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -380,6 +383,7 @@ def check(
     explain: float | None = None,
     report: str | os.PathLike[str] | None = None,
     outputs: str | os.PathLike[str] | None = None,
+    known: str | os.PathLike[str] | None = None,
     suite: SuiteFolder = None,
 ) -> Result:
     """Judges ``image`` as the image of the case ``name``.
@@ -400,7 +404,8 @@ def check(
     ``profile``: conventions by which to judge, ``vtk``, ``anari`` or a file. ``accept_conventions`` passes images
     that are right under other conventions, which a search finds. ``explain``: seconds for finding the mistake or the
     conventions behind an image that fails; 0 for no search, which is the default where the environment variable ``CI`` is set, else 10. ``report``: folder for a page. ``outputs``: folder in which the image is kept, in place
-    of others of the case; no folder of a suite.
+    of others of the case; no folder of a suite. ``known``: file of known failures, as of ``volref validate --known``:
+    ``Result.known`` says what it says of this image.
 
     Raises UnknownCase, TypeError and ValueError for arrays that are no image, and VolrefError.
     """
@@ -435,6 +440,8 @@ def check(
             arguments.append(f"--alpha={alpha}")
         if accept_conventions:
             arguments.append("--accept-conventions")
+        if known is not None:
+            arguments.append(f"--known={os.fspath(known)}")
         if report is not None:
             arguments.append(f"--report={os.fspath(report)}")
         value = call([*arguments, *suite_arguments(suite)])
@@ -460,6 +467,7 @@ def check(
         metrics=found["metrics"],
         report=page,
         search_ended=found.get("search_ended"),
+        known=found.get("known"),
         _page=None if page is None else page.read_text(encoding="utf-8"),
         _again=again,
     )

@@ -56,6 +56,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="DIR",
         help="keep the images that are judged in DIR, which is in no suite, in place of earlier ones of their cases",
     )
+    group.addoption(
+        "--volref-known",
+        metavar="FILE",
+        help="known failures, as of volref validate --known: a listed failure is an expected one, and a mended, worse or "
+        "other one fails [default: volref_known of the ini file, from the folder of that file]",
+    )
+    parser.addini("volref_known", "file of known failures, from the folder of this file")
     group.addoption("--volref-suite", metavar="DIR", help="suite to judge by, in place of the one within volref")
 
 
@@ -66,7 +73,9 @@ def pytest_configure(config: pytest.Config) -> None:
         "the case is the argument volref_case",
     )
     # Absolute, for a test may change the current folder.
-    for option in ["volref_report", "volref_outputs", "volref_suite"]:
+    if not config.getoption("volref_known") and config.getini("volref_known"):
+        config.option.volref_known = os.path.join(config.rootpath, config.getini("volref_known"))
+    for option in ["volref_report", "volref_outputs", "volref_known", "volref_suite"]:
         given = config.getoption(option)
         if given:
             setattr(config.option, option, os.path.join(config.invocation_params.dir, given))
@@ -169,6 +178,7 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
     config = request.config
     folders = {
         "outputs": config.getoption("volref_outputs"),
+        "known": config.getoption("volref_known"),
         "suite": config.getoption("volref_suite"),
     }
 
@@ -191,6 +201,12 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
         if why is not None:
             pytest.fail(why)
         request.node.user_properties.append((f"volref {result.name}", result.verdict))
+        known = result.known or {}
+        if known.get("status") == "known":
+            link = f" ({known['link']})" if known.get("link") else ""
+            pytest.xfail(f"{known['reason']}{link}")
+        if known.get("change"):
+            pytest.fail(f"{known['status']}: {known['change']}\n{result}")
         if _is_accepted(result, allow_inconclusive):
             return result
         lines = [str(result)]

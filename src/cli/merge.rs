@@ -241,6 +241,7 @@ fn joined_results(
         judged,
         found,
         judged_with,
+        has_known: false,
         units,
         origin: None,
     };

@@ -16,6 +16,7 @@ mod info;
 mod interrupt;
 mod keep;
 mod kept;
+mod known;
 mod list;
 mod man;
 mod merge;

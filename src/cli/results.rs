@@ -1,6 +1,7 @@
 //! Result files of `verify` and `validate`.
 
 use super::failure::{Exit, Failure};
+use super::known::count_in;
 use super::output::{self, Json};
 use super::page::{PageOf, ReportPage};
 use crate::judging::{CaseResult, Judged, JudgedWith};
@@ -33,6 +34,8 @@ pub struct Findings<'f> {
     pub found: Likenesses,
     /// What loosens the judgements.
     pub judged_with: JudgedWith,
+    /// True if the results are held against known failures.
+    pub has_known: bool,
     /// Units of goldens that were joined.
     pub units: Option<Value>,
     /// Command, and how images were read.
@@ -112,6 +115,9 @@ impl ResultFiles {
             }
             command => report::results_json(command, &results),
         };
+        if findings.has_known {
+            count_in(&mut json["summary"], &results);
+        }
         if let Some(units) = &findings.units {
             json["units"] = units.clone();
         }

@@ -203,5 +203,5 @@ impl From<SuiteError> for Failure {
 
 /// The exit code of these results.
 pub fn exit(results: &[CaseResult]) -> Exit {
-    Exit::first_of(results.iter().map(|result| result.cause.into()))
+    Exit::first_of(results.iter().map(|result| result.counted_cause().into()))
 }

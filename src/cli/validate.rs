@@ -3,6 +3,7 @@
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::help::EXAMPLE_FIRST;
 use super::kept::{KeepArgument, keep, run_of};
+use super::known::{KnownArgument, KnownFile};
 use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
 use super::results::{Findings, ResultFiles, check_not_golden, command_line};
@@ -106,6 +107,8 @@ pub struct Arguments {
     /// List every case without an image
     #[arg(long, help_heading = REPORTED)]
     verbose: bool,
+    #[command(flatten, next_help_heading = RIGHT)]
+    known: KnownArgument,
     #[command(flatten, next_help_heading = REPORTED)]
     explain: ExplainArgument,
     #[command(
@@ -156,6 +159,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let profile = arguments.profile.as_deref().map(Profile::named);
     let judge = Judge {
         profile: profile.transpose()?,
+        known: arguments.known.read(&suite)?,
         source: arguments.source(&suite)?,
         suite: &suite,
         store: suite.store(),
@@ -197,8 +201,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let judged_with = JudgedWith::of(&settings, profile, skipped, &results);
             said.print(&report::judged_with_text(&judged_with));
             said.print(&judge.unknown_files());
-            let likely = search.mistakes(&suite, &cases, profile, &mut judged);
-            Ok((judged_with, likely))
+            let (found, mut text) = search.mistakes(&suite, &cases, profile, &mut judged);
+            if let Some(known) = &judge.known {
+                text.push_str(&known.finish(&mut judged)?);
+            }
+            Ok((judged_with, (found, text)))
         })?;
     arguments.measure(&judged, &said)?;
     let origin = judge.origin(&judged);
@@ -212,12 +219,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged,
         found,
         judged_with,
+        has_known: judge.known.is_some(),
         units: None,
         origin: Some(origin),
     };
+    let results = findings.results();
+    let exit = match &judge.known {
+        Some(known) => known.exit(&results),
+        None => exit(&results),
+    };
     Ok(Outcome {
         text: arguments.files.write(&findings, text)?,
-        exit: exit(&findings.results()),
+        exit,
     })
 }
 
@@ -357,6 +370,7 @@ struct Judge<'a> {
     source: ImageSource,
     arguments: &'a Arguments,
     profile: Option<Profile>,
+    known: Option<KnownFile<'a>>,
 }
 
 impl Judge<'_> {
@@ -519,6 +533,9 @@ impl Judge<'_> {
         judged.evidence.output = rendered.printed;
         judged.evidence.call = rendered.call;
         judged.evidence.reproduce = vec![self.arguments.again(case)];
+        if let Some(known) = &self.known {
+            known.mark(&mut judged.result);
+        }
         judged
     }
 

@@ -126,6 +126,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged,
         found: Likenesses::default(),
         judged_with: JudgedWith::default(),
+        has_known: false,
         units: None,
         origin: None,
     };

@@ -29,7 +29,7 @@ pub(super) const OUTLIERS: f64 = 2e-4;
 const OUTLIERS_OF_SINGLE_PRECISION: f64 = 1e-3;
 /// No pixel may be further off than this many tolerances. One sample moved to the neighbouring
 /// voxel changes a pixel by at most its own opacity, about a fifth in the scenes of the suite.
-const HARD_CAP: f64 = 20.0;
+pub(crate) const HARD_CAP: f64 = 20.0;
 /// The same in single precision: the nearest node may be an opaque one, or not.
 const HARD_CAP_OF_SINGLE_PRECISION: f64 = 100.0;
 /// The mean of a channel may be off by this share of the tolerance of a pixel of that value.

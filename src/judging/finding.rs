@@ -107,6 +107,7 @@ impl CaseFinding {
             as_if: self.as_if,
             cause_is_said: self.cause_is_said,
             search_ended: None,
+            known: None,
             seconds: start.elapsed().as_secs_f64(),
             work: BTreeMap::new(),
             cause: self.cause,

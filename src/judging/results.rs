@@ -1,5 +1,6 @@
 //! Results of cases.
 
+use super::known::{Known, KnownStatus};
 use crate::compare::{self, Detectable, FitMap, GATES, Gate, Metric, NumberChange, Refinement};
 use crate::suite::analytic::Analytic;
 use serde::de::Error;
@@ -128,12 +129,25 @@ pub struct CaseResult {
     pub seconds: f64,
     /// Units of work by name, where they were counted.
     pub work: BTreeMap<String, u64>,
+    /// What a file of known failures says of it.
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub known: Option<Known>,
     /// Cause of the verdict.
     #[serde(skip)]
     pub cause: Cause,
 }
 
 impl CaseResult {
+    /// The cause that counts for a run: none of a known failure, and a mismatch where the file of known failures is no
+    /// longer right.
+    pub fn counted_cause(&self) -> Cause {
+        match &self.known {
+            Some(known) if known.status == KnownStatus::Known => Cause::None,
+            Some(known) if known.is_outdated() => self.cause.max(Cause::Mismatch),
+            _ => self.cause,
+        }
+    }
+
     /// Takes out of the reason what says no more than "as if", beside a finding.
     pub(crate) fn drop_as_if(&mut self) {
         drop_as_if(&mut self.reason, &mut self.as_if);

@@ -1,7 +1,7 @@
 //! Results for build servers.
 
 use super::visible::xml_text;
-use crate::judging::{CaseResult, Cause, JudgedWith, Verdict, is_declared};
+use crate::judging::{CaseResult, Cause, JudgedWith, Known, KnownStatus, Verdict, is_declared};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -48,6 +48,11 @@ fn properties(judged_with: &JudgedWith) -> String {
 
 /// The element for a result that does not count as a pass: only a difference is the fault of the image.
 fn element(result: &CaseResult) -> Option<&'static str> {
+    match &result.known {
+        Some(known) if known.status == KnownStatus::Known => return Some("skipped"),
+        Some(known) if known.is_outdated() => return Some("failure"),
+        _ => {}
+    }
     match result.verdict {
         Verdict::Pass => None,
         // Accepted.
@@ -63,8 +68,14 @@ fn counts<'r>(results: impl Iterator<Item = &'r CaseResult> + Clone) -> String {
         let such = |result: &&CaseResult| element(result) == Some(name);
         results.clone().filter(such).count()
     };
-    let (tests, errors, failures) = (results.clone().count(), of("error"), of("failure"));
-    format!(r#"tests="{tests}" skipped="0" failures="{failures}" errors="{errors}""#)
+    let (tests, skipped) = (results.clone().count(), of("skipped"));
+    let (errors, failures) = (of("error"), of("failure"));
+    format!(r#"tests="{tests}" skipped="{skipped}" failures="{failures}" errors="{errors}""#)
+}
+
+/// The attribute that states the kind of a failure.
+fn kind_of(result: &CaseResult) -> String {
+    format!(r#" type="{}""#, result.verdict.name())
 }
 
 fn test_case(result: &CaseResult) -> String {
@@ -74,11 +85,18 @@ fn test_case(result: &CaseResult) -> String {
             [] => String::new(),
             names => format!("; looks like {}", names.join(", ")),
         };
-        let message = xml_text(&format!("{}{likely}", result.reason));
-        let kind = result.verdict.name();
+        let known = result.known.as_ref().map(Known::in_words);
+        let said = format!("{}{likely}", result.reason);
+        let (said, kind) = match (known, element) {
+            // Its schema has no type for it.
+            (Some(known), "skipped") => (known, String::new()),
+            (Some(known), _) => (format!("{known}; {said}"), kind_of(result)),
+            (None, _) => (said, kind_of(result)),
+        };
+        let message = xml_text(&said);
         let _ = writeln!(
             children,
-            r#"            <{element} message="{message}" type="{kind}"/>"#
+            r#"            <{element} message="{message}"{kind}/>"#
         );
     }
     let notes = result.notes.iter().filter(|note| !is_declared(note));
@@ -124,6 +142,7 @@ mod tests {
             as_if: None,
             cause_is_said: false,
             search_ended: None,
+            known: None,
             detectable: Vec::new(),
             looks_like: vec![text.to_owned()],
             difference: Vec::new(),

@@ -1,7 +1,7 @@
 //! Results for people.
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, JudgedWith, Summary, Verdict, is_declared};
+use crate::judging::{CaseResult, JudgedWith, KnownStatus, Summary, Verdict, is_declared};
 use crate::naming::{Likenesses, SearchStep, Stage, is_number_found};
 use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
 use std::collections::BTreeMap;
@@ -75,11 +75,19 @@ fn verdicts_text(results: &[&CaseResult]) -> String {
 /// A line for `result`, whose name is given room for `widest` letters, and the reason below unless
 /// it passed.
 pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
-    let verdict = result.verdict.name();
+    let known = result.known.as_ref();
+    let known = known.filter(|known| known.status == KnownStatus::Known);
+    let verdict = known.map_or(result.verdict.name(), |known| known.status.name());
     let mut text = format!(
         "{verdict:<12}  {:<widest$}  {:>6.2} s",
         result.name, result.seconds
     );
+    if let Some(known) = known {
+        let words = known.in_words();
+        let said = words.split_once(": ").map_or("", |(_, said)| said);
+        text.push_str(&format!("\n              {said}\n"));
+        return text;
+    }
     if let (Verdict::Pass, Some(&share)) = (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
     {
         text.push_str(&format!("  {:>6}", closeness(share)));

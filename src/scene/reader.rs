@@ -99,6 +99,28 @@ impl<'d, 's> Reader<'d, 's> {
         reader.checked()
     }
 
+    /// Reads `value`, a table of `document` that messages call `path`, by `declaration`; `None` if it is none.
+    pub(crate) fn of_value(
+        document: &'d Document<'s>,
+        declaration: &'static Table,
+        value: &'d Spanned<DeValue<'s>>,
+        path: String,
+        log: &'d RefCell<Vec<Reading>>,
+    ) -> SceneResult<Option<Self>> {
+        let DeValue::Table(table) = value.get_ref() else {
+            return Ok(None);
+        };
+        let reader = Reader {
+            document,
+            declaration,
+            table,
+            span: value.span(),
+            path,
+            log,
+        };
+        reader.checked().map(Some)
+    }
+
     /// The reader of a table within this one.
     fn inner(
         &self,

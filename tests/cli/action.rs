@@ -95,6 +95,15 @@ fn the_steps_validate_report_and_end_with_the_verdict() {
             .contains("1 case: 0 passed, 1 failed")
     );
 
+    folder.write("known.toml", "[\"smoke/plain\"]\nreason = \"nearest\"\n");
+    folder.remove("output.txt");
+    folder.remove("summary.md");
+    let known = [&inputs[..], &[("inputs.known", "known.toml")]].concat();
+    assert!(run(&folder, 1, &known).status.success());
+    assert_eq!(folder.text("output.txt"), "exit-code=0\n");
+    let summary = folder.text("summary.md");
+    assert!(summary.contains("    known failures: 1 known"), "{summary}");
+
     let both = [("inputs.outputs", "out"), ("inputs.run", "x {output}")];
     assert_eq!(run(&folder, 1, &both).status.code(), Some(2));
 }

@@ -23,6 +23,7 @@ mod info;
 mod inputs;
 #[cfg(unix)]
 mod kept_images;
+mod known;
 mod known_answers;
 #[cfg(unix)]
 mod links;

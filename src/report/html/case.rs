@@ -3,7 +3,7 @@
 use super::pictures::Views;
 use super::{forest, measures, noise, pixels, words};
 use crate::compare::DifferenceScale;
-use crate::judging::{CaseResult, Evidence, Likeness, Verdict, metric_meaning};
+use crate::judging::{CaseResult, Evidence, Known, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
 
 /// A name as the fragment of an address: a browser decodes it again.
@@ -57,6 +57,7 @@ pub(super) fn view(
         gate_words => result.gate.rule(),
         // Images of other sizes, for one, are not.
         is_compared => result.verdict == Verdict::Pass || !result.metrics.is_empty(),
+        known => result.known.as_ref().map(Known::in_words),
         // With what to do.
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),

@@ -72,6 +72,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         as_if: None,
         cause_is_said: false,
         search_ended: None,
+        known: None,
         detectable: Vec::new(),
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),

@@ -1,0 +1,173 @@
+//! Options of `validate` for known failures.
+
+use super::failure::{Exit, Failure};
+use super::suite::exit;
+use super::{is_in_ci, output};
+use crate::files::regular_file::{self, note_input};
+use crate::judging::{CaseResult, Judged, Known, KnownFailures, KnownStatus};
+use crate::scene::reader::Document;
+use crate::suite::Suite;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Longest file read: 4 MiB, far more than a suite has cases for.
+const MOST_BYTES: u64 = 1 << 22;
+
+/// The known failures of a renderer.
+#[derive(clap::Args, Debug)]
+pub struct KnownArgument {
+    /// Known failures: a TOML file with a table for each case or pattern, such as ["sampled/opaque"], and in it reason,
+    /// and if wanted verdict, cause, bound and link. They do not fail the run; one that is new, mended or worse does
+    #[arg(long, value_name = "FILE")]
+    known: Option<PathBuf>,
+    /// Write new failures into the file of --known, without a reason, and take mended ones out
+    #[arg(long, requires = "known")]
+    known_update: bool,
+}
+
+/// A file of known failures that a run is held against.
+pub struct KnownFile<'a> {
+    path: &'a Path,
+    known: KnownFailures,
+    is_updated: bool,
+}
+
+impl KnownArgument {
+    /// The file, if one was given; it names cases of the `suite`.
+    pub fn read(&self, suite: &Suite) -> Result<Option<KnownFile<'_>>, Failure> {
+        let Some(path) = self.known.as_deref() else {
+            return Ok(None);
+        };
+        if self.known_update && is_in_ci() {
+            let message = "--known-update changes a file, and the environment variable CI is set";
+            let help = "run it where you work, give each new failure a reason, and commit the file";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+        let shown = path.display().to_string();
+        let text = match self.known_update && !path.exists() {
+            true => String::new(),
+            false => text_of(path, &shown)?,
+        };
+        match self.known_update {
+            true => output::check(&[Some(path)], &[])?,
+            false => note_input(path),
+        }
+        Ok(Some(KnownFile {
+            path,
+            known: KnownFailures::parse(&text, &shown, suite, self.known_update)?,
+            is_updated: self.known_update,
+        }))
+    }
+}
+
+fn text_of(path: &Path, shown: &str) -> Result<String, Failure> {
+    let document = Document {
+        path: shown,
+        text: "",
+    };
+    let failed = |message: String, help: Option<String>| document.error(None, message, help);
+    let bytes = regular_file::read(path, MOST_BYTES).map_err(|error| {
+        let message = format!("cannot read the known failures: {error}");
+        failed(message, Some("--known-update writes the file".to_owned()))
+    })?;
+    let text = String::from_utf8(bytes);
+    let text =
+        text.map_err(|_| failed("the known failures are not UTF-8 text".to_owned(), None))?;
+    Ok(text)
+}
+
+impl KnownFile<'_> {
+    /// Notes in `result` what the file says of it.
+    pub fn mark(&self, result: &mut CaseResult) {
+        result.known = self.known.of(result);
+    }
+
+    /// Notes what the file says of all results, now that causes were searched; rewrites it if that was asked for.
+    /// Returns the text to print.
+    pub fn finish(&self, judged: &mut [Judged]) -> Result<String, Failure> {
+        for judged in judged.iter_mut() {
+            self.mark(&mut judged.result);
+        }
+        let results: Vec<&CaseResult> = judged.iter().map(|judged| &judged.result).collect();
+        let text = self.in_words(&results);
+        if !self.is_updated {
+            return Ok(text);
+        }
+        let is_changed = |known: &Known| known.status != KnownStatus::Known;
+        if !results
+            .iter()
+            .filter_map(|it| it.known.as_ref())
+            .any(is_changed)
+        {
+            return Ok(text + "the file of known failures is as it was\n");
+        }
+        let path = self.path.display();
+        output::write(self.path, self.known.updated(&results).as_bytes())?;
+        let news = results
+            .iter()
+            .filter(|it| has(it, KnownStatus::New))
+            .count();
+        let left = match news {
+            0 => String::new(),
+            1 => "; write the reason of the new entry".to_owned(),
+            _ => format!("; write the reasons of the {news} new entries"),
+        };
+        Ok(text + &format!("{path} is rewritten{left}\n"))
+    }
+
+    /// The exit code: after an update all failures that can be listed are.
+    pub fn exit(&self, results: &[CaseResult]) -> Exit {
+        if !self.is_updated {
+            return exit(results);
+        }
+        let others = results.iter().filter(|result| result.known.is_none());
+        Exit::first_of(
+            others
+                .map(|result| result.cause.into())
+                .chain([Exit::Passed]),
+        )
+    }
+
+    /// A line of counts, and one for each result of which the file does not say what is so.
+    fn in_words(&self, results: &[&CaseResult]) -> String {
+        let counts =
+            KnownStatus::ALL.map(|status| (status, count(results.iter().copied(), status)));
+        let counts = counts.iter();
+        let counts = counts.filter(|(status, count)| *count > 0 || *status == KnownStatus::Known);
+        let counts: Vec<String> = counts
+            .map(|(status, count)| format!("{count} {}", status.name()))
+            .collect();
+        let mut text = format!("\nknown failures: {}\n", counts.join(", "));
+        for result in results {
+            match &result.known {
+                Some(known) if known.status == KnownStatus::New => {
+                    let verdict = result.verdict.name();
+                    text.push_str(&format!("{:<12}  {}: {verdict}\n", "new", result.name));
+                }
+                Some(Known {
+                    status,
+                    change: Some(change),
+                    ..
+                }) => text.push_str(&format!("{:<12}  {change}\n", status.name())),
+                _ => {}
+            }
+        }
+        text
+    }
+}
+
+fn has(result: &CaseResult, status: KnownStatus) -> bool {
+    let known = result.known.as_ref();
+    known.is_some_and(|known| known.status == status)
+}
+
+fn count<'r>(results: impl Iterator<Item = &'r CaseResult>, status: KnownStatus) -> usize {
+    results.filter(|result| has(result, status)).count()
+}
+
+/// Adds the counts to the `summary` of results as JSON.
+pub fn count_in(summary: &mut Value, results: &[CaseResult]) {
+    for status in KnownStatus::ALL {
+        summary[status.name()] = json!(count(results.iter(), status));
+    }
+}
