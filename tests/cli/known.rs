@@ -38,7 +38,7 @@ fn darken(folder: &Folder, case: &str, factor: f32) {
 }
 
 fn validate(folder: &Folder, more: &str) -> Run {
-    folder.volref(&format!(
+    folder.volref(&*format!(
         "validate --outputs out --explain 0 --known known.toml {more}"
     ))
 }
