@@ -66,7 +66,7 @@ fn text_of(path: &Path, shown: &str) -> Result<String, Failure> {
         text: "",
     };
     let failed = |message: String, help: Option<String>| document.error(None, message, help);
-    let bytes = regular_file::read(path, MOST_BYTES).map_err(|error| {
+    let bytes = regular_file::read_unnoted(path, MOST_BYTES).map_err(|error| {
         let message = format!("cannot read the known failures: {error}");
         failed(message, Some("--known-update writes the file".to_owned()))
     })?;
