@@ -118,6 +118,10 @@ const REASONS: &[Reason] = &[
         of: &["volref accept"],
     },
     Reason {
+        words: "CI writes no known failures",
+        of: &["--known-update"],
+    },
+    Reason {
         words: "installs or opens something",
         of: &["cargo install", "cargo doc"],
     },

@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 /// A room of the table in `ARCHITECTURE.md`.
 struct Room {
     name: &'static str,
+    /// Lines of code, at most.
+    most_lines: usize,
     /// Files to read first, within its folder.
     first: Vec<&'static str>,
     /// Rooms below it that it imports none the less.
@@ -28,11 +30,12 @@ fn rooms() -> Vec<Room> {
     let quoted = |cell: &'static str| cell.split('`').skip(1).step_by(2).collect::<Vec<_>>();
     rows.map(|row| {
         let cells: Vec<&str> = row.trim_matches('|').split('|').collect();
-        assert_eq!(cells.len(), 5, "{row}");
+        assert_eq!(cells.len(), 6, "{row}");
         Room {
             name: quoted(cells[0])[0],
-            first: quoted(cells[2]),
-            never: quoted(cells[4]),
+            most_lines: cells[1].trim().parse().expect(row),
+            first: quoted(cells[3]),
+            never: quoted(cells[5]),
         }
     })
     .collect()
@@ -421,20 +424,78 @@ fn the_sampler_alone_draws_random_numbers() {
     assert_eq!(found, ["kernels.rs", "sampler.rs"]);
 }
 
+/// Lines of code of a file, as `scripts/code-lines.sh` counts them: without comments, blank lines and, at its end, tests.
+fn code_lines(text: &str) -> usize {
+    let tests = ["\n#[cfg(test)]\nmod ", "\n#[cfg(all(test, unix))]\nmod "];
+    let ends = tests.iter().filter_map(|tests| {
+        let begins = text.match_indices(tests);
+        let with_body = begins.filter(|(at, _)| {
+            text[at + tests.len()..]
+                .lines()
+                .next()
+                .unwrap()
+                .ends_with('{')
+        });
+        with_body.map(|(at, _)| at).next()
+    });
+    let code = &text[..ends.min().unwrap_or(text.len())];
+    let is_code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
+    code.lines().filter(is_code).count()
+}
+
+fn code_lines_of(path: &Path) -> usize {
+    code_lines(&std::fs::read_to_string(path).unwrap())
+}
+
 /// The plain renderers are there to be read.
 #[test]
 fn the_reference_is_short() {
     for (file, most) in [("ray_caster.rs", 149), ("path_tracer.rs", 300)] {
-        let path = source().join("reference").join(file);
-        let text = std::fs::read_to_string(path).unwrap();
-        let text = text.split("#[cfg(test)]").next().unwrap();
-        let is_code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
-        let lines = text.lines().filter(is_code).count();
+        let lines = code_lines_of(&source().join("reference").join(file));
         assert!(
             lines <= most,
             "{file}: {lines} lines of code, at most {most}"
         );
     }
+}
+
+/// A room grows only where a commit raises its number, and says what a user gets for it.
+#[test]
+fn no_room_is_larger_than_the_table_says() {
+    let mut found = std::collections::BTreeMap::<String, usize>::new();
+    for path in rust_files(&source()) {
+        let is_tests = path.ends_with("tests.rs");
+        let name = room_of(path.strip_prefix(source()).unwrap());
+        *found.entry(name).or_default() += if is_tests { 0 } else { code_lines_of(&path) };
+    }
+    for Room {
+        name, most_lines, ..
+    } in rooms()
+    {
+        let lines = found[name];
+        assert!(
+            lines <= most_lines,
+            "{name}: {lines} lines of code, at most {most_lines}"
+        );
+    }
+    let tests = rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests"));
+    let tests: usize = tests.iter().map(|path| code_lines_of(path)).sum();
+    let said = include_str!("../../ARCHITECTURE.md")
+        .split_once("The tests have at most ")
+        .unwrap()
+        .1;
+    let most: usize = said.split(' ').next().unwrap().parse().unwrap();
+    assert!(
+        tests <= most,
+        "tests: {tests} lines of code, at most {most}"
+    );
+}
+
+#[test]
+fn lines_of_code_are_counted_without_tests_and_comments() {
+    let text = "// comment\nuse a;\n\n    /// doc\n    fn b() {}\n#[cfg(test)]\nfn c() {}\n#[cfg(test)]\nmod tests {\n}\n";
+    assert_eq!(code_lines(text), 4);
+    assert_eq!(code_lines(&text.replace("mod tests {", "mod tests;")), 7);
 }
 
 #[test]
