@@ -28,7 +28,7 @@ impl Suite {
 /// Judges `image`, linear radiance with the top row first, as an image of `case` of the
 /// [bundled](Suite::bundled) suite, as `volref validate` would: verdict, numbers, the reason in
 /// words, and the conventions or the likely mistakes behind a failing image. The search for these
-/// takes up to [ten seconds](Search::BUDGET), and half as long again for conventions.
+/// takes up to [ten seconds](Search::BUDGET).
 ///
 /// ```
 /// use volref::film::Film;
@@ -56,8 +56,8 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
     check_within(case, image, Search::BUDGET.into())
 }
 
-/// [`check`], with `seconds` for the search for mistakes, and as many for conventions; of an image of 8 bits, the
-/// profiles that volref brings are tried besides.
+/// [`check`], with `seconds` for the search: for conventions and the profiles that volref brings half of them, for mistakes
+/// the rest.
 ///
 /// # Errors
 ///

@@ -27,7 +27,9 @@ impl Convention {
     pub fn apply(&self, volume: &mut Classified) {
         match self.edit {
             Edit::EndRaysAt(transmittance) => volume.end_rays_at(transmittance),
-            Edit::StepTimes(factor) => volume.step *= factor,
+            // An exact integral has no step: a step is how a renderer approaches it, and no choice.
+            Edit::StepTimes(factor) if !volume.is_continuous() => volume.step *= factor,
+            Edit::StepTimes(_) => {}
             Edit::Convention(other) => {
                 let has_shadow = volume.shadow.is_some() || !other.in_shadow;
                 let has_shading = volume.phong.is_some() || !other.shaded;

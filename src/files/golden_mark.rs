@@ -1,6 +1,7 @@
 //! What tells a golden from any other file: the provenance beside it. Only `volref accept` changes goldens, in whatever
 //! folder they are.
 
+use super::file_kind::stand_in;
 use super::regular_file;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -44,7 +45,8 @@ fn has_mark(provenance: &Path) -> bool {
     // Not as an input, which nothing replaces: it may be a scene that is saved again.
     regular_file::read_unnoted(provenance, MOST_BYTES).is_ok_and(|bytes| {
         let text = String::from_utf8_lossy(&bytes);
-        text.lines().any(|line| line.starts_with(MARK))
+        // What stands in for a file that is elsewhere may stand in for a provenance.
+        text.lines().any(|line| line.starts_with(MARK)) || stand_in(&bytes).is_some()
     })
 }
 

@@ -2,6 +2,7 @@
 
 use super::measured::decoded;
 use crate::compare::Picture;
+use crate::compare::cells::Misfit;
 use crate::film::Film;
 use crate::suite::Case;
 use serde::{Deserialize, Serialize};
@@ -43,13 +44,20 @@ pub struct Evidence {
     /// Wall time of the other renderer, if it was run.
     #[serde(default)]
     pub rendering_seconds: Option<f64>,
-    /// True if the search for conventions ended at the limit of its work.
+    /// True if the search for conventions, or for what is plainer, ended at the limit of its work.
     #[serde(default)]
     pub conventions_are_open: bool,
     /// Work of the search for conventions, in events of kernels.
     #[serde(default)]
     pub work_of_search: u64,
+    /// Mistakes that explain the image more plainly than the conventions that were found.
+    #[serde(skip)]
+    pub known_mistakes: KnownMistakes,
 }
+
+/// Single mistakes that explain an image, by their places in the catalogue.
+#[derive(Clone, Debug, Default)]
+pub struct KnownMistakes(pub(crate) Vec<(usize, Misfit)>);
 
 impl Evidence {
     /// The evidence on `case` before anything is rendered or read.

@@ -11,9 +11,9 @@ pub(super) mod images;
 pub(super) mod misfit;
 mod profile_text;
 
-use super::likeness::{self, SearchStep};
+use super::likeness::{self, Predictions, Search, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
-use crate::conventions::{CATALOGUE, ConventionSet, Profile};
+use crate::conventions::{CATALOGUE, ConventionSet, Profile, STEP};
 use crate::film::Film;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
 use crate::scene::{Mode, Panel, Scene};
@@ -22,6 +22,7 @@ use attempt::Attempt;
 use images::{Images, Watch};
 use profile_text::profile_text;
 use std::sync::Mutex;
+use std::time::Duration;
 
 /// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
 const MOST_TOGETHER: usize = 9;
@@ -63,6 +64,11 @@ impl Explained {
             })
         };
         self.set.iter().map(words).collect()
+    }
+
+    /// True of one convention; a step is none, but a parameter that the scene states.
+    fn is_plain(&self) -> bool {
+        matches!(self.set[..], [one] if CATALOGUE[one].choice != STEP)
     }
 
     /// Replaces a mismatch by the verdict of these conventions: a pass where they are `accepted`.
@@ -174,27 +180,22 @@ impl<'s> ConventionSearch<'s> {
         if !may_be_by_convention(&scene, &tests) {
             return;
         }
-        // Conventions are about samples.
-        let sampled = scene.with_volumes(|volume| volume.sample());
-        let images = self.images(case, &sampled, Some(OF_CONVENTIONS * seconds));
-        let found = match self.profile(case, store, &scene, judged, &images) {
-            Some(found) => {
-                explain_by_profile(&found, &mut judged.result, accepted);
-                Ok(())
-            }
-            None => self
-                .explain_by(case, &sampled, &tests, &images)
-                .map(|explained| {
-                    let Some(explained) = explained else { return };
-                    let is_one = explained.set.len() == 1;
-                    let rest = (1.0 - OF_CONVENTIONS) * seconds;
-                    if is_one || !likeness::is_plainly_explained(case, judged, rest) {
-                        explained.explain(&mut judged.result, accepted);
-                    }
-                }),
+        let images = self.images(case, &scene, Some(OF_CONVENTIONS * seconds));
+        let profile = self.profile(case, store, &scene, judged, &images);
+        let found = match &profile {
+            Some(_) => Ok(None),
+            None => self.explain_by(case, &scene, &tests, &images),
         };
         judged.evidence.work_of_search = images.work();
         judged.evidence.conventions_are_open = found.is_err();
+        if let Some(profile) = profile {
+            explain_by_profile(&profile, &mut judged.result, accepted);
+        }
+        if let Ok(Some(explained)) = &found
+            && (explained.is_plain() || !self.is_plainly_explained(case, judged, seconds))
+        {
+            explained.explain(&mut judged.result, accepted);
+        }
         if found.is_err() && !(self.interrupted)() {
             let note = format!(
                 "the search for conventions reached its limit, half of {seconds} s of work: give it more with --explain"
@@ -203,7 +204,19 @@ impl<'s> ConventionSearch<'s> {
         }
     }
 
-    /// Images of `scene`, with samples, for the search in `case`.
+    /// True if something [plainer](likeness::is_plainly_explained) than conventions explains the image behind `judged`,
+    /// with what they left of the work for it.
+    fn is_plainly_explained(&self, case: &Case, judged: &mut Judged, seconds: f64) -> bool {
+        let search = Search {
+            budget: Duration::try_from_secs_f64(seconds).ok(),
+            predictions: &Predictions::nowhere(),
+            interrupted: self.interrupted,
+            progress: self.progress,
+        };
+        likeness::is_plainly_explained(case, judged, &search)
+    }
+
+    /// Images of `scene` for the search in `case`.
     fn images<'i>(&'i self, case: &'i Case, scene: &'i Scene, seconds: Option<f64>) -> Images<'i> {
         let watch = Watch {
             case: &case.name,
@@ -247,11 +260,10 @@ impl<'s> ConventionSearch<'s> {
         if !may_be_by_convention(scene, images) {
             return Ok(None);
         }
-        let scene = scene.with_volumes(|volume| volume.sample());
-        self.explain_by(case, &scene, images, &self.images(case, &scene, seconds))
+        self.explain_by(case, scene, images, &self.images(case, scene, seconds))
     }
 
-    /// [`explain`](Self::explain) of `tests` by `images` of `scene`, with samples.
+    /// [`explain`](Self::explain) of `tests` by `images` of `scene`.
     fn explain_by(
         &self,
         case: &Case,

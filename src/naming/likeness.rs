@@ -30,6 +30,7 @@ mod registration;
 mod step;
 mod volume_in_view;
 
+use crate::compare::cells::Misfit;
 use crate::compare::{NumberChange, SHARED_POSITIONS};
 pub use clock::{Search, SearchStep, Stage};
 pub(super) use clock::{WORK_PER_SECOND, latest_end};
@@ -39,7 +40,7 @@ pub(crate) use kept::{CACHE_VARIABLE, cache_of_the_user};
 pub(crate) use prediction::{lattice_of, pixels_at, pixels_of};
 
 use crate::conventions::Profile;
-use crate::judging::{Cause, Judged, Likeness};
+use crate::judging::{Cause, Judged, KnownMistakes, Likeness};
 use crate::scene::Scene;
 use crate::suite::Case;
 use clock::SearchClock;
@@ -48,7 +49,6 @@ use explanations::{Explanation, Explanations, Found};
 use fit::Fitted;
 use hypothesis::Hypothesis;
 use opacity::OfOpacity;
-use std::time::Duration;
 
 /// Sentence for a difference in which nothing stands out.
 pub(crate) const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
@@ -205,8 +205,8 @@ pub(crate) fn likeness_with(
 }
 
 /// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged` as a gate has
-/// it, with as much work as two cores do in these `seconds`: that is plainer than several conventions.
-pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, seconds: f64) -> bool {
+/// it: that is plainer than several conventions. What this search finds and takes is handed on to the [later](likeness) one.
+pub(super) fn is_plainly_explained(case: &Case, judged: &mut Judged, search: &Search<'_>) -> bool {
     let scenes = |case: &Case| case.load_scene().ok();
     let Some(failed) = ComparedCase::new(0, case, judged, &scenes) else {
         return false;
@@ -214,17 +214,18 @@ pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, seconds: f64) -
     if failed.is_gain() {
         return true;
     }
-    let search = Search {
-        budget: Duration::try_from_secs_f64(seconds).ok(),
-        predictions: &Predictions::nowhere(),
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
-    let clock = SearchClock::start(&search, &failed.name, hunt::singles(), 0);
+    let clock = SearchClock::start(search, &failed.name, hunt::singles(), failed.spent);
     let (found, _) = failed.search(&clock);
-    let is_one = |hypothesis: &Hypothesis| matches!(hypothesis, Hypothesis::One(_));
-    let mut ones = found.iter().filter(|(hypothesis, _)| is_one(hypothesis));
-    ones.any(|(hypothesis, _)| failed.passes_with(hypothesis, &clock))
+    let mut hypotheses = found.iter().map(|(hypothesis, _)| hypothesis);
+    let is_plain = hypotheses.any(|it| it.one().is_some() && failed.passes_with(it, &clock));
+    let evidence = &mut judged.evidence;
+    evidence.work_of_search = clock.work();
+    if is_plain {
+        let place = |(hypothesis, misfit): (Hypothesis, Misfit)| Some((hypothesis.one()?, misfit));
+        evidence.known_mistakes = KnownMistakes(found.into_iter().filter_map(place).collect());
+        evidence.conventions_are_open = clock.unfinished().is_some();
+    }
+    is_plain
 }
 
 /// Counts, for the likeliest of `ranked` that explain equally many cases, the `passing` cases in which they would have

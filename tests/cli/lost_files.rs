@@ -24,21 +24,26 @@ fn goldens_of_no_suite_stay() {
     let sensitivity = "baseline/sensitivities/smoke/plain.exr";
     folder.write(sensitivity, "a sensitivity");
     symlink("baseline/smoke/plain.exr", folder.path("link.exr")).unwrap();
-    let before = folder.files();
     let run = ["--run", "cp golden/smoke/plain.exr {output}", "smoke/plain"];
-    for outputs in ["baseline", "baseline/smoke"] {
-        for option in ["--keep", "--report", "--ctest"] {
-            let words = [&["validate", option, outputs][..], &run].concat();
-            folder
-                .volref(&words)
-                .expect(2, &["holds goldens, such as baseline/smoke/plain.toml"]);
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+    let provenance = folder.text("baseline/smoke/plain.toml");
+    for provenance in [&provenance, pointer] {
+        folder.write("baseline/smoke/plain.toml", provenance);
+        let before = folder.files();
+        for outputs in ["baseline", "baseline/smoke"] {
+            for option in ["--keep", "--report", "--ctest"] {
+                let words = [&["validate", option, outputs][..], &run].concat();
+                folder
+                    .volref(&words)
+                    .expect(2, &["holds goldens, such as baseline/smoke/plain.toml"]);
+            }
         }
+        for file in ["link.exr", "baseline/smoke/plain.exr", sensitivity] {
+            let words = ["render", "fixtures/scenes/smoke/plain.toml", "-o", file];
+            folder.volref(&words).expect(2, &["is a golden"]);
+        }
+        assert!(folder.files() == before);
     }
-    for file in ["link.exr", "baseline/smoke/plain.exr", sensitivity] {
-        let words = ["render", "fixtures/scenes/smoke/plain.toml", "-o", file];
-        folder.volref(&words).expect(2, &["is a golden"]);
-    }
-    assert!(folder.files() == before);
 }
 
 /// A link that a renderer leaves is replaced by the file that it leads to, or goes where there is none.

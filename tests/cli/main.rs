@@ -11,6 +11,7 @@ mod compare;
 mod cost;
 mod decide;
 mod embedded;
+mod explanations;
 mod export;
 mod folder;
 mod gallery;

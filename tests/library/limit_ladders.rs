@@ -10,6 +10,10 @@ use volref::render::{Sampling, plans, render};
 use volref::scene::{Conventions, LastStep, Scene};
 use volref::suite::{Case, Output, Suite};
 
+/// Share of the work for a case that its conventions may take, and the work of a second.
+const OF_CONVENTIONS: f64 = 0.5;
+const WORK_PER_SECOND: f64 = 1e8;
+
 fn cases(filter: &str) -> (Suite, Vec<Case>) {
     let suite = Suite::bundled().unwrap();
     let selected = suite.select(&[filter.to_owned()]).unwrap();
@@ -184,11 +188,21 @@ fn profiles_that_volref_brings() {
     let profile = Profile::named("vispy").unwrap();
     let scene = profile.applied_to(&case.load_scene().unwrap()).unwrap();
     let film = rendered(&scene.unwrap());
-    let found = judged_one(&suite, case, of_eight_bits(&film)).result;
+    let judged = judged_one(&suite, case, of_eight_bits(&film));
+    let (found, work) = (judged.result, judged.evidence.work_of_search);
     assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
     let under = "has the conventions of the profile vispy, vispy 0.17";
     assert!(found.reason.contains(under), "{}", found.reason);
     assert_eq!(found.profile, Some(profile.text));
+    // What profiles take counts: with all but so much work it is not found.
+    let within = |work: u64| {
+        let seconds = work as f64 / (OF_CONVENTIONS * WORK_PER_SECOND);
+        judged_within(&suite, case, of_eight_bits(&film), seconds)
+    };
+    let found = within(work + 2);
+    assert_eq!(found.result.verdict, Verdict::Convention);
+    let open = within(work - 2);
+    assert_eq!(open.result.verdict, Verdict::Fail);
     // Darker by a tenth, which no renderer makes.
     let pixels = film.radiance().iter();
     let darker = pixels.map(|pixel| pixel.map(|value| 0.9 * value)).collect();
@@ -203,8 +217,13 @@ fn rendered(scene: &Scene) -> Film {
 }
 
 fn judged_one(suite: &Suite, case: &Case, image: Film) -> Judged {
+    judged_within(suite, case, image, 1e4)
+}
+
+fn judged_within(suite: &Suite, case: &Case, image: Film, seconds: f64) -> Judged {
     let output = Output::Picture(Box::new(Picture::Radiance(image)));
     let mut judged = validate(case, &suite.store(), output, None);
-    ConventionSearch::default().explain_mismatch(case, &suite.store(), &mut judged, 1e4, false);
+    let search = ConventionSearch::default();
+    search.explain_mismatch(case, &suite.store(), &mut judged, seconds, false);
     judged
 }

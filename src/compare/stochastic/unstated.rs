@@ -70,8 +70,12 @@ pub(crate) fn is_off_by_noise(reference: &Film, test: &Film) -> bool {
             let side = |index: usize| Some(shares.get(&index)?[0] > median);
             for &index in shares.keys() {
                 // Nothing is beyond the end of a row, as the next block is another map.
-                let neighbours = [index + 1, index + width].map(side);
-                for other in neighbours.into_iter().flatten() {
+                let beside = ((index + 1) % width != 0).then_some(index + 1);
+                for other in [beside, Some(index + width)]
+                    .into_iter()
+                    .flatten()
+                    .filter_map(side)
+                {
                     pairs += 1;
                     same += usize::from(Some(other) == side(index));
                 }
@@ -81,4 +85,24 @@ pub(crate) fn is_off_by_noise(reference: &Film, test: &Film) -> bool {
     let pairs = pairs as f64;
     let chance = 0.5 * ERRORS / pairs.max(1.0).sqrt();
     2 * filled > differing && same as f64 <= (0.5 + MORE_ON_ONE_SIDE.max(chance)) * pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two columns, one too bright and one too dark: neighbours are on the same side down them, and on the other across. The
+    /// end of a row is no neighbour of the next row's beginning, which is on the other side.
+    #[test]
+    fn the_ends_of_short_rows_are_no_neighbours() {
+        let film = |value: &dyn Fn(usize) -> f32| {
+            Film::new(2, 512, (0..1024).map(|index| [value(index); 3]).collect())
+        };
+        // The row makes the first of a block the median alone.
+        let striped = film(&|index| match index % 2 {
+            0 => 0.55 + 0.001 * (index / 2 % BLOCK) as f32,
+            _ => 0.45,
+        });
+        assert!(!is_off_by_noise(&film(&|_| 0.5), &striped));
+    }
 }

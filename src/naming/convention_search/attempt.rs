@@ -64,7 +64,6 @@ const OF_STEPS: [&str; 11] = [
 /// The search in the images of one case.
 pub struct Attempt<'a> {
     exposure: f64,
-    /// The scene, with samples.
     scene: &'a Scene,
     images: &'a Images<'a>,
     /// The image with the step of the scene, and those with half of it, a quarter and so on.
@@ -213,8 +212,11 @@ impl<'a> Attempt<'a> {
 
     /// True if the images under the conventions of `set` differ from those under volref's own by more than the
     /// gate allows, and pass under the `agreement` or leave no more of the pixels outside of the tolerance than
-    /// [`LEFT_BY_ROUNDING`].
+    /// [`LEFT_BY_ROUNDING`]; and if a step of the set [shows](Self::shows_step).
     pub fn is_explained(&self, set: &[usize], agreement: Agreement) -> bool {
+        if !self.shows_step(set) {
+            return false;
+        }
         let (mut differs, mut before, mut left) = (false, 0.0_f64, 0.0_f64);
         for (halvings, test) in self.tests.iter().enumerate() {
             let images = [&[], set].map(|set| self.images.under(set, halvings, Detail::Whole));
@@ -226,6 +228,19 @@ impl<'a> Attempt<'a> {
             differs |= !self.passes(&own, &under, false);
         }
         differs && (agreement == Agreement::Full || left <= LEFT_BY_ROUNDING * before)
+    }
+
+    /// True of a set without a step, and of one whose image differs by more than the gate allows from that with the
+    /// scene's step: one that cannot be told from the scene's is not claimed.
+    fn shows_step(&self, set: &[usize]) -> bool {
+        let others = set.iter().filter(|&&index| CATALOGUE[index].choice != STEP);
+        let others: ConventionSet = others.copied().collect();
+        if others.len() == set.len() {
+            return true;
+        }
+        let image = |set: &[usize]| self.images.under(set, 0, Detail::Whole);
+        let images = image(&others).zip(image(set));
+        images.is_some_and(|(without, with)| !self.passes(&without, &with, false))
     }
 
     /// True if `test` passes, `in_single_precision` but for what that rounds.
@@ -287,7 +302,12 @@ impl<'a> Attempt<'a> {
         let expanded = candidates.iter().filter(|(_, it)| it.is_expanded);
         let best = expanded.min_by(|a, b| lead(a).total_cmp(&lead(b)));
         let best = best.map_or(&[][..], |(set, _)| set);
-        let is_of_steps = |&index: &usize| OF_STEPS.contains(&CATALOGUE[index].choice);
+        let own = stated(self.scene);
+        let is_of_steps = |&index: &usize| {
+            let choice = CATALOGUE[index].choice;
+            let has_step = || stated(&under(self.scene, &[index])) != own;
+            OF_STEPS.contains(&choice) && (choice != STEP || has_step())
+        };
         let of_steps: Vec<usize> = (0..CATALOGUE.len()).filter(is_of_steps).collect();
         let mut sets = Vec::new();
         for (at, &first) in of_steps.iter().enumerate() {
@@ -401,8 +421,9 @@ impl<'a> Attempt<'a> {
         while index < set.len() {
             let mut shorter = set.clone();
             shorter.remove(index);
+            let is_step = CATALOGUE[set[index]].choice == STEP;
             match self.agreement_if_near(&shorter) {
-                Some(other) if other <= agreement => {
+                Some(other) if other <= agreement || is_step && !self.shows_step(&set) => {
                     (set, agreement) = (shorter, other);
                 }
                 _ => index += 1,

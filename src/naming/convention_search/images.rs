@@ -11,7 +11,6 @@ use std::time::{Duration, Instant};
 
 /// Images of a scene under sets of conventions, and the work that they take.
 pub struct Images<'a> {
-    /// The scene, with samples.
     scene: &'a Scene,
     /// Gradients at the nodes of the volume of each panel.
     gradients: Vec<NodeGradients>,

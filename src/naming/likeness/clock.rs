@@ -131,6 +131,11 @@ impl<'s> SearchClock<'s> {
         self.search.predictions
     }
 
+    /// Work done, with what was spent before.
+    pub fn work(&self) -> u64 {
+        self.work.load(Ordering::Relaxed)
+    }
+
     /// Counts `work` that is about to be done; false, and none of it is to be done, if the search of this case is
     /// to end.
     pub fn spend(&self, work: u64) -> bool {
@@ -170,7 +175,7 @@ impl<'s> SearchClock<'s> {
     }
 
     fn is_beyond(&self, limit: Option<u64>) -> bool {
-        self.ended_if(limit.is_some_and(|limit| self.work.load(Ordering::Relaxed) >= limit))
+        self.ended_if(limit.is_some_and(|limit| self.work() >= limit))
     }
 
     fn ended_if(&self, is: bool) -> bool {
@@ -198,8 +203,8 @@ impl<'s> SearchClock<'s> {
     }
 
     fn step(&self) -> SearchStep {
-        let done = self.work.load(Ordering::Relaxed);
-        let left = |[limit, _]: [u64; 2]| limit.saturating_sub(done) as f64 / WORK_PER_SECOND;
+        let left =
+            |[limit, _]: [u64; 2]| limit.saturating_sub(self.work()) as f64 / WORK_PER_SECOND;
         SearchStep {
             case: self.case.to_owned(),
             stage: self.stage,

@@ -2,6 +2,7 @@
 
 use super::clock::SearchClock;
 use super::distances::distances;
+use super::hunt::Explaining;
 use super::hypothesis::Hypothesis;
 use super::kept_values::KeptValues;
 use super::noisy_pixels::NoisyPixels;
@@ -64,6 +65,8 @@ pub(super) struct ComparedCase {
     pub effective_cells: f64,
     /// Work that the search for its conventions took, in events of kernels.
     pub spent: u64,
+    /// What explains the image, where that search has found it.
+    pub known: Explaining,
     /// Judged by noise, in coarse cells; else pixel by pixel.
     pub is_sampled: bool,
     pub golden: Film,
@@ -139,12 +142,15 @@ impl ComparedCase {
         let predictor = Predictor::new(scenes(case)?, size.0 * size.1, is_sampled);
         let glimpse = (!is_sampled)
             .then(|| Glimpse::new(&bounded, &test, &predictor.widths, predictor.first.0));
+        let known = judged.evidence.known_mistakes.0.iter();
+        let known = known.map(|&(one, misfit)| (Hypothesis::One(one), misfit));
         Some(ComparedCase {
             index,
             name: case.name.clone(),
             simple: simple(case, &golden, &picture),
             effective_cells: golden_cells.effective_cells(&test_cells),
             spent: judged.evidence.work_of_search,
+            known: known.collect(),
             is_sampled,
             suspects: suspects(judged),
             refined: if judged.result.gate.name() == Refinement.name() {

@@ -84,6 +84,11 @@ impl<'c> Explanations<'c> {
             self.add(failed, known);
             return None;
         }
+        if !failed.known.is_empty() {
+            self.try_in(&self.failing[..at], &failed.known, &clock);
+            self.add(failed, failed.known.iter().copied());
+            return None;
+        }
         // First, for it takes little of the work that the search may use up.
         let in_pixels = failed.search_in_pixels(&clock);
         let (mut found, looks) = failed.search(&clock);

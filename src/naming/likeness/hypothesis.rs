@@ -18,6 +18,14 @@ pub(super) fn mistake(index: usize) -> &'static Mistake {
 }
 
 impl Hypothesis {
+    /// The place of the mistake in the catalogue, of one alone.
+    pub fn one(&self) -> Option<usize> {
+        match *self {
+            Hypothesis::One(one) => Some(one),
+            Hypothesis::Two(..) => None,
+        }
+    }
+
     pub fn mistakes(&self) -> Vec<&'static Mistake> {
         match *self {
             Hypothesis::One(one) => vec![mistake(one)],
