@@ -98,7 +98,9 @@ def pytest_configure(config: pytest.Config) -> None:
         except volref.VolrefError as error:
             raise pytest.UsageError(f"--volref-suite {config.getoption('volref_suite')}: {error}") from None
     if config.getoption("volref_report"):
-        config.stash[RESULTS_KEY] = Path(os.path.realpath(tempfile.mkdtemp(prefix="volref-results-")))
+        results = Path(os.path.realpath(tempfile.mkdtemp(prefix="volref-results-")))
+        config.stash[RESULTS_KEY] = results
+        config.add_cleanup(lambda: shutil.rmtree(results, ignore_errors=True))
 
 
 def _is_worker(config: pytest.Config) -> bool:
@@ -151,8 +153,6 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
             config.stash[PAGE_KEY] = _page_of_all(results, config)
     except (volref.VolrefError, OSError) as error:
         config.stash[PAGE_KEY] = f"not written: {error}"
-    finally:
-        shutil.rmtree(results, ignore_errors=True)
 
 
 def _page_of_all(results: Path, config: pytest.Config) -> str:
@@ -165,7 +165,7 @@ def _page_of_all(results: Path, config: pytest.Config) -> str:
         # Folders that are gone: those of the images, then that of the results.
         gone = f"{re.escape(str(results) + os.sep + IMAGES)}\\w+"
         images = in_words(config.getoption("volref_outputs"))
-        for pattern in {gone, gone.replace("/", "&\\#x2f;")}:
+        for pattern in (gone, gone.replace("/", "&\\#x2f;")):
             text = re.sub(pattern, lambda _: images, text)
         page.write_text(without_folder(without_folder(text, str(results), "RESULTS"), folder, "REPORT"), encoding="utf-8")
         kept = Path(config.getoption("volref_report"))
