@@ -23,7 +23,7 @@
 #
 # A test passes and fails as `volref validate` does, and is skipped where the image is too noisy to decide. Where nothing
 # is compared it fails, as where the suite lacks the case by now.
-# Metrics and pictures are CTest's measurements.
+# Metrics and pictures are CTest's measurements; CDash lays TestImage over ValidImage, with a slider.
 # The program is VOLREF_PROGRAM, else `volref` on the search path. Needs CMake 3.21 and volref when configured.
 
 cmake_minimum_required(VERSION 3.21)

@@ -4,8 +4,20 @@ export type Vector = [number, number, number];
 
 /** A projection, or isosurfaces. */
 export type Mode = 'maximum' | 'minimum' | 'mean' | 'sum' | 'attenuated-maximum' | 'isosurface';
-/** What a picture takes beside one volume along the axes, composited. */
-export type Feature = Mode | 'several' | 'placed' | 'shading' | 'shadow' | 'clips' | 'surfaces' | 'modulation';
+/** What a picture takes beside one volume along the axes, seen from one point, interpolated and composited. */
+export type Feature =
+  | Mode
+  | 'several'
+  | 'parallel'
+  | 'placed'
+  | 'sheared'
+  | 'nearest'
+  | 'formula'
+  | 'shading'
+  | 'shadow'
+  | 'clips'
+  | 'surfaces'
+  | 'modulation';
 
 /** A point of a transfer function: linear colour, and opacity over the reference length. */
 export interface Point {

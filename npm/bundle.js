@@ -9,15 +9,10 @@ export { npy, png, readNpy } from './files.js';
 const SCHEMA = 'volref/bundle/1';
 const LENGTHS = ['length', 'step', 'voxel'];
 const MODES = ['maximum', 'minimum', 'mean', 'sum', 'attenuated-maximum', 'isosurface'];
-const FEATURES = {
-  several: 'several volumes',
-  placed: 'a volume placed by a matrix',
-  shading: 'shading',
-  shadow: 'a shadow',
-  clips: 'clips',
-  surfaces: 'surfaces',
-  modulation: 'opacities by a second number',
-};
+const FEATURES = [
+  ...['several', 'parallel', 'placed', 'sheared', 'nearest', 'formula'],
+  ...['shading', 'shadow', 'clips', 'surfaces', 'modulation'],
+];
 
 /** Something in the scene for which the renderer has no words: `volref validate` counts the image as missing. */
 export class Refusal extends Error {
@@ -107,7 +102,7 @@ export class Bundle {
   /** The volume, where there is one only. */
   get volume() {
     const [volume, ...others] = this.volumes;
-    if (others.length > 0) refuse(FEATURES.several);
+    if (others.length > 0) refuse(this.asks.several);
     return volume;
   }
 
@@ -138,27 +133,15 @@ export class Bundle {
     return this.panel.mode?.name ?? 'composited';
   }
 
-  /** Features that the picture takes beside one volume along the axes, composited, each with the words for it. */
+  /** Features that the picture takes beside one volume along the axes, seen from one point, interpolated between the points
+   * of a table and composited, each with the words for it. */
   get asks() {
-    const { panel, volumes } = this;
-    const parts = volumes.map(({ part }) => part);
-    const asked = {
-      [this.mode]: MODES.includes(this.mode),
-      several: volumes.length > 1,
-      placed: parts.some((part) => part.grid.matrix),
-      shading: parts.some((part) => part.phong),
-      shadow: panel.shadow || parts.some((part) => part.shadow),
-      clips: panel.clips?.length > 0,
-      surfaces: panel.surfaces?.length > 0,
-      modulation: parts.some((part) => part.modulation),
-    };
-    const names = Object.keys(asked).filter((name) => asked[name]);
-    return Object.fromEntries(names.map((name) => [name, FEATURES[name] ?? `mode = "${name}"`]));
+    return this.panel.asks;
   }
 
   /** Refuses the scene if the picture takes features beside these. */
   allow(...features) {
-    const all = [...Object.keys(FEATURES), ...MODES];
+    const all = [...FEATURES, ...MODES];
     const unknown = features.find((name) => !all.includes(name));
     if (unknown !== undefined) throw new TypeError(`${unknown} is no feature: give ${all.join(', ')}`);
     const beside = Object.entries(this.asks).filter(([name]) => !features.includes(name));

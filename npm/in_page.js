@@ -14,7 +14,8 @@ export async function run(step) {
     if (typeof render !== 'function')
       throw new TypeError('the module exports no function render(element, bundle, step)');
     const image = await render(document.querySelector('div'), bundle, step ?? bundle.step);
-    return packed(checked(values(image, bundle), bundle));
+    const { data, alpha } = values(image, bundle);
+    return { ...packed(checked(data, bundle)), alpha };
   } catch (error) {
     if (error?.name === 'Refusal') return { cannot: error.message };
     throw error;
@@ -34,19 +35,21 @@ function values(image, { width, height }) {
     }
     return codes(image);
   }
-  return image instanceof ImageData ? image.data : image;
+  return image instanceof ImageData ? { data: image.data, alpha: 'straight' } : { data: image };
 }
 
+/** The codes of a canvas, and how its colours go with its opacity. */
 function codes(canvas) {
   const gl = canvas.getContext('webgl2') ?? canvas.getContext('webgl');
   if (gl) {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    return pixels(gl);
+    // Divided by their opacity, codes of faint pixels would lose digits.
+    return { data: pixels(gl), alpha: gl.getContextAttributes().premultipliedAlpha ? 'premultiplied' : 'straight' };
   }
   const { width, height } = canvas;
   const drawn = canvas.getContext('2d') ?? new OffscreenCanvas(width, height).getContext('2d');
   if (drawn.canvas !== canvas) drawn.drawImage(canvas, 0, 0);
-  return drawn.getImageData(0, 0, width, height).data;
+  return { data: drawn.getImageData(0, 0, width, height).data, alpha: 'straight' };
 }
 
 function checked(values, { width, height }) {

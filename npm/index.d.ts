@@ -2,13 +2,17 @@ import { Bundle } from './bundle.js';
 
 /**
  * An image, rows from the top, 3 or 4 channels: floats are linear radiance in front of the background of the scene,
- * codes of 8 bits sRGB at the exposure of the case. Opacity is not compared.
+ * codes of 8 bits sRGB at the exposure of the case. Opacity is compared, unless it is 1 or 0 everywhere.
  */
 export interface Image {
   width: number;
   height: number;
   data: Float32Array | Uint8Array | Uint8ClampedArray;
+  /** Colours beside opacity leave out the background: `straight`, as `getImageData` has them, or `premultiplied`. */
+  alpha?: Alpha;
 }
+
+export type Alpha = 'straight' | 'premultiplied';
 
 /** A case of the suite. */
 export interface Case {
@@ -40,6 +44,8 @@ export interface CheckOptions extends SuiteOptions {
   profile?: string;
   /** Bits of a channel: differences up to half a code agree. With `8-linear` codes are those of radiance, without exposure. */
   bits?: 8 | '8-linear' | '8-srgb';
+  /** Colours beside opacity leave out the background of the scene: that of the image by default. */
+  alpha?: Alpha;
   /** Pass images that are right under other conventions, which a search finds: `explain` is above 0. */
   acceptConventions?: boolean;
   /** Seconds for finding the mistake behind an image that fails; 0 for no search, the default where CI is set, else 10. */
@@ -74,7 +80,7 @@ export class Result {
 /** The program could not do what it was asked to. */
 export class VolrefError extends Error {}
 
-/** Path of the program: that of $VOLREF_PROGRAM, else the one of the platform's package, else the one on the path. */
+/** Path of the program: that of $VOLREF_PROGRAM, else the one that the package brings, else the one on the path. */
 export function program(): string;
 /** The cases that the filters name: families, cases, or patterns such as `figures/*`, with `!` before them excluded; all without one. */
 export function cases(...filters: (string | SuiteOptions)[]): Case[];
@@ -87,5 +93,5 @@ export function check(name: string, image: Image | Image[] | Record<number, Imag
 export function exportBundle(name: string, options?: SuiteOptions & { folder?: string }): Bundle;
 /** The bundle of a file that `volref export --to bundle` wrote. */
 export function readBundle(file: string): Bundle;
-/** Writes an image as .npy, where codes are divided by 255, or .png. */
+/** Writes an image as .npy, where codes are divided by 255, or as .png, which holds no opacity. */
 export function writeImage(file: string, image: Image): void;

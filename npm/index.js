@@ -5,11 +5,12 @@ import os from 'node:os';
 import path from 'node:path';
 import { Bundle } from './bundle.js';
 import { npy, png } from './files.js';
-import { VolrefError, call } from './program.js';
+import { VolrefError, call, inTermsOfJavaScript } from './program.js';
 
 export { VolrefError, program } from './program.js';
 
 const MOST_HALVINGS = 10;
+const OPTIONS = ['profile', 'bits', 'alpha', 'acceptConventions', 'explain', 'report', 'suite'];
 const FILE_KEYS = ['file', 'vertices', 'triangles'];
 
 /** The cases that the filters name: families, cases, or patterns such as `figures/*`, with `!` before them excluded; all without one. */
@@ -54,7 +55,10 @@ export class Result {
  * family `limit` an object by the factor on the step, `{ 1: a, 0.5: b, 0.25: c }`.
  */
 export function check(name, image, options = {}) {
+  const unknown = Object.keys(options).find((option) => !OPTIONS.includes(option));
+  if (unknown !== undefined) throw new TypeError(`check has no option ${unknown}: give ${OPTIONS.join(', ')}`);
   const { profile, bits, acceptConventions = false, explain, report, suite } = options;
+  const alpha = options.alpha ?? declaredAlpha(image);
   const { name: found } = one(name, suite);
   return inTemporaryFolder((folder) => {
     // A PNG would hold the codes at the exposure of the case.
@@ -67,21 +71,23 @@ export function check(name, image, options = {}) {
       ...(explain === undefined ? [] : [`--explain=${explain}`]),
       ...(profile === undefined ? [] : [`--as=${profile}`]),
       ...(bits === undefined ? [] : [`--bits=${bits}`]),
+      ...(alpha === undefined ? [] : [`--alpha=${alpha}`]),
       ...(acceptConventions ? ['--accept-conventions'] : []),
       ...(report === undefined ? [] : [`--report=${report}`]),
       ...suiteWords(suite),
     ]);
     const [judged] = value.cases;
-    const advice = new Map((value.looks_like ?? []).map((mistake) => [mistake.mistake, mistake.advice]));
+    const words = inTermsOfJavaScript;
+    const advice = new Map((value.looks_like ?? []).map((mistake) => [mistake.mistake, words(mistake.advice)]));
     return Object.assign(new Result(acceptConventions), {
       name: judged.name,
       verdict: judged.verdict,
       // Nobody finds a folder for temporary files again.
-      reason: judged.reason.replaceAll(folder + path.sep, ''),
+      reason: words(judged.reason.replaceAll(folder + path.sep, '')),
       gate: judged.gate,
       looksLike: judged.looks_like.map((mistake) => ({ name: mistake, advice: advice.get(mistake) ?? '' })),
       conventions: judged.conventions ?? [],
-      difference: judged.difference ?? [],
+      difference: (judged.difference ?? []).map(words),
       metrics: judged.metrics,
       searchEnded: judged.search_ended,
       report: report === undefined ? undefined : path.resolve(report, 'index.html'),
@@ -114,7 +120,7 @@ function filesIn(value) {
   );
 }
 
-/** Writes an image as NPY, where codes of 8 bits are divided by 255, or as PNG, whole or not at all. */
+/** Writes an image as NPY, where codes of 8 bits are divided by 255, or as PNG without opacity, whole or not at all. */
 export function writeImage(file, { width, height, data }) {
   const extension = path.extname(file).toLowerCase();
   if (!['.npy', '.png'].includes(extension)) {
@@ -123,9 +129,10 @@ export function writeImage(file, { width, height, data }) {
   const isFloat = data instanceof Float32Array;
   if (extension === '.png' && isFloat) throw new VolrefError(`${file}: a PNG holds codes of 8 bits, and not floats`);
   const channels = data.length / (width * height);
-  const values = isFloat ? data : Float32Array.from(colours(data, channels), (code) => code / 255);
-  const shape = [height, width, isFloat ? channels : 3];
-  const bytes = extension === '.png' ? png(colours(data, channels), width, height) : npy(values, shape);
+  const values = isFloat ? data : Float32Array.from(data, (code) => code / 255);
+  const isPng = extension === '.png';
+  if (isPng && isTransparent(data, channels)) throw new TypeError(TRANSPARENT);
+  const bytes = isPng ? png(colours(data, channels), width, height) : npy(values, [height, width, channels]);
   const beside = `${file}.${process.pid}.part`;
   try {
     fs.writeFileSync(beside, bytes);
@@ -134,6 +141,24 @@ export function writeImage(file, { width, height, data }) {
     fs.rmSync(beside, { force: true });
     throw new VolrefError(`cannot write ${file}: ${error.code}`);
   }
+}
+
+const TRANSPARENT =
+  "the image is transparent, and sRGB codes cannot be put before a background: draw the scene's background on the " +
+  "canvas (a WebGL context takes { alpha: false }), or draw radiance and give bits: '8-linear'";
+
+/** Some opacity is not 1, and it is not 0 everywhere, as where nobody wrote it. */
+function isTransparent(data, channels) {
+  if (channels !== 4) return false;
+  let [isClear, isOpaque] = [true, true];
+  for (let at = 3; at < data.length; at += 4) [isClear, isOpaque] = [isClear && data[at] === 0, isOpaque && data[at] === 255];
+  return !isClear && !isOpaque;
+}
+
+/** Whether colours are multiplied by opacity, as a transparent canvas says it. */
+function declaredAlpha(image) {
+  const { data, width, height, alpha } = (Array.isArray(image) ? image[0] : image) ?? {};
+  return alpha !== undefined && isTransparent(data, data.length / (width * height)) ? alpha : undefined;
 }
 
 /** Codes without opacity. */

@@ -1,4 +1,5 @@
 import { Bundle } from './bundle.js';
+import { Alpha } from './index.js';
 
 /** The image that a page rendered. */
 export interface PageImage {
@@ -6,6 +7,8 @@ export interface PageImage {
   height: number;
   /** RGBA codes, or radiance of 3 or 4 channels, top row first. */
   data: Uint8Array | Float32Array;
+  /** Of a canvas or an `ImageData`: how its colours go with its opacity. */
+  alpha?: Alpha;
   /** Errors that the page said on its console. */
   messages: string[];
 }

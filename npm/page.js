@@ -86,8 +86,8 @@ export class Page {
     });
     try {
       const { width, height } = bundle;
-      const data = await Promise.race([late, this.#inTab(browser, bundle, step, messages)]);
-      return { width, height, data, messages };
+      const image = await Promise.race([late, this.#inTab(browser, bundle, step, messages)]);
+      return { width, height, ...image, messages };
     } catch (error) {
       if (browser.hasEnded) browser.end();
       if (error instanceof Refusal) throw error;
@@ -132,7 +132,8 @@ export class Page {
     if (exceptionDetails) throw new Error(this.#words(exceptionDetails));
     if (result.value.cannot !== undefined) throw new Refusal(result.value.cannot);
     const bytes = Uint8Array.from(Buffer.from(result.value.base64, 'base64'));
-    return result.value.type === 'float' ? new Float32Array(bytes.buffer) : bytes;
+    const data = result.value.type === 'float' ? new Float32Array(bytes.buffer) : bytes;
+    return result.value.alpha === undefined ? { data } : { data, alpha: result.value.alpha };
   }
 
   /** Notes what the page said on its console, and exceptions that nobody caught. */

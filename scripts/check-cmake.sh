@@ -77,7 +77,10 @@ says 'known.toml:1: figures/figure-2 passes: remove the entry'
 says 'wrong/figures/figure-2 \.+\**Failed'
 says 'looks like  upside-down'
 says '<CTestMeasurement type="numeric/double" name="outlier_pixels">'
-says '<CTestMeasurementFile type="image/png" name="difference">/.*difference.png</CTestMeasurementFile>'
+# The names by which CDash compares pictures.
+says '<CTestMeasurementFile type="image/png" name="ValidImage">/.*golden.png</CTestMeasurementFile>'
+says '<CTestMeasurementFile type="image/png" name="TestImage">/.*test.png</CTestMeasurementFile>'
+says '<CTestMeasurementFile type="image/png" name="DifferenceImage2">/.*difference.png</CTestMeasurementFile>'
 [ -f reports/figures/figure-2/index.html ] || fail "a report"
 [ -f volref-pictures/figures/figure-2/test.png ] || fail "a picture"
 says 'forged/figures/figure-2 \.+\**Failed'

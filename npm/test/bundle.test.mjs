@@ -167,16 +167,19 @@ test('what a renderer has no words for is refused by name', () => {
   assert.strictEqual(refused('scenes/maximum', 'mean', 'shading'), 'mode = "maximum"');
   assert.match(
     refused('scenes/three-in-shadow', 'maximum'),
-    /several volumes; a volume placed by a matrix; shading; a shadow/,
+    /3 volumes; a volume placed by a matrix; .*shading; a shadow/,
   );
   assert.match(refused('scenes/ball-in-rings', 'maximum'), /surfaces/);
   assert.match(refused('figures/figure-5'), /more than one panel/);
   assert.ok(Object.keys(exportBundle('figures/figure-2').files).length > 0);
-  exportBundle('sampled/nearest-blocks').allow();
-  exportBundle('scenes/shadowed').allow('placed', 'shading', 'shadow');
+  assert.match(refused('sampled/nearest-blocks'), /values of the nearest node/);
+  assert.match(refused('sampled/parallel-z-up', 'nearest'), /parallel rays/);
+  assert.match(refused('sampled/formula', 'parallel'), /a transfer function by formulas/);
+  assert.strictEqual(refused('scenes/sheared', 'placed', 'shading', 'formula'), 'a volume that is sheared');
+  exportBundle('scenes/shadowed').allow('placed', 'sheared', 'shading', 'shadow');
   assert.throws(
     () => exportBundle('sampled/thin').allow('orthographic'),
-    /orthographic is no feature: give several, placed/,
+    /orthographic is no feature: give several, parallel/,
   );
   assert.throws(() => exportBundle('sampled/thin').table(1), /2 entries or more/);
   assert.throws(() => exportBundle('sampled/thin').table(8, { per: 'metre' }), /give one of length, step, voxel/);

@@ -117,11 +117,57 @@ test('codes are those of the exposure, or with 8-linear of radiance', () => {
   // Its exposure is 3 stops.
   const image = codesOf(rendered('limit/thin-haze'));
   const data = Uint8Array.from({ length: (image.data.length / 3) * 4 }, (_, k) =>
-    k % 4 < 3 ? image.data[3 * (k >> 2) + (k % 4)] : 9,
+    k % 4 < 3 ? image.data[3 * (k >> 2) + (k % 4)] : 255,
   );
   const images = { 1: { ...image, data }, 0.5: image, 0.25: image };
   assert.ok(check('limit/thin-haze', images, { bits: '8-linear', explain: 0 }).passed);
   assert.ok(!check('limit/thin-haze', images, { explain: 0 }).passed);
+});
+
+test('a transparent image keeps its opacity, and is put before the background', () => {
+  const { width, height, data: right } = rendered('scenes/opacity-over-grey');
+  const { background } = exportBundle('scenes/opacity-over-grey');
+  // Straight, as getImageData has it, in floats: what is clear has no colour.
+  const straight = right.map((value, k) => {
+    const opacity = right[k - (k % 4) + 3];
+    if (k % 4 === 3) return value;
+    return opacity > 0 ? (value - (1 - opacity) * background[k % 4]) / opacity : 0;
+  });
+  const judge = (data, options) => check('scenes/opacity-over-grey', { width, height, data, ...options }, { explain: 0 });
+  assert.ok(judge(straight, { alpha: 'straight' }).passed, String(judge(straight, { alpha: 'straight' })));
+  assert.strictEqual(judge(straight).verdict, 'fail');
+  const squared = straight.map((value, k) => (k % 4 === 3 ? value * value : value));
+  assert.match(String(judge(squared, { alpha: 'straight' })), /opacity/);
+  const codes = { width: 1, height: 2, data: Uint8Array.of(255, 0, 0, 128, 0, 0, 0, 255) };
+  writeImage(within('codes.npy'), codes);
+  assert.deepStrictEqual(readNpy(fs.readFileSync(within('codes.npy'))).shape, [2, 1, 4]);
+  assert.throws(() => writeImage(within('codes.png'), codes), /is transparent.*bits: '8-linear'/);
+});
+
+test('errors speak of options, not of flags', () => {
+  const image = { width: 64, height: 64, data: new Float32Array(3 * 64 * 64) };
+  const message = (options) => {
+    try {
+      return String(check('sampled/thin', image, { explain: 0, ...options }));
+    } catch (error) {
+      return error.message;
+    }
+  };
+  for (const [options, words] of [
+    [{ bits: 7 }, /^bits is '7': /],
+    [{ explain: 'long' }, /^explain is 'long': /],
+    [{ alpha: 'straight' }, /and alpha: 'straight' is declared: .*, or leave alpha out/],
+    [{ profile: 'nobody' }, /nobody/],
+    [{ suite: within('nowhere') }, /nowhere/],
+    [{ accept: true }, /^check has no option accept: give profile, bits, alpha, acceptConventions/],
+  ]) {
+    assert.match(message(options), words);
+    assert.doesNotMatch(message(options), /--\w|`volref /);
+  }
+  assert.throws(
+    () => cases('figure-99'),
+    ({ message }) => /no case matches/.test(message) && !/--\w|`volref/.test(message),
+  );
 });
 
 test('what is no image is rejected before the program is called', () => {
@@ -190,10 +236,10 @@ test('the script volref is the program', () => {
   assert.strictEqual(spawnSync(process.execPath, [path.join(PACKAGE, 'volref.js'), 'list', 'figure-99']).status, 5);
 });
 
-test('the packages have the version of the program', () => {
+test('the package has the version of the program, and depends on nothing that somebody else could publish', () => {
   const description = JSON.parse(fs.readFileSync(path.join(PACKAGE, 'package.json'), 'utf8'));
   assert.strictEqual(volref('--version').trim(), `volref ${description.version}`);
-  for (const [name, version] of Object.entries(description.optionalDependencies)) {
-    assert.strictEqual(version, description.version, name);
-  }
+  assert.deepStrictEqual([description.name, description.private], ['volref', true]);
+  const depends = Object.keys(description).filter((key) => /dependencies/i.test(key));
+  assert.deepStrictEqual(depends, []);
 });

@@ -94,7 +94,8 @@ test('a canvas is read, and its faults are said', options, async (t) => {
   const page = await startPage(within('page.js'), { timeout: 30 });
   t.after(() => page.close());
   const bundle = thin();
-  const { data, width, height, messages } = await page.render(bundle, 1);
+  const { data, width, height, alpha, messages } = await page.render(bundle, 1);
+  assert.strictEqual(alpha, 'straight');
   assert.deepStrictEqual([width, height, data.length, messages], [64, 64, 4 * 64 * 64, []]);
   assert.deepStrictEqual([...data.subarray(0, 4)], [10, 20, 30, 255]);
   assert.deepStrictEqual([...data.subarray(-4)], [0, 0, 0, 0]);
@@ -144,6 +145,7 @@ test('a page of WebGL is judged', options, async (t) => {
   const page = await startPage(within('webgl.js'));
   t.after(() => page.close());
   const image = await page.render(thin());
+  assert.strictEqual(image.alpha, 'premultiplied');
   const at = (x, y) => [...image.data.subarray(4 * (64 * y + x), 4 * (64 * y + x) + 4)];
   assert.deepStrictEqual(
     [at(1, 1), at(62, 1), at(62, 62)],
@@ -275,7 +277,7 @@ test('volref-page renders once', options, async () => {
     spawnSync(process.execPath, [SCRIPT, within('page.js'), within('thin.json'), ...words], { encoding: 'utf8' });
   assert.strictEqual(once(within('image.npy'), '--step', '6').stderr, 'console: six 6\n');
   const { values, shape } = readNpy(fs.readFileSync(within('image.npy')));
-  assert.deepStrictEqual(shape, [64, 64, 3]);
+  assert.deepStrictEqual(shape, [64, 64, 4]);
   assert.ok(Math.abs(values[1] - 20 / 255) < 1e-7);
   const refused = once(within('none.npy'), '--step', '2');
   assert.deepStrictEqual([refused.status, refused.stderr], [1, 'refused: two\n']);

@@ -538,3 +538,20 @@ def test_a_program_that_was_removed(tmp_path):
     environment = {name: value for name, value in os.environ.items() if name != "VOLREF_PROGRAM"}
     run = subprocess.run([sys.executable, "-c", code, tmp_path], env=environment, capture_output=True, text=True)
     assert "it was removed, or the wheel held none" in run.stderr, run.stderr
+
+
+def test_a_case_as_a_bundle(tmp_path):
+    (case,) = volref.cases("sampled/constant")
+    bundle = case.bundle()
+    assert bundle.volume.values.shape == tuple(bundle.volume.grid["nodes"][::-1]) and bundle.path.is_file()
+    kept = case.bundle(tmp_path, step=0.25)
+    assert (kept.path.parent, kept.step) == (tmp_path, 0.25)
+    assert {file.suffix for file in tmp_path.iterdir()} == {".json", ".raw"}
+
+
+def test_a_result_names_its_profile(tmp_path):
+    image = np.zeros((64, 64, 3))
+    assert volref.check("sampled/constant", image, explain=0).profile is None
+    (tmp_path / "mine.toml").write_text('name = "my renderer"\n[conventions]\n')
+    result = volref.check("sampled/constant", image, profile=tmp_path / "mine.toml", explain=0)
+    assert result.profile == "my renderer" and "(by the profile my renderer)" in str(result).splitlines()[0]

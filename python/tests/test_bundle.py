@@ -127,11 +127,15 @@ def test_a_table_with_a_jump_and_one_of_a_window(read):
 
 def test_what_a_renderer_cannot_say_is_refused_by_name(read, tmp_path):
     read("sampled/constant").allow()
-    read("scenes/turned").allow("placed", "shading")
+    read("scenes/turned").allow("placed", "shading", "formula", "parallel")
     for name, allowed, words in [
         ("scenes/turned", ["shading"], "placed by a matrix"),
         ("scenes/two-fogs", [], "2 volumes"),
-        ("scenes/maximum", ["isosurface"], "mode = 'maximum'"),
+        ("sampled/parallel-z-up", ["nearest"], "parallel rays"),
+        ("sampled/nearest-blocks", ["parallel"], "values of the nearest node"),
+        ("sampled/formula", ["parallel"], "a transfer function by formulas"),
+        ("scenes/sheared", ["placed", "shading", "formula", "parallel"], "^a volume that is sheared$"),
+        ("scenes/maximum", ["isosurface"], 'mode = "maximum"'),
         ("scenes/ball-in-rings", ["shading"], "surfaces"),
         ("figures/figure-3", [], "shading"),
         ("figures/figure-2", [], "a plot"),

@@ -49,4 +49,4 @@ def test_a_renderer_is_tested(blocks, pytester):
     pytester.makepyfile(my_renderer=renderer, test_mine=blocks[1])
     result = pytester.runpytest("--volref-report", "pages")
     result.assert_outcomes(failed=3)
-    result.stdout.fnmatch_lines(["*nothing was drawn:*", "*pages/*/index.html"])
+    result.stdout.fnmatch_lines(["*nothing was drawn:*", "volref: report: */pages/index.html"])

@@ -37,14 +37,21 @@ def test_what_is_wrong_is_said(pytester):
             "volref: *",
             "E *figures/figure-1: fail",
             "E *nothing was drawn: *",
-            "E *report: */reports/figures/figure-1/index.html",
+            "E *report of all tests, once they have ended: */reports/index.html",
+            "volref: report: */reports/index.html",
             ">*volref_check(case, blank(case))",
             "test_what_is_wrong_is_said.py:11: Failed",
             "*no case matches*figure-9*did you mean*",
             "*test_marked?figures/figure-2?*",
         ]
     )
-    assert (pytester.path / "reports/figures/figure-2/index.html").is_file()
+    page = (pytester.path / "reports/index.html").read_text(encoding="utf-8")
+    # One page: a case that two tests judged stands there with each.
+    tests = ["test_blank", "test_marked[figures/figure-1]"]
+    names = [f"figures/figure-1 (test_what_is_wrong_is_said.py::{test})".replace("/", "&#x2f;") for test in tests]
+    assert all(name in page for name in names) and "figure-2 (" not in page
+    # It names the images that are kept, and no folder that is gone.
+    assert f"--outputs {pytester.path / 'images'}" in page and "volref-results-" not in page
     assert (pytester.path / "images/figures/figure-1.exr").is_file()
     assert "pytest_plugin.py" not in result.stdout.str()
 
@@ -88,8 +95,8 @@ def test_what_is_right_passes(pytester):
     pytester.runpytest().assert_outcomes(passed=3)
 
 
-def test_the_page_of_a_mended_image_goes(pytester):
-    for image, page in [("0 * right", True), ("right", False)]:
+def test_a_page_is_that_of_the_last_run(pytester):
+    for image, verdict in [("0 * right", "fail"), ("right", "pass")]:
         pytester.makepyfile(
             f"""
             import volref
@@ -100,7 +107,11 @@ def test_the_page_of_a_mended_image_goes(pytester):
             """
         )
         pytester.runpytest("--volref-report", "pages", "-p", "no:cacheprovider")
-        assert (pytester.path / "pages/figures/figure-1/index.html").is_file() == page
+        page = (pytester.path / "pages/index.html").read_text(encoding="utf-8")
+        assert re.findall(r'<li data-verdict="(\w+)"', page) == [verdict]
+    pytester.makepyfile("def test_nothing(): pass")
+    pytester.runpytest("--volref-report", "pages")
+    assert not (pytester.path / "pages/index.html").exists()
 
 
 SAME_CASE = """
@@ -115,22 +126,23 @@ def test_right(volref_check):
 
 
 @pytest.mark.parametrize("workers", [[], ["-n", "1"], ["-n", "2"]], ids=["alone", "one", "two"])
-def test_a_test_that_passes_leaves_the_page_of_another(pytester, workers):
+def test_one_page_shows_all_tests(pytester, workers):
     if workers:
         pytest.importorskip("xdist")
     pytester.makepyfile(SAME_CASE)
     for _ in range(2):
         result = pytester.runpytest(*workers, "--volref-report", "pages")
         result.assert_outcomes(failed=1, passed=1)
-        # In CI pytest repeats the whole message at the end.
-        line = next(line for line in result.outlines if "report: " in line)
+        line = next(line for line in result.outlines if line.startswith("volref: report: "))
         page = Path(line.split("report: ")[1])
-        assert page.is_absolute() and "volref&#x2f;" not in page.read_text(encoding="utf-8")
+        text = page.read_text(encoding="utf-8")
+        assert page == pytester.path / "pages/index.html" and "::test_wrong)" in text and "::test_right)" in text
+        assert [file.name for file in page.parent.iterdir()] == ["index.html"]
 
 
 def test_listing_tests_leaves_pages(pytester):
-    page = pytester.path / "pages/figures/figure-1/index.html"
-    page.parent.mkdir(parents=True)
+    page = pytester.path / "pages/index.html"
+    page.parent.mkdir()
     page.write_text("earlier")
     pytester.makepyfile(SAME_CASE)
     pytester.runpytest("--collect-only", "--volref-report", "pages")
@@ -148,7 +160,7 @@ def test_pages_of_tests_that_change_the_folder(pytester):
         """
     )
     pytester.runpytest("--volref-report", "pages").assert_outcomes(failed=1)
-    assert (pytester.path / "pages/figures/figure-1/index.html").is_file()
+    assert (pytester.path / "pages/index.html").is_file()
 
 
 def test_in_parallel(pytester):
@@ -180,23 +192,14 @@ def test_tests_of_one_case_are_judged_by_their_own_image(pytester, workers):
     assert [path.name for path in (pytester.path / "images").rglob("*")] == ["figures", "figure-1.exr"]
 
 
-def test_no_page_is_removed_or_written_beyond_a_link(pytester):
+def test_no_page_is_written_beyond_a_link(pytester):
     home = pytester.mkdir("home")
     (home / "index.html").write_text("mine")
     pages = pytester.mkdir("pages")
-    (pages / "figures").mkdir()
-    (pages / "figures/figure-1").symlink_to(home)
+    (pages / "index.html").symlink_to(home / "index.html")
     pytester.makepyfile(SAME_CASE)
-    result = pytester.runpytest("--volref-report", "pages")
-    result.assert_outcomes(failed=1, passed=1)
-    result.stdout.fnmatch_lines(["E *figures/figure-1 leads to another folder by a link*"])
-    assert (home / "index.html").read_text() == "mine"
-    # A page that is a link is replaced itself.
-    (pages / "figures/figure-1").unlink()
-    (pages / "figures/figure-1").mkdir()
-    (pages / "figures/figure-1/index.html").symlink_to(home / "index.html")
     pytester.runpytest("--volref-report", "pages").assert_outcomes(failed=1, passed=1)
-    assert (home / "index.html").read_text() == "mine"
+    assert (home / "index.html").read_text() == "mine" and not (pages / "index.html").is_symlink()
 
 
 def test_images_are_not_kept_in_a_suite(pytester):

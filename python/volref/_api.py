@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import atexit
 import copy
 import html
 import os
 import shlex
+import shutil
 import tempfile
 import tomllib
 import webbrowser
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arguments import number, one_of, whole
+from ._bundle import Bundle, bundle
 from ._files import as_depth, as_image, as_variance, write
 from ._kept import keep_images
 from ._program import UnknownCase, VolrefError, call, own_suite, suite_arguments
@@ -34,6 +37,8 @@ GATES = ("exact", "deterministic", "perceptual", "stochastic")
 SAMPLES = (2, 2**32 - 2)
 #: Exposures, in stops.
 EXPOSURES = (-64.0, 64.0)
+#: Beginning of the name of a folder in which images are judged.
+IMAGES = "volref-"
 #: Characters that pytest shows of an object in an assertion.
 SHOWN = 230
 
@@ -68,6 +73,14 @@ class Case:
         files are absolute paths."""
         stated = tomllib.loads(self.scene_file.read_text(encoding="utf-8"))
         return _with_absolute_paths(stated, self.scene_file.parent)
+
+    def bundle(self, folder: str | os.PathLike[str] | None = None, *, step: float | None = None) -> Bundle:
+        """The scene as numbers: values, tables, matrices, see :class:`volref.Bundle`. Its files are written into ``folder``,
+        else into a temporary one for as long as this process. ``step`` in place of the scene's, world units."""
+        if folder is None:
+            folder = tempfile.mkdtemp(prefix="volref-bundle-")
+            atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        return bundle(_exported(self.scene_file, "bundle", folder), step)
 
     def __str__(self) -> str:
         return self.name
@@ -119,6 +132,7 @@ class Result:
     - ``search_ended``: of an image that differs, false if the search for the cause was left out or ended by its limit.
     - ``known``: what the file of known failures says of it, if one was given: ``status``, ``reason``, ``link``,
       ``line`` and ``change``, where there are any.
+    - ``profile``: the name of the profile of conventions that the image was judged by, if one was given.
     """
 
     name: str
@@ -132,6 +146,7 @@ class Result:
     report: Path | None = None
     search_ended: bool | None = None
     known: Mapping[str, Any] | None = field(default=None, hash=False)
+    profile: str | None = None
     #: The page of the report, if one was asked for, and arguments of :func:`check` that make this result again.
     _page: str | None = field(default=None, repr=False, compare=False)
     _again: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
@@ -155,7 +170,8 @@ class Result:
 
     def __str__(self) -> str:
         likely = f", looks like {self.looks_like[0].name}" if self.looks_like else ""
-        lines = [f"{self.name}: {self.verdict}{likely}", self.reason]
+        by = f" (by the profile {self.profile})" if self.profile else ""
+        lines = [f"{self.name}: {self.verdict}{by}{likely}", self.reason]
         for mistake in self.looks_like:
             lines.append(f"looks like {mistake.name}: {mistake.advice}")
         if self.difference:
@@ -198,6 +214,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         rows = [("verdict", f"{self.verdict} ({self.gate} gate)"), ("reason", self.reason)]
+        rows += [("profile", self.profile)] if self.profile else []
         rows += [("looks like", f"{mistake.name}: {mistake.advice}") for mistake in self.looks_like]
         rows += [("convention", words) for words in self.conventions]
         rows += [("measured", sentence) for sentence in self.difference]
@@ -316,9 +333,12 @@ def export(name: str | Case, to: str, folder: str | os.PathLike[str], suite: Sui
     ``to`` is ``mitsuba`` (3, XML), ``pbrt`` (v4) or ``bundle`` (any scene as numbers and formulas).
     Raises ValueError for another format, and VolrefError if the format cannot say what the scene holds.
     """
-    given = str(_case(name, suite).scene_file)
     one_of("to", to, FORMATS)
-    value = call(["export", given, f"--to={to}", f"--output={os.fspath(folder)}"])
+    return _exported(_case(name, suite).scene_file, to, folder)
+
+
+def _exported(scene_file: Path, to: str, folder: str | os.PathLike[str]) -> Path:
+    value = call(["export", str(scene_file), f"--to={to}", f"--output={os.fspath(folder)}"])
     return Path(folder) / value["main"]
 
 
@@ -385,6 +405,7 @@ def check(
     outputs: str | os.PathLike[str] | None = None,
     known: str | os.PathLike[str] | None = None,
     suite: SuiteFolder = None,
+    _kept: tuple[Path, str] | None = None,
 ) -> Result:
     """Judges ``image`` as the image of the case ``name``.
 
@@ -413,12 +434,14 @@ def check(
         raise TypeError("the case comes first, then the image: check(name, image)")
     if isinstance(image, Iterator):
         image = list(image)
-    again = copy.deepcopy({**locals(), "report": None, "outputs": None})
+    again = copy.deepcopy({**locals(), "report": None, "outputs": None, "_kept": None})
     case = _case(name, suite)
     samples = _samples(samples)
     if explain is not None:
         explain = number("explain", explain, "a number of seconds up to 1e9, 0 for no search", least=0.0, most=1e9)
-    with tempfile.TemporaryDirectory(prefix="volref-") as temporary:
+    # Results that are kept for a page name the images, which are gone by then: in a folder that is known.
+    beside = None if _kept is None else _kept[0]
+    with tempfile.TemporaryDirectory(prefix=IMAGES, dir=beside) as temporary:
         # Judged here, and only copied to the others: another process may replace an image of the case there.
         folder = Path(temporary)
         try:
@@ -444,6 +467,8 @@ def check(
             arguments.append(f"--known={os.fspath(known)}")
         if report is not None:
             arguments.append(f"--report={os.fspath(report)}")
+        if _kept is not None:
+            arguments += [f"--results={_kept[0]}", f"--named={_kept[1]}"]
         value = call([*arguments, *suite_arguments(suite)])
     found = value["cases"][0]
     # Nobody finds a folder for temporary files again.
@@ -453,8 +478,8 @@ def check(
     page = None
     if report is not None:
         page = Path(report) / "index.html"
-        images = "IMAGES" if outputs is None else html.escape(shlex.quote(os.path.abspath(outputs)))
-        page.write_text(without_folder(page.read_text(encoding="utf-8"), temporary, images), encoding="utf-8")
+        text = without_folder(page.read_text(encoding="utf-8"), temporary, in_words(outputs))
+        page.write_text(text, encoding="utf-8")
     advice = {mistake["mistake"]: mistake["advice"] for mistake in value.get("looks_like", [])}
     return Result(
         name=found["name"],
@@ -468,9 +493,15 @@ def check(
         report=page,
         search_ended=found.get("search_ended"),
         known=found.get("known"),
+        profile=value["judged_with"]["settings"].get("profile"),
         _page=None if page is None else page.read_text(encoding="utf-8"),
         _again=again,
     )
+
+
+def in_words(outputs: str | os.PathLike[str] | None) -> str:
+    """The folder of the images, for the commands that a page shows."""
+    return "IMAGES" if outputs is None else html.escape(shlex.quote(os.path.abspath(outputs)))
 
 
 def without_folder(page: str, folder: str, word: str) -> str:

@@ -24,7 +24,10 @@ __tracebackhide__ = True
 SCHEMA = "volref/bundle/1"
 LENGTHS = ("step", "voxel", "length")
 #: Features of scenes that :meth:`Bundle.allow` knows, beside the modes.
-FEATURES = ("several", "placed", "shading", "shadow", "clips", "surfaces", "modulation")
+FEATURES = (
+    *("several", "parallel", "placed", "sheared", "nearest", "formula"),
+    *("shading", "shadow", "clips", "surfaces", "modulation"),
+)
 MODES = ("maximum", "minimum", "mean", "sum", "attenuated-maximum", "isosurface")
 FORMATS = (".exr", ".npy", ".pfm", ".png")
 #: Rounding of 32-bit renderers, of the mean: a smaller spread is no noise.
@@ -246,22 +249,9 @@ class Bundle:
 
     @property
     def asks(self) -> dict[str, str]:
-        """Features that the picture takes beside one volume along the axes, composited: names of :data:`FEATURES` or
-        of a mode, with the words for it."""
-        panel = self.panel
-        parts = panel.get("volumes", [panel])
-        mode = panel.get("mode", {}).get("name")
-        words = {
-            mode: mode and f"mode = {mode!r}",
-            "several": len(parts) > 1 and f"{len(parts)} volumes",
-            "placed": any("matrix" in part["grid"] for part in parts) and "a volume placed by a matrix",
-            "shading": any(part["phong"] for part in parts) and "shading",
-            "shadow": (panel["shadow"] or any(part["shadow"] for part in parts)) and "a shadow",
-            "clips": panel.get("clips") and "clips",
-            "surfaces": panel.get("surfaces") and "surfaces",
-            "modulation": any("modulation" in part for part in parts) and "opacities by a second number",
-        }
-        return {feature: found for feature, found in words.items() if feature and found}
+        """Features that the picture takes beside one volume along the axes, seen from one point, interpolated between the
+        points of a table and composited: names of :data:`FEATURES` or of a mode, with the words for it."""
+        return self.panel["asks"]
 
     def allow(self, *features: str) -> None:
         """Raises Refusal if the picture takes features beside these; see :attr:`asks`."""

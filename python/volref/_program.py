@@ -176,11 +176,11 @@ def _require_volref(path: str) -> None:
 def _in_terms_of_python(message: str) -> str:
     """A message of the program, with this package's functions and arguments in place of commands and options."""
     message = re.sub(r"\s*For more information, try '--help'\.\s*$", "", message.removeprefix("error: "))
+    message = re.sub(r"`volref list[^`]*` shows", "volref.cases() lists", message)
+    message = re.sub(r"`volref list[^`]*`", "volref.cases()", message)
     message = re.sub(r"^invalid value '(.*?)' for '--(\S+) <\S+>': ", r"\2 is '\1': ", message)
     for said, instead in [
         ("run volref in the suite's folder, or give the folder with --suite DIR", "give the folder of a suite"),
-        ("`volref list` shows", "volref.cases() lists"),
-        ("`volref list`", "volref.cases()"),
         ("--suite DIR", "suite=DIR"),
     ]:
         message = message.replace(said, instead)

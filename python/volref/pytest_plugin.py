@@ -19,8 +19,9 @@ Goldens are only read.
 
 from __future__ import annotations
 
-import dataclasses
 import os
+import re
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -29,14 +30,20 @@ from typing import Any
 import pytest
 
 import volref
-from volref._api import without_folder
-from volref._kept import leads_nowhere_else, own_folder, put, require_no_goldens, require_no_suite
+from volref._api import IMAGES, in_words, without_folder
+from volref._kept import put, require_no_goldens, require_no_suite
+from volref._program import call, suite_arguments
 
 # pytest shows the line of the test that called volref_check, not the lines of volref.
 __tracebackhide__ = True
 
 #: Name of a page.
 PAGE = "index.html"
+#: By which processes of pytest-xdist are told the folder of the results.
+RESULTS = "volref_results"
+RESULTS_KEY = pytest.StashKey[Path]()
+#: The page of the run, or why there is none.
+PAGE_KEY = pytest.StashKey[str]()
 
 INCONCLUSIVE = (
     "a less noisy image can be decided, or one of known noise: give the variance of the mean with samples=N, or a list "
@@ -49,7 +56,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--volref-report",
         metavar="DIR",
-        help="write a page for each image that does not pass, DIR/FAMILY/CASE/index.html; those of earlier runs go",
+        help="write one page with the images of all tests, DIR/index.html",
     )
     group.addoption(
         "--volref-outputs",
@@ -80,6 +87,8 @@ def pytest_configure(config: pytest.Config) -> None:
         if given:
             setattr(config.option, option, os.path.join(config.invocation_params.dir, given))
     if _is_worker(config):
+        if results := config.workerinput.get(RESULTS):
+            config.stash[RESULTS_KEY] = Path(results)
         return
     for option, check in [("volref_report", require_no_goldens), ("volref_outputs", require_no_suite)]:
         _create(config.getoption(option), option, check)
@@ -88,6 +97,10 @@ def pytest_configure(config: pytest.Config) -> None:
             volref.cases(suite=config.getoption("volref_suite"))
         except volref.VolrefError as error:
             raise pytest.UsageError(f"--volref-suite {config.getoption('volref_suite')}: {error}") from None
+    if config.getoption("volref_report"):
+        results = Path(os.path.realpath(tempfile.mkdtemp(prefix="volref-results-")))
+        config.stash[RESULTS_KEY] = results
+        config.add_cleanup(lambda: shutil.rmtree(results, ignore_errors=True))
 
 
 def _is_worker(config: pytest.Config) -> bool:
@@ -115,19 +128,54 @@ def _create(folder: str | None, option: str, check: Callable[[Path], None]) -> N
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> None:
-    """Removes the pages of earlier runs: before any test, for one that passes must not remove the page of another
-    that fails with the same case."""
-    reports = session.config.getoption("volref_report")
-    if not reports or _is_worker(session.config) or session.config.getoption("collectonly"):
+    """Removes the page of an earlier run."""
+    config = session.config
+    if config.getoption("volref_report") and not _is_worker(config) and not config.getoption("collectonly"):
+        (Path(config.getoption("volref_report")) / PAGE).unlink(missing_ok=True)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tells a process of pytest-xdist where results are kept."""
+    if RESULTS_KEY in node.config.stash:
+        node.workerinput[RESULTS] = str(node.config.stash[RESULTS_KEY])
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Writes the page of the run: one for the images of all tests."""
+    config = session.config
+    results = config.stash.get(RESULTS_KEY, None)
+    if results is None or _is_worker(config):
         return
     try:
-        cases = volref.cases(suite=session.config.getoption("volref_suite"))
-    except volref.VolrefError as error:
-        raise pytest.UsageError(str(error)) from None
-    for case in cases:
-        # A link to another folder holds no pages of ours.
-        if os.path.isdir(Path(reports) / case.name) and leads_nowhere_else(Path(reports), case.name):
-            (Path(reports) / case.name / PAGE).unlink(missing_ok=True)
+        if any(results.iterdir()):
+            config.stash[PAGE_KEY] = _page_of_all(results, config)
+    except (volref.VolrefError, OSError) as error:
+        config.stash[PAGE_KEY] = f"not written: {error}"
+
+
+def _page_of_all(results: Path, config: pytest.Config) -> str:
+    """Joins the results and writes their page; returns its path."""
+    with tempfile.TemporaryDirectory(prefix="volref-") as folder:
+        suite = suite_arguments(config.getoption("volref_suite"))
+        call(["merge", str(results), f"--report={folder}", *suite])
+        page = Path(folder) / PAGE
+        text = page.read_text(encoding="utf-8")
+        # Folders that are gone: those of the images, then that of the results.
+        gone = f"{re.escape(str(results) + os.sep + IMAGES)}\\w+"
+        images = in_words(config.getoption("volref_outputs"))
+        for pattern in (gone, gone.replace("/", "&\\#x2f;")):
+            text = re.sub(pattern, lambda _: images, text)
+        page.write_text(without_folder(without_folder(text, str(results), "RESULTS"), folder, "REPORT"), encoding="utf-8")
+        kept = Path(config.getoption("volref_report"))
+        put([page], kept)
+    return str(kept / PAGE)
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    if page := config.stash.get(PAGE_KEY, None):
+        terminalreporter.write_line(f"volref: report: {page}")
 
 
 def pytest_report_header(config: pytest.Config) -> str:
@@ -182,6 +230,9 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
         "suite": config.getoption("volref_suite"),
     }
 
+    # Of images that a test judges alike, each has a name of its own.
+    counts: dict[str, int] = {}
+
     def check(
         case: str | volref.Case,
         image: Any,
@@ -192,9 +243,14 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
         **arguments: Any,
     ) -> volref.Result:
         given = {**{name: folder for name, folder in folders.items() if folder}, "samples": samples, **arguments}
-        reports = None if "report" in arguments else config.getoption("volref_report")
+        page = None
+        if RESULTS_KEY in config.stash:
+            page = Path(config.getoption("volref_report")) / PAGE
+            count = counts[str(case)] = counts.get(str(case), 0) + 1
+            name = request.node.nodeid + (f" #{count}" if count > 1 else "")
+            given["_kept"] = (config.stash[RESULTS_KEY], name)
         try:
-            result = _checked(case, image, variance, given, reports, allow_inconclusive)
+            result = volref.check(case, image, variance, **given)
             why = None
         except (volref.VolrefError, OSError) as error:
             why = str(error)
@@ -207,40 +263,15 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
             pytest.xfail(f"{known['reason']}{link}")
         if known.get("change"):
             pytest.fail(f"{known['status']}: {known['change']}\n{result}")
-        if _is_accepted(result, allow_inconclusive):
+        if result.passed or (allow_inconclusive and result.verdict == "inconclusive"):
             return result
         lines = [str(result)]
         if result.verdict == "inconclusive":
             lines.append(INCONCLUSIVE)
-        if not result.report:
-            lines.append("(--volref-report DIR writes a page with both images)")
+        if page:
+            lines.append(f"report of all tests, once they have ended: {page}")
+        elif not result.report:
+            lines.append("(--volref-report DIR writes a page with the images of all tests)")
         pytest.fail("\n".join(lines))
 
     return check
-
-
-def _is_accepted(result: volref.Result, allow_inconclusive: bool) -> bool:
-    return result.passed or (allow_inconclusive and result.verdict == "inconclusive")
-
-
-def _checked(
-    case: str | volref.Case,
-    image: Any,
-    variance: Any,
-    given: dict[str, Any],
-    reports: str | None,
-    allow_inconclusive: bool,
-) -> volref.Result:
-    """The result, with a page below ``reports`` if the image is not accepted."""
-    if reports is None:
-        return volref.check(case, image, variance, **given)
-    with tempfile.TemporaryDirectory(prefix="volref-") as folder:
-        result = volref.check(case, image, variance, **given, report=folder)
-        if _is_accepted(result, allow_inconclusive):
-            return dataclasses.replace(result, report=None)
-        text = without_folder(result.page(), folder, "REPORT")
-        page = Path(folder) / PAGE
-        page.write_text(text, encoding="utf-8")
-        kept = own_folder(Path(reports), result.name)
-        put([page], kept)
-    return dataclasses.replace(result, report=kept / PAGE)

@@ -24,7 +24,7 @@ viewer = napari.Viewer(ndisplay=3)
 
 
 def render(bundle):
-    bundle.allow("placed", *RENDERING)
+    bundle.allow("parallel", "placed", "sheared", "nearest", "formula", *RENDERING)
     volume, (width, height) = bundle.volume, bundle.size
     table = volume.table(TABLE, per="length" if volume.mode else "step")
     opacities = np.ones(TABLE) if volume.mode else table.opacities

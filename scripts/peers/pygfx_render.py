@@ -45,7 +45,7 @@ def placed(visual, affine):
 
 
 def render(bundle):
-    bundle.allow("placed", *MATERIALS)
+    bundle.allow("parallel", "placed", "sheared", "nearest", "formula", *MATERIALS)
     volume = bundle.volume
     if not volume.mode:
         volref.refuse("composited samples")

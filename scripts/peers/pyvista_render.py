@@ -37,7 +37,7 @@ def image_of(volume):
 
 
 def render(bundle, processor, rays):
-    bundle.allow("placed", *BLENDING)
+    bundle.allow("parallel", "placed", "sheared", "nearest", "formula", *BLENDING)
     volume, table = bundle.volume, bundle.volume.table(TABLE)
     plotter = pyvista.Plotter(off_screen=True, window_size=bundle.size, lighting="none")
     plotter.disable_anti_aliasing()

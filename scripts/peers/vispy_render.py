@@ -29,7 +29,7 @@ METHODS = {"maximum": "mip", "minimum": "minip", "mean": "average", "attenuated-
 
 
 def render(bundle):
-    bundle.allow("placed", *METHODS)
+    bundle.allow("parallel", "placed", "sheared", "nearest", "formula", *METHODS)
     volume, mode, size = bundle.volume, bundle.volume.mode, bundle.size
     table = volume.table(TABLE, per="length" if mode else "step")
     opacities = np.ones(TABLE) if mode else table.opacities

@@ -28,7 +28,7 @@ from vtk_volumes import BLENDS, mapper_of, volume_of
 def refuse_what_vtk_cannot_say(bundle):
     if "shadow" in bundle.asks:
         volref.refuse("the volume shadow (VTK scatters light by a model of its own)")
-    bundle.allow("several", "placed", "shading", "clips", "surfaces", *BLENDS)
+    bundle.allow("several", "parallel", "placed", "sheared", "nearest", "formula", "shading", "clips", "surfaces", *BLENDS)
     parts = bundle.volumes
     if len(parts) > 1 and "shading" in bundle.asks:
         volref.refuse("several volumes by a lamp (VTK lights them from the eye, or not at all)")

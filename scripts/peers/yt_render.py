@@ -24,8 +24,6 @@ TABLE = 1024
 
 def scene_of(bundle):
     volume = bundle.volume
-    if volume.is_nearest:
-        volref.refuse("values that are not interpolated")
     spacing, first, nodes = (np.array(volume.grid[key]) for key in ("spacing", "first_node", "nodes"))
     # A layer more on each side: at the border yt has no neighbours to take means of.
     values = {"value": np.pad(volume.values.T.astype(float), 1, mode="edge")}
@@ -42,7 +40,7 @@ def scene_of(bundle):
 
 
 def render(bundle):
-    bundle.allow()
+    bundle.allow("parallel", "formula")
     scene, source, data = scene_of(bundle)
     (near, far), (width, height) = bundle.near_and_far, bundle.size
     middle = (near + far) / 2

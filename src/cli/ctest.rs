@@ -1,7 +1,8 @@
 //! Measurements and pictures for CTest, which collects lines of this form from the output of a test and
 //! shows them on a dashboard (CMake 3.21 or newer).
 //!
-//! Source: <https://cmake.org/cmake/help/latest/command/ctest_test.html#additional-test-measurements>.
+//! Sources: <https://cmake.org/cmake/help/latest/command/ctest_test.html#additional-test-measurements>; for the names of
+//! pictures `docs/test_measurements.md` of CDash.
 
 use super::compare::heatmap;
 use super::failure::{Failure, bad_input};
@@ -12,8 +13,13 @@ use crate::judging::Judged;
 use crate::report::xml_text;
 use std::path::{Path, PathBuf};
 
+/// Names by which CDash lays the pictures of a test over each other, with a slider, and shows their difference.
+const GOLDEN: &str = "ValidImage";
+const TEST: &str = "TestImage";
+const DIFFERENCE: &str = "DifferenceImage2";
+
 /// Writes the golden, the test image and their difference of each case into `folder` as PNG; returns the
-/// lines that name them, with those of the verdict and the metrics. Of several cases each name begins
+/// lines that name them, with those of the verdict and the metrics. If there are several cases, each name begins
 /// with that of the case.
 pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure> {
     let mut lines = String::new();
@@ -56,34 +62,34 @@ pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure>
     Ok(lines)
 }
 
-/// Writes the pictures of a case, as far as it has any; returns their names and what each shows.
+/// Writes the pictures of a case, as far as it has any; returns their names for CDash and their files.
 fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
     let evidence = &judged.evidence;
     let exposure = evidence.exposure;
     let mut written = Vec::new();
-    let mut write_png = |name: &'static str, png: &[u8]| -> Result<(), Failure> {
-        let file = Path::new(&judged.result.name).join(format!("{name}.png"));
+    let mut write_png = |name: &'static str, file: &str, png: &[u8]| -> Result<(), Failure> {
+        let file = Path::new(&judged.result.name).join(file);
         written.push((name, output::write_within(folder, &file, png)?));
         Ok(())
     };
-    let mut write = |name: &'static str, picture: &Picture| -> Result<(), Failure> {
+    let mut write = |name: &'static str, file: &str, picture: &Picture| -> Result<(), Failure> {
         let srgb = picture.srgb(exposure).map_err(bad_input)?;
         let png = Film::codes_to_png(srgb.pixels(), srgb.width(), srgb.height());
-        write_png(name, &png)
+        write_png(name, file, &png)
     };
     let golden = evidence.golden.clone().map(Picture::Radiance);
     if let Some(golden) = &golden {
-        write("golden", golden)?;
+        write(GOLDEN, "golden.png", golden)?;
     }
     if let Some(test) = &evidence.test {
-        write("test", test)?;
+        write(TEST, "test.png", test)?;
     }
     if let (Some(golden), Some(test)) = (&golden, &evidence.test)
         && golden.size() == test.size()
     {
         // Of values that are no numbers there is none.
         if let Ok(png) = heatmap(golden, test, exposure) {
-            write_png("difference", &png)?;
+            write_png(DIFFERENCE, "difference.png", &png)?;
         }
     }
     Ok(written)

@@ -1,6 +1,6 @@
 //! Errors with exit codes.
 
-use crate::judging::Cause;
+use crate::judging::{CaseResult, Cause};
 use crate::scene::{SceneError, shortened};
 use miette::{MietteHandlerOpts, Report};
 use std::io::IsTerminal;
@@ -124,6 +124,11 @@ pub fn draw_errors_for_the_terminal() {
         };
         Box::new(options.build())
     }));
+}
+
+/// The exit code of these results.
+pub fn exit(results: &[CaseResult]) -> Exit {
+    Exit::first_of(results.iter().map(|result| result.counted_cause().into()))
 }
 
 #[cfg(test)]

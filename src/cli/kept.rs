@@ -12,6 +12,9 @@ use crate::suite::{Case, Suite};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+/// Setting of a run that has a name.
+pub const NAME: &str = "name";
+
 /// Option for the folder of results.
 #[derive(clap::Args, Debug)]
 pub struct KeepArgument {
@@ -103,6 +106,18 @@ pub fn keep(
     })
 }
 
+/// Keeps results once more, with the causes that were found since.
+///
+/// # Errors
+///
+/// If it cannot be written.
+pub fn keep_again(folder: &ResultFolder, run: &Run, judged: &[Judged]) -> Result<(), Failure> {
+    let id = run.id();
+    let mut kept = judged.iter();
+    let kept = kept.try_for_each(|judged| folder.keep(&id, &judged.result.name, Some(judged)));
+    kept.map_err(not_kept)
+}
+
 /// Keeps the findings of a self-test in the cases of a part.
 ///
 /// # Errors
@@ -121,12 +136,14 @@ fn keep_with(
     keep: impl FnOnce(&str) -> Result<(), KeepError>,
 ) -> Result<(), Failure> {
     let kept = folder.begin(run).and_then(|run| keep(&run).map(|()| run));
-    let id = kept.map_err(|error| {
-        let message = format!("the results cannot be kept: {error}");
-        let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
-        Failure::new(Exit::BadInput, message, Some(help))
-    })?;
+    let id = kept.map_err(not_kept)?;
     let place = folder.path().join(id);
     progress::note(&format!("results kept in {}", place.display()));
     Ok(())
+}
+
+fn not_kept(error: KeepError) -> Failure {
+    let message = format!("the results cannot be kept: {error}");
+    let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
+    Failure::new(Exit::BadInput, message, Some(help))
 }

@@ -1,6 +1,8 @@
 //! `volref merge DIR…`
 
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
+use super::kept::NAME;
+use super::merged_runs::{NO_RESULT, cases_of, side_by_side, without_result};
 use super::merged_units::joined_units;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::selftest::{self, SELF_TEST};
@@ -8,28 +10,25 @@ use super::suite::{KEPT, Selection, exit};
 use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::verify;
 use super::{Outcome, progress};
-use crate::compare::Gate;
 use crate::conventions::Profile;
 use crate::judging;
 use crate::judging::{
-    CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, SelfTest,
-    SelfTestCases, Verdict,
+    CaseResult, CaseTrials, Judged, JudgedWith, SelfTest, SelfTestCases, Verdict,
 };
 use crate::naming::Likenesses;
 use crate::report;
 use crate::runs::{KeptResult, RESULTS, ResultFolder, Run, UnitFolder};
-use crate::suite;
 use crate::suite::{Case, Suite};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Join what several machines computed: results, units of goldens
 ///
 /// The results of verify, validate or selftest of all parts become one, with one exit code, as if one machine had judged all cases. Units
-/// are copied to .volref of the suite, where volref accept finds them. What is missing is listed, and is exit code 5.
+/// are copied to .volref of the suite, where volref accept finds them. What is missing is listed, and is exit code 5. Runs that
+/// have names (volref validate --named) are put beside each other, with the causes that each found.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
@@ -55,7 +54,17 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let roots = arguments.folders.iter().map(|folder| root_of(folder));
     let roots: Vec<PathBuf> = roots.collect::<Result<_, _>>()?;
     let folders: Vec<ResultFolder> = roots.iter().map(ResultFolder::open).collect();
-    let run = the_run(&arguments, &folders)?;
+    let runs = runs_of(&arguments, &folders)?;
+    if !runs.is_empty()
+        && runs
+            .values()
+            .all(|(run, _)| run.settings.contains_key(NAME))
+    {
+        let suite = arguments.selection.open()?;
+        arguments.files.check(&suite)?;
+        return side_by_side(&runs, &suite, &arguments.files);
+    }
+    let run = the_run(&runs)?;
     let files = roots.iter().flat_map(|root| UnitFolder::open(root).files());
     let files: Vec<PathBuf> = files.collect();
     let has_units = !files.is_empty();
@@ -145,12 +154,15 @@ fn damaged_run(reason: String) -> Failure {
     Failure::new(Exit::Undecided, reason, Some(help))
 }
 
-/// The run whose results are to be joined; `None` where there are only units.
-fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run>, Failure> {
-    let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
+/// The runs with results, by their identifiers, each with a folder that holds results of it.
+fn runs_of(
+    arguments: &Arguments,
+    folders: &[ResultFolder],
+) -> Result<BTreeMap<String, (Run, ResultFolder)>, Failure> {
+    let mut runs: BTreeMap<String, (Run, ResultFolder)> = BTreeMap::new();
     for folder in folders {
         for (id, run) in folder.runs().map_err(damaged_run)? {
-            runs.entry(id).or_insert((run, folder.path()));
+            runs.entry(id).or_insert((run, folder.clone()));
         }
     }
     if let Some(id) = &arguments.run {
@@ -159,6 +171,11 @@ fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run
             return Err(bad_input(format!("there are no results of a run {id}")));
         }
     }
+    Ok(runs)
+}
+
+/// The run whose results are to be joined; `None` where there are only units.
+fn the_run(runs: &BTreeMap<String, (Run, ResultFolder)>) -> Result<Option<Run>, Failure> {
     let mut found = runs.values();
     match (found.next(), found.next()) {
         (None, _) => Ok(None),
@@ -168,8 +185,8 @@ fn the_run(arguments: &Arguments, folders: &[ResultFolder]) -> Result<Option<Run
             let message = format!(
                 "these are results of {} different runs: {what} differs, {one_value} in {} and {other_value} in {}",
                 runs.len(),
-                here.join(one.id()).display(),
-                there.join(other.id()).display(),
+                here.path().join(one.id()).display(),
+                there.path().join(other.id()).display(),
             );
             let help = "remove the folders of the other runs, or name the one to join with --run ID, its folder's name";
             Err(Failure::new(Exit::BadInput, message, Some(help)))
@@ -249,29 +266,6 @@ fn joined_results(
         text: arguments.files.write(&findings, text)?,
         exit: exit(&findings.results()),
     })
-}
-
-/// The cases of `run`, if this program and this `suite` judged them.
-fn cases_of<'s>(run: &Run, suite: &'s Suite) -> Result<Vec<&'s Case>, Failure> {
-    let version = env!("CARGO_PKG_VERSION");
-    let theirs = run.settings.get("volref").map_or("unknown", String::as_str);
-    if theirs != version {
-        let message = format!("these are results of volref {theirs}, and this is volref {version}");
-        return Err(bad_input(message));
-    }
-    let mut cases = Vec::new();
-    for (name, hash) in &run.cases {
-        let case = suite.case(name);
-        if case.map(|case| suite.hash_of(case)).unwrap_or_default() != *hash {
-            let message = format!(
-                "the parts judged by another suite: the scene, manifest or golden of {name} is not the one here"
-            );
-            let help = "give the suite that they judged by with --suite DIR";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
-        }
-        cases.extend(case);
-    }
-    Ok(cases)
 }
 
 /// The self-test of all parts, as on one machine with all `cases`. Where parts are missing, a
@@ -394,9 +388,6 @@ fn contradiction(name: &str, found: [(&Judged, &ResultFolder); 2]) -> Failure {
     Failure::new(Exit::BadInput, message, Some(help))
 }
 
-/// Reason of a case without a result.
-const NO_RESULT: &str = "no result: its part was not run, did not end, or wrote elsewhere";
-
 /// List of the cases without a result, with reasons other than [`NO_RESULT`].
 fn missing_text(missing: &[(&String, String)], all: usize) -> String {
     if missing.is_empty() {
@@ -414,23 +405,4 @@ fn missing_text(missing: &[(&String, String)], all: usize) -> String {
         }
     }
     text
-}
-
-/// The verdict on a case without a result.
-fn without_result(name: &str, case: Option<&Case>, reason: &str) -> Judged {
-    let finding = CaseFinding::new(Verdict::Missing, Cause::Undecided, reason);
-    let (class, gate): (_, &'static dyn Gate) = match case {
-        Some(case) => (case.class(), case.gate()),
-        None => (suite::ANALYTIC, &suite::Analytic),
-    };
-    Judged {
-        result: CaseResult {
-            seconds: 0.0,
-            ..finding.result(name, class, gate, Instant::now())
-        },
-        evidence: Evidence {
-            without_image: true,
-            ..case.map(Evidence::of).unwrap_or_default()
-        },
-    }
 }

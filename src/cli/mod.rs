@@ -20,6 +20,7 @@ mod known;
 mod list;
 mod man;
 mod merge;
+mod merged_runs;
 mod merged_units;
 mod output;
 mod page;

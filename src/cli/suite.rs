@@ -5,7 +5,6 @@ use super::failure::{Exit, Failure};
 use super::results::command_line_with;
 use crate::check::SUITE_VARIABLE;
 use crate::files::regular_file::note_input;
-use crate::judging::CaseResult;
 use crate::suite::{Case, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
@@ -199,9 +198,4 @@ impl From<SuiteError> for Failure {
             report: error.into(),
         }
     }
-}
-
-/// The exit code of these results.
-pub fn exit(results: &[CaseResult]) -> Exit {
-    Exit::first_of(results.iter().map(|result| result.counted_cause().into()))
 }

@@ -2,7 +2,7 @@
 
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
 use super::help::EXAMPLE_FIRST;
-use super::kept::{KeepArgument, keep, run_of};
+use super::kept::{KeepArgument, NAME, keep, keep_again, run_of};
 use super::known::{KnownArgument, KnownFile};
 use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
@@ -141,6 +141,9 @@ pub struct Arguments {
     partition: PartitionArgument,
     #[command(flatten, next_help_heading = WHICH)]
     kept: KeepArgument,
+    /// Name of the run whose results are kept: volref merge puts runs that have one beside each other
+    #[arg(long, value_name = "TEXT", requires = "results", help_heading = WHICH)]
+    named: Option<String>,
     /// Print help
     // Not by clap itself, which would show it before all else.
     #[arg(id = "help", short = 'h', long = "help", action = ArgAction::Help, help_heading = WHICH)]
@@ -204,6 +207,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let (found, mut text) = search.mistakes(&suite, &cases, profile, &mut judged);
             if let Some(known) = &judge.known {
                 text.push_str(&known.finish(&mut judged)?);
+            }
+            if let Some((folder, run)) = to_keep.filter(|_| arguments.named.is_some()) {
+                keep_again(&folder, &run, &judged)?;
             }
             Ok((judged_with, (found, text)))
         })?;
@@ -405,7 +411,9 @@ impl Judge<'_> {
             .kept
             .folder(&given.partition, &given.selection, suite)?;
         Ok(folder.map(|folder| {
-            let settings = given.settings(self.profile.as_ref());
+            let mut settings = given.settings(self.profile.as_ref());
+            let name = given.named.iter().cloned();
+            settings.extend(name.map(|name| (NAME.to_owned(), name)));
             let cases = cases.iter().copied();
             let run = run_of("validate", suite, &given.filters, cases, [], settings);
             (folder, run)

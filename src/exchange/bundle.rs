@@ -4,6 +4,7 @@
 //! Formulas stand beside the numbers they use, and name them by their keys. They are ASCII, so
 //! that they can be read with any editor and pasted into code.
 
+mod asks;
 mod clips;
 mod inline_arrays;
 mod modes;
@@ -60,10 +61,15 @@ fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
             let what = "a bundle describes volref's conventions only; leave the table out";
             Err(Refusal::of(Format::Bundle, "classified.conventions", what))
         }
-        Model::Classified(scene) if scene.has_objects() => Ok(several::described(scene, raw)),
         Model::Classified(scene) => {
-            let file = raw.grid(&scene.grid);
-            Ok(volume::described(scene, file))
+            let mut entries = if scene.has_objects() {
+                several::described(scene, raw)
+            } else {
+                volume::described(scene, raw.grid(&scene.grid))
+            };
+            // After what the panel shows.
+            entries.insert(1, ("asks", asks::asks(scene)));
+            Ok(entries)
         }
         Model::Curve(curve) => {
             let layout = PlotLayout::new(curve, panel.width, panel.height);

@@ -246,6 +246,30 @@ impl Camera {
         self.with_image_scaled(factor)
     }
 
+    /// This camera with parallel rays in place of those from one point, or the reverse. It sees the same part of the
+    /// plane at `depth` along the axis, world units, > 0.
+    pub(crate) fn with_other_projection(&self, depth: f64) -> Camera {
+        match self.projection {
+            Projection::Perspective => {
+                let distance = depth / self.axis.dot(*self.forward);
+                Camera {
+                    eye: self.eye + *self.forward * distance - *self.axis * depth,
+                    forward: self.axis,
+                    half_right: self.half_right * distance,
+                    half_up: self.half_up * distance,
+                    projection: Projection::Orthographic,
+                    ..*self
+                }
+            }
+            Projection::Orthographic => Camera {
+                half_right: self.half_right / depth,
+                half_up: self.half_up / depth,
+                projection: Projection::Perspective,
+                ..*self
+            },
+        }
+    }
+
     /// This camera with its eye moved by `offset`, world units; it looks in the same direction.
     pub fn with_eye_moved(&self, offset: DVec3) -> Camera {
         Camera {
@@ -351,6 +375,26 @@ mod tests {
             let same = moved.ray([x, y], [10, 8]).direction;
             let there = camera().ray([x - 2, y + 1], [10, 8]).direction;
             assert!((*same - *there).length() <= 4.0 * f64::EPSILON);
+        }
+    }
+
+    /// Rays of both meet in the plane at that depth, also where the image lies beside the axis.
+    #[test]
+    fn the_other_projection_sees_the_same_plane() {
+        let beside = camera().with_image_moved([0.2, -0.1]);
+        for perspective in [camera(), beside] {
+            let parallel = perspective.with_other_projection(3.0);
+            assert!(parallel.is_orthographic() && !perspective.is_orthographic());
+            let back = parallel.with_other_projection(3.0);
+            for pixel in [[0, 0], [4, 1], [9, 7]] {
+                let [one, other, back] = [perspective, parallel, back].map(|camera| {
+                    let ray = camera.ray(pixel, [10, 8]);
+                    ray.origin + *ray.direction * (3.0 / ray.direction.dot(*camera.axis()))
+                });
+                assert!((one - other).length() <= 32.0 * f64::EPSILON);
+                // An image beside the axis has moved the eye.
+                assert!((back - other).length() <= 32.0 * f64::EPSILON);
+            }
         }
     }
 

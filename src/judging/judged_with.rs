@@ -60,14 +60,42 @@ impl JudgedWith {
         }
     }
 
+    /// What loosens the judgements of any of the runs. A setting that not all have alike says so.
+    pub fn of_runs(runs: Vec<JudgedWith>) -> JudgedWith {
+        let mut all = JudgedWith::default();
+        let mut values: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for run in &runs {
+            for (name, value) in &run.settings {
+                values.entry(name.clone()).or_default().push(value.clone());
+            }
+            all.skipped.extend(run.skipped.iter().cloned());
+            all.cannot.extend(run.cannot.iter().cloned());
+        }
+        let joined = values.into_iter().map(|(name, mut values)| {
+            let is_part = values.len() < runs.len();
+            values.sort();
+            values.dedup();
+            let part = if is_part || values.len() > 1 {
+                " in part"
+            } else {
+                ""
+            };
+            (name, values.join(", ") + part)
+        });
+        all.settings = joined.collect();
+        all
+    }
+
     /// In one line, such as `--bits 8, profile vtkjs; 3 cases skipped, 2 cannot be rendered`; empty where nothing
     /// loosens.
     pub fn in_words(&self) -> String {
         let option = |(name, value): (&String, &String)| {
             let is_named = |(known, _): &&(&str, &str)| known.replace(' ', "_") == *name;
             match LOOSENING.iter().find(is_named) {
-                Some((_, option)) if value == "true" => (*option).to_owned(),
-                Some((_, option)) => format!("{option} {value}"),
+                Some((_, option)) => match value.strip_prefix("true") {
+                    Some(part) => format!("{option}{part}"),
+                    None => format!("{option} {value}"),
+                },
                 None => format!("{name} {value}"),
             }
         };
@@ -116,6 +144,11 @@ mod tests {
         let of = JudgedWith::of(&settings.into(), None, skipped, &[]);
         let said = "--accept-conventions, --bits 8; 2 cases skipped, 1 cannot be rendered";
         assert_eq!(of.in_words(), said);
+        let both = JudgedWith::of_runs(vec![of.clone(), JudgedWith::default()]);
+        let said =
+            "--accept-conventions in part, --bits 8 in part; 2 cases skipped, 1 cannot be rendered";
+        assert_eq!(both.in_words(), said);
+        assert_eq!(JudgedWith::of_runs(vec![of.clone()]), of);
         let strict = [("accept conventions".to_owned(), "false".to_owned())];
         let strict = JudgedWith::of(&strict.into(), None, [], &[]);
         assert_eq!(

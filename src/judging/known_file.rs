@@ -1,6 +1,7 @@
 //! Files of known failures: read, held against results, and rewritten.
 
-use super::known::{Known, KnownStatus, Size, found_causes, is_failure};
+use super::known::{Known, KnownStatus};
+use super::known_failure::{Failing, Size, found_causes, is_failure};
 use super::{CaseResult, Cause, Verdict};
 use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Table};
@@ -185,27 +186,6 @@ impl KnownFailures {
             }
         }
         rewriting.text()
-    }
-}
-
-/// How a case fails, as it is written.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Failing {
-    pub verdict: &'static str,
-    /// The first cause that was found; `Some(None)` if none was, `None` if there was no search.
-    pub cause: Option<Option<String>>,
-    pub bound: Option<f64>,
-}
-
-impl Failing {
-    fn of(result: &CaseResult) -> Failing {
-        let (found, is_searched) = found_causes(result);
-        let size = Size::of(result).filter(|_| result.verdict == Verdict::Fail);
-        Failing {
-            verdict: result.verdict.name(),
-            cause: is_searched.then(|| found.first().map(|name| (*name).to_owned())),
-            bound: size.map(|size| size.bound),
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! A file of known failures with other entries: whatever else stands in it, such as comments, stays as it is.
 
-use super::known_file::Failing;
+use super::known_failure::Failing;
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value, value};
 
 /// What stands above the entries of a new file.

@@ -40,9 +40,10 @@ pub(crate) use kept::{CACHE_VARIABLE, cache_of_the_user};
 pub(crate) use prediction::{lattice_of, pixels_at, pixels_of};
 
 use crate::conventions::Profile;
-use crate::judging::{Cause, Judged, KnownMistakes, Likeness};
+use crate::judging::{CaseResult, Cause, Judged, KnownMistakes, Likeness};
 use crate::scene::Scene;
 use crate::suite::Case;
+use crate::variations::mistakes;
 use clock::SearchClock;
 use compared_case::ComparedCase;
 use explanations::{Explanation, Explanations, Found};
@@ -91,6 +92,51 @@ pub struct Likenesses {
 }
 
 impl Likenesses {
+    /// What searches have left in `results`, each judged by itself.
+    pub fn of_results(results: &[CaseResult]) -> Likenesses {
+        let advice = |name: &str| -> String {
+            let parts = name.split(" + ").filter_map(mistakes::named);
+            let parts: Vec<&str> = parts.map(|mistake| mistake.advice).collect();
+            parts.join("; and ")
+        };
+        let searched = results.iter().filter(|it| it.search_ended == Some(true));
+        let of = results
+            .iter()
+            .filter(|it| it.search_ended.is_some())
+            .count();
+        let mut likely: Vec<Likeness> = Vec::new();
+        for result in results {
+            for name in &result.looks_like {
+                let known = likely.iter_mut().find(|known| known.mistake == *name);
+                match known {
+                    Some(known) => known.cases.push(result.name.clone()),
+                    None => likely.push(Likeness {
+                        mistake: name.clone(),
+                        advice: advice(name),
+                        explains: 0,
+                        of,
+                        cases: vec![result.name.clone()],
+                        beside_the_next: None,
+                    }),
+                }
+            }
+        }
+        likely
+            .iter_mut()
+            .for_each(|known| known.explains = known.cases.len());
+        likely.sort_by_key(|known| std::cmp::Reverse(known.explains));
+        likely.truncate(MOST_NAMED);
+        let unexplained = searched.clone().filter(|it| it.looks_like.is_empty());
+        Likenesses {
+            likely,
+            searched: searched.count(),
+            unexplained: unexplained
+                .map(|it| (it.name.clone(), it.difference.clone()))
+                .collect(),
+            ..Likenesses::default()
+        }
+    }
+
     /// Words on `case`, or on all, that nothing known explains.
     pub(crate) fn nothing_known(&self, case: Option<&str>) -> &'static str {
         let mut open = self.with_open_conventions.iter();

@@ -268,6 +268,55 @@ fn results_of_different_runs_are_refused_by_what_differs() {
     );
 }
 
+/// The results of tests stand on one page, with the causes that each found.
+#[test]
+fn named_runs_are_put_beside_each_other() {
+    let suite = with_images();
+    let judge = |more: &[&str]| {
+        let common = ["validate", "--outputs=images", "--results=kept", "--json"];
+        suite.volref(&[&common, more].concat())
+    };
+    let cpu = judge(&[
+        "smoke/plain",
+        "smoke/nearest",
+        "--named=on the CPU",
+        "--explain=5",
+    ]);
+    let gpu = judge(&["smoke/plain", "--named=on the GPU", "--resolution=3"]);
+    assert_eq!((cpu.code, gpu.code), (1, 0), "{}", gpu.stdout);
+    let joined = suite.volref(&["merge", "kept", "--report=page", "--json"]);
+    assert_eq!(joined.code, 1, "{}", joined.stderr);
+    let json = joined.json();
+    let mut cases = json["cases"].as_array().unwrap().clone();
+    let names: Vec<&str> = cases
+        .iter()
+        .map(|it| it["name"].as_str().unwrap())
+        .collect();
+    let both = ["smoke/plain (on the CPU)", "smoke/plain (on the GPU)"];
+    assert_eq!(names.len(), 3);
+    assert!(both.iter().all(|name| names.contains(name)), "{names:?}");
+    assert_eq!(json["judged_with"]["settings"]["resolution"], "3 in part");
+    // The mistake was found before, and is not looked for again.
+    let of = |cases: &[Value]| {
+        cases
+            .iter()
+            .find(|it| it["name"] == "smoke/nearest")
+            .cloned()
+    };
+    let known = of(cpu.json()["cases"].as_array().unwrap()).unwrap();
+    assert!(
+        !known["looks_like"].as_array().unwrap().is_empty(),
+        "{known}"
+    );
+    assert_eq!(json["looks_like"][0]["mistake"], known["looks_like"][0]);
+    cases.retain(|it| it["name"] == "smoke/nearest");
+    assert_eq!(cases, [known]);
+    let page = suite.text("page/index.html").replace("&#x2f;", "/");
+    assert!(both.iter().all(|name| page.contains(name)));
+    let alone = ["validate", "--outputs=images", "--named=alone"];
+    suite.volref(&alone).expect(2, &["--results"]);
+}
+
 #[test]
 fn folders_without_anything_are_said_to_be_so() {
     let suite = Folder::with_goldens();

@@ -204,6 +204,30 @@ fn with_ctest_only_measurements_are_elements() {
     }
 }
 
+/// CDash compares pictures by these names alone.
+#[test]
+fn pictures_have_the_names_of_cdash() {
+    let folder = with_renderer("cp golden/smoke/plain.exr $2");
+    let run = Run::of(
+        validate(&folder, &["smoke/plain", "--ctest=pictures"])
+            .output()
+            .unwrap(),
+    );
+    let named = |(name, file)| {
+        let file = folder.path(&format!("pictures/smoke/plain/{file}.png"));
+        format!(
+            "<CTestMeasurementFile type=\"image/png\" name=\"{name}\">{}</CTestMeasurementFile>",
+            file.display()
+        )
+    };
+    let files = [
+        ("ValidImage", "golden"),
+        ("TestImage", "test"),
+        ("DifferenceImage2", "difference"),
+    ];
+    run.prints(0, &files.map(named).each_ref().map(String::as_str));
+}
+
 /// A keeper is no command for people.
 #[test]
 fn keepers_are_not_shown() {

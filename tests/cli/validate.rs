@@ -219,7 +219,7 @@ fn the_search_for_a_mistake_has_a_budget() {
     let words = words.join(" ");
     assert!(
         words.ends_with(
-            "no mistake was found: the search reached its limit of 0.000001 s of work in smoke/shadow (0 of 239 \
+            "no mistake was found: the search reached its limit of 0.000001 s of work in smoke/shadow (0 of 241 \
              single mistakes tried); run again with --explain 0.000006 to continue"
         ),
         "{words}"

@@ -10,9 +10,8 @@ const FLOAT32 = 16; // datatype of NIfTI
 export async function render(element, bundle) {
   // An integral asks for no step.
   const isSampled = bundle.panel.compositing?.method !== 'continuous';
-  bundle.allow();
+  bundle.allow('parallel', 'formula');
   if (!bundle.isParallel) refuse('rays from one point');
-  if (bundle.volume.isNearest) refuse('values of the nearest node');
   const { voxel, affine } = bundle.volume;
   if (isSampled && Math.abs(bundle.step - voxel) > 1e-6 * voxel) refuse('steps other than one voxel');
   const { bytes, least, most } = bundle.table(256, { per: 'voxel' });

@@ -11,7 +11,7 @@ function place(object, matrix) {
 }
 
 export function render(element, bundle) {
-  bundle.allow('placed', 'maximum');
+  bundle.allow('parallel', 'placed', 'sheared', 'nearest', 'formula', 'maximum');
   if (bundle.mode === 'composited') refuse('composited samples');
   const { width, height, nodes, volume } = bundle;
   const renderer = new three.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true });

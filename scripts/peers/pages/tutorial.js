@@ -36,7 +36,7 @@ function cube() {
 }
 
 export function render(element, bundle, step) {
-  bundle.allow('placed');
+  bundle.allow('parallel', 'placed', 'sheared', 'nearest', 'formula');
   const { width, height, volume } = bundle;
   const canvas = document.createElement('canvas');
   [canvas.width, canvas.height] = [width, height];

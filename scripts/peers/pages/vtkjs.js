@@ -57,7 +57,7 @@ function setCamera(camera, bundle) {
 }
 
 export function render(element, bundle, step) {
-  bundle.allow('placed', 'shading', ...Object.keys(INTENSITIES));
+  bundle.allow('parallel', 'placed', 'sheared', 'nearest', 'formula', 'shading', ...Object.keys(INTENSITIES));
   const { background, panel, width, height } = bundle;
   const renderer = vtkRenderer.newInstance({ background, automaticLightCreation: false, twoSidedLighting: false });
   renderer.addVolume(actorOf(bundle, step));

@@ -158,7 +158,23 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         !scene.camera.is_orthographic()
     }),
         "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)";
+    "perspective-for-parallel" => Classified(|scene| scene.camera.is_orthographic() && projected_otherwise(scene)),
+        "rays come together in the eye where the scene asks for parallel ones: orthographic_height is the height of the image, world units, and rays begin in the plane of the eye";
+    "parallel-for-perspective" => Classified(|scene| !scene.camera.is_orthographic() && projected_otherwise(scene)),
+        "rays are parallel where the scene asks for rays from the eye: what is nearer is larger, by the angle vertical_fov";
 };
+
+/// The other projection, by which the plane through the centre of the volume looks the same, as in viewers that have a
+/// switch for it. Not where the eye is among the volume: parallel rays would begin within it.
+fn projected_otherwise(scene: &mut Classified) -> bool {
+    let centre = scene.extent().world_bounds().centre();
+    let depth = (centre - scene.camera.eye()).dot(*scene.camera.axis());
+    let is_before = depth > 0.5 * scene.diagonal();
+    if is_before {
+        scene.camera = scene.camera.with_other_projection(depth);
+    }
+    is_before
+}
 
 /// Another reference length, from the old one and the step. Only composited samples have one.
 fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
