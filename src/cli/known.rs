@@ -1,7 +1,6 @@
 //! Options of `validate` for known failures.
 
-use super::failure::{Exit, Failure};
-use super::suite::exit;
+use super::failure::{Exit, Failure, exit};
 use super::{is_in_ci, output};
 use crate::files::regular_file::{self, note_input};
 use crate::judging::{CaseResult, Judged, Known, KnownFailures, KnownStatus};

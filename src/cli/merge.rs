@@ -1,12 +1,12 @@
 //! `volref merge DIR…`
 
-use super::failure::{EXIT_CODES, Exit, Failure, bad_input};
+use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::kept::NAME;
 use super::merged_runs::{NO_RESULT, cases_of, side_by_side, without_result};
 use super::merged_units::joined_units;
 use super::results::{Findings, ResultFiles, check_not_golden};
 use super::selftest::{self, SELF_TEST};
-use super::suite::{KEPT, Selection, exit};
+use super::suite::{KEPT, Selection};
 use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::verify;
 use super::{Outcome, progress};

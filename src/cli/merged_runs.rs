@@ -1,10 +1,9 @@
 //! Named runs of `validate` beside each other, such as those of the tests of one session.
 
 use super::Outcome;
-use super::failure::{Exit, Failure, bad_input};
+use super::failure::{Exit, Failure, bad_input, exit};
 use super::kept::NAME;
 use super::results::{Findings, ResultFiles};
-use super::suite::exit;
 use super::verdicts::PrintedVerdicts;
 use crate::compare::Gate;
 use crate::conventions::Profile;

@@ -1,10 +1,10 @@
 //! `volref verify [FILTER…]`
 
-use super::failure::{EXIT_CODES, Failure};
+use super::failure::{EXIT_CODES, Failure, exit};
 use super::kept::{KeepArgument, keep, run_of};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
-use super::suite::{Selection, exit};
+use super::suite::Selection;
 use super::{Outcome, output, progress, render};
 use crate::hard_cases::Row;
 use crate::judging;
