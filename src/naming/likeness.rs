@@ -9,8 +9,7 @@
 //! have shown in them.
 //!
 //! A case explained by a mistake found before is not searched again, so a mistake that affects a
-//! whole suite is searched once. The search of a case has a [budget](Search), and its renderings
-//! are [kept](Predictions) for the next run.
+//! whole suite is searched once. The search of a case has a [budget](Search), and a run keeps its renderings.
 
 mod clock;
 mod compared_case;
@@ -26,7 +25,6 @@ mod noisy_pixels;
 mod opacity;
 mod prediction;
 mod predictor;
-mod registration;
 mod step;
 mod volume_in_view;
 
@@ -35,7 +33,6 @@ pub use clock::{Search, SearchStep, Stage};
 pub(super) use clock::{WORK_PER_SECOND, latest_end};
 pub(crate) use fit::is_number_found;
 pub use kept::Predictions;
-pub(crate) use kept::{CACHE_VARIABLE, cache_of_the_user};
 pub(crate) use prediction::{lattice_of, pixels_at, pixels_of};
 
 use crate::conventions::Profile;
@@ -216,7 +213,7 @@ pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, seconds: f64) -
     }
     let search = Search {
         budget: Duration::try_from_secs_f64(seconds).ok(),
-        predictions: &Predictions::nowhere(),
+        predictions: &Predictions::default(),
         interrupted: &|| false,
         progress: &|_| (),
     };

@@ -977,7 +977,7 @@ fn mistakes_of_the_family_are_named() {
             assert_eq!(verdict, Verdict::Fail, "{}: {name}", case.name);
             let search = Search {
                 budget: None,
-                predictions: &Predictions::in_folder(folder.path()),
+                predictions: &Predictions::default(),
                 interrupted: &|| false,
                 progress: &|_| {},
             };

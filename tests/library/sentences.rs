@@ -620,7 +620,7 @@ fn judged(case: &str, film: Film) -> CaseResult {
     let is_at_pairs = std::sync::atomic::AtomicBool::new(false);
     let search = Search {
         budget: None,
-        predictions: &Predictions::nowhere(),
+        predictions: &Predictions::default(),
         interrupted: &|| is_at_pairs.load(std::sync::atomic::Ordering::Relaxed),
         progress: &|step| {
             let is = step.stage == Stage::Pairs;
@@ -723,7 +723,7 @@ fn axes_of_turns() {
     let turned = rendered("reported/head", |scene| {
         let turn = numbers_of_place(scene).into_iter();
         let mut turn = turn.filter(|number| number.name() == "turn.z");
-        *scene = turn.next().unwrap().changed(scene, 7.0).unwrap();
+        *scene = turn.next().unwrap().changed(scene, 2.0).unwrap();
     });
     let said = judged("reported/head", turned).difference.join("; ");
     assert!(

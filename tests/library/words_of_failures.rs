@@ -32,7 +32,7 @@ fn searched(
     let is_over = AtomicBool::new(!go_on(Stage::Singles, 0));
     let search = Search {
         budget: None,
-        predictions: &Predictions::in_folder(folder.path()),
+        predictions: &Predictions::default(),
         interrupted: &|| is_over.load(Ordering::Relaxed),
         progress: &|step| {
             is_over.fetch_or(!go_on(step.stage, step.done), Ordering::Relaxed);

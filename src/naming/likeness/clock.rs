@@ -9,7 +9,7 @@ pub struct Search<'s> {
     /// Limit of the work for each failed case, as the time that it takes on two cores; `None` for no limit. The
     /// search for its conventions counts. One rendered image may exceed it.
     pub budget: Option<Duration>,
-    /// Predictions kept from run to run.
+    /// Predictions that the run keeps.
     pub predictions: &'s Predictions,
     /// True to stop at once; polled from any thread.
     pub interrupted: &'s (dyn Fn() -> bool + Sync),

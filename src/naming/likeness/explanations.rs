@@ -129,17 +129,13 @@ impl<'c> Explanations<'c> {
         let known = self.fitted.remove(&failed.index);
         let mut fit = known.unwrap_or_else(|| failed.fitted_numbers(&clock));
         fit.or(failed.fitted_step(&clock));
-        let mut is_explained = fit.is_explained || fit.agrees;
+        let is_explained = fit.is_explained || fit.agrees;
         if !is_explained && *pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
             *pair_searches += 1;
             let found = failed.search_pairs(&looks, &mut clock);
             let others = self.failing[..at].iter().chain(&self.failing[at + 1..]);
             self.try_in(others, &found, &clock);
-            is_explained |= !found.is_empty();
             self.add(failed, found);
-        }
-        if !is_explained {
-            fit.or(failed.fitted_place(&clock));
         }
         self.fitted.insert(failed.index, fit);
         self.unfinished.extend(clock.unfinished());

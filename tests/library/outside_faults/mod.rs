@@ -241,7 +241,7 @@ const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 7] = [
 fn a_name_is_right_or_there_is_none() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let faults = faults();
     for (name, named, described, words) in IN_EVERY_RUN {
         let is_at_pairs = AtomicBool::new(false);
@@ -311,7 +311,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
     let output = || Output::Picture(Box::new(Picture::Radiance(rendered(&scene, 4))));
     let found = || {
         let mut judged = [validate(case, &suite.store(), output(), None)];
-        let predictions = Predictions::in_folder(folder.path());
+        let predictions = Predictions::default();
         let search = uninterrupted(Duration::from_millis(300), &predictions);
         let found = likeness(&[case], &[], None, &mut judged, &search);
         let [judged] = judged;
@@ -334,7 +334,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
 fn names_of_faults_outside_the_catalogue() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let seconds = f64::from(given("VOLREF_EXPLAIN").unwrap_or(10));
     let search = uninterrupted(Duration::from_secs_f64(seconds), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
@@ -391,7 +391,7 @@ const CLOSELY: u32 = 1024;
 fn mistakes_of_the_catalogue_are_named_first() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let search = uninterrupted(Duration::from_secs(10), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
     let seeds = u64::from(given("VOLREF_SEEDS").unwrap_or(4));
@@ -457,7 +457,7 @@ fn mistakes_of_the_catalogue_are_named_first() {
 fn mistakes_that_noise_hides_are_named() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let search = uninterrupted(Duration::from_secs(10), &predictions);
     let hidden = ["half-resolution", "one-pixel-left", "lights-counted-twice"];
     hidden.par_iter().for_each(|name| {
@@ -532,7 +532,7 @@ fn given(variable: &str) -> Option<u32> {
 fn numbers_far_off_are_told_in_noise() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     // The words on numbers are known before pairs of mistakes are looked for.
     let is_at_pairs = AtomicBool::new(false);
     let search = Search {
@@ -596,7 +596,7 @@ fn interval(sentence: &str, words: &str) -> Option<[f64; 2]> {
 fn intervals_of_far_changes_hold_the_truth() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let mut stated = 0;
     for (case, name, change, unit) in [
         ("smoke/cornell", "camera.down", 2.0, 1.0),
