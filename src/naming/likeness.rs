@@ -5,7 +5,7 @@
 //! of the scene are rendered, first with few pixels or samples, the remaining ones with more. A
 //! mistake explains an image if it leaves no more than a [small share](unexplained) of what the
 //! image differs from the golden by; among several, the one that is significantly nearest comes
-//! first. If none does, pairs of mistakes are tried. Cases that passed contradict mistakes that would
+//! first. If none does, the usual pairs of mistakes are tried. Cases that passed contradict mistakes that would
 //! have shown in them.
 //!
 //! A case explained by a mistake found before is not searched again, so a mistake that affects a
@@ -13,7 +13,6 @@
 
 mod clock;
 mod compared_case;
-mod distances;
 mod distinguished;
 mod explanations;
 mod fit;
@@ -52,8 +51,8 @@ pub(crate) const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or 
     and it is in no channel, box or part that is looked for";
 
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.
-const UNDECIDABLE: &str = "no single mistake that was tried is shown to be the cause; pairs are not tried, because noise would \
-    hide what they leave of the difference";
+const UNDECIDABLE: &str = "no mistake that was tried is shown to be the cause: noise would hide what the right one leaves of \
+    the difference";
 
 /// Sentence for right colours with an opacity that no mistake makes.
 const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opacity alone, and no mistake of opacity that \
@@ -218,7 +217,7 @@ pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, seconds: f64) -
         progress: &|_| (),
     };
     let clock = SearchClock::start(&search, &failed.name, hunt::singles(), 0);
-    let (found, _) = failed.search(&clock);
+    let found = failed.search(&clock);
     let is_one = |hypothesis: &Hypothesis| matches!(hypothesis, Hypothesis::One(_));
     let mut ones = found.iter().filter(|(hypothesis, _)| is_one(hypothesis));
     ones.any(|(hypothesis, _)| failed.passes_with(hypothesis, &clock))

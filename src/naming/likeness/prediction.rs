@@ -236,7 +236,6 @@ mod tests {
         let scene = small("figures/figure-3.toml", [20, 20]);
         let profile = Profile::named("vtk").unwrap();
         let under = profile.applied_to(&scene).unwrap().unwrap();
-        let folder = tempfile::tempdir().unwrap();
         let predictions = Predictions::default();
         let search = unlimited(&predictions);
         let clock = SearchClock::start(&search, "", 1, 0);
@@ -255,7 +254,6 @@ mod tests {
             panic!("a radiative scene");
         };
         radiative.scattering = Scattering::None;
-        let folder = tempfile::tempdir().unwrap();
         let predictions = Predictions::default();
         let search = unlimited(&predictions);
         let clock = SearchClock::start(&search, "", 1, 0);
