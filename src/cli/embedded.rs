@@ -2,8 +2,8 @@
 
 use super::failure::{Exit, Failure};
 use super::{interrupt, progress};
+use crate::files::cache_folder::{CACHE_VARIABLE, cache_of_the_user};
 use crate::files::temporary_folder::TemporaryFolder;
-use crate::naming::{CACHE_VARIABLE, cache_of_the_user};
 use crate::suite::{EmbeddedSuite, Suite};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};

@@ -133,9 +133,7 @@ fn measure_naming(
     json: &Json,
 ) -> Result<Outcome, Failure> {
     let bar = progress::counted("cases", made.len());
-    let namings: Vec<Naming> = naming(cases, store, made, &Predictions::of_the_user(), &|| {
-        bar.inc(1)
-    });
+    let namings: Vec<Naming> = naming(cases, store, made, &Predictions::default(), &|| bar.inc(1));
     bar.finish_and_clear();
     let rows: Vec<_> = namings
         .iter()

@@ -168,14 +168,10 @@ impl CauseSearch {
             };
             return (Likenesses::default(), said.to_owned());
         }
-        let predictions = Predictions::of_the_user();
-        if let Some(reason) = predictions.refusal() {
-            progress::note(&format!("the cache of predictions is not used: {reason}"));
-        }
         let bar = self.bar(failed);
         let search = Search {
             budget: Some(Duration::from_secs_f64(self.seconds)),
-            predictions: &predictions,
+            predictions: &Predictions::default(),
             interrupted: &interrupt::is_cut_short,
             progress: &|step| progress::mistake(&bar, step),
         };

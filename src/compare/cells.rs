@@ -462,29 +462,6 @@ impl Cells {
         moved
     }
 
-    /// Effect of two changes of `base` together, if each multiplies cells by its own factor: `self
-    /// · other / base`, or where that has no meaning `self + other − base`. All of one size;
-    /// without noise.
-    pub fn combined(&self, other: &Cells, base: &Cells) -> Option<Cells> {
-        if !self.has_size_of(base) || !other.has_size_of(base) {
-            return None;
-        }
-        let mut both = self.clone().without_noise();
-        for (cell, means) in both.means.iter_mut().enumerate() {
-            for (c, mean) in means.iter_mut().enumerate() {
-                let (other, base) = (other.means[cell][c], base.means[cell][c]);
-                let product = *mean * other / base;
-                *mean = if base > 0.0 && product.is_finite() {
-                    product
-                } else {
-                    *mean + other - base
-                };
-            }
-        }
-        both.samples = None;
-        Some(both)
-    }
-
     /// Misfit of `test` to `self`, relative to the brightness of `golden`; all of one size. The
     /// weights of cells are the same for every `self`, so that distances may be compared.
     pub fn misfit(&self, test: &Cells, golden: &Cells) -> Misfit {
@@ -562,20 +539,6 @@ impl Cells {
             has_noise,
             gain: 0.0,
         }
-    }
-
-    /// Cells over which the squared relative difference from `test` is spread: (Σ d²)²/Σ d⁴.
-    pub fn effective_cells(&self, test: &Cells) -> f64 {
-        let (mut squares, mut fourths) = (Sum::default(), Sum::default());
-        for (golden, test) in self.means.iter().zip(&test.means) {
-            let square: f64 = (0..3)
-                .map(|c| (test[c] - golden[c]) / (golden[c].abs() + DARK))
-                .map(|difference| difference * difference)
-                .sum();
-            squares.add(square);
-            fourths.add(square * square);
-        }
-        squares.value() * squares.value() / fourths.value()
     }
 
     /// The weight of a squared difference in a cell of this golden, from which the noise of a test

@@ -90,29 +90,33 @@ fn squares(golden: &Film, image: &Film, is_in: impl Fn(usize) -> bool) -> f64 {
 mod tests {
     use super::*;
 
-    /// Faint above, opaque below.
+    /// A box, grey below, and dark around.
     fn golden() -> Film {
         let pixel = |i: usize| match i / 64 < 24 {
-            true => [0.1, 0.12, 0.1, 0.1],
-            false => [0.7, 0.6, 0.5, 1.0],
+            true => [0.1, 0.12, 0.1],
+            false => [0.7, 0.6, 0.5],
         };
-        Film::with_opacity(64, 48, (0..64 * 48).map(pixel).collect())
+        Film::new(64, 48, (0..64 * 48).map(pixel).collect())
     }
 
-    /// Images whose faint and opaque parts are off by so much at these steps.
+    fn is_border(i: usize) -> bool {
+        i % 64 == 20
+    }
+
+    /// Images that are off by so much at these steps, at the border and elsewhere.
     fn said(off: impl Fn(f64) -> [f64; 2]) -> String {
         let golden = golden();
         let image = |step: f64| {
-            let [faint, opaque] = off(step);
+            let [border, others] = off(step);
             let pixels = golden.radiance().iter().enumerate().map(|(i, pixel)| {
-                let off = if i / 64 < 24 { faint } else { opaque };
+                let off = if is_border(i) { border } else { others };
                 pixel.map(|x| (f64::from(x) + off) as f32)
             });
             Film::new(64, 48, pixels.collect())
         };
         let images = [1.0, 0.5, 0.25].map(image);
         let seen = Seen {
-            opacity: golden.opacity().map(<[f32]>::to_vec),
+            border: Some((0..64 * 48).map(is_border).collect()),
             ..Seen::default()
         };
         change_with_step(&golden, &images, &seen).unwrap_or_default()
@@ -132,15 +136,14 @@ mod tests {
         let grows = said(|step| [0.01 / step; 2]);
         assert!(grows.contains("with the last halving it grows"), "{grows}");
         assert!(grows.contains("at the step asked for") && grows.contains("at 1/4 of it"));
-        // The faint parts by themselves.
-        let faint = said(|step| [0.02 / step, 0.05 * step]);
-        assert!(faint.contains("it grows"), "{faint}");
-        assert!(
-            faint.contains(
-                "in opaque parts, of an opacity above 0.95 (50 % of the pixels that show anything) it shrinks"
-            ),
-            "{faint}"
-        );
+        // The border by itself: one column of 64, and nine tenths of the difference.
+        let border = said(|step| [0.5 / step, 0.05 * step]);
+        assert!(border.contains("it grows"), "{border}");
+        let border = said(|step| [0.5, 0.05 * step]);
+        assert!(border.contains("it stays"), "{border}");
+        let border = said(|step| [0.2 / step, 0.2 * step]);
+        let words = "at the border of the volume, the silhouette of its box (2 % of the pixels that show anything) it grows";
+        assert!(border.contains(words), "{border}");
         assert_eq!(said(|_| [0.0; 2]), "");
         let golden = golden();
         let one = [golden.clone()];

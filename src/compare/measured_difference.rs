@@ -14,7 +14,6 @@
 
 use super::parts::{MOST_PARTS, Part, Seen, is_clearly_more, lines, percent};
 use super::pixels::Pixels;
-use super::seams::seams;
 use super::stochastic::BLOCK;
 use crate::film::{CHANNELS, Film};
 use std::ops::Range;
@@ -102,7 +101,6 @@ pub(crate) fn measured(
     if black.is_none_or(|black| black.share < NEARLY_ALL) {
         sentences.extend(in_parts(&sums, &parts));
     }
-    sentences.extend(seams(&pixels, seen));
     // Noise of single lines would decide where the box ends.
     sentences.extend(in_a_box(&pixels, &sums, if has_noise { BLOCK } else { 1 }));
     Some(sentences)
@@ -637,50 +635,6 @@ mod tests {
         assert!(text.contains("no value is above 0.75"), "{text}");
     }
 
-    #[test]
-    fn near_and_far_are_told_apart() {
-        // A floor that recedes to the right; above it nothing.
-        let is_floor = |i: usize| i / 96 >= 16;
-        let distance = |i: usize| {
-            if is_floor(i) {
-                2.0 + 0.1 * (i % 96) as f64
-            } else {
-                f64::INFINITY
-            }
-        };
-        let distances: Vec<f64> = (0..96 * 80).map(distance).collect();
-        let faded = |from: f64, to: f64| {
-            edited(|x, _, [i, j]| {
-                let t = distance(96 * j + i);
-                if t > from && t <= to { 0.7 * x } else { x }
-            })
-        };
-        let said_of = |test: &Film, distances: &[f64]| {
-            let seen = Seen {
-                distances: Some(distances.to_vec()),
-                ..Seen::default()
-            };
-            measured_difference(&golden(), test, &seen).join("; ")
-        };
-        let said = |test: &Film| said_of(test, &distances);
-        // 96 columns from 2 on, 0.1 apart: the 48th is half of them.
-        let far = said(&faded(7.0, 100.0));
-        let words = "all of the squared relative difference lies in the farther half of what is seen, beyond 6.7";
-        assert!(far.contains(words), "{far}");
-        let near = said(&faded(0.0, 6.0));
-        assert!(
-            near.contains("in the nearer half of what is seen"),
-            "{near}"
-        );
-        for alike in [faded(3.0, 11.0), faded(100.0, f64::INFINITY)] {
-            let text = said(&alike);
-            assert!(!text.is_empty() && !text.contains("is seen"), "{text}");
-        }
-        let all_as_far = vec![3.0; 96 * 80];
-        let text = said_of(&faded(7.0, 100.0), &all_as_far);
-        assert!(!text.contains("is seen"), "{text}");
-    }
-
     /// Rows that were never written; not what is nearly black, nor what noise makes black.
     #[test]
     fn black_pixels_are_counted() {
@@ -739,81 +693,38 @@ mod tests {
         }
     }
 
-    /// A volume that is opaque in the middle and faint around, in a box of 64 pixels.
-    fn volume() -> (Film, Seen) {
-        let hills = golden();
-        let at = |i: usize| [i % 96, i / 96];
+    /// A volume in a box of 64 pixels.
+    fn seen() -> Seen {
         let is_inside = |[x, y]: [usize; 2]| (16..80).contains(&x) && (8..72).contains(&y);
-        let is_opaque = |[x, y]: [usize; 2]| (32..64).contains(&x) && (24..56).contains(&y);
-        let pixel = |i: usize| {
-            let opacity = match at(i) {
-                at if is_opaque(at) => 1.0,
-                at if is_inside(at) => 0.2,
-                _ => 0.0,
-            };
-            let [r, g, b] = hills.radiance()[i].map(|x| opacity * x);
-            [r, g, b, opacity]
-        };
         let border = |i: usize| {
-            let [x, y] = at(i);
+            let [x, y] = [i % 96, i / 96];
             let near = |[x, y]: [usize; 2]| is_inside([x.max(2) - 2, y.max(2) - 2]);
             is_inside([x, y]) != near([x, y]) || is_inside([x, y]) != is_inside([x + 2, y + 2])
         };
-        let golden = Film::with_opacity(96, 80, (0..96 * 80).map(pixel).collect());
-        let seen = Seen {
-            opacity: golden.opacity().map(<[f32]>::to_vec),
+        Seen {
             border: Some((0..96 * 80).map(border).collect()),
             voxels: Some([[0.4, 0.0, 0.3], [0.0, -1.2, 0.0]]),
-            ..Seen::default()
-        };
-        (golden, seen)
-    }
-
-    /// Sentences on that volume after `edit` of its pixels, by opacity and by place at the border.
-    fn said_of_volume(edit: impl Fn(f64, f32, bool) -> f64) -> String {
-        let (golden, seen) = volume();
-        let (opacity, border) = (golden.opacity().unwrap(), seen.border.as_ref().unwrap());
-        let pixels = golden
-            .radiance()
-            .iter()
-            .enumerate()
-            .map(|(i, pixel)| pixel.map(|x| edit(x.into(), opacity[i], border[i]) as f32));
-        let test = Film::new(96, 80, pixels.collect());
-        measured_difference(&golden, &test, &seen).join("; ")
-    }
-
-    #[test]
-    fn faint_and_opaque_parts_and_the_border_are_told_apart() {
-        let faint = "lies in faint parts, of an opacity below 0.25";
-        let opaque = "lies in opaque parts, of an opacity above 0.95";
-        let border = "lies at the border of the volume, the silhouette of its box";
-        let dropped = said_of_volume(|x, opacity, _| if opacity < 0.3 { 0.8 * x } else { x });
-        assert!(dropped.contains(faint), "{dropped}");
-        assert!(
-            !dropped.contains(opaque) && !dropped.contains(border),
-            "{dropped}"
-        );
-        let ended = said_of_volume(|x, opacity, _| if opacity > 0.9 { 0.95 * x } else { x });
-        assert!(ended.contains(opaque), "{ended}");
-        assert!(!ended.contains(faint) && !ended.contains(border), "{ended}");
-        let larger = said_of_volume(|x, _, border| if border { x + 0.05 } else { x });
-        assert!(larger.contains(border), "{larger}");
-        assert!(!larger.contains(opaque), "{larger}");
-        let all = said_of_volume(|x, opacity, _| {
-            if opacity > 0.0 {
-                x + 0.02 * (x + 0.2)
-            } else {
-                x
-            }
-        });
-        for part in [faint, opaque, border] {
-            assert!(!all.contains(part), "{all}");
         }
     }
 
     #[test]
+    fn the_border_of_the_volume_is_told() {
+        let seen = seen();
+        let border = seen.border.as_ref().unwrap();
+        let said = |edit: &dyn Fn(f64, bool) -> f64| {
+            let test = edited(|x, _, [i, j]| edit(x, border[96 * j + i]));
+            measured_difference(&golden(), &test, &seen).join("; ")
+        };
+        let words = "lies at the border of the volume, the silhouette of its box";
+        let larger = said(&|x, border| if border { x + 0.05 } else { x });
+        assert!(larger.contains(words), "{larger}");
+        let all = said(&|x, _| x + 0.02 * (x + 0.2));
+        assert!(!all.contains(words), "{all}");
+    }
+
+    #[test]
     fn shifts_are_said_in_voxels() {
-        let (_, seen) = volume();
+        let seen = seen();
         let shifted = |by: [f64; 2], seen: &Seen| {
             let test = hills(|x, y| [x - by[0], y - by[1]]);
             measured_difference(&golden(), &test, seen).join("; ")

@@ -25,7 +25,6 @@ mod pixels;
 mod precision;
 mod promise;
 mod refinement;
-mod seams;
 mod sensitivity;
 pub mod significance;
 pub mod stochastic;

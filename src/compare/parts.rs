@@ -5,17 +5,10 @@ use super::pixels::Pixels;
 /// Facts about the golden's pixels that its scene tells.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
-    /// Distance from the eye of what a pixel shows, world units, row by row; infinite where there is
-    /// nothing.
-    pub distances: Option<Vec<f64>>,
-    /// Opacity of the pixels, row by row, where it is known.
-    pub opacity: Option<Vec<f32>>,
     /// Pixels at the silhouette of the volume's box, row by row.
     pub border: Option<Vec<bool>>,
     /// Width of a pixel at the volume's centre, to the right and down, in voxels along x, y and z.
     pub voxels: Option<[[f64; 3]; 2]>,
-    /// Node coordinates of what a pixel shows of the volume, row by row; none where it shows nothing.
-    pub nodes: Option<Vec<Option<[f64; 3]>>>,
 }
 
 impl Seen {
@@ -42,21 +35,10 @@ impl Seen {
 const LEAST_ALONG_AXIS: f64 = 0.05;
 
 /// Largest number of parts.
-pub(super) const MOST_PARTS: usize = 8;
+pub(super) const MOST_PARTS: usize = 3;
 
-/// Share of the lit pixels that count as edges, and as the brightest part.
+/// Share of the lit pixels that count as edges.
 const STEEPEST: f64 = 0.2;
-const BRIGHTEST: f64 = 0.1;
-
-/// Ratio of the distances of what is seen, the tenth of all to the ninetieth, from which some is far.
-const DEPTH: f64 = 1.1;
-
-/// Opacities below which a volume is faint, and above which it is opaque.
-const FAINT: f64 = 0.25;
-const OPAQUE: f64 = 0.95;
-
-/// Brightness below which parts of an image without opacity are faint, in means of the image.
-const DIM: f64 = 0.5;
 
 /// Share of the squared difference that is worth saying, and its odds over those of the part's share
 /// of the pixels: a fifth of them holds half, a half of them four fifths.
@@ -79,11 +61,7 @@ impl Part {
         let golden = pixels.golden;
         let count = golden.radiance().len();
         let is_at_border = |i: usize| seen.border.as_ref().is_some_and(|border| border[i]);
-        let known = seen.opacity.as_ref();
-        let opacity = |i: usize| known.map(|opacity| f64::from(opacity[i]));
-        let shows = |i: usize| {
-            pixels.is_lit(i) || is_at_border(i) || opacity(i).is_some_and(|opacity| opacity > 0.0)
-        };
+        let shows = |i: usize| pixels.is_lit(i) || is_at_border(i);
         let shown: Vec<usize> = (0..count).filter(|&i| shows(i)).collect();
         let part = |words: &str, is_in: &dyn Fn(usize) -> bool| {
             let pixels: Vec<bool> = (0..count).map(is_in).collect();
@@ -98,62 +76,21 @@ impl Part {
         // Of what is not dark: a background has neither edges nor brightness.
         let lit: Vec<usize> = (0..count).filter(|&i| pixels.is_lit(i)).collect();
         let steep = quantile(lit.iter().map(|&i| pixels.steepness(i)), 1.0 - STEEPEST);
-        let bright = quantile(lit.iter().map(|&i| pixels.brightness(i)), 1.0 - BRIGHTEST);
         let noise = golden.noise().filter(|noise| !noise.is_known());
-        let is_faint = |i: usize| match opacity(i) {
-            Some(opacity) => opacity > 0.0 && opacity < FAINT,
-            None => pixels.is_lit(i) && pixels.brightness(i) < 3.0 * DIM * pixels.mean,
-        };
-        let faint = match known {
-            Some(_) => format!("in faint parts, of an opacity below {FAINT} ({{due}})"),
-            None => "in faint parts, less than half as bright as the mean ({due})".to_owned(),
-        };
-        let mut parts = vec![
+        vec![
             part(
                 "at edges: in the fifth of the lit pixels where the golden is steepest",
                 &|i| pixels.steepness(i) > steep,
             ),
-            part("in the brightest tenth of the lit pixels", &|i| {
-                pixels.brightness(i) > bright
-            }),
             part(
                 "in pixels without noise, such as a lamp or a sky that is seen",
                 &|i| noise.is_some_and(|noise| noise.variance()[i] == [0.0; 3]),
-            ),
-            part(&faint, &is_faint),
-            part(
-                &format!("in opaque parts, of an opacity above {OPAQUE} ({{due}})"),
-                &|i| opacity(i).is_some_and(|opacity| opacity > OPAQUE),
             ),
             part(
                 "at the border of the volume, the silhouette of its box ({due})",
                 &is_at_border,
             ),
-        ];
-        if let Some(distances) = &seen.distances {
-            let of_shown = || {
-                shown
-                    .iter()
-                    .map(|&i| distances[i])
-                    .filter(|t| t.is_finite())
-            };
-            let [near, middle, far] = [0.1, 0.5, 0.9].map(|share| quantile(of_shown(), share));
-            if far > DEPTH * near {
-                let nearer = part(
-                    &format!(
-                        "in the nearer half of what is seen, no farther from the eye than {middle:.3} units"
-                    ),
-                    &|i| distances[i] <= middle,
-                );
-                let farther = part(
-                    &format!("in the farther half of what is seen, beyond {middle:.3} units"),
-                    &|i| distances[i] > middle && distances[i].is_finite(),
-                );
-                // Halves, however much background there is: never both hold more than their due.
-                parts.extend([nearer, farther].map(|half| Part { due: 0.5, ..half }));
-            }
-        }
-        parts
+        ]
     }
 
     /// True if this share of the squared difference is clearly more than the part's due.

@@ -1,6 +1,7 @@
 //! Reading and writing of files: regular files only, whole or not at all, sealed by a hash.
 
 pub mod atomic_file;
+pub(crate) mod cache_folder;
 pub(crate) mod decoder;
 pub(crate) mod file_kind;
 pub(crate) mod golden_mark;

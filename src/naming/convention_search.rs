@@ -209,7 +209,7 @@ impl<'s> ConventionSearch<'s> {
     fn is_plainly_explained(&self, case: &Case, judged: &mut Judged, seconds: f64) -> bool {
         let search = Search {
             budget: Duration::try_from_secs_f64(seconds).ok(),
-            predictions: &Predictions::nowhere(),
+            predictions: &Predictions::default(),
             interrupted: self.interrupted,
             progress: self.progress,
         };

@@ -5,16 +5,14 @@
 //! of the scene are rendered, first with few pixels or samples, the remaining ones with more. A
 //! mistake explains an image if it leaves no more than a [small share](unexplained) of what the
 //! image differs from the golden by; among several, the one that is significantly nearest comes
-//! first. If none does, pairs of mistakes are tried. Cases that passed contradict mistakes that would
+//! first. If none does, the usual pairs of mistakes are tried. Cases that passed contradict mistakes that would
 //! have shown in them.
 //!
 //! A case explained by a mistake found before is not searched again, so a mistake that affects a
-//! whole suite is searched once. The search of a case has a [budget](Search), and its renderings
-//! are [kept](Predictions) for the next run.
+//! whole suite is searched once. The search of a case has a [budget](Search), and a run keeps its renderings.
 
 mod clock;
 mod compared_case;
-mod distances;
 mod distinguished;
 mod explanations;
 mod fit;
@@ -26,7 +24,6 @@ mod noisy_pixels;
 mod opacity;
 mod prediction;
 mod predictor;
-mod registration;
 mod step;
 mod volume_in_view;
 
@@ -36,7 +33,6 @@ pub use clock::{Search, SearchStep, Stage};
 pub(super) use clock::{WORK_PER_SECOND, latest_end};
 pub(crate) use fit::is_number_found;
 pub use kept::Predictions;
-pub(crate) use kept::{CACHE_VARIABLE, cache_of_the_user};
 pub(crate) use prediction::{lattice_of, pixels_at, pixels_of};
 
 use crate::conventions::Profile;
@@ -56,8 +52,8 @@ pub(crate) const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or 
     and it is in no channel, box or part that is looked for";
 
 /// Sentence for a difference of which noise would hide whether even the right mistake explains it.
-const UNDECIDABLE: &str = "no single mistake that was tried is shown to be the cause; pairs are not tried, because noise would \
-    hide what they leave of the difference";
+const UNDECIDABLE: &str = "no mistake that was tried is shown to be the cause: noise would hide what the right one leaves of \
+    the difference";
 
 /// Sentence for right colours with an opacity that no mistake makes.
 const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opacity alone, and no mistake of opacity that \
@@ -261,7 +257,7 @@ pub(super) fn is_plainly_explained(case: &Case, judged: &mut Judged, search: &Se
         return true;
     }
     let clock = SearchClock::start(search, &failed.name, hunt::singles(), failed.spent);
-    let (found, _) = failed.search(&clock);
+    let found = failed.search(&clock);
     let mut hypotheses = found.iter().map(|(hypothesis, _)| hypothesis);
     let is_plain = hypotheses.any(|it| it.one().is_some() && failed.passes_with(it, &clock));
     let evidence = &mut judged.evidence;

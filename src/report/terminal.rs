@@ -255,8 +255,8 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
 
 /// Sentence on the searches that were ended, by the user or by the limit of work, as many `seconds` take.
 fn unfinished_text(unfinished: &[SearchStep], was_cut_short: bool, seconds: f64) -> String {
-    // After the pairs come closer looks at the nearest, and fits.
-    let has_tried_all = |of: &SearchStep| of.stage == Stage::Pairs && of.done == of.of;
+    // After the mistakes come closer looks at the nearest, and fits.
+    let has_tried_all = |of: &SearchStep| of.stage == Stage::Singles && of.done == of.of;
     let why = if was_cut_short {
         "was interrupted".to_owned()
     } else if unfinished.iter().all(has_tried_all) {
@@ -266,10 +266,9 @@ fn unfinished_text(unfinished: &[SearchStep], was_cut_short: bool, seconds: f64)
     };
     let name = |of: &SearchStep| {
         let (case, stage) = (&of.case, of.stage.name());
-        let done = match (of.done == of.of, of.stage) {
-            (false, _) => format!("{} of {} {stage} tried", of.done, of.of),
-            (true, Stage::Singles) => format!("all {} {stage} tried, no pairs", of.of),
-            (true, _) => format!("all {} {stage} tried", of.of),
+        let done = match of.done == of.of {
+            false => format!("{} of {} {stage} tried", of.done, of.of),
+            true => format!("all {} {stage} tried", of.of),
         };
         format!("{case} ({done})")
     };

@@ -352,30 +352,6 @@ fn a_cache_that_others_can_change_is_not_used() {
     assert!(std::fs::read(&golden).unwrap() == std::fs::read(folder.path("theirs.exr")).unwrap());
 }
 
-#[test]
-fn predictions_of_others_are_not_believed() {
-    let folder = Folder::with_goldens();
-    folder.write(
-        "images/smoke/plain.exr",
-        folder.read("golden/smoke/shadow.exr"),
-    );
-    let validate = ["validate", "smoke/plain", "--outputs", "images"];
-    std::fs::create_dir_all(folder.path("cache/predictions")).unwrap();
-    set_mode(&folder.path("cache/predictions"), 0o777);
-    let (run, said) = cached(&folder, &validate);
-    assert_eq!(run.code, 1, "{said}");
-    assert!(said.contains("predictions is not used"), "{said}");
-    let kept = || {
-        std::fs::read_dir(folder.path("cache/predictions"))
-            .unwrap()
-            .count()
-    };
-    assert_eq!(kept(), 0);
-    set_mode(&folder.path("cache/predictions"), 0o700);
-    let (_, said) = cached(&folder, &validate);
-    assert!(!said.contains("is not used") && kept() > 0, "{said}");
-}
-
 /// The next command that writes into a folder removes what a killed one left there, and nothing else.
 #[test]
 fn what_was_cut_off_is_removed() {

@@ -321,57 +321,6 @@ fn no_cause_is_looked_for_that_is_known() {
     }
 }
 
-/// What the search renders is kept for the next run; damaged or lost, it is rendered again; where
-/// nothing can be kept, nothing is.
-#[test]
-fn predictions_are_kept() {
-    let folder = with_images();
-    folder.write(
-        "out/smoke/shadow.exr",
-        unknown_mistake(&folder, "smoke/shadow"),
-    );
-    let validate = |cache: &str| {
-        let arguments = ["validate", "shadow", "--outputs", "out", "--json"];
-        let mut command = folder.command(&arguments);
-        let run = Run::of(
-            command
-                .env("VOLREF_CACHE", folder.path(cache))
-                .output()
-                .unwrap(),
-        );
-        assert_eq!(run.code, 1, "{}", run.stderr);
-        (
-            run.json()["looks_like"].clone(),
-            run.json()["cases"][0]["looks_like"].clone(),
-        )
-    };
-    let kept = || {
-        let mut files = folder.files();
-        files.retain(|name, _| name.starts_with("cache/predictions/"));
-        files
-    };
-    let first = validate("cache");
-    let files = kept();
-    assert!(!files.is_empty());
-    let damaged = files.keys().next().unwrap();
-    folder.write(damaged, "no prediction");
-    let modified = |name: &str| {
-        std::fs::metadata(folder.path(name))
-            .unwrap()
-            .modified()
-            .unwrap()
-    };
-    let untouched = files.keys().next_back().unwrap();
-    let before = modified(untouched);
-    assert_eq!(validate("cache"), first);
-    for (name, contents) in &files {
-        assert_eq!(&folder.read(name), contents, "{name}");
-    }
-    assert_eq!(modified(untouched), before);
-    folder.write("file", "in the place of a folder");
-    assert_eq!(validate("file"), first);
-}
-
 /// Ctrl-C in the search: verdicts, summary and files are there, as the exit code of the verdicts is.
 #[cfg(unix)]
 #[test]

@@ -44,7 +44,7 @@ fn searched(case: &Case, picture: Picture) -> Judged {
     ConventionSearch::default().explain_mismatch(case, &store, &mut judged, WORK, true);
     let search = Search {
         budget: None,
-        predictions: &Predictions::nowhere(),
+        predictions: &Predictions::default(),
         interrupted: &|| false,
         progress: &|step| panic!("a search of {}", step.case),
     };

@@ -9,7 +9,7 @@ pub struct Search<'s> {
     /// Limit of the work for each failed case, as the time that it takes on two cores; `None` for no limit. The
     /// search for its conventions counts. One rendered image may exceed it.
     pub budget: Option<Duration>,
-    /// Predictions kept from run to run.
+    /// Predictions that the run keeps.
     pub predictions: &'s Predictions,
     /// True to stop at once; polled from any thread.
     pub interrupted: &'s (dyn Fn() -> bool + Sync),
@@ -50,8 +50,6 @@ pub enum Stage {
     Conventions,
     /// Each mistake by itself.
     Singles,
-    /// Two mistakes together.
-    Pairs,
 }
 
 impl Stage {
@@ -61,7 +59,6 @@ impl Stage {
             Stage::Profiles => "profiles",
             Stage::Conventions => "rounds of conventions",
             Stage::Singles => "single mistakes",
-            Stage::Pairs => "pairs of mistakes",
         }
     }
 }
@@ -118,13 +115,6 @@ impl<'s> SearchClock<'s> {
     /// Continues after another case was searched.
     pub fn resume(&mut self) {
         self.end = self.search.budget.and_then(latest_end);
-    }
-
-    /// Continues with `of` pairs.
-    pub fn go_on_with_pairs(&mut self, of: usize) {
-        self.stage = Stage::Pairs;
-        self.done = AtomicUsize::new(0);
-        self.of = of;
     }
 
     pub fn predictions(&self) -> &'s Predictions {

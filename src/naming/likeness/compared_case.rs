@@ -1,7 +1,6 @@
 //! A failed case, and the misfit of its image to the predicted image of a mistake.
 
 use super::clock::SearchClock;
-use super::distances::distances;
 use super::hunt::Explaining;
 use super::hypothesis::Hypothesis;
 use super::kept_values::KeptValues;
@@ -23,7 +22,7 @@ use crate::judging::Judged;
 use crate::judging::measured::{SimpleMap, decoded, simple};
 use crate::math;
 use crate::render::Detail;
-use crate::scene::{Mode, Panel, Scene};
+use crate::scene::Scene;
 use crate::suite::Case;
 use std::sync::OnceLock;
 
@@ -31,12 +30,6 @@ use std::sync::OnceLock;
 /// perceptual gate may say that prediction and image are the same, if no more than this share is
 /// left.
 const OF_CODES: f64 = 0.5;
-
-/// Smallest number of cells over which a difference must be spread in a search for pairs of
-/// mistakes. In N dimensions a random direction has less than 2 % of its square across a given one
-/// with a probability of about 0.02^((N−1)/2): at 16, one in 10¹², and differences of pictures are
-/// far from random.
-const FEWEST_CELLS_FOR_PAIRS: f64 = 16.0;
 
 /// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
 /// pixels' has a standard error of a tenth even where one pixel in fifty differs.
@@ -61,8 +54,6 @@ pub(super) struct ComparedCase {
     pub name: String,
     /// The simple map of values from the golden to the image, which the verdict states already.
     pub simple: Option<SimpleMap>,
-    /// Cells over which the squared difference is spread.
-    pub effective_cells: f64,
     /// Work that the search for its conventions took, in events of kernels.
     pub spent: u64,
     /// What explains the image, where that search has found it.
@@ -148,7 +139,6 @@ impl ComparedCase {
             index,
             name: case.name.clone(),
             simple: simple(case, &golden, &picture),
-            effective_cells: golden_cells.effective_cells(&test_cells),
             spent: judged.evidence.work_of_search,
             known: known.collect(),
             is_sampled,
@@ -300,12 +290,6 @@ impl ComparedCase {
             || matches!(self.picture, Picture::Codes(_))
     }
 
-    /// True if the difference has so many independent parts that none of thousands of pairs of
-    /// mistakes explains it by chance.
-    pub fn can_tell_pairs(&self) -> bool {
-        self.effective_cells >= FEWEST_CELLS_FOR_PAIRS
-    }
-
     /// True if the image is the golden times a factor, as far as the gate can tell: then it shows
     /// no curve of values.
     pub fn is_gain(&self) -> bool {
@@ -322,27 +306,9 @@ impl ComparedCase {
         Some(said)
     }
 
-    fn is_projection(&self) -> bool {
-        let shows_number = |panel: &Panel| {
-            let volume = panel.classified();
-            volume.is_some_and(|volume| matches!(volume.mode, Mode::Projection(_)))
-        };
-        self.predictor.scene.panels.iter().any(shows_number)
-    }
-
     fn seen(&self) -> Seen {
         let volume = VolumeInView::of(&self.predictor.scene);
-        let distances = distances(&self.predictor.scene);
         Seen {
-            nodes: volume
-                .as_ref()
-                .zip(distances.as_ref())
-                .and_then(|(view, at)| view.nodes(at)),
-            distances,
-            // A projection is a number: its opacity says where the box is.
-            opacity: (self.golden.opacity())
-                .filter(|_| !self.is_projection())
-                .map(<[f32]>::to_vec),
             border: volume.as_ref().and_then(VolumeInView::border),
             voxels: volume.as_ref().and_then(VolumeInView::voxels),
         }
@@ -598,24 +564,6 @@ impl ComparedCase {
         }
     }
 
-    /// Misfit of two mistakes together to the image, if each changed by the same factor
-    /// what it finds; of the looks at each by itself.
-    pub fn distance_of_both(&self, first: &Film, second: &Film) -> Option<f64> {
-        let cells = |film: &Film| {
-            if self.is_sampled {
-                in_cells(film, &self.golden_cells)
-            } else {
-                Some(Cells::of_pixels(film).without_noise())
-            }
-        };
-        let (golden, test) = match &self.glimpse {
-            Some(glimpse) => (&glimpse.golden, &glimpse.test),
-            None => (&self.golden_cells, &self.test_cells),
-        };
-        let both = cells(first)?.combined(&cells(second)?, golden)?;
-        Some(both.misfit(test, golden).distance().value)
-    }
-
     /// True if the first look sees all of the image, so that there is no closer one.
     pub fn sees_all_at_once(&self) -> bool {
         !self.is_sampled && self.predictor.first.0 == Detail::Whole
@@ -636,17 +584,6 @@ impl ComparedCase {
             (Detail::Whole, self.predictor.second.1),
             clock,
         )
-    }
-
-    /// Of `film`, the whole image or what a first look sees of it, what a first look sees.
-    pub fn as_first_seen(&self, film: &Film) -> Film {
-        let is_whole = (film.width(), film.height()) == self.picture.size();
-        match self.predictor.first.0 {
-            Detail::Lattice(_) if is_whole => {
-                pixels_of(film, &self.predictor.widths, self.predictor.first.0)
-            }
-            _ => film.clone(),
-        }
     }
 
     /// True if the whole image of `hypothesis` passes for this one, as an image under conventions has to.

@@ -3,17 +3,11 @@
 use super::clock::{Search, SearchClock, SearchStep};
 use super::compared_case::ComparedCase;
 use super::fit::Fitted;
-use super::hunt::{Explaining, FirstLooks, singles};
+use super::hunt::{Explaining, singles};
 use super::hypothesis::Hypothesis;
 use crate::compare::cells::Misfit;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
-
-/// Largest number of cases that are searched for pairs of mistakes. A first look at the pairs takes
-/// up to eight times as many renderings as one at single mistakes, 400 in place of 53, and what
-/// explains one case is tried in all others: the second is for a folder whose first failing case is
-/// special.
-const MOST_PAIR_SEARCHES: usize = 2;
 
 /// Explanations of failing cases.
 pub(super) struct Explanations<'c> {
@@ -31,7 +25,6 @@ pub(super) struct Explanations<'c> {
 struct OpenSearch<'s> {
     /// Place among the failing cases.
     at: usize,
-    looks: FirstLooks,
     clock: SearchClock<'s>,
 }
 
@@ -43,7 +36,7 @@ pub(super) struct Found {
 }
 
 impl<'c> Explanations<'c> {
-    /// Searches all `failing` cases for single mistakes, then those that none explains for changed numbers and pairs.
+    /// Searches all `failing` cases for single mistakes, then those that none explains for changed parameters.
     pub fn search(failing: &'c [ComparedCase], search: &Search<'_>) -> Found {
         let mut explanations = Explanations {
             failing,
@@ -55,9 +48,8 @@ impl<'c> Explanations<'c> {
         let open: Vec<OpenSearch<'_>> = (0..failing.len())
             .filter_map(|at| explanations.search_singles(at, search))
             .collect();
-        let mut pair_searches = 0;
         for open in open {
-            explanations.search_pairs(open, &mut pair_searches);
+            explanations.fit(open);
         }
         let found = explanations.misfits.into_iter().map(Explanation::new);
         Found {
@@ -91,7 +83,7 @@ impl<'c> Explanations<'c> {
         }
         // First, for it takes little of the work that the search may use up.
         let in_pixels = failed.search_in_pixels(&clock);
-        let (mut found, looks) = failed.search(&clock);
+        let mut found = failed.search(&clock);
         let mut is_beyond_doubt = found.iter().any(|(_, misfit)| failed.explained_by(misfit));
         if !is_beyond_doubt && !in_pixels.is_empty() {
             (found, is_beyond_doubt) = (in_pixels, true);
@@ -109,43 +101,25 @@ impl<'c> Explanations<'c> {
         self.try_in(&self.failing[..at], &found, &clock);
         let goes_on = failed.is_decidable() && failed.simple.is_none() && !is_a_number;
         if found.is_empty() && goes_on && !clock.is_late() {
-            return Some(OpenSearch { at, looks, clock });
+            return Some(OpenSearch { at, clock });
         }
         self.unfinished.extend(clock.unfinished());
         self.add(failed, found);
         None
     }
 
-    /// Goes on with a search, unless a mistake of another case has explained this one since: for changed numbers, a
-    /// pair of mistakes, and a place.
-    fn search_pairs(&mut self, open: OpenSearch<'_>, pair_searches: &mut usize) {
-        let OpenSearch {
-            at,
-            looks,
-            mut clock,
-        } = open;
+    /// Goes on with a search for changed parameters, unless a mistake of another case has explained this one since.
+    fn fit(&mut self, open: OpenSearch<'_>) {
+        let OpenSearch { at, mut clock } = open;
         let failed = &self.failing[at];
         let mut explained = self.misfits.values();
         if explained.any(|cases| cases.contains_key(&failed.index)) {
             return;
         }
         clock.resume();
-        // One number that is off is likelier than two mistakes.
         let known = self.fitted.remove(&failed.index);
         let mut fit = known.unwrap_or_else(|| failed.fitted_numbers(&clock));
         fit.or(failed.fitted_step(&clock));
-        let mut is_explained = fit.is_explained || fit.agrees;
-        if !is_explained && *pair_searches < MOST_PAIR_SEARCHES && failed.can_tell_pairs() {
-            *pair_searches += 1;
-            let found = failed.search_pairs(&looks, &mut clock);
-            let others = self.failing[..at].iter().chain(&self.failing[at + 1..]);
-            self.try_in(others, &found, &clock);
-            is_explained |= !found.is_empty();
-            self.add(failed, found);
-        }
-        if !is_explained {
-            fit.or(failed.fitted_place(&clock));
-        }
         self.fitted.insert(failed.index, fit);
         self.unfinished.extend(clock.unfinished());
     }

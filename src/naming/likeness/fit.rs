@@ -26,7 +26,7 @@ use super::volume_in_view::VolumeInView;
 use crate::compare::cells::{Cells, Misfit};
 use crate::compare::{Seen, change_in_words, left};
 use crate::scene::Scene;
-use crate::sensitivity::{Number, Unit, numbers};
+use crate::sensitivity::{Number, Unit, numbers, numbers_of_place};
 use crate::variations::edited_film::mapped;
 use glam::{DMat3, DVec3};
 
@@ -214,6 +214,12 @@ impl<'f> Fitting<'f> {
     /// only ones, if there are such.
     fn new(case: &'f ComparedCase, clock: &'f SearchClock<'f>) -> Option<Fitting<'f>> {
         let mut numbers = numbers(case.scene());
+        if !case.is_sampled() {
+            // In noise each would take many samples.
+            let names: Vec<String> = numbers.iter().map(Number::name).collect();
+            let place = numbers_of_place(case.scene()).into_iter();
+            numbers.extend(place.filter(|number| !names.contains(&number.name())));
+        }
         if !case.suspects.is_empty() {
             numbers.retain(|number| case.suspects.contains(&number.name()));
         }

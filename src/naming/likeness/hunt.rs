@@ -8,23 +8,17 @@ use crate::compare::cells::Misfit;
 use crate::compare::unexplained::UNEXPLAINED;
 use crate::film::Film;
 use crate::variations::mistakes;
-use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// Largest number of hypotheses with a mistake of the scene that get a second look. One takes up to
 /// 16 times the work of a first look, so that eight take as much as first looks at the whole
-/// catalogue of 149.
+/// catalogue.
 const MOST_SECOND_LOOKS: usize = 8;
 
 /// Likewise where there is noise, of which a first look has so much that the right mistake may seem far: half as
 /// much work again as that of the second looks and the third ones at eight of them.
 const MOST_NOISY_LOOKS: usize = 24;
-
-/// Largest number of rendered pairs of mistakes of the scene: the most promising by the effect of
-/// each mistake alone. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
-/// have occasion for more.
-const MOST_SCENE_PAIRS: usize = 400;
 
 /// Pairs that one slip makes, tried with the single mistakes: the nearest node by rounding down is that
 /// of a volume half a voxel off.
@@ -39,8 +33,8 @@ const USUAL_PAIRS: [[&str; 2]; 4] = [
 /// takes less is a stray.
 const WORTH_A_SECOND: f64 = 0.5;
 
-/// Share of the squared difference that a pair may leave, where there is no noise: a quarter of what one mistake may. Of
-/// thousands of pairs some come near by chance, as half a voxel and a pixel do to a shift by two pixels.
+/// Share of the squared difference that a pair may leave, where there is no noise: a quarter of what one mistake may,
+/// for two come nearer by chance.
 const LEFT_BY_PAIRS: f64 = 0.25 * UNEXPLAINED;
 
 /// Largest share of the work for mistakes of the image in its pixels: the others need the rest.
@@ -53,7 +47,7 @@ const EVENTS_OF_AN_EDIT: usize = 8;
 pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
 /// First looks at mistakes of the scene, by place in the catalogue.
-pub(super) type FirstLooks = BTreeMap<usize, Film>;
+type FirstLooks = BTreeMap<usize, Film>;
 
 /// Order of misfits: the one that leaves less first.
 fn nearer(a: &Misfit, b: &Misfit) -> Ordering {
@@ -95,9 +89,9 @@ fn work_on(film: &Film) -> u64 {
 }
 
 impl ComparedCase {
-    /// The single mistakes that explain the image, nearest first, and the first looks at mistakes
-    /// of the scene. Mistakes of the image, which take no rendering, are tried first.
-    pub fn search(&self, clock: &SearchClock<'_>) -> (Explaining, FirstLooks) {
+    /// The mistakes that explain the image, nearest first. Mistakes of the image, which take no rendering, are tried
+    /// first; the usual pairs, where no single mistake does.
+    pub fn search(&self, clock: &SearchClock<'_>) -> Explaining {
         let mut looks = FirstLooks::new();
         let mut found = Explaining::new();
         let mut promising = Explaining::new();
@@ -134,7 +128,7 @@ impl ComparedCase {
             found = self.look_closer(self.usual_pairs(&looks, clock), clock);
         }
         found.sort_by(|(_, a), (_, b)| nearer(a, b));
-        (found, looks)
+        found
     }
 
     /// The mistakes of the image that explain an image with noise pixel by pixel, nearest first: what moves light within
@@ -169,123 +163,6 @@ impl ComparedCase {
             self.promise(&look, clock).map(|misfit| (pair, misfit))
         });
         pairs.collect()
-    }
-
-    /// The pairs of mistakes that explain the image, nearest first.
-    pub fn search_pairs(&self, looks: &FirstLooks, clock: &mut SearchClock<'_>) -> Explaining {
-        let images: Vec<(usize, Film)> = of_colours()
-            .filter_map(|index| Some((index, mistake(index).in_image(&self.golden)?)))
-            .collect();
-        let seconds: Vec<usize> = of_colours()
-            .filter(|&index| mistake(index).is_of_the_image())
-            .collect();
-        let scene_pairs = self.scene_pairs(looks, clock);
-        let before = images.len() * (seconds.len() - 1) + looks.len() * seconds.len();
-        clock.go_on_with_pairs(before + scene_pairs.len());
-        let (anywhere, whole_only): (Vec<usize>, Vec<usize>) = seconds
-            .iter()
-            .partition(|&&index| self.shows_on_a_first_look(index));
-        // One of the image on another, or on what was seen of one of the scene.
-        let seen = looks.iter().map(|(&index, film)| (index, film.clone()));
-        let mut firsts: Vec<(usize, Film)> = seen.collect();
-        firsts.extend(
-            images
-                .iter()
-                .map(|(index, film)| (*index, self.as_first_seen(film))),
-        );
-        let mut promising = self.on_top(&firsts, &anywhere, clock);
-        promising.extend(self.on_top(&images, &whole_only, clock));
-        for hypothesis in scene_pairs {
-            let look = self.look(&hypothesis, clock);
-            if clock.is_late() {
-                return self.look_closer(promising, clock);
-            }
-            let promise = look.and_then(|film| self.promise(&film, clock));
-            promising.extend(promise.map(|misfit| (hypothesis, misfit)));
-            clock.decided();
-        }
-        // What moves pixels about takes a whole image of each mistake of the scene.
-        if !whole_only.is_empty() {
-            for first in self.nearest_first(looks) {
-                let whole = self.whole(&Hypothesis::One(first), clock);
-                if clock.is_late() {
-                    break;
-                }
-                let whole: Vec<_> = whole.into_iter().map(|film| (first, film)).collect();
-                promising.extend(self.on_top(&whole, &whole_only, clock));
-            }
-        }
-        self.look_closer(promising, clock)
-    }
-
-    /// True if a mistake of the image can be made in the pixels of a first look, with the same
-    /// result as in the whole image.
-    fn shows_on_a_first_look(&self, index: usize) -> bool {
-        // Blocks show all as far as a first look goes; a closer one is at the pixels.
-        self.is_sampled || self.sees_all_at_once() || mistake(index).is_of_single_pixels()
-    }
-
-    /// Pairs that may explain the image: each of the `seconds` on top of each of the `firsts`,
-    /// whole images or first looks.
-    fn on_top(
-        &self,
-        firsts: &[(usize, Film)],
-        seconds: &[usize],
-        clock: &SearchClock<'_>,
-    ) -> Explaining {
-        let pairs: Vec<(&(usize, Film), usize)> = firsts
-            .iter()
-            .flat_map(|first| seconds.iter().map(move |&second| (first, second)))
-            .filter(|(first, second)| first.0 != *second)
-            .take_while(|((_, film), _)| clock.spend_early(work_on(film)))
-            .collect();
-        pairs
-            .into_par_iter()
-            .filter_map(|((first, film), second)| {
-                if clock.is_stopped() {
-                    return None;
-                }
-                let edited = mistake(second).in_image(film);
-                let promise =
-                    edited.and_then(|film| self.promise(&self.as_first_seen(&film), clock));
-                clock.decided();
-                Some((Hypothesis::Two(*first, second), promise?))
-            })
-            .collect()
-    }
-
-    /// Pairs of mistakes of the scene, most promising first by the effect of each alone.
-    fn scene_pairs(&self, looks: &FirstLooks, clock: &SearchClock<'_>) -> Vec<Hypothesis> {
-        let seen: Vec<(&usize, &Film)> = looks.iter().collect();
-        let pairs: Vec<(usize, usize)> = (0..seen.len())
-            // Which is made first matters little.
-            .flat_map(|second| (0..second).map(move |first| (first, second)))
-            .take_while(|(first, _)| clock.spend_early(work_on(seen[*first].1)))
-            .collect();
-        let mut pairs: Vec<(f64, Hypothesis)> = pairs
-            .into_par_iter()
-            .filter_map(|(first, second)| {
-                let ((a, first), (b, second)) = (seen[first], seen[second]);
-                if clock.is_stopped() {
-                    return None;
-                }
-                let distance = self.distance_of_both(first, second)?;
-                Some((distance, Hypothesis::Two(*a, *b)))
-            })
-            .collect();
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        pairs.truncate(MOST_SCENE_PAIRS);
-        pairs.into_iter().map(|(_, pair)| pair).collect()
-    }
-
-    /// Mistakes of the scene, ordered by their misfits alone, smallest first.
-    fn nearest_first(&self, looks: &FirstLooks) -> Vec<usize> {
-        let mut nearest: Vec<(f64, usize)> = looks
-            .iter()
-            .filter_map(|(&index, film)| Some((self.distance(film)?.distance().value, index)))
-            .collect();
-        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.into_iter().map(|(_, index)| index).collect()
     }
 
     /// Hypotheses among the nearest that explain the image on a second look, nearest first.

@@ -97,27 +97,23 @@ pub(super) fn predicted(
         Detail::Blocks(_) if !plans_of_edited.iter().all(Plan::is_sampled) => Detail::Whole,
         detail => detail,
     };
-    let key = clock.predictions().key(&[
+    let key = [
         &scene.canonical_text(),
         &format!("{:?}", input_hashes(scene)),
         &profile_text(scene),
         label,
         &format!("{detail:?} {samples} {seed}"),
-    ]);
-    let kept = key
-        .as_ref()
-        .and_then(|key| clock.predictions().get(key, size(edited, detail)));
-    if kept.is_some() {
-        return kept;
+    ]
+    .join("\n");
+    if let Some(kept) = clock.predictions().get(&key) {
+        return Some(kept);
     }
     let sampling = Sampling {
         samples: Some(samples),
         seed: Seed::Given(SEED + seed),
     };
     let film = render_coarse(&plans_of_edited, sampling, detail, &|| clock.is_stopped()).ok()?;
-    if let Some(key) = key {
-        clock.predictions().put(&key, &film);
-    }
+    clock.predictions().put(key, &film);
     Some(film)
 }
 
@@ -240,8 +236,7 @@ mod tests {
         let scene = small("figures/figure-3.toml", [20, 20]);
         let profile = Profile::named("vtk").unwrap();
         let under = profile.applied_to(&scene).unwrap().unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let predictions = Predictions::in_folder(folder.path());
+        let predictions = Predictions::default();
         let search = unlimited(&predictions);
         let clock = SearchClock::start(&search, "", 1, 0);
         let of = |scene: &Scene| predicted(scene, scene, ("same", 0), (Detail::Whole, 1), &clock);
@@ -259,8 +254,7 @@ mod tests {
             panic!("a radiative scene");
         };
         radiative.scattering = Scattering::None;
-        let folder = tempfile::tempdir().unwrap();
-        let predictions = Predictions::in_folder(folder.path());
+        let predictions = Predictions::default();
         let search = unlimited(&predictions);
         let clock = SearchClock::start(&search, "", 1, 0);
         let look = (blocks(&scene).unwrap(), 16);

@@ -89,20 +89,6 @@ impl<'s> VolumeInView<'s> {
         Some((way / self.lattice.spacing()).to_array())
     }
 
-    /// Node coordinates of the points at these distances from the eye, row by row; none where one is infinite, and of a
-    /// medium.
-    pub fn nodes(&self, distances: &[f64]) -> Option<Vec<Option<[f64; 3]>>> {
-        let node = |(i, &distance): (usize, &f64)| {
-            let at = [i % self.size[0], i / self.size[0]];
-            let point = self.camera.ray(at, self.size).at(distance);
-            let point = self.extent.to_volume(point);
-            let node = self.lattice.to_nodes(point).0.to_array();
-            distance.is_finite().then_some(node)
-        };
-        let is_classified = self.density.is_none();
-        is_classified.then(|| distances.iter().enumerate().map(node).collect())
-    }
-
     /// Pixels as near to the silhouette of the box as half a voxel looks at its centre.
     pub fn border(&self) -> Option<Vec<bool>> {
         let [right, _] = self.voxels()?;

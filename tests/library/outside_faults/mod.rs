@@ -14,7 +14,6 @@ use faults::{Edit, Fault, Kind, faults};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use verdict::{Judgement, Said, judge, table};
 use volref::compare::Picture;
@@ -24,7 +23,7 @@ use volref::film::Film;
 use volref::geometry::Camera;
 use volref::judging::{CaseResult, Judged, Verdict, validate};
 use volref::math;
-use volref::naming::{ConventionSearch, Predictions, Search, Stage, likeness};
+use volref::naming::{ConventionSearch, Predictions, Search, likeness};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Model, Scattering, Scene};
 use volref::sensitivity::{number, numbers};
@@ -240,18 +239,14 @@ const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 7] = [
 #[test]
 fn a_name_is_right_or_there_is_none() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let faults = faults();
     for (name, named, described, words) in IN_EVERY_RUN {
-        let is_at_pairs = AtomicBool::new(false);
         let search = Search {
             budget: None,
             predictions: &predictions,
-            interrupted: &|| is_at_pairs.load(Ordering::Relaxed),
-            progress: &|step| {
-                is_at_pairs.fetch_or(step.stage == Stage::Pairs, Ordering::Relaxed);
-            },
+            interrupted: &|| false,
+            progress: &|_| (),
         };
         let fault = faults.iter().find(|fault| fault.name == name).unwrap();
         let judged = verdict(fault, &suite, 16, None, &search);
@@ -300,7 +295,6 @@ fn there_are_faults_enough_and_each_is_its_own() {
 #[test]
 fn a_limit_of_a_search_counts_work_and_not_time() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let folder = tempfile::tempdir().unwrap();
     let case = suite.select(&["smoke/cornell".to_owned()]).unwrap()[0];
     let mut scene = case.load_scene().unwrap();
     for panel in &mut scene.panels {
@@ -311,7 +305,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
     let output = || Output::Picture(Box::new(Picture::Radiance(rendered(&scene, 4))));
     let found = || {
         let mut judged = [validate(case, &suite.store(), output(), None)];
-        let predictions = Predictions::in_folder(folder.path());
+        let predictions = Predictions::default();
         let search = uninterrupted(Duration::from_millis(300), &predictions);
         let found = likeness(&[case], &[], None, &mut judged, &search);
         let [judged] = judged;
@@ -333,8 +327,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
 #[ignore = "an hour: scripts/verdicts.sh runs it"]
 fn names_of_faults_outside_the_catalogue() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let seconds = f64::from(given("VOLREF_EXPLAIN").unwrap_or(10));
     let search = uninterrupted(Duration::from_secs_f64(seconds), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
@@ -390,8 +383,7 @@ const CLOSELY: u32 = 1024;
 #[ignore = "hours: scripts/nightly.sh runs it"]
 fn mistakes_of_the_catalogue_are_named_first() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let search = uninterrupted(Duration::from_secs(10), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
     let seeds = u64::from(given("VOLREF_SEEDS").unwrap_or(4));
@@ -456,8 +448,7 @@ fn mistakes_of_the_catalogue_are_named_first() {
 #[test]
 fn mistakes_that_noise_hides_are_named() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let search = uninterrupted(Duration::from_secs(10), &predictions);
     let hidden = ["half-resolution", "one-pixel-left", "lights-counted-twice"];
     hidden.par_iter().for_each(|name| {
@@ -531,17 +522,12 @@ fn given(variable: &str) -> Option<u32> {
 #[test]
 fn numbers_far_off_are_told_in_noise() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
-    // The words on numbers are known before pairs of mistakes are looked for.
-    let is_at_pairs = AtomicBool::new(false);
+    let predictions = Predictions::default();
     let search = Search {
         budget: None,
         predictions: &predictions,
-        interrupted: &|| is_at_pairs.load(Ordering::Relaxed),
-        progress: &|step| {
-            is_at_pairs.fetch_or(step.stage == Stage::Pairs, Ordering::Relaxed);
-        },
+        interrupted: &|| false,
+        progress: &|_| (),
     };
     let case = suite.select(&["fog/absorption".to_owned()]).unwrap()[0];
     let right = case.load_scene().unwrap();
@@ -595,8 +581,7 @@ fn interval(sentence: &str, words: &str) -> Option<[f64; 2]> {
 #[ignore = "minutes: scripts/nightly.sh runs it"]
 fn intervals_of_far_changes_hold_the_truth() {
     let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let predictions = Predictions::in_folder(folder.path());
+    let predictions = Predictions::default();
     let mut stated = 0;
     for (case, name, change, unit) in [
         ("smoke/cornell", "camera.down", 2.0, 1.0),
@@ -605,14 +590,11 @@ fn intervals_of_far_changes_hold_the_truth() {
         ("fog/forward", "reflectance", -0.3, 100.0),
         ("fog/absorption", "density", 0.1, 100.0),
     ] {
-        let is_at_pairs = AtomicBool::new(false);
         let search = Search {
             budget: None,
             predictions: &predictions,
-            interrupted: &|| is_at_pairs.load(Ordering::Relaxed),
-            progress: &|step| {
-                is_at_pairs.fetch_or(step.stage == Stage::Pairs, Ordering::Relaxed);
-            },
+            interrupted: &|| false,
+            progress: &|_| (),
         };
         let case = suite.select(&[case.to_owned()]).unwrap()[0];
         let right = case.load_scene().unwrap();
