@@ -1,10 +1,10 @@
 //! `volref compare REFERENCE TEST`
 
 use super::Outcome;
+use super::command_line::command_line;
 use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
 use super::page::{PageOf, ReportPage};
-use super::results::command_line;
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
     Conditions, Exact, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,

@@ -1,7 +1,7 @@
 //! `volref gallery DIR… -o FILE.html`
 
 use super::failure::{Exit, Failure, bad_input};
-use super::results::check_not_golden;
+use super::output::check_not_golden;
 use super::suite::Selection;
 use super::{Outcome, output, progress};
 use crate::compare::Picture;

@@ -3,6 +3,7 @@
 //! One file per command. Only this room prints.
 
 mod accept;
+mod command_line;
 mod compare;
 mod completions;
 mod cost;

@@ -9,6 +9,7 @@ use crate::files::own_file;
 use crate::files::regular_file::{Identity, is_input, note_input};
 use crate::judging::Verdict;
 use crate::report::{visible, visible_json};
+use crate::suite::Suite;
 use anstream::{AutoStream, ColorChoice};
 use clap::Args;
 use clap::builder::styling::AnsiColor;
@@ -388,4 +389,24 @@ pub fn stops(text: &str) -> Result<f64, String> {
         Ok(stops) if f64::abs(stops) <= 64.0 => Ok(stops),
         _ => Err("an exposure is a number of stops from -64 to 64, such as -1.5".to_owned()),
     }
+}
+
+/// Fails if an output would be in the folder of the goldens.
+pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
+    if !is_below(path, &suite.golden_folder()) {
+        return Ok(());
+    }
+    Err(is_golden(path, "is in the folder of the goldens"))
+}
+
+/// True if `path` is in `folder`, however either is spelt.
+fn is_below(path: &Path, folder: &Path) -> bool {
+    let (Ok(path), Ok(folder)) = (std::path::absolute(path), folder.canonicalize()) else {
+        return false;
+    };
+    // Of what is yet to be made, the folder that is there already.
+    let existing = path
+        .ancestors()
+        .find_map(|existing| existing.canonicalize().ok());
+    existing.is_some_and(|existing| existing.starts_with(folder))
 }

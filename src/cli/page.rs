@@ -1,8 +1,9 @@
 //! `--report DIR`: results as one offline page.
 
+use super::command_line::command_line;
 use super::failure::Failure;
 use super::output;
-use super::results::{check_not_golden, command_line};
+use super::output::check_not_golden;
 use crate::judging::{Evidence, Judged, JudgedWith};
 use crate::naming::Likenesses;
 use crate::report;

@@ -2,15 +2,14 @@
 
 use super::failure::{Exit, Failure};
 use super::known::count_in;
-use super::output::{self, Json};
+use super::output::{self, Json, check_not_golden};
 use super::page::{PageOf, ReportPage};
 use crate::judging::{CaseResult, Judged, JudgedWith};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::Suite;
 use serde_json::{Value, json};
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Destinations of the results.
 #[derive(clap::Args, Debug)]
@@ -126,38 +125,4 @@ impl ResultFiles {
         }
         self.json.instead_of(text, &json)
     }
-}
-
-/// The command line of this process.
-pub fn command_line() -> String {
-    command_line_with(|word| word)
-}
-
-/// The command line of this process, with each word as `change` has it.
-pub fn command_line_with(change: impl Fn(OsString) -> OsString) -> String {
-    let words = std::env::args_os().skip(1).map(change);
-    let words: Vec<String> = words
-        .map(|word| word.to_string_lossy().into_owned())
-        .collect();
-    format!("volref {}", shell_words::join(words))
-}
-
-/// Fails if an output would be in the folder of the goldens.
-pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
-    if !is_below(path, &suite.golden_folder()) {
-        return Ok(());
-    }
-    Err(output::is_golden(path, "is in the folder of the goldens"))
-}
-
-/// True if `path` is in `folder`, however either is spelt.
-fn is_below(path: &Path, folder: &Path) -> bool {
-    let (Ok(path), Ok(folder)) = (std::path::absolute(path), folder.canonicalize()) else {
-        return false;
-    };
-    // Of what is yet to be made, the folder that is there already.
-    let existing = path
-        .ancestors()
-        .find_map(|existing| existing.canonicalize().ok());
-    existing.is_some_and(|existing| existing.starts_with(folder))
 }

@@ -1,8 +1,8 @@
 //! Selection of a suite and its scenes by the arguments of a command.
 
+use super::command_line::command_line_with;
 use super::embedded;
 use super::failure::{Exit, Failure};
-use super::results::command_line_with;
 use crate::check::SUITE_VARIABLE;
 use crate::files::regular_file::note_input;
 use crate::suite::{Case, Suite, SuiteError};

@@ -1,12 +1,14 @@
 //! `volref validate (--outputs DIR | --run CMD | --serve CMD) [FILTER…]`
 
+use super::command_line::command_line;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::help::EXAMPLE_FIRST;
 use super::kept::{KeepArgument, NAME, keep, keep_again, run_of};
 use super::known::{KnownArgument, KnownFile};
+use super::output::check_not_golden;
 use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
-use super::results::{Findings, ResultFiles, check_not_golden, command_line};
+use super::results::{Findings, ResultFiles};
 use super::suite::Selection;
 use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::{Outcome, compare, ctest, interrupt, output, progress};

@@ -615,7 +615,7 @@ fn what_a_pass_would_not_have_seen() {
     )]);
 }
 
-/// A turn about an axis of the scene, with no minus before a zero.
+/// A turn of the volume is a parameter of the scene.
 #[test]
 fn axes_of_turns() {
     let turned = rendered("reported/head", |scene| {
@@ -625,7 +625,7 @@ fn axes_of_turns() {
     });
     let said = judged("reported/head", turned).difference.join("; ");
     assert!(
-        said.contains("degrees about (0.000, 0.000, 1.000)"),
+        said.contains("turn of the volume about z off by +2.0"),
         "{said}"
     );
 }

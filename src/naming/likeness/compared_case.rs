@@ -1,8 +1,7 @@
 //! A failed case, and the misfit of its image to the predicted image of a mistake.
 
 use super::clock::SearchClock;
-use super::hunt::Explaining;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Explaining, Hypothesis};
 use super::kept_values::KeptValues;
 use super::noisy_pixels::NoisyPixels;
 use super::prediction::{indices_of, pixels_of};

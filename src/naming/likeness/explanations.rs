@@ -3,8 +3,8 @@
 use super::clock::{Search, SearchClock, SearchStep};
 use super::compared_case::ComparedCase;
 use super::fit::Fitted;
-use super::hunt::{Explaining, singles};
-use super::hypothesis::Hypothesis;
+use super::hunt::singles;
+use super::hypothesis::{Explaining, Hypothesis};
 use crate::compare::cells::Misfit;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;

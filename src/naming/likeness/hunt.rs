@@ -3,7 +3,7 @@
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
-use super::hypothesis::{Hypothesis, mistake};
+use super::hypothesis::{Explaining, Hypothesis, mistake};
 use crate::compare::cells::Misfit;
 use crate::compare::unexplained::UNEXPLAINED;
 use crate::film::Film;
@@ -42,9 +42,6 @@ const OF_PIXELS: f64 = 0.1;
 
 /// Events of kernels that take as long as an edit and a comparison of one pixel.
 const EVENTS_OF_AN_EDIT: usize = 8;
-
-/// Hypotheses that explain an image, with their misfits.
-pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
 /// First looks at mistakes of the scene, by place in the catalogue.
 type FirstLooks = BTreeMap<usize, Film>;

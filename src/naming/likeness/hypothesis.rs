@@ -1,8 +1,12 @@
 //! Hypotheses: one mistake, or two, behind an image.
 
+use crate::compare::cells::Misfit;
 use crate::variations::mistakes;
 use crate::variations::mistakes::Mistake;
 use std::sync::OnceLock;
+
+/// Hypotheses that explain an image, with their misfits.
+pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
 
 /// One mistake, or two, the first made before the second; by their places in the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
