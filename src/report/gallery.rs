@@ -149,7 +149,7 @@ pub(crate) fn gallery_html(
         include_str!("gallery/template.html"),
         context! {
             version => env!("CARGO_PKG_VERSION"),
-            images => all.clone().filter(|cell| cell.mark.is_judged()).count(),
+            images => all.clone().filter(|cell| cell.mark.is_compared()).count(),
             cases => rows.len(),
             legend => legend(all.map(|cell| cell.mark)),
             renderers => renderers.iter().enumerate().map(renderer).collect::<Vec<_>>(),

@@ -324,5 +324,5 @@ fn renderers_with_adapters_stand_on_one_page_and_are_judged_again() {
         let name = name.lines().next().unwrap().replace("name = ", "");
         assert!(page.contains(name.trim_matches('"')), "{name}");
     }
-    assert!(page.contains("judged under the profile"));
+    assert!(page.contains("judged under the profile vispy"));
 }

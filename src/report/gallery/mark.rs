@@ -104,9 +104,14 @@ impl Mark {
         ["known", "wrong", "error"].contains(&self.class)
     }
 
-    /// True if there was an image to judge.
+    /// True if the renderer tried: there is an image, or it failed.
     pub fn is_judged(&self) -> bool {
         !["absent", "cannot"].contains(&self.class)
+    }
+
+    /// True if an image was compared with the right one.
+    pub fn is_compared(&self) -> bool {
+        self.is_judged() && self.class != "error"
     }
 
     /// True if the image is right.
