@@ -427,8 +427,46 @@ def mitsuba_floor():
         print(f"box {gap} above the floor: {np.mean(means):.4f} ± {np.std(means, ddof=1) / 8**0.5:.4f}")
 
 
+def diffdrr_ends():
+    """A voxel of 1 should count 1 wherever it stands on its axis, here of ten."""
+    import torch
+    from diffdrr.renderers import Siddon, Trilinear
+
+    source, target = (torch.tensor([[[x, 0.0, 0.0]]], dtype=torch.float64) for x in (-20, 40))
+    length = (target - source).norm(dim=-1).unsqueeze(1)
+    for name, renderer, words in (("Siddon", Siddon(), {}), ("Trilinear", Trilinear(), {"n_points": 20001})):
+        for at in (0, 5, 9):
+            volume = torch.zeros(10, 1, 1, dtype=torch.float64)
+            volume[at] = 1
+            print(f"DiffDRR, {name}: voxel {at} counts {renderer(volume, source, target, length, **words).item():.4f}")
+
+
+def povray_places():
+    """The glow of the fourth of eight voxels should lie around 3.5, interpolated or not."""
+    import subprocess
+    import tempfile
+    from pathlib import Path
+
+    for interpolate in (0, 1, 2):
+        with tempfile.TemporaryDirectory() as folder:
+            values = np.array([0, 0, 0, 65535, 0, 0, 0, 0], ">u2")
+            Path(folder, "v.df3").write_bytes(np.array([8, 1, 1], ">u2").tobytes() + values.tobytes())
+            density = f'density {{ density_file df3 "v.df3" interpolate {interpolate} }}'
+            Path(folder, "s.pov").write_text(
+                "#version 3.7; global_settings { assumed_gamma 1 } camera { orthographic location <0.5, 0.5, -1> "
+                "direction z right x up y / 16 } box { 0, 1 hollow pigment { rgbt 1 } finish { ambient 0 diffuse 0 } "
+                f"interior {{ media {{ method 3 intervals 1 samples 4, 4 emission 1 {density} }} }} }}"
+            )
+            call = "povray +Is.pov +Oi.ppm +FP16 File_Gamma=1 +W128 +H8 -D -A".split()
+            subprocess.run(call, cwd=folder, capture_output=True, check=True)
+            data = Path(folder, "i.ppm").read_bytes()
+        row = np.frombuffer(data[-6 * 128 * 8 :], ">u2").reshape(8, 128, 3)[4, :, 0] / 65535
+        centre = (row * (np.arange(128) + 0.5)).sum() / row.sum() / 16
+        print(f"POV-Ray, interpolate {interpolate}: the glow lies around {centre:.2f}")
+
+
 CHECKS = [yt_order, yt_depth, pygfx_moved, pygfx_normals, vtk_nearest, vtk_placed, vtk_several, vtk_unlit, vtk_normals]
-CHECKS += [pyvista_cells, cycles_first, lux_low, lux_roulette, lux_weights, lux_turns, mitsuba_floor]
+CHECKS += [pyvista_cells, diffdrr_ends, povray_places, cycles_first, lux_low, lux_roulette, lux_weights, lux_turns, mitsuba_floor]
 
 if __name__ == "__main__":
     for check in CHECKS:

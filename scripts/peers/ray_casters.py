@@ -16,6 +16,7 @@ import argparse
 import datetime
 import json
 import os
+import platform
 import subprocess
 import sys
 import tempfile
@@ -33,8 +34,8 @@ os.environ["PYTHONPATH"] = str(HERE.parents[1] / "python")
 
 BRICKS = "ramp-31-32-33 ramp-37-19-10 ramp-63-64-65 ramp-below-zero ramp-of-16-bits spots-of-8 spots-of-16 spots-in-a-row"
 CASES = ["figures", "sampled", "limit", *(f"bricks/{name}" for name in BRICKS.split()), "scenes", "reported"]
-# Of the metrics, the page shows the bias.
-METRICS = ("mean_difference_", "mean_z_")
+SLOW = "marschner-lobb opaque-shell sharp-peak"
+MACHINE = f"{os.cpu_count()} cores ({platform.machine()}), no graphics card, shared with other work"
 
 
 def python(script, *words):
@@ -82,7 +83,12 @@ RENDERERS = {
     "vtk.js": Renderer("--as vtkjs", page("vtkjs"), node_package("@kitware/vtk.js")),
     "niivue": Renderer("--as niivue", page("niivue"), node_package("@niivue/niivue")),
     "three.js": Renderer("", page("three"), node_package("three")),
+    "k3d": Renderer("--bits 8-linear --alpha premultiplied", page("k3d"), node_package("k3d")),
     "tutorial": Renderer("--as tutorial", page("tutorial"), lambda: "ray marcher, WebGL 2"),
+    "nerfacc": Renderer("", python("nerfacc_render.py"), package("nerfacc")),
+    "diffdrr": Renderer("", python("diffdrr_render.py"), package("diffdrr")),
+    # The other cases of the family take POV-Ray ten minutes each.
+    "povray": Renderer("", python("povray_render.py"), lambda: "3.7", ["limit", *(f"!limit/{case}" for case in SLOW.split())]),
     "mitsuba": path_tracer("run_mitsuba.py", "mitsuba", package("mitsuba")),
     "cycles": path_tracer("cycles_render.py", "bundle", package("bpy")),
     "luxcore": path_tracer("lux_render.py", "bundle", package("pyluxcore")),
@@ -91,50 +97,61 @@ RENDERERS = {
 }
 
 
-def validate(name, cases, options, explain, folder, file):
-    command = RENDERERS[name].command
-    format = [] if "{spp}" in command else ["--format", "npy"]
-    call = [VOLREF, "validate", *cases, *format, f"--explain={explain}", *options.split()]
-    code = subprocess.call([*call, "--serve", command, "--keep", folder, f"--json={file}"])
-    if code == 3 or not file.is_file():
+def validate(source, renderer, explain, file):
+    """Lets volref judge images, and returns its results."""
+    call = [VOLREF, "validate", *source, f"--explain={explain}", *renderer.options.split(), f"--json={file}"]
+    code = subprocess.call(call)
+    if code in (2, 3) or not file.is_file():
         sys.exit(code)
     return json.loads(file.read_text())
 
 
-def judge(name, results, explain):
-    """Judges a renderer, and keeps what the page shows."""
-    options = RENDERERS[name].options
+def render(name, folder):
+    """Renders, and keeps the images as they will be judged. Returns what volref says: refusals and times."""
+    renderer = RENDERERS[name]
+    format = ["--format", "npy"] if renderer.command.startswith("node") else []
     with tempfile.TemporaryDirectory() as kept:
         kept = Path(kept)
-        first = validate(name, RENDERERS[name].cases, options, explain, kept / "first", kept / "first.json")
-        # A profile says nothing of several volumes, surfaces and clips.
-        rest = [case["name"] for case in first["cases"] if "says nothing of" in case["reason"]]
-        found = [first]
-        if rest:
-            found.append(validate(name, rest, "", explain, kept / "rest", kept / "rest.json"))
-        cases = {case["name"]: case for values in found for case in values["cases"]}
-        (results / name).mkdir(parents=True, exist_ok=True)
+        source = [*renderer.cases, *format, "--serve", renderer.command, "--keep", kept]
+        rendered = validate(source, renderer, 0, kept / "results.json")
+        for old in [*folder.glob("*/*.exr"), *folder.glob("*/*.png")]:
+            old.unlink()
         stops = exposures()
-        for case in cases:
-            keep_image(kept / ("rest" if case in rest else "first"), case, results / name, stops[case])
-    seconds = {case: time for values in found for case, time in values["origin"]["seconds"].items()}
-    seconds = {case: time for case, time in seconds.items() if cases[case]["verdict"] not in ("missing", "error")}
-    origin = {"profile": first["origin"].get("profile"), "seconds": seconds}
-    values = {"schema": first["schema"], "cases": [*map(shown, cases.values())], "origin": origin}
-    (results / name / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
+        for image in sorted(kept.glob("*/*.*")):
+            case = f"{image.parent.name}/{image.stem.partition('@')[0]}"
+            pack(image, folder / image.parent.name, rendered["origin"]["bits"], stops[case])
     about = {
         "name": name,
-        "version": RENDERERS[name].version(),
+        "version": renderer.version(),
         "date": str(datetime.date.today()),
         "command": f"scripts/peers/ray_casters.py {name}",
+        "machine": MACHINE,
     }
     lines = [f"{key} = {json.dumps(value)}\n" for key, value in about.items()]
-    (results / name / "renderer.toml").write_text("".join(lines))
+    (folder / "renderer.toml").write_text("".join(lines))
+    return rendered
+
+
+def judge(name, results, explain, renders):
+    """Judges the images of a renderer, new ones or those that are kept, and keeps what the page shows."""
+    folder = results / name
+    folder.mkdir(parents=True, exist_ok=True)
+    rendered = render(name, folder) if renders else json.loads((folder / "results.json").read_text())
+    known = ["--known", folder / "known.toml"] if (folder / "known.toml").is_file() else []
+    with tempfile.TemporaryDirectory() as place:
+        source = ["--outputs", folder, "--only-present", *known]
+        judged = validate(source, RENDERERS[name], explain, Path(place) / "results.json")
+    cases = {case["name"]: case for case in [*rendered["cases"], *judged["cases"]]}
+    origin = {key: judged["origin"][key] for key in ("profile", "bits", "alpha")}
+    times = rendered["origin"]["seconds"]
+    origin["seconds"] = {case: time for case, time in times.items() if cases[case]["verdict"] not in ("missing", "error")}
+    values = {"schema": judged["schema"], "cases": [*map(shown, cases.values())], "origin": origin}
+    (folder / "results.json").write_text(json.dumps(values, ensure_ascii=False, indent=0) + "\n")
 
 
 def shown(case):
-    metrics = {key: value for key, value in case["metrics"].items() if key.startswith(METRICS)}
-    return case | {"metrics": metrics, "work": {}}
+    """What the page takes from results: it measures again."""
+    return case | {"metrics": {}, "work": {}, "seconds": 0}
 
 
 def exposures():
@@ -143,27 +160,32 @@ def exposures():
     return {case["name"]: case["exposure"] for case in json.loads(listed.stdout)["cases"]}
 
 
-def keep_image(source, case, folder, exposure):
-    """The image of a case as it is displayed, in sRGB; of several steps that with the shortest."""
-    from PIL import Image
+def pack(image, folder, bits, exposure):
+    """Keeps an image as small as it can be judged again: of 8 bits as a PNG, with noise as an EXR of 32 bits, else as
+    one of 16 bits."""
+    import OpenEXR
 
-    target = folder / f"{case}.png"
-    target.unlink(missing_ok=True)
-    names = [f"{case}{step}.npy" for step in ("@0.25", "@0.5", "")]
-    file = next((source / name for name in names if (source / name).is_file()), source / f"{case}.exr")
-    if file.is_file():
-        linear = (radiance(file) * 2.0**exposure).clip(0, 1)
-        codes = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-        target.parent.mkdir(exist_ok=True)
-        Image.fromarray(np.round(255 * codes).astype(np.uint8)).save(target, optimize=True)
+    if image.suffix == ".npy":
+        planes = dict(zip("RGBA", np.load(image).astype(np.float32).transpose(2, 0, 1)))
+    else:
+        channels = OpenEXR.File(str(image), separate_channels=True).channels()
+        planes = {name: channel.pixels for name, channel in channels.items()}
+    target = folder / image.stem
+    target.parent.mkdir(exist_ok=True)
+    # The codes of a PNG are those at the exposure of its case, and without opacity.
+    if bits and exposure == 0 and len(planes) == 3:
+        from PIL import Image
 
-
-def radiance(file):
-    if file.suffix == ".npy":
-        return np.load(file)[..., :3]
-    from image_file import read_exr
-
-    return read_exr(file)[0]
+        linear = np.stack([planes[name] for name in "RGB"], axis=-1)
+        srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear.clip(0) ** (1 / 2.4) - 0.055)
+        codes = np.round(255 * (linear if bits == "8-linear" else srgb)).astype(np.uint8)
+        Image.fromarray(codes).save(f"{target}.png", optimize=True)
+        return
+    if "variance.R" not in planes and not bits:
+        planes = {name: plane.astype(np.float16) for name, plane in planes.items()}
+    planes = {name: np.ascontiguousarray(plane) for name, plane in planes.items()}
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, planes).write(f"{target}.exr")
 
 
 def said(file):
@@ -190,6 +212,7 @@ def print_table(names, results):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(RENDERERS))
+    parser.add_argument("--again", action="store_true", help="judge the kept images again, render nothing")
     parser.add_argument("--table", action="store_true", help="print the table, render nothing")
     parser.add_argument("--explain", type=float, default=10, metavar="SECONDS", help="for a case that fails [10]")
     parser.add_argument("--results", type=Path, default=HERE / "results", metavar="DIR")
@@ -199,7 +222,7 @@ def main():
         parser.error(f"no such renderer: {', '.join(unknown)}; there are {', '.join(RENDERERS)}")
     if not options.table:
         for name in names:
-            judge(name, options.results, options.explain)
+            judge(name, options.results, options.explain, renders=not options.again)
     there = [name for name in names if (options.results / name / "results.json").is_file()]
     print_table(there, options.results)
 

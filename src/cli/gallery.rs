@@ -4,14 +4,15 @@ use super::failure::{Exit, Failure, bad_input};
 use super::output::check_not_golden;
 use super::suite::Selection;
 use super::{Outcome, output, progress};
-use crate::compare::Picture;
+use crate::conventions::Profile;
 use crate::files::regular_file::{self, note_input};
 use crate::film::{Alpha, Bits};
-use crate::judging::{CaseResult, before_background, declared};
-use crate::report::{
-    GalleryCase, GalleryCell, GalleryRenderer, GalleryRow, gallery_html, gallery_row,
+use crate::judging::{
+    CaseResult, Cause, Evidence, Judged, KnownFailures, Verdict, before_background, declared,
+    validate_at,
 };
-use crate::suite::{Case, Golden, Output, Outputs, Store, Suite};
+use crate::report::{GalleryCase, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
+use crate::suite::{Case, Golden, Outputs, Store, Suite};
 use rayon::prelude::*;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -21,8 +22,9 @@ use std::path::{Path, PathBuf};
 /// Layout of a folder, for `--help`.
 const LAYOUT: &str = "Each DIR is the run of one renderer, and holds results.json and the images that were judged, as \
     `volref validate --run CMD --keep DIR --json=DIR/results.json` leaves them, or `volref validate --outputs DIR \
-    --json=DIR/results.json`. A file renderer.toml may state name, version, date and command; otherwise the name is that \
-    of the folder, and the command that of volref validate.";
+    --json=DIR/results.json`. The images are judged again. A file renderer.toml may state name, version, date, command, \
+    machine, and as_judged = false of images that cannot be judged again; otherwise the name is that of the folder, and the command that of volref validate. A file known.toml lists \
+    known failures, as for volref validate --known.";
 
 /// Make one page of many renderers, judged case by case
 #[derive(Debug, clap::Args)]
@@ -55,6 +57,7 @@ struct Origin {
     profile: Option<String>,
     bits: Option<String>,
     alpha: Option<String>,
+    machine: Option<String>,
     seconds: BTreeMap<String, f64>,
 }
 
@@ -66,14 +69,20 @@ struct About {
     version: Option<String>,
     date: Option<String>,
     command: Option<String>,
+    machine: Option<String>,
+    /// False of images that only look like what was judged: they cannot be judged again.
+    as_judged: Option<bool>,
 }
 
 /// The run of a renderer.
 struct RendererRun {
     renderer: GalleryRenderer,
+    results: Vec<CaseResult>,
     outputs: Outputs,
+    profile: Option<Profile>,
     bits: Option<Bits>,
     alpha: Option<Alpha>,
+    known: Option<KnownFailures>,
 }
 
 /// Runs the command.
@@ -93,6 +102,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .iter()
         .filter(|case| runs.iter().any(|run| has(run, case)))
         .collect();
+    let families = suite.families(&cases);
+    let cases: Vec<&Case> = families
+        .iter()
+        .flat_map(|family| family.cases.iter().copied())
+        .collect();
     let store = suite.store();
     let bar = progress::counted("cases", cases.len());
     let row = |case: &&Case| {
@@ -100,29 +114,34 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         bar.inc(1);
         row
     };
-    let rows: Vec<GalleryRow> = cases.par_iter().map(row).collect();
+    let (rows, changes): (Vec<GalleryRow>, Vec<String>) = cases.par_iter().map(row).unzip();
     bar.finish_and_clear();
     let renderers: Vec<GalleryRenderer> = runs.into_iter().map(|run| run.renderer).collect();
-    let page = gallery_html(&renderers, &rows);
+    let page = gallery_html(&renderers, &families, &rows);
     output::write(&arguments.output, page.as_bytes())?;
     Ok(Outcome::from(format!(
-        "{}: {}, {}, {:.1} MB\n",
+        "{}: {}, {}, {:.1} MB\n{}",
         arguments.output.display(),
         output::number_of(renderers.len() as u64, "renderer"),
         output::number_of(rows.len() as u64, "case"),
         page.len() as f64 / 1e6,
+        changes.concat(),
     )))
 }
 
-fn row(case: &Case, store: &Store, runs: &[RendererRun]) -> GalleryRow {
+/// The row of a case, and a line for each result that is no longer what the files of its run say.
+fn row(case: &Case, store: &Store, runs: &[RendererRun]) -> (GalleryRow, String) {
     let golden = Golden::read(store, case).map(|golden| golden.film);
     let of_case = GalleryCase {
         name: &case.name,
         exposure: case.exposure,
         golden: golden.map_err(|error| error.to_string()),
     };
-    let cells = runs.iter().map(|run| run.cell(case));
-    gallery_row(&of_case, &cells.collect::<Vec<_>>())
+    let judged: Vec<_> = runs.iter().map(|run| run.judged(case, store)).collect();
+    let changes = runs.iter().zip(&judged);
+    let changes = changes.filter_map(|(run, judged)| run.change(judged.as_ref()?));
+    let changes = changes.collect();
+    (gallery_row(&of_case, judged), changes)
 }
 
 impl RendererRun {
@@ -163,6 +182,17 @@ impl RendererRun {
         let absolute = std::path::absolute(folder).map_err(bad_input)?;
         let own_name = absolute.file_name().unwrap_or(absolute.as_os_str());
         let in_file = |error| bad_input(format!("{}: {error}", file.display()));
+        let known_file = folder.join(KNOWN);
+        let known = match known_file.exists() {
+            true => Some(KnownFailures::parse(
+                &text_of(&known_file)?,
+                &known_file.display().to_string(),
+                suite,
+                false,
+            )?),
+            false => None,
+        };
+        let profile = results.origin.profile.as_deref().map(Profile::named);
         let bits = results.origin.bits.map(|bits| bits.parse());
         let alpha = results.origin.alpha.map(|alpha| alpha.parse());
         Ok(RendererRun {
@@ -173,42 +203,101 @@ impl RendererRun {
                 version: about.version,
                 date: about.date,
                 command: about.command.or(results.origin.command),
+                machine: about.machine.or(results.origin.machine),
                 profile: results.origin.profile,
-                results: results.cases,
+                is_judged_again: about.as_judged.unwrap_or(true),
                 seconds: results.origin.seconds,
             },
+            results: results.cases,
             outputs,
+            profile: profile.transpose()?,
+            known,
             bits: bits.transpose().map_err(in_file)?,
             alpha: alpha.transpose().map_err(in_file)?,
         })
     }
 
     fn result(&self, case: &Case) -> Option<&CaseResult> {
-        let mut results = self.renderer.results.iter();
-        results.find(|result| result.name == case.name)
+        self.results.iter().find(|result| result.name == case.name)
     }
 
-    /// The result for a case, and its image: of several steps, that with the shortest.
-    fn cell(&self, case: &Case) -> Option<GalleryCell<'_>> {
-        let result = self.result(case)?;
-        let output = declared(self.outputs.output(&case.name), self.bits, case);
-        let picture: Option<Picture> = match before_background(output, self.alpha, case) {
-            Output::Picture(picture) => Some(*picture),
-            Output::Refined(mut pictures) => pictures.pop(),
-            Output::Missing(_) | Output::Unusable(_) => None,
+    /// The result for a case: what is said of its image today, with the causes that were found by the run.
+    fn judged(&self, case: &Case, store: &Store) -> Option<Judged> {
+        let kept = self.result(case)?;
+        let mut judged = match kept.verdict {
+            Verdict::Missing | Verdict::Error => Judged {
+                result: as_kept(kept),
+                evidence: Evidence::of(case),
+            },
+            _ => self.judged_again(case, store, kept),
         };
+        if !self.renderer.is_judged_again {
+            judged.result = as_kept(kept);
+        }
         let seconds = self.renderer.seconds.get(&case.name).copied();
-        Some(GalleryCell {
-            result,
-            picture,
-            seconds,
-        })
+        judged.evidence.rendering_seconds = seconds;
+        judged.result.known = self.known.as_ref().and_then(|of| of.of(&judged.result));
+        Some(judged)
+    }
+
+    fn judged_again(&self, case: &Case, store: &Store, kept: &CaseResult) -> Judged {
+        let output = declared(self.outputs.output(&case.name), self.bits, case);
+        let output = before_background(output, self.alpha, case);
+        // The conventions that were found for this image, or else those of its renderer.
+        let found = kept.profile.as_deref();
+        let found = found.and_then(|text| Profile::parse(text, &case.name).ok());
+        let profile = found.as_ref().or(self.profile.as_ref());
+        let mut judged = validate_at(None, case, store, output, profile);
+        let result = &mut judged.result;
+        if (kept.verdict, result.verdict) == (Verdict::Convention, Verdict::Pass) {
+            (result.verdict, result.cause) = (Verdict::Convention, Cause::Convention);
+        }
+        if result.verdict == kept.verdict {
+            result.conventions.clone_from(&kept.conventions);
+            result.profile.clone_from(&kept.profile);
+            result.looks_like.clone_from(&kept.looks_like);
+            result.difference.clone_from(&kept.difference);
+            result.changes.clone_from(&kept.changes);
+        }
+        judged
+    }
+
+    /// What the files of the run say otherwise than `judged`, in a line.
+    fn change(&self, judged: &Judged) -> Option<String> {
+        let result = &judged.result;
+        let kept = self.results.iter().find(|kept| kept.name == result.name)?;
+        let name = &self.renderer.name;
+        if kept.verdict != result.verdict {
+            let (before, now) = (kept.verdict.name(), result.verdict.name());
+            return Some(format!(
+                "{name}, {}: {now} today, and {RESULTS} says {before}: judge the images again\n",
+                result.name
+            ));
+        }
+        let change = result.known.as_ref()?.change.as_ref()?;
+        Some(format!("{name}: {change}\n"))
+    }
+}
+
+/// `kept` with the cause that a file does not hold.
+fn as_kept(kept: &CaseResult) -> CaseResult {
+    let cause = match kept.verdict {
+        Verdict::Pass => Cause::None,
+        Verdict::Fail => Cause::Mismatch,
+        Verdict::Convention => Cause::Convention,
+        Verdict::Inconclusive => Cause::Undecided,
+        Verdict::Missing | Verdict::Error => Cause::OtherRenderer,
+    };
+    CaseResult {
+        cause,
+        ..kept.clone()
     }
 }
 
 /// Files of a folder.
 const RESULTS: &str = "results.json";
 const ABOUT: &str = "renderer.toml";
+const KNOWN: &str = "known.toml";
 
 /// Schema of the results.
 const SCHEMA: &str = "volref/validate/1";
@@ -221,9 +310,13 @@ fn read<T: DeserializeOwned>(
     file: &Path,
     parse: impl Fn(&str) -> Result<T, String>,
 ) -> Result<T, Failure> {
+    let text = text_of(file)?;
+    parse(&text).map_err(|error| bad_input(format!("{}: {error}", file.display())))
+}
+
+fn text_of(file: &Path) -> Result<String, Failure> {
     note_input(file);
     let in_file = |error: String| bad_input(format!("{}: {error}", file.display()));
     let bytes = regular_file::read(file, MOST_BYTES).map_err(|error| in_file(error.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|_| in_file("it is no UTF-8 text".to_owned()))?;
-    parse(&text).map_err(in_file)
+    String::from_utf8(bytes).map_err(|_| in_file("it is no UTF-8 text".to_owned()))
 }

@@ -575,6 +575,7 @@ impl Judge<'_> {
             "profile": self.arguments.profile,
             "bits": self.bits().map(|bits| bits.to_string()),
             "alpha": self.alpha().map(|alpha| alpha.to_string()),
+            "machine": self.source.renderer().map(|_| machine()),
             "seconds": judged.iter().filter_map(seconds).collect::<BTreeMap<_, _>>(),
         })
     }
@@ -598,4 +599,15 @@ impl Judge<'_> {
         );
         Failure::new(Exit::Undecided, message, Some(&help))
     }
+}
+
+/// This machine in words, beside times.
+fn machine() -> String {
+    let processors = std::thread::available_parallelism().map_or(1, |count| count.get());
+    let processors = output::number_of(processors as u64, "processor");
+    format!(
+        "{} {}, {processors}",
+        std::env::consts::OS,
+        std::env::consts::ARCH
+    )
 }

@@ -12,9 +12,7 @@ mod visible;
 
 pub(crate) use cost::wrapped;
 pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
-pub(crate) use gallery::{
-    GalleryCase, GalleryCell, GalleryRenderer, GalleryRow, gallery_html, gallery_row,
-};
+pub(crate) use gallery::{GalleryCase, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
 pub use html::{Page, results_html};
 pub(crate) use json::{results_json, validation_json};
 pub(crate) use junit::results_junit;

@@ -14,34 +14,40 @@ find("#theme").onclick = turnTheme;
 
 // ---- What is shown ----
 
-const rows = findAll("tbody tr");
+const rows = findAll(".images tbody tr");
 
+const views = findAll(".tools [data-view]");
 function setView(view) {
   document.body.dataset.view = view;
-  findAll("header [data-view]").forEach(button => press(button, button.dataset.view === view));
+  views.forEach(button => press(button, button.dataset.view === view));
 }
 const turnView = () => setView(document.body.dataset.view === "picture" ? "difference" : "picture");
-findAll("header [data-view]").forEach(button => { button.onclick = () => setView(button.dataset.view); });
+views.forEach(button => { button.onclick = () => setView(button.dataset.view); });
 
 function filter() {
   const words = find("#filter").value.toLowerCase().split(/\s+/).filter(Boolean);
-  const verdict = find("#verdict").value;
-  const columns = new Set(findAll(".renderer input:checked").map(input => input.dataset.column));
-  findAll("th[data-column], td[data-column]").forEach(cell => { cell.hidden = !columns.has(cell.dataset.column); });
+  const mark = find("#verdict").value;
   let count = 0;
   rows.forEach(row => {
-    const cells = findAll("td", row).filter(cell => !cell.hidden);
-    const text = [row.dataset.name, ...cells.map(cell => cell.textContent)].join(" ").toLowerCase();
+    const text = `${row.dataset.name} ${row.textContent}`.toLowerCase();
     const has = words.every(word => text.includes(word));
-    row.hidden = !has || (verdict !== "" && !cells.some(cell => cell.dataset.verdict === verdict));
+    row.hidden = !has || (mark !== "" && !row.querySelector(`[data-mark=${mark}]`));
     if (!row.hidden) count++;
   });
   find("#shown").textContent = `${count} of ${rows.length} cases`;
 }
 find("#filter").oninput = filter;
 find("#verdict").onchange = filter;
-findAll(".renderer input").forEach(input => { input.onchange = filter; });
 filter();
+
+// An address leads to its cell, whatever is filtered.
+addEventListener("hashchange", () => {
+  const cell = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  if (!cell?.closest("tr")?.hidden) return;
+  find("#filter").value = find("#verdict").value = "";
+  filter();
+  cell.scrollIntoView();
+});
 
 // ---- Two images, one blinking into the other ----
 
@@ -104,7 +110,7 @@ find("#help-button").onclick = () => find("#help").showModal();
 
 // The image beside the one with the focus; from nowhere, the first.
 function move(right, down) {
-  const shown = rows.filter(row => !row.hidden).map(row => findAll("th, td", row).filter(cell => !cell.hidden));
+  const shown = rows.filter(row => !row.hidden).map(row => findAll("th, td", row));
   const from = document.activeElement?.closest("tbody th, tbody td");
   let y = shown.findIndex(cells => cells.includes(from));
   let x = y < 0 ? 0 : shown[y].indexOf(from);
