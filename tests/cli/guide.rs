@@ -96,10 +96,6 @@ const REASONS: &[Reason] = &[
         of: &["cargo"],
     },
     Reason {
-        words: "part of cargo test",
-        of: &["cargo test --test"],
-    },
-    Reason {
         words: "minutes",
         of: &[
             "volref cost",
@@ -120,10 +116,6 @@ const REASONS: &[Reason] = &[
     Reason {
         words: "installs or opens something",
         of: &["cargo install", "cargo doc"],
-    },
-    Reason {
-        words: "needs a C++ compiler",
-        of: &["flip_oracle"],
     },
     Reason {
         words: "needs Mitsuba 3, pbrt-v4 or VTK",
