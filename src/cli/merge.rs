@@ -29,7 +29,7 @@ use std::time::Instant;
 /// Join what several machines computed: results, units of goldens
 ///
 /// The results of verify, validate or selftest of all parts become one, with one exit code, as if one machine had judged all cases. Units
-/// are copied to .volref of the suite, where volref accept finds them. What is missing is listed, and is exit code 5.
+/// are copied to .volref of the suite, where volref accept finds them. Missing parts are listed, exit code 5.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {

@@ -1,9 +1,9 @@
 //! Seams of a difference, at the borders of bricks that a volume may be stored in.
 //!
 //! Between neighbouring pixels a difference jumps at a seam, whether the seam itself is wrong or all behind it. Jumps are
-//! gathered in layers of the volume across an axis, several to each brick, one of them around the border. Of
-//! a difference that knows nothing of bricks, any of the L layers of a brick is the steepest as likely as another, so that
-//! all of n borders are by chance in one of Lⁿ pictures.
+//! gathered in layers of the volume across an axis, several to each brick, one of them around the border. If a
+//! difference has nothing to do with bricks, each of the L layers of a brick is equally likely to be the steepest.
+//! All of n borders are so by chance in one of Lⁿ pictures.
 
 use super::parts::Seen;
 use super::pixels::Pixels;
@@ -109,7 +109,7 @@ fn borders(jumps: &[Jump], axis: usize, edge: usize, pixel: f64) -> Option<usize
     for border in 1..=last {
         let centre = border as f64 * layers;
         let others = offsets.iter().map(|offset| mean(centre + offset));
-        // Of a brick that is seen in part nothing is known.
+        // A brick that is seen in part tells nothing.
         let (Some(here), Some(others)) = (mean(centre), others.collect::<Option<Vec<f64>>>())
         else {
             continue;

@@ -17,13 +17,12 @@ use std::collections::BTreeMap;
 /// catalogue of 149.
 const MOST_SECOND_LOOKS: usize = 8;
 
-/// Likewise where there is noise, of which a first look has so much that the right mistake may seem far: half as
-/// much work again as that of the second looks and the third ones at eight of them.
+/// More candidates for noisy images: a coarse render is too noisy to rank them reliably. The work is half again
+/// that of the second looks, and of the third looks at eight of them.
 const MOST_NOISY_LOOKS: usize = 24;
 
 /// Largest number of rendered pairs of mistakes of the scene: the most promising by the effect of
-/// each mistake alone. Of 28 mistakes that a scene has occasion for there are 378 pairs; few scenes
-/// have occasion for more.
+/// each mistake alone. 28 mistakes make 378 pairs; few scenes have occasion for more.
 const MOST_SCENE_PAIRS: usize = 400;
 
 /// Pairs that one slip makes, tried with the single mistakes: the nearest node by rounding down is that
@@ -39,8 +38,8 @@ const USUAL_PAIRS: [[&str; 2]; 4] = [
 /// takes less is a stray.
 const WORTH_A_SECOND: f64 = 0.5;
 
-/// Share of the squared difference that a pair may leave, where there is no noise: a quarter of what one mistake may. Of
-/// thousands of pairs some come near by chance, as half a voxel and a pixel do to a shift by two pixels.
+/// Share of the squared difference that a pair may leave, where there is no noise: a quarter of what one mistake
+/// may. Some of thousands of pairs come near by chance, as half a voxel and a pixel do to a shift by two pixels.
 const LEFT_BY_PAIRS: f64 = 0.25 * UNEXPLAINED;
 
 /// Largest share of the work for mistakes of the image in its pixels: the others need the rest.

@@ -141,7 +141,7 @@ impl<'r> Registration<'r> {
                 .whole_of_scene(&edited, &self.label(&changes), self.clock)
         };
         let agrees = self.case.agrees_in_all(&predicted, whole);
-        // Of what comes near no interval holds.
+        // No interval holds for a change that merely comes near.
         let error = |at: usize| last[at].abs().max(CLOSE * self.numbers[at].step);
         let errors: Vec<Option<f64>> = (0..changes.len())
             .map(|at| agrees.then(|| error(at)))
