@@ -124,8 +124,8 @@ fn texts(code: &str) -> Texts {
             let length = length_of_string(string);
             strings.push(unescaped(&string[..length]));
             rest = &string[length + 1..];
-        } else if found.starts_with("'\"'") {
-            rest = &found[3..];
+        } else if let Some(after) = found.strip_prefix("'\"'") {
+            rest = after;
         } else if found.starts_with("'\\") {
             let length = found[3..].find('\'').map_or(3, |end| end + 4);
             rest = &found[length..];
