@@ -437,7 +437,7 @@ fn help_of_a_command() {
                                   as well as the text
       -h, --help                  Print help
 
-    Of a volume file:
+    For a volume file:
           --mode <MODE>          What a pixel shows [possible values: composite, maximum, minimum, mean,
                                  sum, attenuated-maximum, isosurface]
           --colormap <NAME>      Colours of the values [default: bone; inferno if much of the volume is
