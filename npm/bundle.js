@@ -325,7 +325,7 @@ export class Volume {
 
   /**
    * Points of the transfer function: value, linear colour and opacity over the reference length; of a formula, `count`
-   * of them. Of a projection, the colours that it shows, with opacity 1.
+   * of them. For a projection, the colours that it shows, with opacity 1.
    */
   points(count = 1024) {
     const { mode, transfer_function: transfer } = this.part;

@@ -1,26 +1,16 @@
 //! The guide to the commands. This module contains no code.
 //!
-//! | chapter | about |
+//! | question | chapter |
 //! | --- | --- |
-//! | [`scenes`] | your own point cloud, camera, transfer functions, error messages |
-//! | [`volume_files`] | formats, spacing, centring |
-//! | [`fog_and_smoke`] | media, surfaces, lights, and the estimators behind them |
-//! | [`suite`] | the cases, their goldens, a new golden, a new case |
-//! | [`comparing`] | checking a renderer, failures, comparing two images, gates, samples and noise |
-//! | [`staying`] | renderers that are started once: the protocol, loops in Python, JavaScript and C++ |
-//! | [`gallery`] | one page of many renderers, judged |
-//! | [`adapters`] | another renderer, judged: its adapter in Python, from a bundle |
-//! | [`sensitivities`] | derivatives of images; which number of a scene is off, and by how much |
-//! | [`several_machines`] | parts of a suite, units of a golden, Slurm, Kubernetes |
-//! | [`in_your_tests`] | Python, pytest, CMake, GitHub |
-//! | [`accuracy_and_cost`] | error against lookups and time |
-//! | [`effects`] | the effects that a scene needs |
-//! | [`speed`] | what scenes cost, measured |
-//! | [`hard_cases`] | inputs that make renderers wrong; the same bits on every architecture |
-//! | [`peers`] | exports to Mitsuba, pbrt and bundles |
-//! | [`findings`] | faults of renderers, with a check without volref |
-//! | [`reported`] | public reports of wrong images, and what is said of each |
-//! | [`working_on_volref`] | checks, self-test, fuzzing |
+//! | Are my renderer's images right? | [`comparing`]; one that stays: [`staying`]; in Python: [`adapters`] |
+//! | What do the cases show, and how do goldens change? | [`suite`] |
+//! | How do I write a scene? | [`scenes`], [`volume_files`], [`fog_and_smoke`] |
+//! | Which parameter is off? | [`sensitivities`] |
+//! | How do I check in pytest, CMake, JavaScript or on GitHub? | [`in_your_tests`], [`several_machines`] |
+//! | How accurate is my step, and what does it cost? | [`accuracy_and_cost`], [`effects`], [`speed`] |
+//! | What did volref find in other renderers? | [`peers`], [`gallery`], [`findings`], [`reported`] |
+//! | Which inputs make renderers wrong? | [`hard_cases`] |
+//! | How do I work on volref? | [`working_on_volref`] |
 //!
 //! The chapters are the files `src/guide/*.md`, readable in the repository as well. A test runs every
 //! command block and compares the output with the one shown.

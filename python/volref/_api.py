@@ -177,7 +177,7 @@ class Result:
         if self.difference:
             is_found = any("the scene agrees with the image" in it for it in self.difference)
             nothing = "nothing that was tried explains it; measured:"
-            lines.append("a change of a number explains it:" if is_found else nothing)
+            lines.append("a change of a parameter explains it:" if is_found else nothing)
             lines.extend(f"  {sentence}" for sentence in self.difference)
         if self.search_ended is False and not self.looks_like:
             lines.append("the cause was not looked for to the end: explain=60 gives the search a minute")

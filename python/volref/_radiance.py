@@ -59,7 +59,7 @@ class Part:
         return vertices, triangles[np.cross(b - a, c - a).any(1)]
 
     def coefficients(self) -> Coefficients:
-        """Those of a medium. Raises Refusal for a density that varies and for other phase functions."""
+        """The coefficients of a medium. Raises Refusal for a density that varies and for other phase functions."""
         density, phase = self.json["density"] or {"kind": "constant", "value": 1.0}, self.json["phase"]
         if density["kind"] != "constant":
             refuse(f"{self.key}.density: {density['kind']}")

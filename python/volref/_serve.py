@@ -29,7 +29,7 @@ def serve(render: Callable[[dict[str, Any]], ArrayLike | None]) -> None:
 
     ``render`` takes a request and returns the image, which is saved as its ``output``, or ``None`` if it has saved
     that itself. :func:`refuse` answers `cannot`; any other exception answers `error` in its words, with the traceback
-    on standard error. What is printed meanwhile goes to standard error.
+    on standard error. Printed text goes to standard error, too.
     """
     sys.stdout.flush()
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
@@ -83,7 +83,7 @@ def main(
     """The program of a renderer: ``SCENE OUTPUT`` for one picture, with ``--step H``, ``--spp N`` and ``--seed S``;
     ``--serve`` to stay.
 
-    ``render`` takes a bundle of one panel, and returns its image; several panels are put side by side. Of another
+    ``render`` takes a bundle of one panel, and returns its image; several panels are put side by side. With another
     ``export``, such as ``"mitsuba"``, it takes the request, whose ``export:mitsuba`` is the scene's file. ``parser`` may
     hold further options: ``render`` takes them by their names.
     """

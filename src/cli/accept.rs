@@ -23,8 +23,8 @@ use std::time::Instant;
 /// in .volref until all goldens are written, so an interrupted run continues where it stopped.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out. Of a scene file of
-    /// the suite without a manifest, one is written
+    /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out. A scene
+    /// file of the suite without a manifest gets one
     #[arg(value_name = "CASE", required = true)]
     cases: Vec<String>,
     /// What was wrong with the old goldens, or what new ones are for; stored with each golden

@@ -19,8 +19,7 @@ const TEST: &str = "TestImage";
 const DIFFERENCE: &str = "DifferenceImage2";
 
 /// Writes the golden, the test image and their difference of each case into `folder` as PNG; returns the
-/// lines that name them, with those of the verdict and the metrics. If there are several cases, each name begins
-/// with that of the case.
+/// lines that name them, with those of the verdict and the metrics. Names begin with the case if there are several.
 pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure> {
     let mut lines = String::new();
     for of_case in judged {
@@ -87,7 +86,7 @@ fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf
     if let (Some(golden), Some(test)) = (&golden, &evidence.test)
         && golden.size() == test.size()
     {
-        // Of values that are no numbers there is none.
+        // There is none for values that are not finite.
         if let Ok(png) = heatmap(golden, test, exposure) {
             write_png(DIFFERENCE, "difference.png", &png)?;
         }

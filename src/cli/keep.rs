@@ -25,7 +25,7 @@ pub fn run(arguments: Arguments) -> Outcome {
 
 /// This program as the keeper of a renderer, which `stays` or not; `None` on systems without keepers.
 pub fn keeper(stays: bool) -> Option<Keeper> {
-    // What is running, even if another build has taken its place.
+    // The running program, even if another build has taken its place.
     let program = if cfg!(target_os = "linux") {
         "/proc/self/exe".into()
     } else {

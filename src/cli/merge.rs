@@ -28,8 +28,8 @@ use std::path::{Path, PathBuf};
 /// Join what several machines computed: results, units of goldens
 ///
 /// The results of verify, validate or selftest of all parts become one, with one exit code, as if one machine had judged all cases. Units
-/// are copied to .volref of the suite, where volref accept finds them. What is missing is listed, and is exit code 5. Runs that
-/// have names (volref validate --named) are put beside each other, with the causes that each found.
+/// are copied to .volref of the suite, where volref accept finds them. Missing parts are listed, exit code 5. Runs with
+/// names (volref validate --named) are put beside each other, with the causes that each found.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {

@@ -9,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// Options of pictures of volume files.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Of a volume file")]
+#[command(next_help_heading = "For a volume file")]
 pub struct Picture {
     /// What a pixel shows
     #[arg(long, value_parser = ["composite", "maximum", "minimum", "mean", "sum", "attenuated-maximum", "isosurface"])]

@@ -237,7 +237,7 @@ impl Watch for Bar {
     fn measured(&self, forecast: &Forecast) {
         let mut said = self.shared.said();
         let [_, all] = self.shared.steps.get();
-        // Of several panels, the others are taken to be like this one.
+        // The other panels are assumed to be like this one.
         said.expected = Some(forecast.seconds * all as f64 / forecast.steps() as f64);
         if let (true, Some(advice)) = (forecast.seconds >= WORTH_A_WARNING, said.advice) {
             let line = takes(&said.message, forecast, advice);
@@ -457,7 +457,7 @@ mod tests {
         assert_eq!(left(Some(0.25), 30.0, Some(120.0)), Some(90.0));
         // At half time both count alike: 500 left of what was expected, 100 by what was done.
         assert_eq!(left(Some(0.5), 100.0, Some(1000.0)), Some(300.0));
-        // Of the first pixels nobody can tell.
+        // The first pixels tell nothing.
         assert_eq!(left(Some(0.0), 5.0, Some(1000.0)), Some(1000.0));
         assert_eq!(left(Some(0.0), 5.0, None), None);
         assert_eq!(left(None, 5.0, None), None);

@@ -36,7 +36,7 @@ pub struct Arguments {
     /// an integral without samples is then sampled
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     step: Option<Length>,
-    /// Changes a number of the scene, such as density=0.1 for a tenth more (`volref sensitivity SCENE`
+    /// Changes a parameter of the scene, such as density=0.1 for a tenth more (`volref sensitivity SCENE`
     /// lists them); may be repeated
     #[arg(long, value_name = "NAME=CHANGE", allow_hyphen_values = true, value_parser = change)]
     change: Vec<(String, f64)>,
@@ -196,7 +196,7 @@ impl Arguments {
             scene = number.changed(&scene, *change).ok_or_else(|| {
                 let why = match number.quantity.name {
                     "clip.offset" => "the clip would leave nothing of a volume",
-                    _ if *change <= -1.0 => "no number falls by all of itself, or more",
+                    _ if *change <= -1.0 => "a parameter falls by less than 100 %",
                     "index" => "an index is above 1",
                     "albedo" | "reflectance" | "mirror" => "an albedo or reflectance is at most 1",
                     _ => "rays would have too many samples, or none that can be told apart",

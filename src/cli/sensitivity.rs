@@ -16,21 +16,21 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Differentiate the image of a scene by one of its numbers
+/// Differentiate the image of a scene by one of its parameters
 ///
-/// Writes the derivative per unit of change, with its variance; without --of, lists the numbers of
-/// the scene. A change is a share of the number itself (0.01 is one per cent) or in the unit that
-/// the list states.
+/// Writes the derivative per unit of change, with its variance; without --of, lists the
+/// parameters. A change is a share of the parameter itself (0.01 is one per cent) or in the unit
+/// that the list states.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct Arguments {
     /// Scene file (TOML), or a case of the suite
     scene: PathBuf,
-    /// Number to differentiate by, such as density or reflectance.2
+    /// Parameter to differentiate by, such as density or reflectance.2
     #[arg(long, value_name = "NAME", requires = "output")]
     of: Option<String>,
     /// Image to write: .exr or .npy (32-bit float; .exr with variance), or .png (red is brighter,
-    /// blue darker as the number grows)
+    /// blue darker as the parameter grows)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// For Monte Carlo scenes: samples per pixel of each of the two sides
@@ -43,11 +43,11 @@ pub struct Arguments {
     /// Seed of the random numbers of the first pair; the others have the next ones
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Change on either side of the number, instead of the one that the list states
+    /// Change on either side of the parameter, instead of the one that the list states
     #[arg(long, value_name = "CHANGE", allow_hyphen_values = true, value_parser = positive)]
     step: Option<f64>,
-    /// Instead of an image of one number: derivatives of blocks of 8 x 8 pixels by all numbers, as a
-    /// suite keeps them in golden/sensitivities
+    /// Instead of an image: derivatives of blocks of 8 x 8 pixels by all parameters, as a suite
+    /// keeps them in golden/sensitivities
     #[arg(long, conflicts_with = "of", requires = "output")]
     all: bool,
     /// Threads to use; the image is the same for any number [default: all cores]
@@ -81,7 +81,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let Some(name) = &arguments.of else {
         return Err(bad_input(
-            "-o FILE needs --of NAME: which number? Without both, the numbers are listed",
+            "-o FILE needs --of NAME: which parameter? Without both, the parameters are listed",
         ));
     };
     let number = number(&scene, name).map_err(bad_input)?;
@@ -208,7 +208,7 @@ fn of_unit(number: &Number) -> String {
 
 fn per_unit(number: &Number) -> String {
     match number.quantity.unit {
-        Unit::Share => " per 100 % of the number".to_owned(),
+        Unit::Share => " per 100 % of the parameter".to_owned(),
         Unit::Absolute("") => " per 1".to_owned(),
         Unit::Absolute(unit) => format!(" per {}", unit.trim_end_matches('s')),
     }
@@ -229,7 +229,7 @@ fn listed(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
         ));
     }
     if numbers.is_empty() {
-        text.push_str("a plot has no numbers to differentiate by\n");
+        text.push_str("a plot has no parameters to differentiate by\n");
     }
     let of = |number: &Number| {
         json!({
@@ -264,7 +264,7 @@ fn of_all(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     .map_err(bad_input)?;
     output::write(path, &layered.to_exr().map_err(bad_input)?)?;
     let text = format!(
-        "{}: derivatives by {} numbers in {:.0} s\n",
+        "{}: derivatives by {} parameters in {:.0} s\n",
         path.display(),
         layered.layers.len(),
         start.elapsed().as_secs_f64()

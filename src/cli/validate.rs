@@ -42,18 +42,19 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     for samples per voxel, {exposure} for the exposure of 8-bit images in stops (radiance times 2^exposure), and {export:mitsuba}, \
     {export:pbrt}, {export:bundle} for a copy of the scene in that format (see volref export). With {step} or {rate}, CMD is run three times for a case of the family limit.\n\n\
     With --serve, placeholders are words of their own, and no part of the command line: they name what requests hold. A \
-    request is a line of JSON on standard input, with \"case\", \"output\" and these; the answer a line on standard output: \
-    {\"image\": output}, {\"error\": \"in words\"}, or {\"cannot\": \"in words\"} of a scene that cannot be said.\n\n\
-    Each verdict is printed as soon as it is known. Once all are, the conventions and the known mistakes are searched \
-    that explain the failing images; an image that conventions explain gets a second verdict, which counts. Ctrl-C ends \
-    that search and keeps the verdicts. Images rendered during the search are \
+    request is a line of JSON on standard input, with \"case\", \"output\" and these. The answer is a line on standard output: \
+    {\"image\": output}, {\"error\": \"reason\"}, or {\"cannot\": \"reason\"} if the renderer does not \
+    support the scene.\n\n\
+    Each verdict is printed as soon as it is known. Then volref searches the conventions or the known mistakes \
+    that explain the failing images. An image that conventions explain gets a second verdict, which counts. Ctrl-C ends \
+    the search and keeps the verdicts. Images rendered during the search are \
     cached in the folder that VOLREF_CACHE names (empty: no cache), or else in the user's cache \
     folder, such as ~/.cache/volref; the cache holds at most 256 MB and can be deleted at any time.";
 
 /// Headings of options.
 const WHERE: &str = "Where the images are";
 const RIGHT: &str = "What counts as right";
-const REPORTED: &str = "What is reported";
+const REPORTED: &str = "Reports";
 const WHICH: &str = "Which cases, and on which machine";
 
 /// An example, for `--help`.
@@ -95,8 +96,8 @@ pub struct Arguments {
     profile: Option<String>,
     /// Bits of a channel in the images: 8, 8-linear or 8-srgb. Differences up to half a code agree then, in
     /// every case, and values are cut off at the largest code. A PNG holds codes of radiance at the exposure of its
-    /// case, sRGB unless it is 8-linear; of other files it is found which of the two all values are
-    /// [default: as in the profile]
+    /// case, sRGB unless it is 8-linear; for other formats the encoding is detected [default: as
+    /// in the profile]
     #[arg(long, value_name = "BITS", help_heading = RIGHT)]
     bits: Option<Bits>,
     /// Colours of .exr and .npy images with opacity leave out the background of the scene: premultiplied by opacity, or

@@ -61,9 +61,9 @@ impl PrintedVerdicts {
 /// Option for the search for the cause of a failure.
 #[derive(clap::Args, Debug)]
 pub struct ExplainArgument {
-    /// Limit for finding the conventions or the mistake behind each failing image, once all verdicts are printed: work
-    /// that two cores do in these seconds, so that the result is the same on every machine; 0 for no search [default: 10;
-    /// 0 where the environment variable CI is set, unless --accept-conventions asks for the search]
+    /// Limit of the search for the cause of each failing image, after all verdicts: time budget in seconds of a two-core
+    /// machine. Work is counted, so results do not depend on the machine; 0 for no search [default: 10; 0 where the
+    /// environment variable CI is set, unless --accept-conventions asks for the search]
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = search_time)]
     explain: Option<f64>,
 }

@@ -32,8 +32,7 @@ pub(crate) struct Misfit {
     /// mistake is the one.
     pub in_noise: f64,
     /// Mean squared relative difference of the cells with noise, and of those without: a lamp that
-    /// is seen, or the sky. Of these the slightest difference is many standard errors, which says
-    /// nothing of the rest; and the mean over the rest says nothing of them.
+    /// is seen, or the sky. Noise-free pixels are judged apart: any difference there is many standard errors.
     pub parts: [SquaredDistance; 2],
     /// Mean squared differences of all cells by other weights: absolute ones, and relative to the brighter
     /// of golden and test. Where the golden is dark and the test bright, relative to the golden the rest stops
@@ -45,12 +44,12 @@ pub(crate) struct Misfit {
     pub least_error: f64,
     /// True if one of the images has noise.
     pub has_noise: bool,
-    /// That of the [`Amount`] by which the prediction changes the golden; 0 where it was not asked for.
+    /// Gain of the [`Amount`] by which the prediction changes the golden; 0 where it was not asked for.
     pub gain: f64,
 }
 
 /// Part of a change that an image has: the coefficient of its difference from the golden on that change, by least
-/// squares over all tiles with noise together. What is small in every cell shows in their sum.
+/// squares over all tiles with noise together. A change that is small in every block shows in their sum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Amount {
     /// 0 for none of it, and 1 for all.
@@ -457,7 +456,7 @@ impl Cells {
                 *variance += ratio * noise;
             }
         }
-        // Of the golden's and of those of the renderings.
+        // From the samples of the golden and of the renderings.
         moved.samples = None;
         moved
     }

@@ -163,9 +163,9 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
 /// Judges `test` by `reference`, both of one size and finite; this share of `outliers` is allowed, none
 /// by more than `cap` tolerances. Opacity counts, if it is the same everywhere, only where it is `asked` for.
 ///
-/// A quantised image is judged by the nearest of those that round to it. That of a right renderer is within its
-/// own, small errors of the reference, so that their mean needs no allowance for roundings that do not
-/// average out, such as of an image of one colour.
+/// A quantised image is judged by the nearest of those that round to it. A correct renderer is within its own small
+/// errors of the reference, so the mean needs no allowance for roundings that do not average out, as in an image of
+/// one colour.
 fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool) -> Judgement {
     let allowed = match test.quantisation() {
         Some(of) if of.blended => "one and a half codes + 0.001 + 1 %",

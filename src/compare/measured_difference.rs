@@ -61,8 +61,8 @@ pub fn measured_difference(golden: &Film, test: &Film, seen: &Seen) -> Vec<Strin
     measured(golden, test, seen, false).unwrap_or_default()
 }
 
-/// [`measured_difference`]; nothing where nothing can be measured. Of a difference that `is_explained` nobody asks what a
-/// gain or a shift would leave.
+/// [`measured_difference`]; nothing where nothing can be measured. Gain and shift are left out for a difference
+/// that `is_explained`.
 pub(crate) fn measured(
     golden: &Film,
     test: &Film,

@@ -73,7 +73,7 @@ impl Part {
             );
             Part { words, pixels, due }
         };
-        // Of what is not dark: a background has neither edges nor brightness.
+        // Pixels that are not dark: a background has neither edges nor brightness.
         let lit: Vec<usize> = (0..count).filter(|&i| pixels.is_lit(i)).collect();
         let steep = quantile(lit.iter().map(|&i| pixels.steepness(i)), 1.0 - STEEPEST);
         let noise = golden.noise().filter(|noise| !noise.is_known());

@@ -29,7 +29,7 @@ impl Promise {
     }
 
     /// The promise where more samples are to be had, unless the reference is too noisy for that: a quarter of the
-    /// bias of the mean, and as much of blocks. Of 2 % that is 0.5 % of the mean and 2 % of a block.
+    /// bias of the mean, and as much of blocks. For 2 % this is 0.5 % of the mean and 2 % of a block.
     pub fn decisive(self) -> Promise {
         Promise {
             mean: self.mean / 4.0,

@@ -353,7 +353,7 @@ impl Judged<'_> {
         let golden = self.golden;
         let behind = behind_last_level(golden);
         let (mut outside, mut worst) = (0_usize, (0, 0.0_f64));
-        // Of a quantised image, the nearest of those that round to it.
+        // The nearest image that rounds to a quantised one.
         let nearest = self.image.nearest_to(golden);
         let pixels = golden.radiance().iter().zip(nearest.radiance());
         for (index, (right, test)) in pixels.enumerate() {

@@ -14,9 +14,9 @@ use crate::film::Film;
 ///
 /// Whoever makes a mistake makes it in a way of their own, which need not be the catalogue's to the
 /// digit: a seventh of the difference, root mean square, is left to that. A size that is off by
-/// other than the catalogue's factor 1 + e leaves the square of what it lacks of e. Of the faults
-/// outside the catalogue that the tests keep (`outside_faults`), the one that comes nearest to a
-/// mistake leaves a little more: a quarter of a voxel in the volume beside half a pixel in the image.
+/// other than the catalogue's factor 1 + e leaves the square of what it lacks of e. Among the faults outside the
+/// catalogue that the tests keep (`outside_faults`), the one nearest to a mistake leaves a little more: a quarter
+/// of a voxel in the volume beside half a pixel in the image.
 pub(crate) const UNEXPLAINED: f64 = 0.02;
 
 /// [`UNEXPLAINED`] for images with noise, where the share has to be shown to be that small, beyond

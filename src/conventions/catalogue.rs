@@ -79,7 +79,7 @@ const SAMPLES: [Convention; 8] = [
     },
 ];
 
-/// The conventions that are looked for: those of samples behind that of the last step of a ray.
+/// Conventions tried by the search. Sample placement follows `last_step`.
 pub static CATALOGUE: LazyLock<Vec<Convention>> = LazyLock::new(|| {
     let mut all = Vec::new();
     for (key, alternatives) in ALTERNATIVES {

@@ -38,7 +38,7 @@ struct Sample {
 }
 
 impl<'s> FieldCaster<'s> {
-    /// That of `scene`.
+    /// The caster of `scene`.
     pub fn new(scene: &'s Classified) -> FieldCaster<'s> {
         FieldCaster::by(scene, RayCaster::new(scene))
     }

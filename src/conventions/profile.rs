@@ -149,7 +149,7 @@ impl Profile {
         let mut is_classified = false;
         for panel in &mut scene.panels {
             if let Model::Classified(classified) = &mut panel.model
-                // Of projections and isosurfaces by random samples there is no image of all places.
+                // Projections and isosurfaces by random samples have no image of all places.
                 && (classified.mode == Mode::Composited || !self.conventions.is_random())
             {
                 self.apply(classified)?;

@@ -42,7 +42,7 @@ pub(crate) fn each_alone(scene: &Classified) -> Vec<Classified> {
 }
 
 impl<'s> CommonSteps<'s> {
-    /// That of `scene`, whose volumes are those [`each_alone`].
+    /// The march through `scene`; `volumes` are its volumes, [`each_alone`].
     pub fn new(scene: &'s Classified, volumes: &'s [Classified]) -> CommonSteps<'s> {
         let boxes = scene
             .each_alone()

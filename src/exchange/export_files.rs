@@ -22,7 +22,7 @@ impl Export {
         fs::create_dir_all(folder)?;
         let written = self.write_files(folder);
         if written.is_err() && is_new {
-            // Of several folders made, the last; the others are empty and in nobody's way.
+            // Only the last of the folders made; the others are empty and harmless.
             let _ = fs::remove_dir(folder);
         }
         written

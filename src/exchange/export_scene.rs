@@ -26,7 +26,7 @@ pub(super) struct ExportScene<'s> {
 }
 
 impl<'s> ExportScene<'s> {
-    /// That of `scene`, which is the model of `panel`. `gap` is the distance that boundaries keep in
+    /// The export of `scene`, which is the model of `panel`. `gap` is the distance that boundaries keep in
     /// a scene of a given reach: more than the renderer moves the starts of rays off a surface. What
     /// neither format can say goes to `faults`.
     pub(super) fn of(

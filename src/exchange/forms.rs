@@ -24,7 +24,7 @@ pub(super) enum Form {
 }
 
 impl Form {
-    /// That of a surface that reflects or refracts.
+    /// The form of a surface that reflects or refracts.
     pub(super) fn of_shape(shape: &Shape) -> Form {
         match shape {
             Shape::Sphere(sphere) => Form::sphere(sphere),
@@ -37,7 +37,7 @@ impl Form {
         }
     }
 
-    /// That of a surface that emits light.
+    /// The form of a surface that emits light.
     pub(super) fn of_luminous(shape: &Luminous) -> Form {
         match shape {
             Luminous::Sphere(sphere) => Form::sphere(sphere),
@@ -46,7 +46,7 @@ impl Form {
         }
     }
 
-    /// That of the boundary of a medium.
+    /// The form of the boundary of a medium.
     pub(super) fn of_boundary(boundary: &Boundary) -> Form {
         match boundary {
             Boundary::Sphere(sphere) => Form::sphere(sphere),
@@ -151,8 +151,8 @@ impl Form {
         }
     }
 
-    /// Its flat faces, anticlockwise seen from the front; none of a ball. Those of a box go by
-    /// axis, of each the one at the corner first.
+    /// Its flat faces, anticlockwise seen from the front; none of a ball. Faces of a box go by axis, the one at the
+    /// corner first.
     pub(super) fn faces(&self) -> Vec<Vec<DVec3>> {
         match self {
             Form::Sphere { .. } | Form::Ellipsoid { .. } => Vec::new(),
@@ -182,7 +182,7 @@ impl Form {
     }
 
     /// Its size where it is smallest: the shortest edge of a box or rectangle, the diameter of a
-    /// ball. Of a mesh, the longest edge of the box around it.
+    /// ball. For a mesh, the longest edge of the box around it.
     pub(super) fn extent(&self) -> f64 {
         let shortest = |edges: &[DVec3]| {
             let lengths = edges.iter().map(|edge| edge.length());

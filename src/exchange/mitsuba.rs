@@ -10,8 +10,8 @@
 //!   both inside and the outer one outside; `blendphase` scatters by either's phase function in
 //!   proportion to their scattering.
 //! - Some media are said for each channel in a file of its own, and a picture is put together from
-//!   three. Those with shares that differ from channel to channel, for `blendphase` weighs all
-//!   alike. And those of coloured extinction: `volpath` draws distances by a channel chosen at
+//!   three. These are media whose shares differ from channel to channel, for `blendphase` weighs
+//!   all alike, and media of coloured extinction: `volpath` draws distances by a channel chosen at
 //!   random, so that the weights of the others grow without bound, and what it misses is dark.
 //!   (`volpathmis` is made for such media, and does not end in time: scripts/peers/README.md.)
 //! - A grid is a `gridvolume`, put so that the middles of its voxels are volref's nodes; the

@@ -53,8 +53,8 @@ use std::fmt::{Display, LowerExp};
 
 /// The distance of boundaries in a scene of this reach. pbrt starts rays off a surface by the error
 /// bound of the place, at most 7 roundings (2⁻²⁴) of its coordinates from the eye, 2√3 times the reach
-/// (`shapes.h`, `ray.h`, `OffsetRayOrigin`): 1.5e-6 of the reach, in every unit of length. What is
-/// beyond that keeps the boundaries of large scenes where Mitsuba has them.
+/// (`shapes.h`, `ray.h`, `OffsetRayOrigin`): 1.5e-6 of the reach, in every unit of length. The rest keeps the
+/// boundaries of large scenes where Mitsuba has them.
 fn gap(reach: f64) -> f64 {
     5e-4 * reach
 }

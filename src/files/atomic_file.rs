@@ -31,8 +31,8 @@ pub struct WriteError {
 ///   leaves. Owner, hard links and extended attributes of an existing file are not kept.
 /// - A symbolic link stays, and the file it points to is replaced.
 /// - A golden stays: only `volref accept` changes it.
-/// - What is not a regular file (a device, a pipe, a FIFO, `/dev/stdout` wherever it leads) must
-///   not be replaced by one: it is written to directly, with no atomicity to be had.
+/// - A device, a pipe, a FIFO or `/dev/stdout`, wherever it leads, must not be replaced by a file. It is written to
+///   directly, without atomicity.
 ///
 /// # Errors
 ///

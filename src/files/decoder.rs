@@ -38,7 +38,7 @@ pub fn run<T>(decode: impl FnOnce() -> T) -> Result<T, Stopped> {
             .map(|text| (*text).to_owned());
         let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
         let text = text.unwrap_or_else(|| "it says nothing".to_owned());
-        // Of an assertion the further lines are its values.
+        // The further lines of an assertion are its values.
         let line = text.lines().next().unwrap_or_default();
         Stopped(line.chars().take(MOST_LETTERS).collect())
     })

@@ -103,7 +103,7 @@ mod tests {
         for most in [1e-5, 1e-3, 1.0, 4.0] {
             let [six, nine] = [6, 9].map(|places| slope(most, text(places)));
             assert_eq!(six.absolute_rounding(), 5e-7, "{most}");
-            // Of the brighter, single precision does not tell.
+            // For brighter values single precision does not tell.
             let found = nine.absolute_rounding();
             assert!(
                 found == 5e-10 || found == 0.0 && most >= 1.0,
@@ -111,7 +111,7 @@ mod tests {
             );
             assert_eq!(slope(most, |value| value as f32).absolute_rounding(), 0.0);
             let digits = |value: f64| format!("{value:.5e}").parse().unwrap();
-            // Of the darkest of the brighter, six digits are nine places.
+            // In the darkest of the brighter ones, six digits are nine places.
             assert!(slope(most, digits).absolute_rounding() <= 5e-10);
         }
         assert_eq!(slope(1.0, text(3)).absolute_rounding(), 5e-4);

@@ -168,7 +168,7 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
     }
     let samples = match &noise {
         Some(noise) => Some(noise.samples),
-        // Without variances nothing depends on it but advice: what is no number is none.
+        // Without variances the count is only used for advice, so a malformed one is ignored.
         None => beside(colours, file, SAMPLES).and_then(|samples| count(samples).ok()),
     };
     Ok(Film {

@@ -102,7 +102,7 @@ pub(super) fn check_part(header: &Header) -> Result<(), FilmError> {
         );
     }
     let aspect = header.shared_attributes.pixel_aspect;
-    // Of NaN no comparison is true.
+    // No comparison with NaN is true.
     let is_square = (aspect - 1.0).abs() <= 1e-3;
     if !is_square {
         return unsuited(

@@ -122,7 +122,7 @@ fn channels(name: &str, film: &Film) -> Vec<AnyChannel<FlatSamples>> {
 
 /// A value with the bits that its standard error leaves it.
 fn rounded(value: f32, error: f32) -> f32 {
-    // Of numbers below 2⁻¹²⁶ too: they are 0 here as anywhere.
+    // Holds for numbers below 2⁻¹²⁶ too: they are 0 here as anywhere.
     let exponent = |of: f32| (of.to_bits() >> (f32::MANTISSA_DIGITS - 1) & 0xff) as i32;
     let [least, most] = BITS;
     let bits = exponent(value) - exponent(error) + 1 + BITS_BELOW_ERROR;

@@ -32,7 +32,7 @@ impl Noise {
         }
     }
 
-    /// Of `pixels` that are known: no variance, as of more samples than there can be.
+    /// Noise of `pixels` that are known: no variance, and the largest number of samples.
     pub(super) fn none(pixels: usize) -> Noise {
         Noise {
             variance: vec![[0.0; 3]; pixels],

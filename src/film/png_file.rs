@@ -194,8 +194,8 @@ fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
     }
 }
 
-/// The stated encoding, if it is not sRGB. Of four chunks the first present counts; a file with
-/// none of them is sRGB.
+/// The stated encoding, if it is not sRGB. The first present of four chunks counts; a file with none of them is
+/// sRGB.
 ///
 /// Source: PNG, third edition, 4.3 and 11.3.2.
 fn other_codes(info: &png::Info) -> Option<String> {
@@ -237,7 +237,7 @@ fn other_codes(info: &png::Info) -> Option<String> {
 /// True if the primaries and curves of an ICC profile are those of sRGB, where it has any. A name is no
 /// proof: there are linear profiles called sRGB.
 fn has_srgb_numbers(profile: &[u8]) -> bool {
-    /// Of the coordinates of primaries, of which profiles keep four digits, and of a curve, where 2.2
+    /// Tolerance of the coordinates of primaries, which profiles keep to four digits, and of a curve, where 2.2
     /// stands for sRGB.
     const NEAR: [f64; 2] = [0.002, 0.01];
     /// Code and linear value of sRGB.

@@ -125,7 +125,7 @@ impl Primaries {
         let [red, green, blue, white] = self.0;
         let column = |[x, y]: [f64; 2]| DVec3::new(x, y, 1.0 - x - y);
         let columns = DMat3::from_cols(column(red), column(green), column(blue));
-        // Of infinities and NaN no comparison is true.
+        // No comparison with infinity or NaN is true.
         let are_sound =
             columns.determinant().abs() >= LEAST_AREA && white[0] > 0.0 && white[1] > 0.0;
         are_sound.then(|| {

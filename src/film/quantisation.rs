@@ -238,7 +238,7 @@ impl Quantisation {
         is_code.then_some(level as u8)
     }
 
-    /// Place of the first value of `film` that is no code. What is not finite is judged as such.
+    /// Place of the first value of `film` that is no code. Values that are not finite are judged as such.
     fn no_code(&self, film: &Film) -> Option<usize> {
         let mut values = film.radiance().as_flattened().iter();
         values.position(|&value| value.is_finite() && self.level(value).is_none())
@@ -450,8 +450,8 @@ impl Film {
         self.quantisation
     }
 
-    /// Of all images that round to this one, that nearest to `golden`, of the same size; this image where
-    /// it is not quantised.
+    /// The image nearest to `golden`, of the same size, among those that round to this one; this image where it is
+    /// not quantised.
     pub(crate) fn nearest_to(&self, golden: &Film) -> Cow<'_, Film> {
         let Some(quantisation) = self.quantisation else {
             return Cow::Borrowed(self);
@@ -502,7 +502,7 @@ mod tests {
             }
         }
         assert_eq!(Quantisation::recognised(&golden(), 0.0), None);
-        // Of few values nothing can be said.
+        // Few values tell nothing.
         let few = mapped(&golden(), |x| if x > 0.5 { 1.0 } else { 0.0 });
         assert_eq!(Quantisation::recognised(&few, 0.0), None);
         let declared = "8-linear".parse::<Bits>().unwrap();

@@ -73,7 +73,7 @@ fn pooled_pixel(films: &[Film], parts: &[u32], index: usize) -> ([f32; 3], [f32;
             ReplicateMoments {
                 count: f64::from(count),
                 mean: f64::from(film.radiance[index][channel]),
-                // Of a single number there is none, and `count` is 1.
+                // A single number has none, and `count` is 1.
                 variance_of_mean: film
                     .noise()
                     .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),

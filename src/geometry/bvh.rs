@@ -56,7 +56,7 @@ struct Node {
 /// The content of a box: faces, or a node.
 #[derive(Clone, Copy, Debug, Default)]
 struct Content {
-    /// Of the node; of the first face in [`Bvh::faces`].
+    /// Index of the node, or of the first face in [`Bvh::faces`].
     first: u32,
     /// Number of faces; 0 for a node.
     faces: u32,

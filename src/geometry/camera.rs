@@ -280,7 +280,7 @@ impl Camera {
 
     /// This camera with its image plane shifted, so that all that is seen lies further right and down
     /// in the image by these fractions of its height. The rays are those of other points of the same
-    /// plane. Of an orthographic camera the eye moves in its plane.
+    /// plane. The eye of an orthographic camera moves in its plane.
     pub fn with_image_moved(&self, [right, down]: [f64; 2]) -> Camera {
         if self.is_orthographic() {
             let centre = self.half_up * (2.0 * down) - self.half_right * (2.0 * right);

@@ -70,7 +70,7 @@ impl Solid for ClosedMesh {
             a.t.total_cmp(&b.t).then(out(a.side).cmp(&out(b.side)))
         });
         let out = crossings.iter().filter(|it| it.side == Side::Back).count();
-        // Of pieces around the origin.
+        // Depth within the pieces around the origin.
         let mut depth = 2 * out as i64 - crossings.len() as i64;
         let mut entered = 0.0;
         for crossing in &crossings {

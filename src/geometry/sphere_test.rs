@@ -25,7 +25,7 @@ impl SphereTest {
     }
 
     /// The ray may meet the inside at a distance with `0 ≤ t ≤ limit`. `false` is certain; `true` may
-    /// still be a miss, by rounding. What is no number, as of a sphere out of the range, may meet.
+    /// still be a miss, by rounding. NaN, as of a sphere out of the range, may meet.
     #[inline]
     pub fn may_meet(&self, ray: &Ray, limit: f64) -> bool {
         let away = self.centre - ray.origin;

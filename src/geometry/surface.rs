@@ -34,8 +34,8 @@ pub trait Surface {
         self.bounds_of_hits().corners().to_vec()
     }
 
-    /// The nearest crossing with `0 < t < limit`, in world units. Of crossings at the same distance,
-    /// the one with the smallest face number.
+    /// The nearest crossing with `0 < t < limit`, in world units. At the same distance, the crossing with the
+    /// smallest face number.
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing>;
 
     /// The hit at a `crossing` with `ray`.

@@ -67,21 +67,21 @@ struct Look {
     has_noise: bool,
     /// Standard error of a pixel, root mean square, where it is known.
     error: Option<f64>,
-    /// Of the pixels with most variance, where there were two renderings.
+    /// Concentration of the variance in few pixels, where there were two renderings.
     concentration: Option<Concentration>,
 }
 
 /// The pixels with most variance.
 #[derive(Clone, Copy, Debug)]
 struct Concentration {
-    /// Of the variance of all pixels.
+    /// Share of the variance of all pixels.
     share: f64,
     /// Their variance in another rendering over that in the one.
     agreement: f64,
 }
 
 impl Concentration {
-    /// Of the pixels of `one`, looked up in `other`. Both state their noise.
+    /// The concentration of `one` by the same pixels of `other`. Both state their noise.
     fn new(one: &Film, other: &Film) -> Option<Concentration> {
         let of_sample = |film: &Film| -> Option<Vec<f64>> {
             let samples = film.samples()? as f64;
@@ -156,11 +156,11 @@ impl Looks {
         result.metrics.get("smallest_visible_bias")?;
         let [least, most] = GROWTH;
         let times = match self.0.last() {
-            // Of rare numbers of an infinite variance most means are too small, and seem to be so for sure: a
-            // second rendering tells.
+            // With rare samples of infinite variance most means are too small and look certain: a second rendering
+            // tells.
             _ if result.cause == Cause::Mismatch && self.count() == 1 => least,
             _ if result.cause != Cause::Undecided => return None,
-            // What is said of noise that is guessed from a single image is rough.
+            // Noise that is estimated from a single image is rough.
             Some(look) if !look.has_noise => most,
             _ => *result.metrics.get("times_the_samples_that_would_decide")?,
         };

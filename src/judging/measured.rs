@@ -255,7 +255,7 @@ fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
             let judgement = judge(&Deterministic, &film, &picture, &Conditions::default());
             judgement.is_ok_and(|judgement| judgement.passed)
         };
-        // Colours that are right are no map of themselves, and a few pixels that are off none of all.
+        // No colour map is reported if colours agree, or if only a few pixels differ.
         let left = |prediction: &Film| squared_difference(prediction, test, &colours);
         let whole = left(&colours);
         let holds = |map: &Map| {
@@ -535,8 +535,7 @@ mod tests {
         for states in [true, false] {
             let test = Picture::Radiance(noisy(1.3, 2, states));
             let said = measured(&case, &golden, &test).join("; ");
-            // Of 2304 values with a relative deviation of at most 5 %: within 0.1 %, five times
-            // over.
+            // The mean of 2304 values that deviate by at most 5 % is within 0.1 %, five times over.
             assert!(said.starts_with("the image is the golden × 1."), "{said}");
             let factor: f64 = said.rsplit(' ').next().unwrap().parse().unwrap();
             assert!((factor - 1.3).abs() < 0.0075, "{said}");

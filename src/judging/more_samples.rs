@@ -336,9 +336,10 @@ impl OpenCase<'_> {
     }
 }
 
-/// True of two images that state their noise and are too much alike to be independent. Of the variance that their
-/// difference should have, an image of n samples and one of 2n that begin with these have a third; independent ones
-/// have all of it, to the standard error of as many normal squares as there are pixels, or more where rare samples make
+/// True of two images that state their noise and are too much alike to be independent. An image of n samples and
+/// one of 2n that begin with these have a third of the variance that their difference should have. Independent ones
+/// have all of it, to the standard error of as many normal squares as there are pixels, or more where rare samples
+/// make
 /// the stated variances too small.
 fn shares_random_numbers(one: &Film, other: &Film) -> bool {
     let (Some(of_one), Some(of_other)) = (one.noise(), other.noise()) else {

@@ -52,7 +52,7 @@ pub(crate) fn within(bounds: &[Film; 2], test: &Film) -> Film {
     Film::new(test.width(), test.height(), pixels.collect())
 }
 
-/// True if the means of `test` are those of all places but for chance, and for what the gate allows anyway.
+/// Whether the image is a random choice among the possible sample offsets, within noise and gate.
 fn is_mean_by_chance(all: &FirstSamples, test: &Film) -> bool {
     let count = test.radiance().len();
     (0..3).all(|c| {

@@ -133,8 +133,8 @@ fn first_order(scene: &Scene) -> Vec<Film> {
 }
 
 /// Images of `scene` with samples a quarter, half and three quarters of the way along each step. Samples at the beginning
-/// and at the end of steps are at the same places but for the first and the last. What is thinner than a step lies
-/// between those, or on them, and a single image is right with samples at either.
+/// and at the end of steps are at the same places but for the first and the last. A detail thinner than a step lies
+/// between these places, or on them, and a single image is right with samples at either.
 fn between_the_ends(scene: &Scene) -> [Film; 3] {
     [0.25, 0.5, 0.75].map(|first_sample| sampled(scene, first_sample, LastStep::Exact))
 }

@@ -49,7 +49,7 @@ pub(crate) fn verify_row(row: &Row) -> Judged {
         );
         CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
     };
-    // What is to be exact and is not has no number.
+    // A value that should be exact and is not has no number.
     if share.is_finite() {
         finding.metrics.insert(ERROR_OF_TOLERANCE.to_owned(), share);
     }

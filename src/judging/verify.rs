@@ -60,7 +60,7 @@ pub(crate) fn verify_with(
             }
         };
         if let Some(answer) = &case.answer {
-            // Of random samples the many say more.
+            // More random samples say more.
             let known = ("known answer".to_owned(), answer.to_string());
             evidence.provenance.push(known);
             let sure = if quick.is_some() {

@@ -3,8 +3,7 @@
 //! Trilinear interpolation reproduces every function that is linear in each of x, y and z: where the
 //! nodes hold one, so does all of the box, with whatever spacing. Along a line such a density is a
 //! cubic polynomial, whose integral over a length s is, by Simpson's rule exactly,
-//! `s/6 · (ρ(near) + 4 ρ(middle) + ρ(far))`. What is seen is the environment times
-//! `e^(−σ_a ∫ρ dt)`.
+//! `s/6 · (ρ(near) + 4 ρ(middle) + ρ(far))`. The eye sees the environment times `e^(−σ_a ∫ρ dt)`.
 //!
 //! The eight corners of the grid give the function; that all other nodes hold it is checked.
 //!

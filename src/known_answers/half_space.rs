@@ -35,7 +35,7 @@ pub const HALF_SPACE: Formula = Formula {
 /// Relative error of the integral in [`h_function`].
 const TOLERANCE: f64 = 1e-11;
 
-/// What is missing behind the end of a layer fades there and back: e^(−2kτ) below this.
+/// The missing light behind the end of a layer fades there and back: e^(−2kτ) below this.
 const FADED: f64 = 1e-10;
 
 /// Chandrasekhar's H of isotropic scattering with the albedo of each channel, in [0, 1], at the cosine

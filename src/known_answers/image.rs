@@ -50,7 +50,7 @@ impl Formula {
         let along = (self.of)(radiative)?;
         let size = [panel.width, panel.height];
         let rules = [POINTS, POINTS - 1].map(PixelRule::new);
-        // What is left of an image by the largest error in it.
+        // The largest error of a pixel.
         let mut error = 0.0_f64;
         let mut pixels = Vec::with_capacity(size[0] * size[1]);
         for pixel in (0..size[0] * size[1]).map(|index| [index % size[0], index / size[0]]) {

@@ -1,7 +1,7 @@
 //! A layer of finite thickness that scatters isotropically: what it reflects, lets through, emits.
 //!
 //! Under a sky of radiance 1 on one side, the mean radiance at the optical depth t below it is
-//! `½ E₂(t)` unscattered. What is scattered there, `S(t)` per optical depth and direction, solves the
+//! `½ E₂(t)` unscattered. The light scattered there, `S(t)` per optical depth and direction, solves the
 //! integral equation of Schwarzschild and Milne, for the albedo ϖ and the thickness τ:
 //!
 //! ```text

@@ -66,7 +66,7 @@ fn ln_1p(x: f64) -> f64 {
     // 1 + x = 2^k (1 + f), the latter in [√2/2, √2], but for a rounding `c`.
     let u = 1.0 + x;
     let high = u.to_bits() + (TO_ONE << 32);
-    // Of the biased exponent as the low bits of a number: 2^52 and more, exactly.
+    // The biased exponent as the low bits of a number: 2^52 and more, exactly.
     let biased = f64::from_bits((high >> 52) | 0x4330_0000_0000_0000);
     let k = biased - (4_503_599_627_370_496.0 + 1023.0);
     let mantissa = f64::from_bits((high & 0x000f_ffff_ffff_ffff) + (HALF_ROOT << 32));

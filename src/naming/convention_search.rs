@@ -160,8 +160,8 @@ impl<'s> ConventionSearch<'s> {
     /// `accepted`. The search takes at most half as much work as two cores do in `seconds`, and a note says so of one
     /// that needs more: on any machine the same. A later [search for mistakes](super::likeness) has the rest.
     ///
-    /// Of an image of 8 bits, the [profiles](Profile::shipped) that volref brings are tried as they are first:
-    /// the roundings that they state are no choices of a search.
+    /// For an image of 8 bits, the shipped [profiles](Profile::shipped) are tried first, as they are: the search
+    /// does not vary the roundings that they state.
     pub fn explain_mismatch(
         &self,
         case: &Case,

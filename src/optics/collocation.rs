@@ -270,8 +270,7 @@ struct CollocationElement {
     light: CollocatedLight,
     /// Some of the points are opaque, others are not: where light ends is not known yet.
     is_mixed: bool,
-    /// What is seen of a uniform source of 1, `1 − e^(−τ)`, but for what the points make of it; 1 at
-    /// most.
+    /// The light of a uniform source of 1, `1 − e^(−τ)`, as the points integrate it; 1 at most.
     unresolved: f64,
 }
 

@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 pub enum Field {
     /// The same everywhere.
     Constant(ConstantDensity),
-    /// That of a grid.
+    /// The density of a grid.
     Grid(GridDensity),
     /// Noise at many scales.
     Noise(FractalDensity),

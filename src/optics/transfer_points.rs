@@ -76,7 +76,7 @@ const SHORT: usize = 16;
 pub struct TransferPointsError {
     /// The point that does not fit, from 0; none where there are no points.
     pub index: Option<usize>,
-    /// What is wrong.
+    /// The fault, in words.
     pub message: String,
 }
 

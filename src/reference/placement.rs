@@ -9,7 +9,7 @@
 //! ```
 //!
 //! `M⁻¹d` is not made a unit vector: `t` stays the distance in the world, in which steps and the lengths
-//! of opacities are measured. What is looked up at `u` is looked up as without a map. The gradient of
+//! of opacities are measured. Lookups at `u` are as without a map. The gradient of
 //! `f` by `x` follows from that by `u` by the chain rule, and the normal points against it:
 //!
 //! ```text

@@ -26,7 +26,7 @@
 //! The nearest surface (`clips.rs`) ends the ray: its radiance stands in the place of the background
 //! `B`, and the pixel is opaque. The visibility of the light, where the scene asks for shadows, is the
 //! product of those through all volumes, each by shadow steps of its own, counted from the point or from
-//! where the ray towards the light enters it; 0 behind a surface. What is cut away casts no shadow.
+//! where the ray towards the light enters it; 0 behind a surface. Parts that are cut away cast no shadow.
 //!
 //! Sources: Max 1995, "Optical models for direct volume rendering"; Levoy 1988, "Display of surfaces from
 //! volume data".

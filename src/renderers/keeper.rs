@@ -235,8 +235,7 @@ mod unix {
         }
     }
 
-    /// Whether there is any child, running or to be waited for. Those that have ended are taken
-    /// off the list of processes.
+    /// Whether there is any child, running or to be waited for. Ended ones are taken off the list of processes.
     fn has_children() -> bool {
         loop {
             match waitpid(None, Some(WaitPidFlag::WNOHANG)) {

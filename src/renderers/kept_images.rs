@@ -35,8 +35,8 @@ impl KeptImages {
         own_file::make_folder(&self.folder, directory_of(name))
     }
 
-    /// Copies all that was written into the folder `written`, and removes what else there was of `case`. What is
-    /// behind links is copied, too, for it need not stay.
+    /// Copies all that was written into the folder `written`, and removes what else there was of `case`. Files
+    /// behind links are copied, too, for they need not stay.
     pub fn replace_by_folder(&self, case: &str, written: &Path) -> Result<(), Box<dyn Error>> {
         let files = files_in(written)?;
         let read = files.into_iter().filter_map(|file| {

@@ -143,7 +143,7 @@ fn run_kept(words: &[String], log: PipeWriter, timeout: Duration, keeper: &Keepe
 /// Sentences on the processes that a renderer left running; if it ended `by_itself`, on those that were ended, too.
 pub(super) fn remnants(kept: &Kept, by_itself: bool) -> Vec<String> {
     let mut notes = Vec::new();
-    // Of a renderer that was ended itself it is said already.
+    // A renderer that was itself ended has its message already.
     if !kept.ended.is_empty() && by_itself {
         let ended = kept.ended.join(", ");
         notes.push(format!(

@@ -368,7 +368,7 @@ fn is_report(line: &str) -> bool {
 /// Sends the lines that begin like JSON, or as much of one as an answer may be long; others are `printed`.
 fn read_lines(stdout: impl Read, lines: &SyncSender<String>, printed: &Printed) {
     let mut stdout = BufReader::new(stdout);
-    // Of a line that is not over: true of an answer.
+    // Whether the unfinished line is an answer, if there is one.
     let mut rest_of = None;
     loop {
         let mut part = Vec::new();

@@ -224,7 +224,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
     for (case, said) in measured.clone().take(MOST_MEASURED) {
         let is_open = unfinished.iter().any(|search| search.case == *case);
         let head = if is_number_found(said) {
-            "a change of a number explains it"
+            "a change of a parameter explains it"
         } else if is_open {
             "not explained yet; measured"
         } else {

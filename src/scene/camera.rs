@@ -69,7 +69,7 @@ pub(super) struct View {
 enum ImageHeight {
     /// Seen from the eye, radians.
     Angle(f64),
-    /// Of parallel rays, world units.
+    /// Height of the image with parallel rays, world units.
     Length(f64),
 }
 

@@ -494,7 +494,7 @@ fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -
             "leave the table out, or composite samples front to back",
         ),
     ] {
-        // Of what a mode has, it has refused the rest.
+        // The mode has refused its other keys.
         if reader.has(key) && (*mode == Mode::Composited || key == "conventions") {
             return refused(key, message, help);
         }

@@ -271,7 +271,7 @@ conventions! {
     [];
 
     "near_plane" = near_plane: f64 = number(0.0),
-    "Depth nearer than which nothing is seen of volumes, as a share of the depth of the farthest corner of their boxes, half a spacing beyond the nodes: where it lies within a volume, the steps of a ray begin there.",
+    "Near plane, as a fraction of the depth of the farthest box corner (boxes extend half a voxel beyond the nodes). Rays start there if it lies inside a volume.",
     [];
 
     "blending" = added_colours: bool = words("over" of "over" = false, "added" = true),

@@ -6,8 +6,8 @@ use std::ops::Range;
 /// A longer message is shortened: ten lines of a terminal say what is wrong.
 const MOST_CHARACTERS: usize = 1000;
 
-/// Of a longer message, what is kept of its beginning and of its end. A quoted value is in
-/// between, with what is wrong before it or behind it.
+/// Characters kept at the beginning and at the end of a longer message. A quoted value stands between, and its
+/// fault before or behind it.
 const BEGINNING: usize = 400;
 const END: usize = 300;
 
@@ -122,8 +122,8 @@ mod tests {
         assert!(cut.contains(" … (499338 characters left out) … "), "{cut}");
     }
 
-    /// Of any place in lines of any length, with characters of several bytes: a part that holds
-    /// the place, on its own line and column.
+    /// Any place in lines of any length, with characters of several bytes, gets a part that holds the place, on its
+    /// own line and column.
     #[test]
     fn places_in_long_lines() {
         let text = format!("a = 1\nb = \"{}\"\nc = 2\n", "äö".repeat(400));

@@ -34,13 +34,13 @@ pub(super) const FORMULA: [Key; 9] = [
     Key::optional("value", Kind::Number(STORED))
         .doc("With `field`: of a ramp, the value of the first node; of spots, that of all other nodes; 0 if left out."),
     Key::optional("slope", Kind::Vector)
-        .doc("Of a ramp, the change from node to node along x, y and z; exact are powers of two."),
+        .doc("For a ramp: the change from node to node along x, y and z. Powers of two are exact."),
     Key::optional("every", Kind::Count(2, MOST))
-        .doc("Of spots: a spot at the first node of each brick of so many nodes to an edge, that is at nodes whose numbers are multiples of it; along an axis of no more nodes, at the middle one."),
+        .doc("For spots: edge of a brick, in nodes. A spot lies at nodes whose numbers are multiples of it; along a shorter axis, at the middle node."),
     Key::optional("bright", Kind::Number(STORED))
-        .doc("Of spots: the value at the nodes that `every` tells; 1 if left out."),
+        .doc("For spots: the value at the nodes of `every`; 1 if left out."),
     Key::optional("spot", Kind::Tables(&SPOT))
-        .doc("Of spots: single nodes, with their values."),
+        .doc("For spots: single nodes, with their values."),
 ];
 
 const SPOT: Table = Table::new("A node with a value of its own.").keys(&[

@@ -187,7 +187,7 @@ impl ParameterBlock<'_, '_> {
         }
         let [sigma_a, sigma_s] = names.map(|name| self.vector(name, DVec3::ZERO));
         Coefficients::new(sigma_a?, sigma_s?).map_err(|error| {
-            // Of a sum that overflows either summand is the place.
+            // If a sum overflows, either summand is the place.
             let blamed = names.into_iter().find(|name| *name == error.name);
             let present = names.into_iter().find(|name| self.given(name).is_some());
             self.mistake(blamed.or(present).unwrap_or("sigma_a"), error.to_string())
@@ -274,7 +274,7 @@ impl ParameterBlock<'_, '_> {
 
     /// A mistake in the value of a parameter.
     fn mistake(&self, name: &str, message: impl Into<String>) -> Box<SceneError> {
-        // What is left out has a default, which is no mistake: of several at fault one is given.
+        // Missing attributes have a default, which is no mistake: one of several at fault is given.
         let given = self.given(name);
         let help = given.map(|given| format!("`{name}`: {}", given.parameter.doc));
         let span = given.map(|given| given.span.clone());

@@ -15,10 +15,10 @@ pub struct Sampling {
 /// Seed of the random numbers of a rendering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Seed {
-    /// That of the scene, panel by panel.
+    /// The seed of the scene, panel by panel.
     #[default]
     OfScene,
-    /// That of the scene with this added, modulo 2⁶⁴: a replicate, independent of the scene's own
+    /// The seed of the scene with this added, modulo 2⁶⁴: a replicate, independent of the scene's own
     /// rendering.
     Replicate(u64),
     /// The same for all panels.

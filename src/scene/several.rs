@@ -118,7 +118,7 @@ impl Classified {
         for index in 0..self.objects.volumes.len() {
             let mut alone = self.alone(index + 1);
             edited |= edit(&mut alone);
-            // Of all volumes, even if the first gives no occasion to change them.
+            // The conventions of all volumes, even if the first gives no occasion to change them.
             self.conventions = alone.conventions;
             alone.swap(&mut self.objects.volumes[index]);
         }

@@ -19,10 +19,10 @@ const FILE_KEYS: [Key; 10] = joined(
     KEYS,
     [
         SPACING.doc(
-            "Of an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.",
+            "For an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.",
         ),
         ORIGIN.doc(
-            "Of an .npy or .npz file: position of the first node, world units; the origin if left out.",
+            "For an .npy or .npz file: position of the first node, world units; the origin if left out.",
         ),
     ],
 );

@@ -59,13 +59,13 @@ pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
     let names: Vec<String> = numbers.iter().map(Number::name).collect();
     if names.is_empty() {
         return Err(format!(
-            "this scene has no number {name:?}: a plot has none"
+            "this scene has no parameter {name:?}: a plot has none"
         ));
     }
     Err(match nearest(name, names.iter().map(String::as_str)) {
-        Some(near) => format!("this scene has no number {name:?}; did you mean {near:?}?"),
+        Some(near) => format!("this scene has no parameter {name:?}; did you mean {near:?}?"),
         None => format!(
-            "this scene has no number {name:?}; it has {}",
+            "this scene has no parameter {name:?}; it has {}",
             names.join(", ")
         ),
     })

@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(answer.margin(&film(right)).share(), 0.0);
         assert_eq!(answer.margin(&film([1.0, 2.25, 0.0])).share(), 0.25);
         assert_eq!(answer.margin(&film([1.75, 2.0, 0.0])).share(), 1.5);
-        // What is to be black has to be black.
+        // Black pixels have to be black.
         assert_eq!(
             answer.margin(&film([1.0, 2.0, 1e-30])).share(),
             f64::INFINITY

@@ -33,7 +33,7 @@ const AROUND: usize = 2;
 const KNOWN: f64 = 2.0;
 
 /// The derivatives of blocks of `scene` by its numbers, from `spp` samples a pixel on each side, in
-/// `pairs` pairs of renderings. Of a fine number they are of pixels, from 16 times as many samples.
+/// `pairs` pairs of renderings. A fine parameter has derivatives of pixels, from 16 times as many samples.
 /// Numbers that change nothing are left out.
 ///
 /// # Errors
@@ -49,7 +49,7 @@ pub(crate) fn sensitivities_of(
     if !plans(scene).iter().all(Plan::is_sampled) {
         return Err(
             "this scene is rendered without random numbers: no image of it has noise that \
-                    derivatives of blocks could be weighed by; ask for one number with --of"
+                    derivatives of blocks could be weighed by; ask for one parameter with --of"
                 .to_owned(),
         );
     }
@@ -88,8 +88,8 @@ pub(crate) fn sensitivities_of(
 }
 
 /// `derivative` where it is more than noise, and 0 elsewhere: most of a derivative of pixels would add
-/// its noise to a sum and nothing else. Of each pixel those around it decide, so that its own noise has no
-/// part in it.
+/// its noise to a sum and nothing else. The pixels around each pixel decide, so that its own noise has no part in
+/// it.
 fn where_known(derivative: &Film) -> Film {
     let (width, height) = (derivative.width(), derivative.height());
     let Some(noise) = derivative.noise() else {
@@ -205,7 +205,7 @@ mod tests {
     use crate::suite::golden::SENSITIVITIES;
     use std::path::Path;
 
-    /// Those that are kept belong to the scenes as they are, and to some case.
+    /// Kept derivatives belong to the scenes as they are, and to some case.
     #[test]
     fn kept_sensitivities_are_of_their_scenes() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));

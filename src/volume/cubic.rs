@@ -56,10 +56,10 @@ impl CubicSegment {
     }
 
     /// −1, 1, and between them the places where the field is the highest or lowest around: between
-    /// two of the four it rises or falls. Those that are missing are 1.
+    /// two of the four it rises or falls. Missing ones are 1.
     pub fn turns(&self) -> [f64; 4] {
         let [_, b, c, d] = self.coefficients;
-        // Of 3d u² + 2c u + b; the form that subtracts no two numbers of one sign.
+        // Roots of 3d u² + 2c u + b, in the form that subtracts no two numbers of one sign.
         let root = (c * c - 3.0 * d * b).max(0.0).sqrt();
         let q = -(c + root.copysign(c));
         let inside = |u: f64| if u > -1.0 && u < 1.0 { u } else { 1.0 };
@@ -76,7 +76,7 @@ impl CubicSegment {
         cuts.push(-1.0);
         for (u, field) in turns.windows(2).zip(fields.windows(2)) {
             let (least, most) = (field[0].min(field[1]), field[0].max(field[1]));
-            // Those above the lower end and not above the upper one.
+            // Values above the lower end and not above the upper one.
             let above = |bound: f64| values.partition_point(|&value| value <= bound);
             let passed = &values[above(least)..above(most)];
             let rises = field[0] < field[1];

@@ -13,7 +13,7 @@ use thiserror::Error;
 pub struct VolumeError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The fault.
     pub fault: VolumeFault,
 }
 

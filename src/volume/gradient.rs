@@ -44,7 +44,7 @@ pub(crate) fn gradient_lengths(grid: &Grid<f32>, to_world: Option<&Transform>) -
             let rows = DVec3::AXES.map(|axis| to_world.vector_to_object(axis));
             gradient = DVec3::from_array(rows.map(|row| row.dot(gradient)));
         }
-        // Of the smallest volumes it is beyond the range of `f32`.
+        // In the smallest volumes it is beyond the range of `f32`.
         (length_of(gradient) / unit).min(f64::from(f32::MAX)) as f32
     };
     let relative = relative_gradients(grid);

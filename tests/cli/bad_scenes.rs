@@ -473,13 +473,13 @@ fn formulas() {
     scene.toml:13:9: `nodes` must be three whole numbers from 1 to 134217728, such as [64, 64, 32] help: `classified.volume.nodes`: With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB.
     scene.toml:13:9: 1024 × 1024 × 129 nodes are too many: a formula is computed at no more than 2^27, which take 512 MiB help: give fewer nodes, or a file of that size
     scene.toml:14:11: the node spacing must be positive and finite on every axis, and not below 2.3e-308, got [1, 0, 1] help: `classified.volume.spacing`: With `field` or an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.
-    scene.toml:14:9: `every` has no effect on the field "ramp" help: `classified.volume.every`: Of spots: a spot at the first node of each brick of so many nodes to an edge, that is at nodes whose numbers are multiples of it; along an axis of no more nodes, at the middle one.
+    scene.toml:14:9: `every` has no effect on the field "ramp" help: `classified.volume.every`: For spots: edge of a brick, in nodes. A spot lies at nodes whose numbers are multiples of it; along a shorter axis, at the middle node.
     scene.toml:14:14: [classified.volume] mixes `field` with `resolution` help: give either `field`, or `resolution`, `padding`, `replace_non_finite`, `orientation`, `detached_anywhere`, `axes`
-    scene.toml:12:9: a ramp of `value` 0.1 and `slope` [1, 0, 0] over 8 × 8 × 8 nodes has values that 32-bit numbers do not hold exactly: give multiples of one power of two, such as 0.125, of which no value has more than 2^24 help: `classified.volume.slope`: Of a ramp, the change from node to node along x, y and z; exact are powers of two.
+    scene.toml:12:9: a ramp of `value` 0.1 and `slope` [1, 0, 0] over 8 × 8 × 8 nodes has values that 32-bit numbers do not hold exactly: give multiples of one power of two, such as 0.125, of which no value has more than 2^24 help: `classified.volume.slope`: For a ramp: the change from node to node along x, y and z. Powers of two are exact.
     scene.toml:11:9: voxel (0, 0, 0) holds -2: densities must be finite and not negative help: for other values, give their `range` in [transfer_function], or [[transfer_function.point]] with `value`, `colour` and `opacity`, once for each point of a table
-    scene.toml:14:10: 0.3 is not exact in 32 bits, which hold 0.30000001192092896: give that, or a multiple of a power of two help: `classified.volume.bright`: Of spots: the value at the nodes that `every` tells; 1 if left out.
-    scene.toml:13:9: `slope` has no effect on the field "spots" help: `classified.volume.slope`: Of a ramp, the change from node to node along x, y and z; exact are powers of two.
-    scene.toml:13:8: there is no node (3, 8, 2): nodes are counted from 0, the last is (7, 7, 7) help: `classified.volume.spot`: Of spots: single nodes, with their values.
+    scene.toml:14:10: 0.3 is not exact in 32 bits, which hold 0.30000001192092896: give that, or a multiple of a power of two help: `classified.volume.bright`: For spots: the value at the nodes of `every`; 1 if left out.
+    scene.toml:13:9: `slope` has no effect on the field "spots" help: `classified.volume.slope`: For a ramp: the change from node to node along x, y and z. Powers of two are exact.
+    scene.toml:13:8: there is no node (3, 8, 2): nodes are counted from 0, the last is (7, 7, 7) help: `classified.volume.spot`: For spots: single nodes, with their values.
     scene.toml:13:9: missing key `node` in [classified.volume.spot[0]] help: `classified.volume.spot[0].node`: Its numbers along x, y and z, counted from 0.
     scene.toml:12:9: [classified.volume] has more than one source: `file`, `field` help: keep exactly one of `file`, `field`
     "#);
@@ -924,6 +924,6 @@ fn volumes_surfaces_and_clips() {
     mitsuba cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
     pbrt cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
     two.toml: this scene has no parameter to vary: several volumes, surfaces and clips have no study yet; measure a scene of one volume help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25
-    this scene has no number "opacity"; it has density.1, step.1, grid.x.1, grid.y.1, grid.z.1, turn.x.1, size.x.1, turn.y.1, size.y.1, turn.z.1, size.z.1, density.2, step.2, grid.x.2, grid.y.2, grid.z.2, turn.x.2, size.x.2, turn.y.2, size.y.2, turn.z.2, size.z.2, camera.view, camera.right, camera.down, camera.x, camera.y, camera.z
+    this scene has no parameter "opacity"; it has density.1, step.1, grid.x.1, grid.y.1, grid.z.1, turn.x.1, size.x.1, turn.y.1, size.y.1, turn.z.1, size.z.1, density.2, step.2, grid.x.2, grid.y.2, grid.z.2, turn.x.2, size.x.2, turn.y.2, size.y.2, turn.z.2, size.z.2, camera.view, camera.right, camera.down, camera.x, camera.y, camera.z
     "#);
 }

@@ -374,7 +374,7 @@ fn help() {
       info         Show the contents of a volume file: position, storage, values
       plan         Show how a scene is rendered: effects and why, kernel, defaults
       cost         Measure what accuracy costs: error against lookups and time
-      sensitivity  Differentiate the image of a scene by one of its numbers
+      sensitivity  Differentiate the image of a scene by one of its parameters
 
     My goldens: do they still hold?
       verify       Render the suite and compare it with the goldens, bit for bit
@@ -421,7 +421,7 @@ fn help_of_a_command() {
           --seed <N>              Seed of the random numbers, for Monte Carlo scenes
           --step <LENGTH>         Distance between samples along a ray, instead of the scene's: world
                                   units, or "0.5 voxels"; an integral without samples is then sampled
-          --change <NAME=CHANGE>  Changes a number of the scene, such as density=0.1 for a tenth more
+          --change <NAME=CHANGE>  Changes a parameter of the scene, such as density=0.1 for a tenth more
                                   (`volref sensitivity SCENE` lists them); may be repeated
           --threads <N>           Threads to use; the image is the same for any number [default: all
                                   cores]
@@ -437,7 +437,7 @@ fn help_of_a_command() {
                                   as well as the text
       -h, --help                  Print help
 
-    Of a volume file:
+    For a volume file:
           --mode <MODE>          What a pixel shows [possible values: composite, maximum, minimum, mean,
                                  sum, attenuated-maximum, isosurface]
           --colormap <NAME>      Colours of the values [default: bone; inferno if much of the volume is

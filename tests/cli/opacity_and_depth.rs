@@ -147,7 +147,7 @@ fn colours_without_their_background_are_declared() {
         let said = format!("the image agrees where its colours are declared with --alpha {name}");
         prints(&run, 1, &[&said]);
         assert!(
-            !run.stdout.contains("a change of a number"),
+            !run.stdout.contains("a change of a parameter"),
             "{}",
             run.stdout
         );
@@ -163,7 +163,7 @@ fn colours_without_their_background_are_declared() {
     let said = "the image agrees without --alpha: its colours contain the background";
     prints(&run, 1, &[said]);
     assert!(
-        !run.stdout.contains("a change of a number"),
+        !run.stdout.contains("a change of a parameter"),
         "{}",
         run.stdout
     );

@@ -54,6 +54,7 @@ mod needs;
 mod outside_faults;
 mod pinned_crates;
 mod placement;
+mod plain_english;
 mod precision;
 mod preintegration;
 mod radiative_scenes;

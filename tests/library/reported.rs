@@ -178,14 +178,13 @@ fn is_told(report: &Report, result: &CaseResult) -> bool {
         &result.notes,
     ]
     .concat();
-    let names = quoted(&report.told);
-    let are_named = !names.is_empty() && result.looks_like.first() == Some(&names.join(" + "));
+    let is_named = result.looks_like.first() == Some(&report.faults.join(" + "));
     let sentences: Vec<&str> = report.told.split(['“', '”']).skip(1).step_by(2).collect();
     let is_said = |words: &&str| texts.iter().any(|text| text.contains(*words));
     let are_said = !sentences.is_empty() && sentences.iter().all(is_said);
     is_caught
         && match report.told.split([' ', ':']).next() {
-            Some("named") => are_named,
+            Some("named") => is_named,
             Some("described" | "caught") => are_said,
             Some("convention") => result.verdict == Verdict::Convention && are_said,
             _ => false,

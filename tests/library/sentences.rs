@@ -436,7 +436,7 @@ fn reasons_by_numbers() {
         row("of its square, weighed by noise", like_it(), little()),
         row("about 3", far(), little()),
         row(
-            "no other number is significant beside it",
+            "no other parameter is significant beside it",
             little(),
             like_it(),
         ),
@@ -446,7 +446,7 @@ fn reasons_by_numbers() {
             little(),
         ),
         row(
-            "no small change of a number of the scene explains the difference",
+            "no small change of a parameter explains the difference",
             other(),
             little(),
         ),

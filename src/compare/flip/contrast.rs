@@ -45,8 +45,8 @@ impl Gaussian {
 ///
 /// A Gaussian of the distance is a product of one along the row and one along the column. The
 /// blue–yellow filter is a sum of two, each blurred on its own and then added.
-/// Of each term the first kernel is that along columns, which sums to one; that along rows is the
-/// same times the term's share of the sum.
+/// The first kernel of each term runs along columns and sums to one; the kernel along rows is the same times the
+/// term's share of the sum.
 #[derive(Clone, Debug)]
 pub struct ContrastFilter([Vec<[Kernel; 2]>; 3]);
 

@@ -19,7 +19,7 @@ pub struct Kernel {
 enum Symmetry {
     /// Equal on both sides, with weights that sum to one: a blur.
     Blur { centre: f64 },
-    /// Of opposite signs on either side: a first derivative. The weights of one side sum to one.
+    /// A first derivative: opposite signs on either side. The weights of one side sum to one.
     Slope,
     /// Equal on both sides, with weights that sum to zero: a second derivative. Its centre weight is
     /// minus the sum of the others.

@@ -52,7 +52,7 @@ pub(super) fn judge_amount(
     let blocks = &comparison.blocks;
     let of_stated = |channel: &Channel| match unstated(comparison.stated) {
         None => (channel.squares, channel.stated[0] + channel.stated[1]),
-        // Of one image alone: there must be at least its own noise.
+        // One image alone: there must be at least its own noise.
         Some(silent) => (channel.spread, channel.stated[1 - silent]),
     };
     let (amount, count) = mean_ratio(blocks, of_stated)?;

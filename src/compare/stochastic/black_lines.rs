@@ -47,7 +47,7 @@ pub(super) fn judge_black_lines(comparison: &Comparison<'_>, level: f64) -> Opti
     let bound = |index: usize| {
         let of_channel = |c: usize| {
             let mean = f64::from(golden.radiance()[index][c]);
-            // What is next to black may be rounded to it.
+            // Nearly black values may be rounded to black.
             (mean > DARK).then(|| all_zero(number, mean, golden.variance_at(index, c) * samples))
         };
         // All channels have to be 0, which is no likelier than that one is.

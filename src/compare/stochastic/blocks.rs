@@ -4,7 +4,7 @@ use crate::film::{Film, Quantisation};
 use crate::math::Moments;
 use std::ops::Range;
 
-/// Pixels on a side of a block. What is left over at the edges goes to the last blocks.
+/// Pixels on a side of a block. The last blocks take the remaining pixels at the edges.
 pub const BLOCK: usize = 8;
 
 /// Pixels on a side of a block in the search for changes of small details: single pixels.
@@ -38,7 +38,7 @@ pub(super) struct Rounding {
     quantisation: Option<Quantisation>,
     /// Share of a value.
     relative: f64,
-    /// Of the decimals of a text, and of half precision near 0.
+    /// Rounding of the decimals of a text, and of half precision near 0, in radiance.
     absolute: f64,
     /// Renderings that were rounded each.
     renderings: f64,

@@ -178,7 +178,7 @@ impl<'f> Comparison<'f> {
 
     /// Degrees of freedom of the variance of a block that is its [own](Variance::own): one less
     /// than samples for each pixel, or one less than pixels where it is taken from their spread.
-    /// Of two images' the smaller number, which Welch's exceeds.
+    /// The smaller of the two images' numbers, a lower bound of Welch's.
     pub fn degrees(&self, block: &Block) -> f64 {
         let pixels = block.pixels() as f64;
         match self.numbers() {

@@ -1,8 +1,8 @@
 //! Samples that are not 0: how many a pixel of the test image has at least, and how likely a pixel next to it has
 //! none.
 //!
-//! Of n numbers with the mean m, whose mean has the estimated variance v, at least `n/(1 + (n − 1)·v/m²)` are not 0:
-//! by Cauchy and Schwarz `(Σx)² ≤ k·Σx²`.
+//! Take n numbers with the mean m, whose mean has the estimated variance v. At least `n/(1 + (n − 1)·v/m²)` of them
+//! are not 0: by Cauchy and Schwarz `(Σx)² ≤ k·Σx²`.
 //!
 //! A pixel has no such sample in the test image although it has r of them in the reference, where others next to it
 //! have K in the test image and R in the reference. If light arrives there as many times more or less often in the one

@@ -75,17 +75,17 @@
 //! # Rounding
 //!
 //! A test image may have been summed in single precision, rounded to half precision or printed with some decimals, and
-//! none of that is noise: pixels without noise are all rounded the same way. So in each sum, of a block, a line, the
-//! image or a score, counts of the differences what is beyond the sum of what rounding can be (see `blocks.rs`).
+//! none of that is noise: pixels without noise are all rounded the same way. So every sum, over a block, a line, the
+//! image or a score, first subtracts the largest error that rounding could cause (see `blocks.rs`).
 //! Variances that half precision made equal or 0 are no statement either: the guard is there, and three equal ones
 //! count from four of its smallest steps on.
 //!
 //! # Images of 8 bits
 //!
 //! A quantised test image is off by half a code at most where it is not cut off. That is
-//! allowed for in the same way. (What is beyond half a code in each *pixel* is
-//! no mean of zero: of skewed noise, which is mostly a little too dark and rarely much too bright, rounding
-//! would take the former alone.) Pixels that the largest code may have cut off are left out: see the file
+//! allowed for in the same way. (The excess over half a code in each *pixel* has
+//! no mean of zero: skewed noise is mostly a little too dark and rarely much too bright, and rounding would
+//! hide the former alone.) Pixels that the largest code may have cut off are left out: see the file
 //! `cut_off.rs`. Neighbours are compared only where noise dithers the rounding, and no pixel is too black.
 //! Independent noise cannot fall below that of the reference, rounded or not, so that too little of it is
 //! looked for as ever.
@@ -245,8 +245,8 @@ const METRICS: [Metric; 26] = metrics! {
     "mean_z_red" => "Mean of red over the image, test minus golden, in standard errors.";
     "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.";
     "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.";
-    "scores" => "Numbers of the scene of which it was tested whether an error in them looks like the difference.";
-    "largest_score" => "How much the difference looks like the change that an error of one of these numbers makes, in standard errors: above 0 as if it were larger.";
+    "scores" => "Parameters of the scene that were tested: does an error in them look like the difference?";
+    "largest_score" => "How much the difference looks like the change that an error of one of these parameters makes, in standard errors: above 0 as if it were larger.";
     "smallest_visible_bias" => "Detectable bias of the mean, as a share of the brightness of the image: a larger one is rejected.";
     "smallest_visible_block_bias" => "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger one is rejected.";
     "times_the_samples_that_would_decide" => "How many times more samples per pixel would make the required bias detectable.";
@@ -326,7 +326,7 @@ fn judgement(
     metrics.push(("smallest_visible_bias", mean_resolution));
     metrics.push(("smallest_visible_block_bias", resolution));
 
-    // What is off on the whole comes first: much of the rest follows from it.
+    // The whole image comes first: much of the rest follows from it.
     let whole = judge_whole(comparison, level, &mut metrics);
     let is_off = whole.is_some();
     let mut faults = Vec::from_iter(whole);

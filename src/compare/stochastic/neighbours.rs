@@ -37,8 +37,8 @@ use crate::math::{self, Moments};
 /// off.
 const CORRELATED: f64 = 0.05;
 
-/// Variance of the radiance in a flat block, in parts of the mean square of its differences. What
-/// is left out varies as the radiance does at most: as a slope of g a pixel, which has a variance
+/// Variance of the radiance in a flat block, in parts of the mean square of its differences. The
+/// omitted part varies at most as the radiance does: as a slope of g a pixel, which has a variance
 /// of 21 g²/4 over eight pixels, and in the products (4 g)². Over twice the mean square of the
 /// differences, that is a correlation of 32/21 of this: no more than what is left alone.
 const FLAT: f64 = CORRELATED * 21.0 / 32.0;

@@ -239,7 +239,7 @@ impl BlackPixels {
             let mut likeliest = 1.0_f64;
             for c in 0..3 {
                 let mean = f64::from(golden.radiance()[index][c]);
-                // What is next to black may be rounded to it.
+                // Nearly black values may be rounded to black.
                 if mean <= DARK {
                     continue;
                 }

@@ -26,7 +26,7 @@ const MOST_SAFETY: f64 = 2.0;
 enum Codes {
     /// It hides differences.
     Hide,
-    /// That of noise alone is asked for.
+    /// It does not count: only noise hides differences.
     Ignored,
 }
 

@@ -1,8 +1,8 @@
 //! Tests of squares of blocks, of rows and of columns at every scale, for a bias too small for one block and too
 //! local for the mean of the image.
 //!
-//! A renderer loses what it works on at a time: tiles, which are squares of blocks, or lines. Of a line of a pixel
-//! no block holds more than an eighth.
+//! A renderer loses what it works on at a time: tiles, which are squares of blocks, or lines. No block holds more
+//! than an eighth of a line of pixels.
 
 use super::blocks::{Block, Channel};
 use super::comparison::{Axis, Comparison};

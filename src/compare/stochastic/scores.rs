@@ -27,13 +27,14 @@
 //!
 //! The change that fits best is `S/G` with `G = Σ D²/v`. The noise of D makes its square too large on
 //! the average by its variance, which is taken off; without that, sizes would come out too small.
-//! Of several numbers the one with the largest score is fitted first, then the one with the largest
-//! in what is left, three at most.
+//! The parameter with the largest score is fitted first, then the one with the largest score in the remainder,
+//! three at most.
 //!
 //! # What noise hides
 //!
-//! That a change leaves no more than noise shows little where the whole difference is hardly more. Of n squares in
-//! units of their variance a remainder of `h = 4·√(6n) + k` goes unseen: four standard errors of their sum, where the
+//! That a change leaves no more than noise shows little where the whole difference is hardly more. In n squares, in
+//! units of their variance, a remainder of `h = 4·√(6n) + k` goes unseen: four standard errors of their sum, where
+//! the
 //! three channels share their noise, and a square for each of the k numbers of which the best was chosen. A change c of
 //! the number makes `c²·G` of the squares, which is `S²/G`. Only from the score on at which a remainder of h is less than
 //! [a tenth](LEAVES) of the whole is the difference said to look like the change; of a smaller one, as far as the noise
@@ -450,7 +451,7 @@ impl<'s> Scores<'s> {
         let changes = inverse * scores;
         let fitted = (0..chosen.len()).map(|i| {
             let k = chosen[i];
-            // That of one number alone, widened by what it shares with the others.
+            // The error of one parameter alone, widened by its correlation with the others.
             let information = self.tested[k].information;
             let alone = self.tested[k].expected_variance / (information * information);
             let widened = inverse.col(i)[i] * information;
@@ -610,7 +611,7 @@ impl<'s> Scores<'s> {
                 )
             } else {
                 format!(
-                    "no small change of a number of the scene explains the difference (score of the likeliest: \
+                    "no small change of a parameter explains the difference (score of the likeliest: \
                      {deviation})"
                 )
             };
@@ -648,7 +649,7 @@ impl<'s> Scores<'s> {
             let names: Vec<String> = names.collect();
             if names.is_empty() {
                 if is_found && self.next_beside(best).is_none() {
-                    text.push_str(", and no other number is significant beside it");
+                    text.push_str(", and no other parameter is significant beside it");
                 }
             } else {
                 text.push_str(&format!(

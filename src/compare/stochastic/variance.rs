@@ -102,7 +102,7 @@ impl NoiseShape {
                     _ => pixels - 1.0,
                 };
                 let bound = ratio.upper_of_more(critical(level), degrees, times);
-                // What is known has no share in it.
+                // Known values have no share in it.
                 let own = if silent.is_some() && !is_known {
                     1.0
                 } else {
@@ -118,7 +118,7 @@ impl NoiseShape {
         let of_blocks = Ratio::new(blocks, of_block, pair);
         let of_whole = Ratio::new(blocks, |_| image, pair);
         let error = of_whole.error();
-        // Of the finer image, which is the one that is not silent.
+        // The share of the finer image, the one that is not silent.
         let share = match of_whole.value() {
             ratio if ratio > 0.0 => (1.0 / ratio).min(1.0),
             _ => 0.0,
@@ -279,7 +279,7 @@ mod tests {
             let expected = 1000.0 * events(k).upper(z);
             assert!(expected > k as f64);
             let errors = (expected - k as f64) / expected.sqrt();
-            // Of an event, the excess over the ratio is less than 1 by a few in a thousand.
+            // For an event, the excess over the ratio is less than 1 by a few in a thousand.
             assert!((errors / z - 1.0).abs() < 0.05, "{k}: {errors}");
         }
         assert_eq!(events(30).value(), 0.03);

@@ -7,9 +7,9 @@ use super::percent;
 
 /// Smallest bias that shows beyond the noise of two images.
 pub(super) struct VisibleBias {
-    /// Of the mean of the image, relative.
+    /// Detectable bias of the mean of the image, relative.
     pub of_mean: f64,
-    /// Of single blocks, the 90th percentile.
+    /// Detectable bias of single blocks, relative: the 90th percentile.
     pub of_blocks: f64,
     /// Deviation of the worst block, in words.
     pub noise: String,

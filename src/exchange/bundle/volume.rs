@@ -224,10 +224,10 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
             let opacity = "at value d a step of length h has the opacity \
                            a = 1 - (1 - a0(d))^(h/reference_length); a0(d) goes in straight lines \
                            between the opacities of the points and is constant beyond the \
-                           outermost. Of two points at one value, the later holds at the value \
+                           outermost. If two points have one value, the later holds at the value \
                            itself";
             let colour = "linear RGB, colour(d), in straight lines between the colours of the \
-                          points, likewise";
+                          points, in the same way";
             entries.extend([
                 ("kind", "table".into()),
                 ("points", points(table)),

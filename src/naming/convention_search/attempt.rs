@@ -1,8 +1,8 @@
 //! The search for the conventions behind one image: best first.
 //!
 //! A set of conventions is expanded: each single change of it is rendered on few pixels, and the
-//! [effects](Effects) of the changes, added up, propose sets that are further away. Of all sets that
-//! were rendered, the one with the least misfit is expanded next, until the whole image agrees.
+//! [effects](Effects) of the changes, added up, propose sets that are further away. The rendered set with the least
+//! residual is expanded next, until the whole image agrees.
 
 use super::effects::Effects;
 use super::images::Images;
@@ -297,7 +297,7 @@ impl<'a> Attempt<'a> {
             .collect()
     }
 
-    /// Of the expanded sets the one that [leads](lead), with each pair of conventions [`OF_STEPS`].
+    /// The expanded set that [leads](lead), with each pair of conventions [`OF_STEPS`].
     fn with_pairs_of_steps(&self, candidates: &Candidates) -> Vec<ConventionSet> {
         let expanded = candidates.iter().filter(|(_, it)| it.is_expanded);
         let best = expanded.min_by(|a, b| lead(a).total_cmp(&lead(b)));

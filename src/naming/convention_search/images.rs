@@ -119,7 +119,7 @@ impl<'a> Images<'a> {
         Some(Film::side_by_side(&films.collect::<Option<Vec<Film>>>()?))
     }
 
-    /// Of the image under the conventions of `set` the pixels of these indices, row by row, as one row.
+    /// The pixels at `indices` of the image rendered under `set`, as one row.
     pub fn at(&self, set: &[usize], indices: &[usize]) -> Option<Film> {
         let scene = under(self.scene, set);
         let mut pixels = vec![[0.0; 4]; indices.len()];

@@ -30,7 +30,7 @@ use std::sync::OnceLock;
 /// left.
 const OF_CODES: f64 = 0.5;
 
-/// Likewise on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
+/// The same on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
 /// pixels' has a standard error of a tenth even where one pixel in fifty differs.
 const FAR_OFF_ON_LATTICE: f64 = 0.75;
 
@@ -384,8 +384,8 @@ impl ComparedCase {
 
     /// True if the scene, rendered with the one mistake of `hypothesis` as `film`, agrees with the image by the rule
     /// of the gate, by which the golden would not, were it as noisy, and leaves at most [`MOST_IN_NOISE`] of the
-    /// difference: of the squares, or of what they are in variances, where rare bright paths make the squares. Of
-    /// thousands of pairs some agree by chance.
+    /// difference: of the squares, or of what they are in variances, where rare bright paths make the squares. Some
+    /// of thousands of pairs agree by chance.
     fn agrees_with(&self, hypothesis: &Hypothesis, film: &Film, misfit: &Misfit) -> bool {
         let is_single = matches!(hypothesis, Hypothesis::One(_));
         let prediction = in_cells(&self.kept.film(film), &self.golden_cells);

@@ -665,7 +665,7 @@ impl<'f> Fitting<'f> {
         }
         let inverse = squares.inverse();
         let step = inverse * along;
-        // Of the mean of both, which have the noise of the image in common.
+        // For the mean of both, which share the noise of the image.
         let mean = |a: &[Vector], b: &[Vector]| -> Vec<Vector> {
             a.iter()
                 .zip(b)

@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 /// catalogue.
 const MOST_SECOND_LOOKS: usize = 8;
 
-/// Likewise where there is noise, of which a first look has so much that the right mistake may seem far: half as
-/// much work again as that of the second looks and the third ones at eight of them.
+/// More candidates for noisy images: a coarse render is too noisy to rank them reliably. The work is half again
+/// that of the second looks, and of the third looks at eight of them.
 const MOST_NOISY_LOOKS: usize = 24;
 
 /// Pairs that one slip makes, tried with the single mistakes: the nearest node by rounding down is that

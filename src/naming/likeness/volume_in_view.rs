@@ -128,7 +128,7 @@ mod tests {
         let scene = scene("sampled/trilinear-blocks.toml");
         let view = VolumeInView::of(&scene).unwrap();
         let [right, down] = view.voxels().unwrap();
-        // Of 80 rows of a field of 38 degrees; voxels of 0.25.
+        // 80 rows of a field of 38 degrees; voxels of 0.25.
         let distance = DVec3::new(1.7, 1.5, -2.3).length();
         let pixel = 2.0 * crate::math::tan(19_f64.to_radians()) * distance / 80.0;
         for along in [right, down] {

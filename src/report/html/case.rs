@@ -68,7 +68,7 @@ pub(super) fn view(
         // Red, green and blue over the image, where there are both images.
         means => films.map(|(golden, test)| measures::means(golden, test)),
         spread_words,
-        // What is to be said beside the verdict, and what is odd about the images.
+        // Notes beside the verdict, and oddities of the images.
         notes => result.notes.iter().chain(&views.notes).collect::<Vec<_>>(),
         source => evidence.source,
         shows => evidence.shows,

@@ -17,7 +17,7 @@ const SIZE: [f64; 2] = [260.0, 120.0];
 const LEAST_BLOCKS: usize = 5 * BARS;
 
 /// The histogram of the p-values of the blocks, of the green channel alone: channels often share their random
-/// numbers. Of images that agree p-values are uniform.
+/// numbers. Images that agree have uniform p-values.
 ///
 /// Source: Jung, Hanika & Dachsbacher 2020, "Detecting bias in Monte Carlo renderers using Welch's
 /// t-test", JCGT 9(2).

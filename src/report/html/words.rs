@@ -38,7 +38,7 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
                 .iter()
                 .all(|(_, said)| is_number_found(said)) =>
             {
-                "; a change of a number explains it".to_owned()
+                "; a change of a parameter explains it".to_owned()
             }
             None => format!("; {}", found.nothing_known(None)),
             Some(it) if it.explains == summary.fail => format!(": it looks like “{}”", it.mistake),

@@ -31,9 +31,9 @@ pub enum SurfaceDepth {
 /// Shadows among several volumes and surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObjectShadows {
-    /// Of all on all.
+    /// All volumes and surfaces shadow all.
     All,
-    /// Of volumes as if they were not clipped.
+    /// Volumes cast shadows as if they were not clipped.
     Unclipped,
     /// None of surfaces.
     NoneOfSurfaces,
@@ -96,7 +96,7 @@ pub enum FittedSteps {
 /// Place at which values are looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lookup {
-    /// That of the sample.
+    /// The place of the sample.
     Exact,
     /// Half a spacing on along each axis.
     HalfOn,
@@ -160,7 +160,7 @@ impl Gradient {
 /// Colour that the weight of a term of the shading applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightColour {
-    /// That of the sample.
+    /// The colour of the sample.
     Material,
     /// White.
     White,

@@ -100,8 +100,8 @@ impl SceneParts<'_, '_, '_> {
     }
 
     /// In a heterogeneous medium light is tracked from one tentative collision to the next, of the
-    /// density of the densest channel of all media that overlap there. Those of a homogeneous medium
-    /// are never null in a channel as dense as that; in others they are, as its channels differ.
+    /// density of the densest channel of all media that overlap there. Collisions in a homogeneous medium are never
+    /// null in a channel as dense as that; in its other channels they are.
     fn check_collisions_without_end(&self) -> SceneResult<()> {
         let bounds = |body: &Body| body.boundary.as_ref().map(Surface::bounds);
         for (_, heterogeneous) in self

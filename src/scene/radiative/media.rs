@@ -214,7 +214,7 @@ fn check_brightness(reader: &Reader, body: &Body) -> SceneResult<()> {
     let brightest = (0..3)
         .filter(|&channel| emission[channel] > 0.0)
         .map(|channel| emission[channel] * (most * across).min(1.0 / sigma_t[channel]))
-        // That of a medium without end and extinction is infinite, and another mistake.
+        // A medium without end and extinction has an infinite radiance, another mistake.
         .filter(|radiance| radiance.is_finite() || across.is_finite())
         .fold(0.0, f64::max);
     if brightest <= LARGEST_RADIANCE {

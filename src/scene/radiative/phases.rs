@@ -26,7 +26,7 @@ const DRAINE_TABLE: Table = Table::new("The phase function of Draine 2003: that 
         .doc("Weight of cos²; 0 is Henyey–Greenstein."),
 ]);
 
-/// That of fog and clouds.
+/// The phase function of fog and clouds.
 pub(super) const DROPLETS: Key = Key::optional("droplets", Kind::Table(&DROPLETS_TABLE))
     .doc("Phase function of fog and clouds, in place of `g`.");
 

@@ -17,7 +17,7 @@ impl Reader<'_, '_> {
                 if found.is_empty() && needed {
                     let message = format!("{} has no {what}", self.table_name());
                     let help = format!("give one of {}", self.named(keys));
-                    // Of a whole file, no place is more wrong than another.
+                    // In a whole file no place is more wrong than another.
                     let span = (!self.path.is_empty()).then(|| self.span.clone());
                     return Err(self.document.error(span, message, Some(help)));
                 }
@@ -71,7 +71,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Of some keys in the file, the one that stands last.
+    /// The one of some keys that stands last in the file.
     fn last(&self, names: &[&'static str]) -> Option<&'static str> {
         let start = |name: &str| self.value(name).map(|value| value.span().start);
         names.iter().copied().max_by_key(|name| start(name))

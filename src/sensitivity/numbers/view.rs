@@ -53,7 +53,7 @@ pub(super) fn numbers(scene: &Scene) -> Vec<Number> {
             camera.with_image_moved([0.0, change * pixel])
         }),
     ];
-    // What is as far away as the image is from the eye moves by a pixel.
+    // Things as far away as the image plane move by a pixel.
     let distance = camera.eye().length().max(camera.half_up().length());
     numbers.extend(EYE.iter().enumerate().map(|(axis, quantity)| {
         Number::new(quantity, pixel * distance, move |panel, change| {

@@ -7,7 +7,7 @@ use crate::volume::{Centring, Grid, Lattice};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Of all grids; the rows of half a voxel along one axis by axis, suffix, side and direction.
+/// Mistakes of all grids; half a voxel along one axis by axis, suffix, side and direction.
 macro_rules! of_grids {
     ($grid:literal, $kind:ident) => {
         of_grids!(
@@ -43,11 +43,11 @@ macro_rules! of_grids {
     } };
 }
 
-/// Of classified volumes and of media.
+/// Mistakes of classified volumes and of media.
 pub(super) const OF_VOLUMES: &[Mistake] = of_grids!("volume", Grid);
 pub(super) const OF_MEDIA: &[Mistake] = of_grids!("grid", MediumGrids);
 
-/// Of classified volumes alone.
+/// Mistakes of classified volumes alone.
 pub(super) const OF_VOLUMES_ALONE: &[Mistake] = mistakes! {
     "voxels-taken-for-cubes" => Grid(as_cubes),
         "voxels are cubes: the spacing along each axis is that of the file";

@@ -44,31 +44,31 @@ pub struct Mistake {
 /// The edit behind a mistake.
 #[derive(Clone, Copy, Debug)]
 enum Edit {
-    /// Of a classified volume.
+    /// Edits a classified volume.
     Classified(fn(&mut Classified) -> bool),
-    /// Of the grid of a classified volume.
+    /// Edits the grid of a classified volume.
     Grid(fn(&GridValues) -> Option<GridValues>),
-    /// Of the grid of every medium.
+    /// Edits the grid of every medium.
     MediumGrids(fn(&GridValues) -> Option<GridValues>),
-    /// Of the camera of either; with the height of a pixel over that of the image.
+    /// Edits the camera, given the height of a pixel over that of the image.
     View(fn(&Camera, f64) -> Camera),
-    /// Of the formula for opacity, of a classified volume or of its plot.
+    /// Edits the formula for opacity, of a classified volume or of its plot.
     Opacity(fn(&mut TransferOpacity) -> bool),
-    /// Of media among surfaces and lights.
+    /// Edits media among surfaces and lights.
     Radiative(fn(&mut Radiative) -> bool),
-    /// Of every medium.
+    /// Edits every medium.
     Medium(fn(&mut Homogeneous)),
-    /// Of every point, spot and directional light.
+    /// Edits every point, spot and directional light.
     Light(fn(&mut Light)),
-    /// Of the material of every surface.
+    /// Edits the material of every surface.
     Material(fn(&mut Material)),
-    /// Of the transport of light.
+    /// Edits the transport of light.
     Transport(TransportFault),
-    /// Of the finished image, in each pixel by itself.
+    /// Edits the finished image, in each pixel by itself.
     Pixels(fn(&Film) -> Film),
-    /// Of the opacity of the finished image, in each pixel by itself.
+    /// Edits the opacity of the finished image, in each pixel by itself.
     Alpha(fn(f32) -> f32),
-    /// Of the finished image, in where its pixels are or in how they mix.
+    /// Edits where the pixels of the finished image are, or how they mix.
     Image(fn(&Film) -> Film),
 }
 
@@ -115,7 +115,7 @@ impl Mistake {
                 }),
                 (Edit::View(edit), _) => panel.edit_view(edit),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
-                // Of two mistakes of one tracer there is no image.
+                // One tracer cannot make two mistakes at once.
                 (Edit::Transport(fault), Model::Radiative(radiative)) => {
                     let occurs = panel.fault.is_none() && fault.has_occasion(radiative);
                     panel.fault = panel.fault.or(occurs.then_some(*fault));
