@@ -66,9 +66,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         seed: arguments.seed,
     };
     let bar = progress::counted("scenes", scenes.len());
-    if let Some(budget) = arguments.budget {
-        bar.expect(budget);
-    }
     let mut costs: Vec<Cost> = Vec::new();
     for (name, scene) in &scenes {
         let report = |what: &str| bar.set_message(format!("{name}: {what}"));
