@@ -37,6 +37,7 @@ mod progress;
 pub mod radiative;
 
 pub use crate::scene::{Sampling, Seed};
+pub(crate) use classified::curve::PlotLayout;
 pub use classified::depth::{depth, first_opacity};
 pub use counters::{Counters, Event};
 pub use error::RenderError;
