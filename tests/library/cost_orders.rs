@@ -59,11 +59,12 @@ fn steps_along_a_ray() {
     let sweep = &smooth.sweeps[0];
     is_as_expected(sweep, 2.0);
     assert!(sweep.reference.method.starts_with("the integral"));
-    // Half the step takes twice the lookups, but for the last sample of a ray.
-    for pair in sweep.levels.windows(2).skip(3) {
-        let ratio = pair[1].work.lookups() / pair[0].work.lookups();
-        assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
-    }
+    // Half the step takes twice the lookups, but for whole blocks without opacity, which rays leap over.
+    let [coarser, finest] = [7, 8].map(|level: usize| sweep.levels[level].work.lookups());
+    assert!(
+        (1.8..2.05).contains(&(finest / coarser)),
+        "{coarser} {finest}"
+    );
     let nearest = hill("interpolation = 'nearest'").replace("= 12", "= 48");
     let nearest = measured(&nearest).sweeps.swap_remove(0);
     is_as_expected(&nearest, 1.0);
