@@ -67,7 +67,12 @@ fn steps_along_a_ray() {
     );
     let nearest = hill("interpolation = 'nearest'").replace("= 12", "= 48");
     let nearest = measured(&nearest).sweeps.swap_remove(0);
-    is_as_expected(&nearest, 1.0);
+    assert_eq!(nearest.order.expected, Some(1.0));
+    // Over the last three halvings: the reference, 32 times finer, is off by at most a 31st of the last error, which adds
+    // log2(32/31)/3 = 0.015 to their mean order.
+    let local = nearest.order.local[5..].iter().flatten();
+    let mean = local.sum::<f64>() / 3.0;
+    assert!((mean - 1.0).abs() < 0.1, "{mean}");
     assert!(
         nearest
             .reference
