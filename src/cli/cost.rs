@@ -4,9 +4,8 @@ use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::{NamedScene, named_scene};
 use super::{Outcome, progress};
-use crate::cost::results::{Cost, Machine};
-use crate::cost::timing::{Clock, RUNS};
-use crate::cost::{CostError, Options, cost};
+use crate::cost::timing::{Clock, Machine, RUNS};
+use crate::cost::{Cost, CostError, Options, cost};
 use crate::report;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -33,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Write an offline HTML page, DIR/index.html, with its tables as CSV and its plots of error
-    /// against work as SVG
+    /// against work and time as SVG
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -66,9 +65,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         seed: arguments.seed,
     };
     let bar = progress::counted("scenes", scenes.len());
-    if let Some(budget) = arguments.budget {
-        bar.expect(budget);
-    }
     let mut costs: Vec<Cost> = Vec::new();
     for (name, scene) in &scenes {
         let report = |what: &str| bar.set_message(format!("{name}: {what}"));
@@ -80,9 +76,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let machine = (arguments.runs > 0).then(|| Machine::here(1));
     let mut text = report::cost_text(&costs, machine.as_ref());
     if let Some(folder) = &arguments.report {
-        let page = ("index.html".to_owned(), page(&costs, machine.as_ref()));
-        let mut files = vec![page];
-        files.extend(report::cost_csv(&costs));
+        let mut files = vec![("index.html".to_owned(), page(&costs, machine.as_ref()))];
+        let tables = report::cost_csv(&costs).into_iter();
+        files.extend(tables.map(|(name, text)| (name.to_owned(), text)));
         files.extend(pictures(&costs));
         let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
         let mut outputs = vec![arguments.json.file()];
@@ -101,10 +97,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 fn failure(scene: &str, error: &CostError) -> Failure {
     let help = match error {
         CostError::NoParameter(_) => Some(
-            "cost compares settings: give a scene that is marched, tracked or sampled, such as \
-             figures/figure-3 or procedural/threshold-1.25",
+            "cost compares settings: give a scene that is sampled, such as figures/figure-3 or \
+             smoke/cornell",
         ),
-        CostError::Render(_) => None,
+        CostError::Setting(_) | CostError::Render(_) => None,
     };
     Failure::new(Exit::BadInput, format!("{scene}: {error}"), help)
 }
@@ -112,17 +108,15 @@ fn failure(scene: &str, error: &CostError) -> Failure {
 fn page(costs: &[Cost], machine: Option<&Machine>) -> String {
     let words: Vec<String> = std::env::args().skip(1).collect();
     report::cost_html(&report::CostPage {
-        title: "Cost of accuracy",
         command: &format!("volref {}", shell_words::join(words)),
         costs,
         machine,
     })
 }
 
-/// Error against work of every study, by the names of their files.
-fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
-    let mut pictures = Vec::new();
-    for (index, cost) in costs.iter().enumerate() {
+/// The plot of each scene, by the name of its file.
+fn pictures(costs: &[Cost]) -> impl Iterator<Item = (String, String)> {
+    costs.iter().enumerate().map(|(index, cost)| {
         let mut name = stem(cost).to_owned();
         // Another panel, or another scene of the same name.
         let same = |other: &&Cost| stem(other) == name;
@@ -130,12 +124,8 @@ fn pictures(costs: &[Cost]) -> Vec<(String, String)> {
         if before > 0 {
             name.push_str(&format!("-{}", before + 1));
         }
-        for study in &cost.studies {
-            let picture = report::work_precision_svg(study);
-            pictures.push((format!("{name}-{}.svg", study.name), picture));
-        }
-    }
-    pictures
+        (format!("{name}.svg"), report::cost_plot(cost))
+    })
 }
 
 /// Name of the scene without its folder or family, for files.

@@ -7,14 +7,11 @@ use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
 use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
-use crate::render::{
-    self, Amount, Bound, Counters, Effect, Footprint, Memory, Plan, PredictedWork, Sampling,
-};
+use crate::render::{self, Counters, Effect, Footprint, Memory, Plan, Sampling};
 use crate::report::widest;
 use crate::scene::{Classified, Model, Origin, Panel, Scene};
 use indicatif::HumanBytes;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Show how a scene is rendered: effects and why, kernel, defaults
@@ -22,7 +19,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Scene file (TOML), or a case of the suite
     scene: PathBuf,
-    /// Render the scene and show the measured work
+    /// Render the scene and count its work
     #[arg(long)]
     counters: bool,
     /// Simulate an elided effect: same bits, more work. May be given several times; `all` for all
@@ -94,26 +91,20 @@ struct PanelJson<'s> {
     #[serde(skip_serializing_if = "Option::is_none")]
     clips: Option<usize>,
     defaults: Vec<DefaultJson<'s>>,
-    /// Rays from the eye; the expected work is the sum over all of them.
+    /// Rays from the eye.
     rays: u64,
-    /// Expected work by the names of the counters.
-    expected: BTreeMap<&'static str, AmountJson>,
     memory: Vec<Memory>,
+    /// Work of all rays.
     #[serde(skip_serializing_if = "Option::is_none")]
     counters: Option<Counters>,
 }
 
 impl<'s> PanelJson<'s> {
-    fn of(
-        plan: &'s Plan<'s>,
-        expected: PredictedWork,
-        counters: Option<Counters>,
-    ) -> PanelJson<'s> {
+    fn of(plan: &'s Plan<'s>, counters: Option<Counters>) -> PanelJson<'s> {
         let panel = plan.panel;
         let mut volumes = volumes(panel).into_iter();
         let objects = panel.classified().filter(|it| !it.objects.is_empty());
         let objects = objects.map(|it| &it.objects);
-        let amount = |event: Event| (event.key(), AmountJson::of(expected.of(event)));
         PanelJson {
             title: panel.title.as_deref(),
             kernel: plan.kernel.to_string(),
@@ -126,29 +117,9 @@ impl<'s> PanelJson<'s> {
             surfaces: objects.map(|objects| objects.surfaces.len()),
             clips: objects.map(|objects| objects.clips.len()),
             defaults: defaults(panel).collect(),
-            rays: expected.rays,
-            expected: Event::ALL.into_iter().map(amount).collect(),
-            memory: expected.memory,
+            rays: rays(plan),
+            memory: plan.memory(),
             counters,
-        }
-    }
-}
-
-#[derive(Serialize)]
-struct AmountJson {
-    /// exactly, at-most, at-least, about, about-at-most or unknown.
-    bound: String,
-    /// Sum over all rays; null if it cannot be predicted.
-    count: Option<u64>,
-}
-
-impl AmountJson {
-    fn of(amount: Option<Amount>) -> AmountJson {
-        AmountJson {
-            bound: amount.map_or("unknown".to_owned(), |amount| {
-                amount.bound.to_string().replace(' ', "-")
-            }),
-            count: amount.map(|amount| amount.count),
         }
     }
 }
@@ -231,13 +202,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let mut panels = Vec::new();
     for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
         let panel = plan.panel;
-        let expected = plan.predicted_work(Sampling::default());
         if plans.len() > 1 {
             let title = panel.title.as_deref().unwrap_or("untitled");
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
-        text.push_str(&describe(plan, &expected, work.as_ref()));
-        panels.push(PanelJson::of(plan, expected, *work));
+        text.push_str(&describe(plan, work.as_ref()));
+        panels.push(PanelJson::of(plan, *work));
     }
     let value = PlanJson {
         schema: "volref/plan/1",
@@ -256,8 +226,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
 
 /// Work of each plan, counted while it is rendered.
 fn counted(plans: &[Plan]) -> Result<Vec<Option<Counters>>, Failure> {
-    let advice = "a copy of the scene with fewer pixels or samples takes less";
-    let bar = progress::image("counting", advice, &warnings_of_all(plans));
+    let bar = progress::image("counting", &warnings_of_all(plans));
     let rendering = render::render_counted(plans, Sampling::default(), &bar);
     bar.finish_and_clear();
     let work = rendering.map_err(bad_input)?.work;
@@ -279,7 +248,7 @@ fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
     })
 }
 
-fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) -> String {
+fn describe(plan: &Plan<'_>, work: Option<&Counters>) -> String {
     let panel = plan.panel;
     let mut text = format!("kernel     {}\n", plan.kernel);
     let Estimator { method, why } = &plan.estimator;
@@ -325,13 +294,16 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
         let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
         text.push_str(&format!("  {key:<widest$}  {value}{rule}\n"));
     }
-    text.push('\n');
-    text.push_str(&describe_work(expected, work));
+    if let Some(work) = work {
+        text.push('\n');
+        text.push_str(&describe_work(rays(plan), work));
+    }
     text.push_str("\nmemory besides the scene and the image\n");
-    if expected.memory.is_empty() {
+    let memory = plan.memory();
+    if memory.is_empty() {
         text.push_str("  none\n");
     }
-    for Memory { what, bytes } in &expected.memory {
+    for Memory { what, bytes } in &memory {
         text.push_str(&format!(
             "  {:>10}  {what}\n",
             HumanBytes(*bytes as u64).to_string()
@@ -341,53 +313,24 @@ fn describe(plan: &Plan<'_>, expected: &PredictedWork, work: Option<&Counters>) 
     text
 }
 
-/// Predicted work, and measured work beside it.
-fn describe_work(expected: &PredictedWork, work: Option<&Counters>) -> String {
-    let rays = expected.rays;
-    let a_ray = |count: u64| short(count as f64 / rays.max(1) as f64);
-    let predicted = |event: Event| match expected.of(event) {
-        None => "unknown".to_owned(),
-        Some(Amount { count: 0, bound }) => match bound {
-            Bound::AtLeast => "unknown".to_owned(),
-            Bound::Exactly | Bound::AtMost => "none".to_owned(),
-            Bound::About | Bound::AboutAtMost => format!("{bound} 0"),
-        },
-        Some(Amount { bound, count }) => format!("{bound} {}", a_ray(count)),
-    };
-    let name = |event: Event| event.key().replace('_', " ");
-    let Some(work) = work else {
-        let mut text = format!("expected work per ray ({rays} rays)\n");
-        // Events that do not occur, and events without a prediction, take a line each.
-        let (mut unknown, mut none) = (Vec::new(), Vec::new());
-        for event in Event::ALL {
-            match predicted(event).as_str() {
-                "unknown" => unknown.push(name(event)),
-                "none" => none.push(name(event)),
-                known => text.push_str(&format!("  {known:<16}  {}\n", name(event))),
-            }
-        }
-        for (what, those) in [("unknown", unknown), ("none", none)] {
-            if !those.is_empty() {
-                text.push_str(&format!("  {what:<16}  {}\n", those.join(", ")));
-            }
-        }
-        return text;
-    };
+/// Rays from the eye.
+fn rays(plan: &Plan<'_>) -> u64 {
+    let pixels = (plan.panel.width * plan.panel.height) as u64;
+    pixels.saturating_mul(plan.samples(Sampling::default()).into())
+}
+
+/// The work of `rays`, per ray and in all.
+fn describe_work(rays: u64, work: &Counters) -> String {
     let mut text = format!(
-        "work per ray {:<15}  {:<16}  {:>12}  {:>14}\n",
+        "work {:<23}  {:>12}  {:>14}\n",
         format!("({rays} rays)"),
-        "expected",
-        "measured",
+        "per ray",
         "total"
     );
     for event in Event::ALL {
-        let count = work[event];
-        text.push_str(&format!(
-            "  {:<26}  {:<16}  {:>12}  {count:>14}\n",
-            name(event),
-            predicted(event),
-            a_ray(count)
-        ));
+        let (name, count) = (event.key().replace('_', " "), work[event]);
+        let per_ray = short(count as f64 / rays.max(1) as f64);
+        text.push_str(&format!("  {name:<26}  {per_ray:>12}  {count:>14}\n"));
     }
     text
 }

@@ -3,11 +3,11 @@
 
 use super::output::{number_of, printable};
 use crate::naming::SearchStep;
+use crate::render::Watch;
 use crate::render::plan::Reason;
-use crate::render::{Forecast, Watch};
 use crate::report::visible;
 use crate::runs::AcceptWatch;
-use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -25,12 +25,6 @@ const FIRST_LINE: Duration = Duration::from_secs(2);
 
 /// The longest silence in a pipe. CI services end jobs that print nothing for ten minutes.
 const LONGEST_SILENCE: Duration = Duration::from_secs(300);
-
-/// Forecast time above which a panel is announced before it is rendered.
-const WORTH_A_WARNING: f64 = 10.0;
-
-/// Time limit for measuring the forecast of a panel, except for the current ray.
-const MEASURING: Duration = Duration::from_millis(250);
 
 /// A progress display, until it is dropped or [finished](Bar::finish_and_clear).
 pub struct Bar {
@@ -59,10 +53,6 @@ struct ProgressText {
     parts: Option<&'static str>,
     /// Printed once, if the work takes long.
     notes: Vec<String>,
-    /// Expected time of all the work, in seconds.
-    expected: Option<f64>,
-    /// Advice on making it faster, if its time can be measured.
-    advice: Option<&'static str>,
     ended: bool,
 }
 
@@ -94,11 +84,9 @@ impl Counter {
     }
 }
 
-/// Progress of one image; `label` names the work. A panel that takes long is announced, with
-/// `advice` on making it faster. Notes are printed once the work takes long.
-pub fn image(label: &str, advice: &'static str, notes: &[&Reason]) -> Bar {
+/// Progress of one image; `label` names the work. Notes are printed once the work takes long.
+pub fn image(label: &str, notes: &[&Reason]) -> Bar {
     let said = ProgressText {
-        advice: Some(advice),
         notes: notes.iter().map(ToString::to_string).collect(),
         ..ProgressText::of(label)
     };
@@ -195,11 +183,6 @@ impl Bar {
         self.shared.parts.done.fetch_add(parts, Ordering::Relaxed);
     }
 
-    /// Sets the expected time of all the work, in seconds.
-    pub fn expect(&self, seconds: f64) {
-        self.shared.said().expected = Some(seconds);
-    }
-
     /// Prints a line above the bar.
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         self.shared.bar.suspend(write)
@@ -228,23 +211,6 @@ impl Watch for Bar {
 
     fn step(&self) {
         self.shared.steps.done.fetch_add(1, Ordering::Relaxed);
-    }
-
-    fn may_measure(&self) -> Option<Duration> {
-        self.shared.said().advice.map(|_| MEASURING)
-    }
-
-    fn measured(&self, forecast: &Forecast) {
-        let mut said = self.shared.said();
-        let [_, all] = self.shared.steps.get();
-        // The other panels are assumed to be like this one.
-        said.expected = Some(forecast.seconds * all as f64 / forecast.steps() as f64);
-        if let (true, Some(advice)) = (forecast.seconds >= WORTH_A_WARNING, said.advice) {
-            let line = takes(&said.message, forecast, advice);
-            drop(said);
-            self.shared.notes();
-            self.shared.line(&line);
-        }
     }
 }
 
@@ -313,14 +279,7 @@ impl SharedBar {
         let said = self.said();
         let parts = said.parts.map(|name| (name, self.parts.get()));
         let beside_bar = !self.bar.is_hidden() && done.is_some();
-        state(
-            &said.message,
-            parts,
-            done,
-            elapsed,
-            said.expected,
-            beside_bar,
-        )
+        state(&said.message, parts, done, elapsed, beside_bar)
     }
 
     fn notes(&self) {
@@ -365,16 +324,10 @@ fn share_done([parts, all_parts]: [u64; 2], [steps, all_steps]: [u64; 2]) -> Opt
     }
 }
 
-/// Seconds left, extrapolated from the work done. But the first rows may be empty while the middle
-/// is not, so the expected time counts in proportion to the work left.
-fn left(done: Option<f64>, elapsed: f64, expected: Option<f64>) -> Option<f64> {
-    let share = done.unwrap_or(0.0);
-    let by_time = (share > 0.0).then(|| elapsed * (1.0 - share) / share);
-    let by_expectation = expected.map(|seconds| seconds * (1.0 - share));
-    match (by_time, by_expectation) {
-        (Some(by_time), Some(expected)) => Some(expected * (1.0 - share) + by_time * share),
-        (by_time, by_expectation) => by_time.or(by_expectation),
-    }
+/// Seconds left, extrapolated from the share done; none before anything is done.
+fn left(done: Option<f64>, elapsed: f64) -> Option<f64> {
+    let share = done.filter(|share| *share > 0.0)?;
+    Some(elapsed * (1.0 - share) / share)
 }
 
 /// The display as one line: the current work, its share done, time elapsed and left. Beside a bar
@@ -384,7 +337,6 @@ fn state(
     parts: Option<(&str, [u64; 2])>,
     done: Option<f64>,
     elapsed: f64,
-    expected: Option<f64>,
     beside_bar: bool,
 ) -> String {
     let amount = match (parts, done) {
@@ -393,7 +345,7 @@ fn state(
         (None, None) => String::new(),
     };
     let so_far = format!("{} so far", duration(elapsed));
-    let left = left(done, elapsed, expected);
+    let left = left(done, elapsed);
     let left = left.map_or(String::new(), |left| {
         format!("about {} left", duration(left))
     });
@@ -405,29 +357,6 @@ fn state(
     };
     let facts: Vec<String> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
     facts.join(", ")
-}
-
-/// The announcement that `what` takes long.
-fn takes(what: &str, forecast: &Forecast, advice: &str) -> String {
-    let Forecast {
-        seconds,
-        threads,
-        pixels,
-        samples,
-    } = *forecast;
-    let threads = match threads {
-        1 => "1 thread".to_owned(),
-        _ => format!("{threads} threads"),
-    };
-    let samples = match samples {
-        1 => String::new(),
-        _ => format!(" of {} samples", HumanCount(samples.into())),
-    };
-    format!(
-        "{what} takes about {} on {threads}: {} pixels{samples}; {advice}",
-        duration(seconds),
-        HumanCount(pixels)
-    )
 }
 
 fn duration(seconds: f64) -> HumanDuration {
@@ -452,16 +381,10 @@ mod tests {
     #[test]
     fn what_is_left_follows_from_what_is_done() {
         // A quarter in 30 seconds leaves 90.
-        assert_eq!(left(Some(0.25), 30.0, None), Some(90.0));
-        // All of 120 seconds were expected, which is as much.
-        assert_eq!(left(Some(0.25), 30.0, Some(120.0)), Some(90.0));
-        // At half time both count alike: 500 left of what was expected, 100 by what was done.
-        assert_eq!(left(Some(0.5), 100.0, Some(1000.0)), Some(300.0));
-        // The first pixels tell nothing.
-        assert_eq!(left(Some(0.0), 5.0, Some(1000.0)), Some(1000.0));
-        assert_eq!(left(Some(0.0), 5.0, None), None);
-        assert_eq!(left(None, 5.0, None), None);
-        assert_eq!(left(Some(1.0), 5.0, Some(1000.0)), Some(0.0));
+        assert_eq!(left(Some(0.25), 30.0), Some(90.0));
+        assert_eq!(left(Some(0.0), 5.0), None);
+        assert_eq!(left(None, 5.0), None);
+        assert_eq!(left(Some(1.0), 5.0), Some(0.0));
     }
 
     #[test]
@@ -476,44 +399,27 @@ mod tests {
     #[test]
     fn lines_say_what_how_far_and_how_long() {
         assert_eq!(
-            state("rendering", None, Some(0.125), 30.0, None, false),
+            state("rendering", None, Some(0.125), 30.0, false),
             "rendering, 12 % done, 30 seconds so far, about 4 minutes left"
         );
         assert_eq!(
-            state("rendering", None, Some(0.0002), 30.0, Some(1e4), false),
-            "rendering, 0.02 % done, 30 seconds so far, about 3 hours left"
+            state("rendering", None, Some(0.0002), 30.0, false),
+            "rendering, 0.02 % done, 30 seconds so far, about 42 hours left"
         );
         let cases = Some(("cases", [49, 194]));
         assert_eq!(
-            state("fog/forward", cases, Some(0.25), 20.0, None, false),
+            state("fog/forward", cases, Some(0.25), 20.0, false),
             "fog/forward, 49 of 194 cases done, 20 seconds so far, about 60 seconds left"
         );
         assert_eq!(
-            state("fog/forward", cases, Some(0.25), 20.0, None, true),
+            state("fog/forward", cases, Some(0.25), 20.0, true),
             "49 of 194 cases done, about 60 seconds left, fog/forward"
         );
         assert_eq!(
-            state("fog/forward: sweep", None, None, 2.0, None, false),
+            state("fog/forward: sweep", None, None, 2.0, false),
             "fog/forward: sweep, 2 seconds so far"
         );
-        assert_eq!(state("", None, None, 2.0, None, false), "2 seconds so far");
-    }
-
-    #[test]
-    fn a_long_image_is_told_with_its_reason_and_how_to_shorten_it() {
-        let mut forecast = Forecast {
-            seconds: 65_536.0e3,
-            threads: 2,
-            pixels: 65_536,
-            samples: 1_000_000_000,
-        };
-        assert_eq!(
-            takes("rendering", &forecast, "--spp N takes less"),
-            "rendering takes about 2 years on 2 threads: 65,536 pixels of 1,000,000,000 samples; \
-             --spp N takes less"
-        );
-        (forecast.seconds, forecast.threads, forecast.samples) = (f64::INFINITY, 1, 1);
-        assert!(takes("rendering", &forecast, "").contains(" on 1 thread: 65,536 pixels; "));
+        assert_eq!(state("", None, None, 2.0, false), "2 seconds so far");
     }
 
     #[test]

@@ -102,7 +102,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         .iter()
         .any(|plan| plan.is_sampled() || arguments.reference && is_radiative(plan));
     let film = with_threads(arguments.threads, || {
-        arguments.rendered(&scene, &plans, sampling, is_sampled)
+        arguments.rendered(&scene, &plans, sampling)
     })?
     .map_err(bad_input)?;
     let film = match arguments.depth {
@@ -208,19 +208,8 @@ impl Arguments {
     }
 
     /// The image of `scene`, by the plain renderers if they are asked for and there are such.
-    fn rendered(
-        &self,
-        scene: &Scene,
-        plans: &[Plan],
-        sampling: Sampling,
-        is_sampled: bool,
-    ) -> Result<Film, String> {
-        let advice = if is_sampled {
-            "--spp N is faster, with more noise"
-        } else {
-            "fewer pixels in [film] are faster"
-        };
-        let bar = progress::image("rendering", advice, &warnings_of_all(plans));
+    fn rendered(&self, scene: &Scene, plans: &[Plan], sampling: Sampling) -> Result<Film, String> {
+        let bar = progress::image("rendering", &warnings_of_all(plans));
         let film = if self.reference && plans.iter().all(has_plain_renderer) {
             let centres: Vec<bool> = plans.iter().map(|plan| !plan.is_sampled()).collect();
             reference::render(scene, sampling, &centres).map_err(|error| error.to_string())

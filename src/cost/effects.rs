@@ -1,17 +1,31 @@
 //! The cost of each effect by itself.
 
-use super::results::{EffectPrice, MeanWork};
-use super::thumbnail;
-use super::timing::{Clock, Task};
+use super::timing::{Clock, Times};
+use super::work::measured;
+use super::{MeanWork, thumbnail};
 use crate::optics::{Coefficients, Density, Phase};
-use crate::render::{RenderError, Sampling, plans, render, render_counted};
+use crate::render::RenderError;
 use crate::scene::{Body, Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;
+use serde::Serialize;
 
 /// Pixels of the larger side of the image.
 const SIDE: usize = 32;
 /// Samples per pixel, where an image is sampled.
 const SAMPLES: u32 = 4;
+
+/// Cost of one effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectPrice {
+    /// The effects simulated.
+    pub effect: String,
+    /// Work for each pixel.
+    pub work: MeanWork,
+    /// Time for each pixel.
+    pub time: Option<Times>,
+    /// Lookups relative to the first of the list.
+    pub times_lookups: Option<f64>,
+}
 
 /// A scene with some of its effects.
 #[derive(Clone, Debug)]
@@ -25,7 +39,6 @@ pub struct Variant {
 /// The effects of `panel`, each added alone to the scene without any; the last one has all of them.
 pub fn variants(panel: &Panel) -> Vec<Variant> {
     let variants = match &panel.model {
-        Model::Classified(scene) if scene.has_objects() => vec![],
         Model::Classified(scene) => of_classified(scene),
         Model::Radiative(scene) => of_radiative(scene),
         Model::Curve(_) => vec![],
@@ -37,48 +50,35 @@ pub fn variants(panel: &Panel) -> Vec<Variant> {
     variants.into_iter().map(small).collect()
 }
 
-/// The cost of the [`variants`] of `panel`.
-pub fn prices(panel: &Panel, clock: &Clock) -> Result<Vec<EffectPrice>, RenderError> {
-    let [width, height] = thumbnail::thumbnail([panel.width, panel.height], SIDE);
-    let pixels = width * height;
-    let variants = variants(panel);
-    let sampling = Sampling::of_samples(SAMPLES);
-    let each = variants.iter();
-    let all_plans: Vec<_> = each.map(|variant| plans(&variant.scene)).collect();
-    let mut works = Vec::new();
-    for plans in &all_plans {
-        let made = render_counted(plans, sampling, &|| ())?;
-        works.push(MeanWork::per_ray(&made.work[0], pixels));
-    }
-    let tasks = all_plans.iter().map(|plans| -> Task<'_> {
-        Box::new(move || {
-            // It was rendered above, and refuses nothing that it did not then.
-            let _ = std::hint::black_box(render(plans, sampling, &|| ()));
-        })
-    });
-    let times = clock.by_turns(&tasks.collect::<Vec<_>>(), pixels as f64);
-    let first = works.first().map_or(0.0, MeanWork::price);
-    let prices = variants.into_iter().zip(works).zip(times);
-    let prices = prices.map(|((variant, work), time)| EffectPrice {
-        effect: variant.name,
-        times_lookups: (first > 0.0).then(|| work.price() / first),
-        work,
-        time,
-    });
+/// The cost of the [`variants`] of `panel`, as many as there is time for; random numbers by `seed`.
+pub(super) fn prices(
+    panel: &Panel,
+    seed: u64,
+    clock: &Clock,
+) -> Result<Vec<EffectPrice>, RenderError> {
+    let variants = variants(panel).into_iter();
+    let (names, scenes): (Vec<_>, Vec<_>) = variants.map(|it| (it.name, it.scene)).unzip();
+    let measured = measured(&scenes, Some(SAMPLES), seed, clock)?;
+    let first = measured.first().map_or(0.0, |image| image.work.price());
+    let prices = names
+        .into_iter()
+        .zip(measured)
+        .map(|(effect, image)| EffectPrice {
+            effect,
+            times_lookups: (first > 0.0).then(|| image.work.price() / first),
+            work: image.work,
+            time: image.time,
+        });
     Ok(prices.collect())
 }
 
 fn of_classified(scene: &Classified) -> Vec<(String, Model)> {
     let with = |name: &str, shading: bool, shadow: bool| {
-        let scene = Classified {
-            phong: scene.phong.filter(|_| shading),
-            shadow: scene.shadow.filter(|_| shadow),
-            ..scene.clone()
-        };
+        let scene = lit_by(scene, shading, shadow);
         (name.to_owned(), Model::from(scene))
     };
     let mut variants = vec![with("absorption and emission", false, false)];
-    let (shading, shadow) = (scene.phong.is_some(), scene.shadow.is_some());
+    let (shading, shadow) = light(scene);
     if shading {
         variants.push(with("with gradient shading", true, false));
     }
@@ -89,6 +89,32 @@ fn of_classified(scene: &Classified) -> Vec<(String, Model)> {
         variants.push(with("with both", true, true));
     }
     variants
+}
+
+/// Whether some volume or surface is shaded, and whether a volume casts a shadow.
+fn light(scene: &Classified) -> (bool, bool) {
+    let mut surfaces = scene.objects.surfaces.iter();
+    let shading = scene.each_alone().any(|alone| alone.phong.is_some());
+    (
+        shading || surfaces.any(|surface| surface.phong.is_some()),
+        scene.shadow.is_some(),
+    )
+}
+
+/// `scene` with its shading and its shadow only if they are asked for.
+fn lit_by(scene: &Classified, shading: bool, shadow: bool) -> Classified {
+    let mut scene = scene.clone();
+    scene.edit_volumes(|alone| {
+        alone.phong = alone.phong.filter(|_| shading);
+        alone.shadow = alone.shadow.filter(|_| shadow);
+        true
+    });
+    scene
+}
+
+/// `scene` without shading and shadow; none if it has neither.
+pub(super) fn unlit(scene: &Classified) -> Option<Classified> {
+    (light(scene) != (false, false)).then(|| lit_by(scene, false, false))
 }
 
 /// Coefficients that are the same in all channels, `factor` times as large.

@@ -1,7 +1,21 @@
 //! Norms of errors.
 
-use super::results::Norms;
 use crate::math::Sum;
+use serde::Serialize;
+
+/// Sizes of an error over many rays and channels, relative to the root mean square of what is
+/// right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Norms {
+    /// Mean of the absolute error.
+    pub l1: f64,
+    /// Root mean square error.
+    pub l2: f64,
+    /// Largest error.
+    pub max: f64,
+    /// Relative standard error of the root mean square, as far as these rays stand for others.
+    pub uncertainty: f64,
+}
 
 /// Norms of `errors`, in units of `scale > 0`. All are infinite if an error is NaN, or if there are
 /// none.
@@ -43,7 +57,7 @@ pub fn norms(errors: impl Iterator<Item = f64>, scale: f64) -> Norms {
     }
 }
 
-/// [`norms`] where consecutive errors, those of the channels of a ray, are correlated: there are
+/// [`norms`] where consecutive errors, those of the channels of a pixel, are correlated: there are
 /// fewer independent errors than numbers.
 pub(crate) fn norms_of_channels(
     errors: impl Iterator<Item = f64>,

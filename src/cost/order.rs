@@ -1,7 +1,8 @@
 //! Orders of convergence, compared with theory.
 
-use super::results::{ConvergenceOrder, Norms, OrderVerdict};
+use super::norms::Norms;
 use crate::math;
+use serde::Serialize;
 
 /// Smallest error that counts, in bounds on the error of the reference.
 const ABOVE_THE_BOUND: f64 = 100.0;
@@ -18,6 +19,46 @@ const COARSE: f64 = 0.1;
 /// about the limit.
 const FEWEST: usize = 3;
 const MOST: usize = 4;
+
+/// Order of convergence: the error falls as the `order`-th power of the parameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ConvergenceOrder {
+    /// Order by theory, if there is one; negative for a number of samples.
+    pub expected: Option<f64>,
+    /// Errors up to this may be those of the reference, and are not counted.
+    pub known: f64,
+    /// Order by least squares through the logarithms of the root mean square errors that are
+    /// counted.
+    pub fitted: Option<f64>,
+    /// Order of the largest errors, likewise.
+    pub fitted_max: Option<f64>,
+    /// Order of the root mean square error from each setting to the next.
+    pub local: Vec<Option<f64>>,
+    /// Largest distance of `fitted` from `expected`.
+    pub tolerance: f64,
+    /// Standard error of `fitted`, as far as these rays stand for others.
+    pub uncertainty: f64,
+    /// The verdict.
+    pub verdict: OrderVerdict,
+}
+
+/// Verdict on an order of convergence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OrderVerdict {
+    /// The error falls as expected.
+    AsExpected,
+    /// Undecided: `fitted` is outside of the tolerance by less than two standard errors.
+    TooFewRays,
+    /// The error falls otherwise.
+    Otherwise,
+    /// Too few settings count: too coarse, or below what the reference knows.
+    Undecided,
+    /// The errors do not fall as a power yet: from setting to setting the order still changes.
+    NotYetAPower,
+    /// Nothing is expected.
+    NothingExpected,
+}
 
 /// The order of convergence that theory expects of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +89,7 @@ impl ExpectedOrder {
     }
 
     /// The error of a mean of samples.
-    pub(crate) const OF_SAMPLES: ExpectedOrder = ExpectedOrder {
+    pub const OF_SAMPLES: ExpectedOrder = ExpectedOrder {
         order: Some(-0.5),
         tolerance: 0.05,
         by_chance: true,
@@ -95,9 +136,6 @@ pub fn order(
     });
     let local = local.collect();
     let points = counting(all);
-    let counted = values
-        .iter()
-        .map(|value| points.iter().any(|point| point.value == *value));
     let line_of_all = fit(&points);
     let fitted = line_of_all.map(|line| line.slope);
     let uncertainty = line_of_all.map_or(0.0, |line| line.uncertainty);
@@ -125,7 +163,6 @@ pub fn order(
     ConvergenceOrder {
         expected: expected.order,
         known: floor,
-        counted: counted.collect(),
         fitted,
         fitted_max: fit(&counting(points_of(|norms| norms.max))).map(|line| line.slope),
         local,

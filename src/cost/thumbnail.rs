@@ -1,6 +1,5 @@
-//! A smaller image of a scene, of the same shape, since costs are per ray.
+//! A smaller image of a scene, of the same shape, since costs are per pixel.
 
-use crate::geometry::{Camera, Ray};
 use crate::scene::{Model, Panel, Scene};
 
 /// The size of a smaller image of the same shape, its larger side `most` pixels.
@@ -10,14 +9,6 @@ pub fn thumbnail([width, height]: [usize; 2], most: usize) -> [usize; 2] {
         return [width, height];
     }
     [width, height].map(|side| (side * most).div_ceil(larger).max(1))
-}
-
-/// The rays through the pixels of an image of `size`, row by row from the top.
-pub fn rays(camera: &Camera, size: [usize; 2]) -> Vec<Ray> {
-    let [width, height] = size;
-    (0..width * height)
-        .map(|index| camera.ray([index % width, index / width], size))
-        .collect()
 }
 
 /// `panel` with another `model` as a scene of its own, of at most `most` pixels a side.

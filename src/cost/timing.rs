@@ -1,11 +1,47 @@
 //! Wall time, measured in turns, with its spread, and marked if noisy.
 
-use super::results::{Machine, Times};
 use crate::files::regular_file;
+use serde::Serialize;
 use std::time::Instant;
 
 /// Runs of each setting.
 pub const RUNS: usize = 10;
+
+/// Wall time for each pixel, in seconds, of runs taken by turns with those of the other settings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Times {
+    /// Number of runs.
+    pub runs: usize,
+    /// Median.
+    pub median: f64,
+    /// Least.
+    pub min: f64,
+    /// Most.
+    pub max: f64,
+    /// Median of the distances from the median.
+    pub deviation: f64,
+    /// Runs outside of 1.5 interquartile ranges around the quartiles.
+    pub outliers: usize,
+    /// True if the coefficient of variation is above 5 %.
+    pub is_noisy: bool,
+}
+
+/// The machine that measured the times.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Machine {
+    /// Processor, as it calls itself.
+    pub processor: String,
+    /// Threads used for timing.
+    pub threads: usize,
+    /// Operating system and architecture.
+    pub platform: String,
+    /// Compiler.
+    pub compiler: String,
+    /// `release` or `debug`.
+    pub profile: &'static str,
+    /// Instruction sets the program was compiled for.
+    pub target_features: String,
+}
 
 /// Work to be timed.
 pub type Task<'a> = Box<dyn Fn() + Sync + 'a>;
@@ -26,11 +62,6 @@ impl Clock {
         deadline: None,
     };
 
-    /// This clock without timings: for runs that are not the work of the setting.
-    pub fn untimed(self) -> Clock {
-        Clock { runs: 0, ..self }
-    }
-
     /// True if the time limit has passed.
     pub fn is_over(&self) -> bool {
         self.deadline
@@ -39,7 +70,7 @@ impl Clock {
 
     /// Times `tasks` by turns, A B C A B C …, so that what slows the machine down for a while
     /// meets all of them. By task, and nothing if no time is to be taken or none is left for two
-    /// rounds. Divided by `share`, the number of rays.
+    /// rounds. Divided by `share`, the number of pixels.
     ///
     /// On one thread: what is compared is work, not how well it is shared out.
     pub(crate) fn by_turns(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {

@@ -10,7 +10,6 @@
 //! Source: Hairer, Nørsett & Wanner 1993, *Solving Ordinary Differential Equations I*, II.7
 //! (collocation at Gauss points).
 
-use super::source_factor;
 use crate::math::quadrature::{GAUSS_POINTS as POINTS, GAUSS_WEIGHTS as WEIGHTS};
 use crate::math::{Sum, exp, exp_m1};
 use glam::DVec3;
@@ -37,15 +36,6 @@ impl LocalProperties {
                 extinction: f64::INFINITY,
                 emission: source,
             }
-        }
-    }
-
-    /// Radiance of a segment of this `length`, with its own attenuation.
-    pub(crate) fn seen_over(&self, length: f64) -> DVec3 {
-        if self.extinction.is_finite() || length == 0.0 {
-            self.emission * (length * source_factor(self.extinction * length))
-        } else {
-            self.emission
         }
     }
 }

@@ -9,7 +9,6 @@
 //! | `material`, `fresnel` | scattering at surfaces |
 //! | `light` | light sources without extent |
 //! | [`collocation`] | light along a ray by quadrature |
-//! | [`estimators`] | predicted variances of transmittance estimators |
 
 mod coefficients;
 pub mod collocation;
@@ -20,7 +19,6 @@ mod density_line;
 mod draine;
 mod droplets;
 pub mod emission;
-pub mod estimators;
 mod fresnel;
 mod henyey_greenstein;
 mod homogeneous;

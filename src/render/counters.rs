@@ -160,9 +160,9 @@ impl Work for Counters {
     }
 }
 
-/// A map from the [keys](Event::key) of the events to their counts.
-impl Serialize for Counters {
+/// A map from the [keys](Event::key) of the events to their numbers.
+impl<T: Serialize> Serialize for PerEvent<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(Event::ALL.map(|event| (event.key(), self[event])))
+        serializer.collect_map(Event::ALL.map(|event| (event.key(), &self[event])))
     }
 }

@@ -1,9 +1,14 @@
 //! The memory of an image.
 
+use super::classified::empty_space;
+use super::classified::several::gradients_computed;
 use super::plan::{Kernel, Plan};
+use super::radiative::media::tracked;
 use super::radiative::path_tracer::PathFault;
 use crate::math::Moments;
+use crate::optics::Density;
 use crate::scene::Sampling;
+use serde::Serialize;
 
 /// Memory of an image, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +19,18 @@ pub struct Footprint {
     /// and its volumes are not counted.
     pub most: u64,
 }
+
+/// Memory of data computed for an image and kept while it is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Memory {
+    /// Its contents.
+    pub what: &'static str,
+    /// Its size.
+    pub bytes: usize,
+}
+
+/// The one that holds pixels.
+const MOMENTS: &str = "moments of the samples";
 
 /// Radiance, three `f32`; opacity is one more, and variance three.
 const RADIANCE: usize = size_of::<[f32; 3]>();
@@ -82,4 +99,70 @@ fn while_rendered(plan: &Plan<'_>, film: usize) -> usize {
         | Kernel::Background(_) => (size_of::<[f32; 4]>(), 0),
     };
     (2 * pixel).max(pixel + between + film)
+}
+
+impl Plan<'_> {
+    /// Memory kept beside the pixels of the image: nothing that only an omitted effect needs.
+    fn made_beside(&self) -> Vec<Memory> {
+        let mut memory = self.memory();
+        memory.retain(|memory| memory.what != MOMENTS);
+        memory
+    }
+
+    /// Memory allocated for the image beside the scene and the image itself: nothing that only an omitted effect needs.
+    pub fn memory(&self) -> Vec<Memory> {
+        let mut memory = Vec::new();
+        let mut add = |what, bytes| memory.push(Memory { what, bytes });
+        match self.kernel {
+            Kernel::RayCaster { scene, features } => {
+                let lattice = scene.grid.lattice();
+                if features.shading {
+                    add(
+                        "gradients of the nodes",
+                        lattice.node_count() * size_of::<[f32; 3]>(),
+                    );
+                }
+                if features.skip_empty {
+                    add("distances to non-empty blocks", empty_space::bytes(lattice));
+                }
+            }
+            Kernel::Several(scene) => {
+                let nodes = gradients_computed(scene) as usize;
+                if nodes > 0 {
+                    add("gradients of the nodes", nodes * size_of::<[f32; 3]>());
+                }
+            }
+            Kernel::Conventional(scene) => {
+                let nodes = scene.grid.lattice().node_count();
+                if scene.phong.is_some() && scene.conventions.gradient.is_stored() {
+                    add("gradients of the nodes", nodes * size_of::<[f32; 3]>());
+                }
+                if scene.conventions.preclassified {
+                    add(
+                        "opacities and colours of the nodes",
+                        nodes * size_of::<[f32; 4]>(),
+                    );
+                }
+            }
+            Kernel::Field(scene) => {
+                if scene.phong.is_some() {
+                    let nodes = scene.grid.lattice().node_count();
+                    add("gradients of the nodes", nodes * size_of::<[f32; 3]>());
+                }
+            }
+            Kernel::PathTracer { scene, .. } => {
+                let bytes = tracked(&scene.media).map(Density::bytes_for_blocks).sum();
+                if bytes > 0 {
+                    add("majorants of densities", bytes);
+                }
+                let pixels = self.panel.width * self.panel.height;
+                add(MOMENTS, pixels * size_of::<[Moments; 3]>());
+            }
+            Kernel::Curve(_)
+            | Kernel::Background(_)
+            | Kernel::Integral(_)
+            | Kernel::LineOfSight { .. } => {}
+        }
+        memory
+    }
 }

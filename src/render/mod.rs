@@ -3,7 +3,7 @@
 //! [`classified`] casts rays through a grid with a transfer function, [`radiative`] follows light
 //! among surfaces, media and lights: a folder for each model. [`plan`] decides which effects a
 //! scene calls for. `image` renders the panels of a scene according to their plans, `pixels` is the loop over
-//! the pixels of one; [`counters`] counts the work and `predicted_work` predicts it.
+//! the pixels of one; [`counters`] counts the work.
 //!
 //! # The kernels
 //!
@@ -30,26 +30,24 @@ pub mod classified;
 pub mod counters;
 mod error;
 mod footprint;
-mod forecast;
 mod image;
 mod pixels;
 pub mod plan;
-mod predicted_work;
 mod progress;
 pub mod radiative;
 
 pub use crate::scene::{Sampling, Seed};
+pub(crate) use classified::curve::PlotLayout;
 pub use classified::depth::{depth, first_opacity};
 pub use counters::{Counters, Event};
 pub use error::RenderError;
-pub use footprint::{Footprint, footprint};
+pub use footprint::{Footprint, Memory, footprint};
 pub use image::{Rendering, render, render_counted};
 pub(crate) use image::{render_coarse, render_coarse_counted, render_part};
 pub use pixels::Detail;
 pub use plan::{Effect, Plan, State, plans};
-pub use predicted_work::{Amount, Bound, Memory, PredictedWork};
 pub(crate) use progress::Progress;
-pub use progress::{Forecast, Watch};
+pub use progress::Watch;
 
 /// Number of kernels in a family, as listed in the table above.
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! The pixel loop: rows in parallel, their pixels one after the other.
 
 use super::counters::Work;
-use super::forecast::forecast;
 use super::progress::Progress;
 use rayon::prelude::*;
 use std::iter::StepBy;
@@ -109,18 +108,8 @@ impl Pixels<'_> {
     }
 }
 
-/// Pixels of a row, evaluated one after the other.
-struct RowSegment {
-    row: usize,
-    columns: StepBy<Range<usize>>,
-    /// Samples of a pixel, at most.
-    most_samples: u32,
-    /// Whether it is part of the image, not a probe for the forecast of the time.
-    is_image: bool,
-}
-
-/// The values of `pixel` at every rendered pixel [column, row], with at most that many samples;
-/// rows in parallel. A pixel depends only on its position, and pixels are collected in order, so
+/// The values of `pixel` at every rendered pixel [column, row], with that many samples; rows in
+/// parallel. A pixel depends only on its position, and pixels are collected in order, so
 /// the image is the same for any number of threads. `scratch` allocates memory that the pixels of a
 /// row share in turn.
 ///
@@ -130,21 +119,18 @@ pub(super) fn rows<P: Send, S, W: Work>(
     scratch: impl Fn() -> S + Sync,
     pixel: impl Fn([usize; 2], u32, &mut S, &mut W) -> P + Sync,
 ) -> (Vec<P>, W) {
-    in_parallel(pixels, &|segment| {
+    in_parallel(pixels, &|row| {
         let mut work = W::default();
         let mut scratch = scratch();
-        let mut values = Vec::with_capacity(segment.columns.len());
-        for column in segment.columns {
-            let position = [column, segment.row];
+        let mut values = Vec::with_capacity(pixels.columns().len());
+        for column in pixels.columns() {
             values.push(pixel(
-                position,
-                segment.most_samples,
+                [column, row],
+                pixels.samples,
                 &mut scratch,
                 &mut work,
             ));
-            if segment.is_image {
-                pixels.progress.step();
-            }
+            pixels.progress.step();
         }
         (values, work)
     })
@@ -155,23 +141,8 @@ pub(super) fn rows<P: Send, S, W: Work>(
 /// of pixel.
 fn in_parallel<P: Send, W: Work>(
     pixels: &Pixels<'_>,
-    evaluate: &(dyn Fn(RowSegment) -> (Vec<P>, W) + Sync),
+    evaluate: &(dyn Fn(usize) -> (Vec<P>, W) + Sync),
 ) -> (Vec<P>, W) {
-    if let Some(most) = pixels.progress.may_measure() {
-        let probe = |[column, row]: [usize; 2]| {
-            let of_one_sample = RowSegment {
-                row,
-                columns: (column..column + 1).step_by(1),
-                most_samples: 1,
-                is_image: false,
-            };
-            drop(evaluate(of_one_sample));
-        };
-        let size = [pixels.width, pixels.height];
-        if let Some(forecast) = forecast(size, pixels.samples, most, &probe) {
-            pixels.progress.measured(&forecast);
-        }
-    }
     let rows: Vec<usize> = pixels.rows().collect();
     let rows: Vec<(Vec<P>, W)> = rows
         .into_par_iter()
@@ -182,12 +153,7 @@ fn in_parallel<P: Send, W: Work>(
             if (pixels.stopped)() {
                 return (Vec::new(), W::default());
             }
-            evaluate(RowSegment {
-                row,
-                columns: pixels.columns(),
-                most_samples: pixels.samples,
-                is_image: true,
-            })
+            evaluate(row)
         })
         .collect();
     let mut all = Vec::with_capacity(pixels.count());

@@ -174,7 +174,7 @@ impl<'s> Plan<'s> {
     }
 
     /// Samples per pixel with `sampling`; 1 where the image is not sampled.
-    pub(super) fn samples(&self, sampling: Sampling) -> u32 {
+    pub(crate) fn samples(&self, sampling: Sampling) -> u32 {
         match self.kernel {
             Kernel::PathTracer { scene, .. } => sampling.samples_of(scene),
             _ => 1,

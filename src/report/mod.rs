@@ -11,7 +11,7 @@ mod terminal;
 mod visible;
 
 pub(crate) use cost::wrapped;
-pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
+pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_plot, cost_text};
 pub(crate) use gallery::{GalleryCase, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
 pub use html::{Page, results_html};
 pub(crate) use json::{results_json, validation_json};

@@ -888,7 +888,6 @@ fn volumes_surfaces_and_clips() {
     for arguments in [
         &["export", "two.toml", "--to", "mitsuba", "-o", "out"][..],
         &["export", "two.toml", "--to", "pbrt", "-o", "out"],
-        &["cost", "two.toml"],
         &["sensitivity", "two.toml", "--of", "opacity", "-o", "s.exr"],
     ] {
         let run = folder.volref(arguments);
@@ -923,7 +922,6 @@ fn volumes_surfaces_and_clips() {
     broken.toml:2:10: `volume` must be a table, or tables in double brackets, [[…]], not an integer help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     mitsuba cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
     pbrt cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
-    two.toml: this scene has no parameter to vary: several volumes, surfaces and clips have no study yet; measure a scene of one volume help: cost compares settings: give a scene that is marched, tracked or sampled, such as figures/figure-3 or procedural/threshold-1.25
     this scene has no parameter "opacity"; it has density.1, step.1, grid.x.1, grid.y.1, grid.z.1, turn.x.1, size.x.1, turn.y.1, size.y.1, turn.z.1, size.z.1, density.2, step.2, grid.x.2, grid.y.2, grid.z.2, turn.x.2, size.x.2, turn.y.2, size.y.2, turn.z.2, size.z.2, camera.view, camera.right, camera.down, camera.x, camera.y, camera.z
     "#);
 }

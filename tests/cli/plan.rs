@@ -99,27 +99,17 @@ fn json_of_a_volume() {
     assert_eq!(panel["estimator"]["method"], "ray-casting");
     assert_eq!(panel["estimator"]["field"], "classified.step");
     assert_eq!(panel["rays"], 120);
-    assert_eq!(panel["expected"]["shadow_rays"]["bound"], "exactly");
-    assert_eq!(panel["expected"]["shadow_rays"]["count"], 0);
-    assert_eq!(panel["expected"]["density_lookups"]["bound"], "at-most");
-    assert!(
-        panel["expected"]["density_lookups"]["count"]
-            .as_f64()
-            .unwrap()
-            >= 520.0
-    );
     let counters = panel["counters"].as_object().unwrap();
     assert!(counters["density_lookups"].as_u64().unwrap() > 0);
     assert_eq!(counters["shadow_rays"], 0);
     assert_eq!(counters["gradient_lookups"], 0);
 }
 
-/// Counts stand beside what was predicted.
 #[test]
 fn counters() {
     let folder = Folder::with_scenes();
     let run = folder.volref("plan scene.toml --counters");
-    let work = &run.stdout[run.stdout.find("\nwork per ray").unwrap()..];
+    let work = &run.stdout[run.stdout.find("\nwork (").unwrap()..];
     insta::assert_snapshot!(work);
 }
 
@@ -406,7 +396,7 @@ fn force_of_what_is_omitted_or_absent() {
     }
 }
 
-/// Of work under conventions as much is counted as is done, and no count is predicted that is not so.
+/// Work under conventions is counted, too.
 #[test]
 fn counters_under_conventions() {
     let folder = Folder::with_scenes();
@@ -419,23 +409,7 @@ fn counters_under_conventions() {
         "ray caster: trilinear, front to back, Phong, no shadow, every sample, other conventions";
     assert_eq!(panel["kernel"], kernel);
     let counters = panel["counters"].as_object().unwrap();
-    for (event, count) in counters {
-        let expected = &panel["expected"][event];
-        let known = expected["bound"] == "exactly";
-        assert!(
-            !known || expected["count"] == *count,
-            "{event}: {expected}, {count}"
-        );
-    }
     for event in ["density_lookups", "gradient_lookups", "gradients_computed"] {
         assert!(counters[event].as_u64().unwrap() > 0, "{event}");
     }
-    assert_eq!(panel["expected"]["density_lookups"]["bound"], "unknown");
-    let run = folder.volref("plan other.toml --counters");
-    run.expect(0, &[]);
-    let line = run
-        .stdout
-        .lines()
-        .find(|line| line.contains("density lookups"));
-    assert!(line.unwrap().contains("unknown"), "{line:?}");
 }

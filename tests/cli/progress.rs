@@ -54,33 +54,13 @@ environment = 1
 sphere = { centre = [0, 0, 0], radius = 1 }
 ";
 
-/// How long it will take, before it has begun.
+/// How much is done and how much is left.
 #[test]
 fn a_render_of_many_samples() {
     let folder = Folder::new();
     folder.write("fog.toml", format!("{FOG}sigma_s = 2\nsigma_a = 1\n"));
-    let render = [
-        "render",
-        "fog.toml",
-        "-o",
-        "fog.exr",
-        "--spp",
-        "1000000000",
-        "--threads",
-        "2",
-    ];
-    let lines = said(
-        folder.command(&render),
-        &["rendering takes about ", "rendering, "],
-    );
-    let takes = lines.lines().next().unwrap();
-    let end = " on 2 threads: 4,096 pixels of 1,000,000,000 samples; --spp N is faster, with more \
-    noise";
-    assert!(takes.ends_with(end), "{takes}");
-    // 4 × 10¹² paths: no machine takes less than hours.
-    let long = ["hours", "days", "weeks", "months", "years"];
-    assert!(long.iter().any(|unit| takes.contains(unit)), "{takes}");
-    assert!(lines.contains(" left"), "{lines}");
+    let render = "render fog.toml -o fog.exr --spp 1000000 --threads 2";
+    said(folder.command(render), &[" left"]);
     assert!(!folder.path("fog.exr").exists());
 }
 

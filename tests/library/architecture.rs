@@ -340,6 +340,38 @@ fn files_are_read_through_one_door() {
     assert_eq!(unasked_lines(text), ["let a = std::fs::read(path);"]);
 }
 
+/// The plan is the only way to a kernel: no other room names one. Rows of hard cases ask kernels alone.
+#[test]
+fn no_other_room_names_a_kernel() {
+    let named = |code: &str| {
+        let lists = || {
+            code.split("render::{")
+                .skip(1)
+                .filter_map(|rest| rest.split(';').next())
+        };
+        ["classified::", "radiative::"].iter().any(|kernels| {
+            let direct = code.contains(&format!("render::{kernels}"));
+            direct || lists().any(|list| list.contains(kernels))
+        })
+    };
+    let mut found = Vec::new();
+    for path in rust_files(&source()) {
+        let relative = path.strip_prefix(source()).unwrap();
+        let may = ["render", "hard_cases"].contains(&room_of(relative).as_str());
+        if !may && named(&rendering_code(&std::fs::read_to_string(&path).unwrap())) {
+            found.push(relative.display().to_string());
+        }
+    }
+    assert_eq!(found, [""; 0]);
+    assert!(named("use crate::render::classified::steps::Steps;"));
+    assert!(named(
+        "use crate::render::{Plan, radiative::tracker::Tracker};"
+    ));
+    assert!(!named(
+        "use crate::render::{Plan, render}; use crate::scene::classified::A;"
+    ));
+}
+
 /// Code of a file without comments, tests and re-exports.
 fn rendering_code(text: &str) -> String {
     let code = text.split("#[cfg(test)]").next().unwrap_or("");

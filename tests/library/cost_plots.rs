@@ -1,22 +1,22 @@
-//! The plots that the guide describes are those the program draws today.
+//! The plot that the guide shows is the one the program draws today.
 
 use std::path::Path;
-use volref::cost::image;
 use volref::cost::timing::Clock;
-use volref::report::work_precision_svg;
-use volref::scene::{Model, Scene};
+use volref::cost::{Options, cost};
+use volref::report::cost_plot;
+use volref::scene::Scene;
 
 #[test]
 fn error_against_work_in_figure_3() {
     let scene = Scene::load(Path::new("fixtures/scenes/figures/figure-3.toml")).unwrap();
-    let panel = &scene.panels[0];
-    let Model::Classified(classified) = &panel.model else {
-        panic!("figure 3 is a classified volume");
+    let options = Options {
+        clock: Clock::NONE,
+        seed: 0,
     };
-    let study = image::steps(classified, [panel.width, panel.height], &Clock::NONE);
-    let committed = std::fs::read_to_string("golden/cost/figure-3-image.svg").unwrap();
+    let costs = cost(&scene, "figures/figure-3", &options, &|_| ()).unwrap();
+    let committed = std::fs::read_to_string("golden/cost/figure-3.svg").unwrap();
     assert!(
-        work_precision_svg(&study) == committed,
+        cost_plot(&costs[0]) == committed,
         "the plot has changed: look at it, and run scripts/cost-plots.sh"
     );
 }

@@ -1,7 +1,7 @@
 //! Integrals without samples: against closed forms, against quadrature by another method, and
 //! against what the ray caster's samples converge to.
 
-use crate::effects::scenes::as_predicted;
+use crate::effects::scenes::off_is_off;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use volref::conventions::Profile;
@@ -424,7 +424,7 @@ fn work_of_an_integral() {
     assert!(work[Event::Attenuation] >= 21 * work[Event::CellWalked]);
     assert_eq!(work[Event::GradientLookup], 0);
     assert_eq!(work[Event::RandomDraw], 0);
-    as_predicted("linear-ramp", &plans[0], &work);
+    off_is_off("linear-ramp", &plans[0], &work);
 }
 
 /// The goldens of the family state how well they are known.

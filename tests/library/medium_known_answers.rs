@@ -6,6 +6,7 @@
 //!   tentative collisions and the variances as measured belong to the trackers' own tests.
 
 use crate::common::entries::{Entry, numbers};
+use crate::common::estimators::*;
 use crate::common::quadrature::integral;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -14,7 +15,6 @@ use volref::math::quadrature::cubic_integral;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling::*;
 use volref::math::{Sum, exp};
-use volref::optics::estimators::*;
 use volref::optics::profiles::*;
 use volref::optics::*;
 use volref::render::counters::Uncounted;

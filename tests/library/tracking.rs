@@ -5,6 +5,7 @@
 //! standard errors, lookups within 5 %, which is many standard errors more.
 
 use crate::common::entries::Entry;
+use crate::common::estimators::{delta_tracking_variance, ratio_tracking_variance};
 use crate::common::quadrature;
 use crate::common::test_ray::{DEPTH, LENGTH, TRANSMITTANCE, smooth};
 use glam::DVec3;
@@ -12,7 +13,6 @@ use std::ops::ControlFlow::{Break, Continue};
 use volref::geometry::Span;
 use volref::math::rng::Stream;
 use volref::math::{Moments, exp, exp_m1};
-use volref::optics::estimators::{delta_tracking_variance, ratio_tracking_variance};
 use volref::render::radiative::sampler::{NumberRow, Sampler, SamplerRow};
 use volref::render::radiative::tracking::*;
 

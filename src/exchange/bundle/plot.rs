@@ -2,7 +2,7 @@
 
 use super::inline_arrays::{Entries, Json};
 use super::points;
-use crate::render::classified::curve::PlotLayout;
+use crate::render::PlotLayout;
 use crate::scene::Curve;
 
 /// All that is drawn for the plot of `curve`, whose backdrop stands in `file`. Frame, grid and

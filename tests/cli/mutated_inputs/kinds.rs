@@ -10,7 +10,7 @@ use volref::compare::Picture;
 use volref::exchange::{Format, export};
 use volref::film::{Film, LayeredFilm};
 use volref::geometry::{ClosedMesh, Mesh};
-use volref::render::{Plan, Sampling};
+use volref::render::Plan;
 use volref::scene::{Scene, read_procedural};
 use volref::suite::{Golden, Store, Suite};
 use volref::volume::{LoadOptions, load};
@@ -178,7 +178,6 @@ fn read_scene(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
     let scene = Scene::parse(&text, &path).map_err(|error| error.to_string())?;
     for panel in &scene.panels {
         let plan = Plan::new(panel);
-        let _ = plan.predicted_work(Sampling::default());
         let _ = plan.canonical_text();
     }
     for format in ["mitsuba", "pbrt"] {

@@ -1,6 +1,7 @@
 //! Helpers that several subjects share.
 
 pub mod entries;
+pub mod estimators;
 pub mod quadrature;
 pub mod simulated;
 pub mod test_ray;

@@ -1,13 +1,13 @@
 //! Memory that only an effect needs is not taken where it is off.
 
 use crate::effects::scenes::{parsed, plan, rendered};
-use volref::render::{Event, Plan, Sampling};
+use volref::render::{Event, Plan};
 use volref::scene::{Model, Scene};
 
 /// Memory of an image beside the scene and itself, by the plan.
 fn reported(scene: &Scene) -> Vec<&'static str> {
-    let expected = plan(scene).predicted_work(Sampling::default());
-    expected.memory.iter().map(|memory| memory.what).collect()
+    let memory = plan(scene).memory();
+    memory.iter().map(|memory| memory.what).collect()
 }
 
 fn medium(keys: &str) -> String {

@@ -1,415 +1,287 @@
-//! Cost of accuracy, as text, CSV, JSON and page.
+//! Cost of accuracy, as text, CSV, JSON, plot and page.
 
 use crate::report::asks_for_nothing_outside;
-use crate::report::cost_samples::{costs, extremes, machine, small};
 use crate::report::samples::HOSTILE;
 use roxmltree::{Document, Node};
-use volref::cost::results::{Cost, Event, Parameter, Recommendation};
-use volref::report::{CostPage, cost_csv, cost_html, cost_json, cost_text, work_precision_svg};
+use volref::cost::advice::Recommendation;
+use volref::cost::effects::EffectPrice;
+use volref::cost::norms::Norms;
+use volref::cost::order::{ExpectedOrder, order};
+use volref::cost::timing::{Machine, Times};
+use volref::cost::{Cost, Level, MeanWork, Parameter, Reference, Sweep};
+use volref::render::Event;
+use volref::report::{CostPage, cost_csv, cost_html, cost_json, cost_plot, cost_text};
+
+fn machine() -> Machine {
+    Machine {
+        processor: "AMD EPYC 9R14".to_owned(),
+        threads: 1,
+        platform: "linux x86_64".to_owned(),
+        compiler: "rustc 1.89.0".to_owned(),
+        profile: "release",
+        target_features: "fxsr, sse, sse2".to_owned(),
+    }
+}
+
+fn times(median: f64) -> Times {
+    Times {
+        runs: 10,
+        median,
+        min: 0.8 * median,
+        max: 1.5 * median,
+        deviation: 0.1 * median,
+        outliers: 1,
+        is_noisy: median > 1e-6,
+    }
+}
+
+/// A sweep of the step: errors h²/16 above `floor`, work 8/h.
+fn sweep(name: &'static str, floor: f64) -> Sweep {
+    let level = |value: f64| Level {
+        setting: Parameter::Step.words(value),
+        value,
+        work: MeanWork::from([(Event::DensityLookup, 8.0 / value)]),
+        error: Norms {
+            l1: 0.7 * (value * value / 16.0 + floor),
+            l2: value * value / 16.0 + floor,
+            max: value * value / 4.0 + floor,
+            uncertainty: 0.02,
+        },
+        time: Some(times(128e-9 / value)),
+    };
+    let levels: Vec<Level> = [1.0, 0.5, 0.25, 0.125].map(level).into();
+    let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
+    let errors: Vec<Norms> = levels.iter().map(|level| level.error).collect();
+    Sweep {
+        name,
+        parameter: Parameter::Step,
+        own: 0.5,
+        size: [16, 12],
+        reference: Reference {
+            method: "the same image with steps of 0.0078125 voxels".to_owned(),
+            bound: 1e-5,
+        },
+        order: order(&values, &errors, ExpectedOrder::of_step(2.0), 1e-5),
+        levels,
+        cut: None,
+    }
+}
+
+fn sample() -> Cost {
+    let effect = |effect: &str, lookups: f64, times_lookups: f64| EffectPrice {
+        effect: effect.to_owned(),
+        work: MeanWork::from([(Event::DensityLookup, lookups)]),
+        time: Some(times(1e-9 * lookups)),
+        times_lookups: Some(times_lookups),
+    };
+    let mut dear = sweep("step without light", 1e-3);
+    dear.cut = Some("the budget was used up after 4 of 9 settings".to_owned());
+    Cost {
+        scene: "plume".to_owned(),
+        panel: Some("left half".to_owned()),
+        sweeps: vec![sweep("step", 0.0), dear],
+        effects: vec![
+            effect("absorption and emission", 16.0, 1.0),
+            effect("with volume shadow", 200.0, 12.5),
+        ],
+        recommendations: vec![Recommendation {
+            error: 1e-2,
+            text: "for an error of 1 %: steps of 0.25 voxels, 2 times the work".to_owned(),
+            command: Some("volref render plume -o image.exr --step \"0.25 voxels\"".to_owned()),
+        }],
+        notes: vec!["`early_termination` is left out".to_owned()],
+    }
+}
+
+/// Values at the edge of what may come: errors that are zero or no number, nothing counted, nothing tried.
+pub fn extremes() -> Cost {
+    let mut odd = sweep("step", 0.0);
+    odd.levels[0].error.l2 = f64::INFINITY;
+    odd.levels[1].error.l2 = 0.0;
+    odd.levels[2].work = MeanWork::default();
+    let mut empty = sweep("samples", 0.0);
+    empty.levels.clear();
+    empty.order = order(&[], &[], ExpectedOrder::OF_SAMPLES, 0.0);
+    Cost {
+        scene: "nowhere".to_owned(),
+        sweeps: vec![odd, empty],
+        ..Cost::default()
+    }
+}
 
 pub fn page(costs: &[Cost]) -> String {
     cost_html(&CostPage {
-        title: "what accuracy costs",
         command: "volref cost fixtures/scenes/plume.toml --report cost",
         costs,
         machine: Some(&machine()),
     })
 }
 
-/// Writes the page and the picture, to be looked at: `cargo test --test library report:: -- --ignored`, then
-/// open the files it names.
-#[test]
-#[ignore = "for looking at"]
-fn write_a_cost_page() {
-    let folder = std::env::temp_dir().join("volref-cost");
-    std::fs::create_dir_all(&folder).unwrap();
-    let write = |name: &str, text: &str| {
-        std::fs::write(folder.join(name), text).unwrap();
-        println!("{} ({} bytes)", folder.join(name).display(), text.len());
-    };
-    let costs = costs();
-    write("cost.html", &page(&costs));
-    write("extremes.html", &page(&[extremes()]));
-    write("cost.txt", &cost_text(&costs, Some(&machine())));
-    for (at, study) in costs[0].studies.iter().enumerate() {
-        write(
-            &format!("work-precision-{at}.svg"),
-            &work_precision_svg(study),
-        );
-    }
-    for (name, text) in cost_csv(&costs) {
-        write(&name, &text);
-    }
+/// A page that opens in a browser.
+pub fn pages() -> String {
+    page(&[sample(), extremes()])
 }
 
 #[test]
-fn text_says_what_to_take_then_what_it_costs_then_how_errors_fall() {
-    let mut cost = small();
-    cost.recommendations = vec![Recommendation {
-        error: 1e-2,
-        text: "for an error of 1 %: steps of 0.25 voxels, 2 times the work".to_owned(),
-        command: Some("volref render fog.toml --step 0.005 -o fog.exr".to_owned()),
-    }];
-    cost.notes = vec!["no lights, so nothing is scattered".to_owned()];
-    insta::assert_snapshot!(cost_text(&[cost], Some(&machine())), @"
-    fog: left half
-    ==============
+fn text_says_what_to_take_then_how_errors_fall_then_what_effects_cost() {
+    insta::assert_snapshot!(cost_text(&[sample()], Some(&machine())), @r#"
+    plume: left half
+    ================
 
     recommended settings
       for an error of 1 %: steps of 0.25 voxels, 2 times the work
-        volref render fog.toml --step 0.005 -o fog.exr
+        volref render plume -o image.exr --step "0.25 voxels"
 
-    transmittance
-      Transmittance of one ray.
-      reference: closed form; its own error at most 1.00e-12
+    step: 16 × 12 pixels by the distance between samples along a ray
+      setting       lookups  mean error  RMS error  largest  order             time per pixel
+      1 voxel          8.00     4.37e-2    6.25e-2  2.50e-1      –           128 (102–192) ns
+      0.5 voxels       16.0     1.09e-2    1.56e-2  6.25e-2   2.00           256 (205–384) ns
+      0.25 voxels      32.0     2.73e-3    3.91e-3  1.56e-2   2.00           512 (410–768) ns
+      0.125 voxels     64.0     6.84e-4  ° 9.77e-4  3.91e-3   2.00  1.02 (0.82–1.54) µs noisy
+      reference: the same image with steps of 0.0078125 voxels; its own error at most 1.00e-5
+      order 2.00, expected 2: ✓ as expected
+      ° too near to the error of the reference: not above 1.00e-3
 
-    transmittance: cheapest settings for a given error
-      error  estimator  setting       lookups  × cheapest  time per ray
-      1e-2   midpoint   0.25 voxels      33.0         1.0        516 ns
-      1e-3   midpoint   0.125 voxels     65.0         1.0       1.02 µs
-      1e-2 was not reached in the range tested by: left
-      1e-3 was not reached in the range tested by: left
+    step without light: 16 × 12 pixels by the distance between samples along a ray
+      setting       lookups  mean error  RMS error  largest  order             time per pixel
+      1 voxel          8.00     4.44e-2    6.35e-2  2.51e-1      –           128 (102–192) ns
+      0.5 voxels       16.0     1.16e-2    1.66e-2  6.35e-2   1.93           256 (205–384) ns
+      0.25 voxels      32.0     3.43e-3    4.91e-3  1.66e-2   1.76           512 (410–768) ns
+      0.125 voxels     64.0     1.38e-3    1.98e-3  4.91e-3   1.31  1.02 (0.82–1.54) µs noisy
+      reference: the same image with steps of 0.0078125 voxels; its own error at most 1.00e-5
+      order 1.68, expected 2: ~ no power yet: the order still changes from setting to setting
+      ended early: the budget was used up after 4 of 9 settings
 
-    transmittance: convergence orders
-      estimator  varied  expected     ±  fitted  of max  verdict
-      midpoint   step           2  0.10    2.00    1.97  ✓ as expected
-      left       step           1  0.10    0.41    0.97  ✗ not as expected
+    price of each effect by itself, per pixel
+      effect                   lookups  × work                 time  × time
+      absorption and emission     16.0     1.0  16.0 (12.8–24.0) ns     1.0
+      with volume shadow           200    12.5     200 (160–300) ns    12.5
 
-    transmittance: midpoint (as in the reference renderer)
-      setting       lookups       L1       L2      max  order  f32 off            time per ray
-      1 voxels         9.00  4.37e-2  6.25e-2  2.63e-1      –        –  141 (112–180) ns noisy
-      0.5 voxels       17.0  1.09e-2  1.56e-2  6.56e-2   2.00        –        266 (212–340) ns
-      0.25 voxels      33.0  2.73e-3  3.91e-3  1.64e-2   2.00        –        516 (412–660) ns
-      0.125 voxels     65.0  6.84e-4  9.77e-4  4.10e-3   2.00  2.00e-3     1.02 (0.81–1.30) µs
+    notes
+      `early_termination` is left out
 
-    transmittance: left
-      setting       lookups       L1       L2      max  order            time per ray
-      1 voxels         9.00  4.37e-2  6.25e-2  2.63e-1      –  141 (112–180) ns noisy
-      0.5 voxels       17.0  2.19e-2  3.12e-2  1.31e-1   1.00        266 (212–340) ns
-      0.25 voxels      33.0  1.09e-2  1.56e-2  6.56e-2   1.00        516 (412–660) ns
-      0.125 voxels     65.0  5.47e-3  3.00e-2  3.28e-2  -0.94     1.02 (0.81–1.30) µs
-
-    not measured
-      no lights, so nothing is scattered
-
-    fog: left half, for an error of 1 %: steps of 0.25 voxels, 2 times the work
-    ✗ fog: left half, transmittance, left: order 0.41, expected 1 ± 0.10
-    2 convergence orders: 1 as expected, 1 not as expected.
     times: AMD EPYC 9R14, 1 thread, linux x86_64, rustc 1.89.0, release, target features fxsr, sse, sse2
-    ");
-}
-
-#[test]
-fn csv_has_a_file_for_each_table() {
-    let files = cost_csv(&[small()]);
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(names, ["sweeps.csv", "orders.csv", "prices.csv"]);
-    insta::assert_snapshot!(files[0].1, @"
-    scene,panel,study,estimator,is_ours,parameter,setting,value,density_lookups,gradient_lookups,cells_walked,shadow_rays,phase_evaluations,null_collisions,surface_tests,random_draws,l1,l2,max,l2_uncertainty,judged_l1,judged_l2,judged_max,local_order,f32_off_l1,f32_off_l2,f32_off_max,reference_bound,runs,median_seconds,min_seconds,max_seconds,deviation_seconds,outliers,is_noisy
-    fog,left half,transmittance,midpoint,true,step,1 voxels,0.02,9.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.04375,0.0625,0.2625,0.02,,,,,,,,1e-12,10,1.40625e-7,1.125e-7,1.8e-7,1.40625e-8,1,true
-    fog,left half,transmittance,midpoint,true,step,0.5 voxels,0.01,17.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0109375,0.015625,0.065625,0.02,,,,2.0,,,,1e-12,10,2.65625e-7,2.125e-7,3.4e-7,2.65625e-8,1,false
-    fog,left half,transmittance,midpoint,true,step,0.25 voxels,0.005,33.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.002734375,0.00390625,0.01640625,0.02,,,,2.0,,,,1e-12,10,5.15625e-7,4.125e-7,6.6e-7,5.15625e-8,1,false
-    fog,left half,transmittance,midpoint,true,step,0.125 voxels,0.0025,65.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.00068359375,0.0009765625,0.0041015625,0.02,,,,2.0,0.001,0.002,0.004,1e-12,10,1.015625e-6,8.125e-7,1.3e-6,1.015625e-7,1,false
-    fog,left half,transmittance,left,false,step,1 voxels,0.02,9.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.04375,0.0625,0.2625,0.02,,,,,,,,1e-12,10,1.40625e-7,1.125e-7,1.8e-7,1.40625e-8,1,true
-    fog,left half,transmittance,left,false,step,0.5 voxels,0.01,17.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.021875,0.03125,0.13125,0.02,,,,1.0,,,,1e-12,10,2.65625e-7,2.125e-7,3.4e-7,2.65625e-8,1,false
-    fog,left half,transmittance,left,false,step,0.25 voxels,0.005,33.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0109375,0.015625,0.065625,0.02,,,,1.0,,,,1e-12,10,5.15625e-7,4.125e-7,6.6e-7,5.15625e-8,1,false
-    fog,left half,transmittance,left,false,step,0.125 voxels,0.0025,65.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.00546875,0.03,0.0328125,0.02,,,,-0.94,,,,1e-12,10,1.015625e-6,8.125e-7,1.3e-6,1.015625e-7,1,false
-    ");
-    insta::assert_snapshot!(files[1].1, @"
-    scene,panel,study,of,parameter,expected,tolerance,fitted,fitted_max,verdict,cut
-    fog,left half,transmittance,midpoint,step,2.0,0.1,2.0,1.97,as-expected,
-    fog,left half,transmittance,left,step,1.0,0.1,0.41,0.97,otherwise,
-    ");
-    insta::assert_snapshot!(files[2].1, @"
-    scene,panel,study,error,estimator,parameter,setting,lookups,times_cheapest,seconds
-    fog,left half,transmittance,0.01,midpoint,step,0.25 voxels,33.0,1.0,5.15625e-7
-    fog,left half,transmittance,0.01,left,step,,,,
-    fog,left half,transmittance,0.001,midpoint,step,0.125 voxels,65.0,1.0,1.015625e-6
-    fog,left half,transmittance,0.001,left,step,,,,
-    ");
-
-    let files = cost_csv(&costs());
-    assert_eq!(files.len(), 7);
-    for (name, text) in files {
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let heads = reader.headers().unwrap().clone();
-        assert_eq!(&heads[0], "scene", "{name}");
-        assert!(reader.records().count() >= 4, "{name}");
-        // All times, and nothing but times, are in the last columns.
-        let is_time = |head: &str| head.contains("seconds") || head.contains("is_noisy");
-        let is_of_runs = |head: &str| head == "runs" || head == "outliers";
-        let times: Vec<bool> = heads.iter().map(|h| is_time(h) || is_of_runs(h)).collect();
-        assert!(times.is_sorted(), "{name}: {heads:?}");
-    }
-}
-
-#[test]
-fn csv_quotes_what_it_must() {
-    let mut cost = small();
-    cost.scene = "a, \"b\"\nc".to_owned();
-    let (_, text) = &cost_csv(&[cost])[0];
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let record = reader.records().next().unwrap().unwrap();
-    assert_eq!(&record[0], "a, \"b\"\nc");
-}
-
-#[test]
-fn json_has_a_schema() {
-    let value = cost_json(&costs(), Some(&machine()));
-    assert_eq!(value["schema"], "volref/cost/1");
-    assert_eq!(value["machine"]["threads"], 1);
-    let study = &value["costs"][0]["studies"][0];
-    assert_eq!(study["sweeps"][1]["parameter"], "shadow-step");
-    assert_eq!(study["sweeps"][4]["order"]["verdict"], "otherwise");
-    let read: Vec<Cost> = serde_json::from_value(value["costs"].clone()).unwrap();
-    assert_eq!(read[1], small());
-}
-
-#[test]
-fn text_keeps_to_a_hundred_columns() {
-    let costs = [costs(), vec![extremes()]].concat();
-    let text = cost_text(&costs, Some(&machine()));
+    "#);
+    let text = cost_text(&[sample(), extremes()], Some(&machine()));
     for line in text.lines().filter(|line| !line.contains("volref render")) {
         assert!(line.chars().count() <= 100, "{line}");
         assert_eq!(line.trim_end(), line);
     }
 }
 
-/// Every drawing on the page, read as XML.
-fn drawings(html: &str) -> Vec<&str> {
-    html.match_indices("<svg")
-        .map(|(from, _)| &html[from..from + html[from..].find("</svg>").unwrap() + 6])
-        .collect()
-}
-
-fn texts<'a>(document: &'a Document<'_>) -> Vec<&'a str> {
-    let is_text = |node: &Node<'_, '_>| node.has_tag_name("text") || node.has_tag_name("title");
-    let nodes = document.descendants().filter(is_text);
-    nodes.filter_map(|node| node.text()).collect()
+#[test]
+fn csv_has_a_row_for_each_setting_and_each_effect() {
+    let mut cost = sample();
+    cost.scene = "a, \"b\"\nc".to_owned();
+    let [(sweeps, settings), (effects, prices)] = cost_csv(&[cost]);
+    assert_eq!([sweeps, effects], ["sweeps.csv", "effects.csv"]);
+    for (text, rows) in [(&settings, 8), (&prices, 2)] {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let heads = reader.headers().unwrap().clone();
+        let records: Vec<_> = reader.records().map(Result::unwrap).collect();
+        assert_eq!(records.len(), rows);
+        assert_eq!(&records[0][0], "a, \"b\"\nc");
+        // All times, and nothing but times, are in the last columns.
+        let of_runs = ["runs", "outliers", "is_noisy"];
+        let is_time = |head: &str| head.contains("seconds") || of_runs.contains(&head);
+        let times: Vec<bool> = heads.iter().map(is_time).collect();
+        assert!(times.is_sorted(), "{heads:?}");
+    }
+    let rows = settings.replace("\"a, \"\"b\"\"\nc\"", "plume");
+    let rows: Vec<&str> = rows.lines().take(3).collect();
+    insta::assert_snapshot!(rows.join("\n"), @"
+    scene,panel,sweep,parameter,setting,value,density_lookups,gradient_lookups,gradients_computed,cells_walked,shadow_rays,phase_evaluations,null_collisions,surface_tests,random_draws,attenuations,channel_attenuations,emission_terms,first_scatterings,further_scatterings,l1,l2,max,l2_uncertainty,local_order,fitted_order,expected_order,verdict,reference_bound,runs,median_seconds,min_seconds,max_seconds,deviation_seconds,outliers,is_noisy
+    plume,left half,step,step,1 voxel,1.0,8.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.04375,0.0625,0.25,0.02,,2.0,2.0,as-expected,1e-5,10,1.28e-7,1.0240000000000002e-7,1.9200000000000003e-7,1.2800000000000002e-8,1,false
+    plume,left half,step,step,0.5 voxels,0.5,16.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0109375,0.015625,0.0625,0.02,1.9999999999999996,2.0,2.0,as-expected,1e-5,10,2.56e-7,2.0480000000000003e-7,3.8400000000000005e-7,2.5600000000000004e-8,1,false
+    ");
 }
 
 #[test]
-fn every_study_has_its_plots() {
-    let costs = costs();
-    let html = page(&costs);
-    let studies: usize = costs.iter().map(|cost| cost.studies.len()).sum();
-    assert_eq!(html.matches("<figure class=\"work\">").count(), studies);
-    assert_eq!(html.matches("<figure class=\"orders\">").count(), 2);
-    assert_eq!(html.matches("<figure class=\"thickness\">").count(), 1);
-    assert_eq!(html.matches("<figure class=\"jitter\">").count(), 1);
-    // And the ray of one study.
-    let drawings = drawings(&html);
-    // Each is there broad and narrow.
-    assert_eq!(drawings.len(), 2 * (studies + 2 + 1 + 1 + 1));
-    for drawing in &drawings {
-        Document::parse(drawing).unwrap();
-    }
-    // Of each study, a mark with its value for every setting in both panels.
-    for (study, drawing) in costs.iter().flat_map(|cost| &cost.studies).zip(
-        drawings
-            .iter()
-            .filter(|drawing| drawing.contains("Work and precision"))
-            .filter(|drawing| drawing.contains("class=\"broad\"")),
-    ) {
-        let document = Document::parse(drawing).unwrap();
-        let texts = texts(&document);
-        for sweep in &study.sweeps {
-            let told = |text: &&&str| text.contains(&sweep.estimator);
-            assert!(texts.iter().filter(told).count() > 2 * sweep.levels.len());
+fn json_has_a_schema() {
+    let value = cost_json(&[sample()], Some(&machine()));
+    assert_eq!(value["schema"], "volref/cost/1");
+    assert_eq!(value["machine"]["threads"], 1);
+    let sweep = &value["costs"][0]["sweeps"][0];
+    assert_eq!(sweep["parameter"], "step");
+    assert_eq!(sweep["order"]["verdict"], "as-expected");
+    assert_eq!(sweep["levels"][1]["work"]["density_lookups"], 16.0);
+    assert_eq!(sweep["levels"][1]["time"]["runs"], 10);
+}
+
+fn texts<'a>(document: &'a Document<'_>) -> Vec<Node<'a, 'a>> {
+    let nodes = document.descendants();
+    nodes.filter(|node| node.has_tag_name("text")).collect()
+}
+
+/// Each curve has a mark with its setting in both panels and a line of its own in the legend; without times there is one
+/// panel; no text begins or ends beyond the edges.
+#[test]
+fn a_plot_has_every_setting() {
+    let mut cost = sample();
+    for panels in [2, 1] {
+        let svg = cost_plot(&cost);
+        let document = Document::parse(&svg).unwrap();
+        let nodes = texts(&document);
+        let said: Vec<&str> = nodes.iter().filter_map(|node| node.text()).collect();
+        for setting in ["1", "1/2", "1/4", "1/8"] {
+            let count = said.iter().filter(|text| **text == setting).count();
+            assert!(count >= 2 * panels, "{setting}: {said:?}");
         }
-        for axis in [
-            "lookups per ray",
-            "error: relative RMSE",
-            "slope −½",
-            "slope −1",
-        ] {
-            assert!(texts.iter().any(|text| text.trim() == axis), "{axis}");
-        }
-    }
-}
-
-#[test]
-fn failures_are_shown() {
-    let html = page(&costs());
-    for words in [
-        "2 not as expected, 1 not yet asymptotic; 4 of 5 estimators agree",
-        "plume, image, centre sample: order 0.46, expected 2",
-        "plume, transmittance, midpoint, linear opacity: not yet asymptotic",
-        "✗ disagrees",
-        "not reached by any setting that was measured: 1e-6",
-        "ratio tracking ended early: 65536 samples would take 3 minutes",
-    ] {
-        assert!(html.contains(words), "{words}");
-    }
-}
-
-/// Where nothing is looked up, random numbers are counted, and called so everywhere.
-#[test]
-fn what_is_counted_is_named() {
-    let mut cost = small();
-    let study = &mut cost.studies[0];
-    for level in study.sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
-        level.work[Event::RandomDraw] = std::mem::take(&mut level.work[Event::DensityLookup]);
-    }
-    let svg = work_precision_svg(study);
-    assert!(svg.contains("random numbers per ray") && !svg.contains("lookups"));
-    let text = cost_text(&[cost.clone()], None);
-    assert!(text.contains("setting       random numbers"), "{text}");
-    assert!(
-        text.contains("setting       random numbers  × cheapest"),
-        "{text}"
-    );
-    assert!(!text.contains("lookups"), "{text}");
-    cost.studies[0].sweeps[0].levels[0].work[Event::DensityLookup] = 1.0;
-    let svg = work_precision_svg(&cost.studies[0]);
-    assert!(svg.contains("lookups or random numbers per ray"));
-}
-
-/// No text of a drawing begins or ends beyond its edges, whatever its letters: none is narrower than
-/// half of its size, on average.
-#[test]
-fn no_label_is_cut_off() {
-    let html = page(&[costs(), vec![extremes()]].concat());
-    for drawing in drawings(&html) {
-        let document = Document::parse(drawing).unwrap();
-        let svg = document.root_element();
-        let number = |node: &Node<'_, '_>, name: &str| -> f64 {
-            let value = node.attribute(name).unwrap();
-            value.trim_end_matches("px").parse().unwrap()
-        };
-        let view = svg.attribute("viewBox").unwrap();
-        let size: Vec<f64> = view.split(' ').map(|size| size.parse().unwrap()).collect();
-        for text in svg.children().filter(|node| node.has_tag_name("text")) {
-            let letters = text.text().unwrap_or_default().trim().chars().count() as f64;
-            let length = 0.5 * number(&text, "font-size") * letters;
-            let share = match text.attribute("text-anchor") {
+        assert!(
+            said.contains(&"step [voxels]: order 2.00, expected 2"),
+            "{said:?}"
+        );
+        assert!(said.contains(&"lookups per pixel"), "{said:?}");
+        assert_eq!(svg.contains("wall time"), panels == 2);
+        for node in nodes {
+            let number = |name: &str| -> f64 { node.attribute(name).unwrap().parse().unwrap() };
+            // No letter is narrower than half of its size, on average.
+            let length = 0.5 * 11.5 * node.text().unwrap().chars().count() as f64;
+            let share = match node.attribute("text-anchor") {
                 Some("middle") => 0.5,
                 Some("end") => 1.0,
                 _ => 0.0,
             };
-            let (at, room) = match text.attribute("transform") {
-                None => (number(&text, "x"), size[2]),
-                // Upwards, along the first axis.
-                Some(_) => (number(&text, "y"), size[3]),
-            };
-            let ends = [at - share * length, at + (1.0 - share) * length];
-            assert!(
-                ends[0] >= 0.0 && ends[1] <= room,
-                "{text:?}: {ends:?} of {room}"
-            );
+            let ends = [-share, 1.0 - share].map(|share| number("x") + share * length);
+            assert!(ends[0] >= 0.0 && ends[1] <= 800.0, "{node:?}: {ends:?}");
+        }
+        for level in cost.sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
+            level.time = None;
         }
     }
+    // Where nothing is looked up, random numbers are counted, and called so.
+    for level in cost.sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
+        level.work[Event::RandomDraw] = std::mem::take(&mut level.work[Event::DensityLookup]);
+    }
+    let svg = cost_plot(&cost);
+    assert!(svg.contains("random numbers per pixel") && !svg.contains("lookups"));
 }
 
 #[test]
-fn what_cannot_be_drawn_is_told() {
-    let html = page(&[extremes()]);
-    for words in [
-        "whose error is not a finite number",
-        "Not drawn by work: closed form",
-        "work is the number of random numbers drawn: blind guess",
-        "? nowhere, image, path tracer: undecided",
-    ] {
-        assert!(html.contains(words), "{words}");
-    }
-    for drawing in drawings(&html) {
-        Document::parse(drawing).unwrap();
-        assert!(!drawing.contains("NaN") && !drawing.contains("inf"));
-    }
+fn what_cannot_be_drawn_is_left_out() {
+    let svg = cost_plot(&extremes());
+    Document::parse(&svg).unwrap();
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
 }
 
-/// All texts of a scene are hostile.
+/// All texts of a scene are hostile, and the page asks for nothing outside.
 #[test]
 fn names_are_escaped() {
+    let mut cost = sample();
     let text = || HOSTILE.to_owned();
-    let mut cost = costs().swap_remove(0);
     cost.scene = text();
     cost.panel = Some(text());
     cost.notes = vec![text()];
-    for study in &mut cost.studies {
-        study.quantity = text();
-        study.reference.method = text();
-        for picture in &mut study.pictures {
-            picture.setting = text();
-        }
-        if let Some(ray) = &mut study.worst_ray {
-            ray.ray = text();
-            ray.setting = text();
-        }
-        for sweep in &mut study.sweeps {
-            sweep.estimator = text();
-            sweep.cut = Some(text());
-            for level in &mut sweep.levels {
-                level.setting = text();
-            }
-        }
-    }
-    for curve in &mut cost.thickness.as_mut().unwrap().curves {
-        curve.estimator = text();
-    }
-    for curve in &mut cost.jitter.as_mut().unwrap().curves {
-        curve.jitter = text();
-    }
-    for row in &mut cost.estimators.as_mut().unwrap().rows {
-        row.estimator = text();
-    }
-    for advice in &mut cost.recommendations {
-        advice.text = text();
-        advice.command = Some(text());
-    }
-    for effect in &mut cost.effects {
-        effect.effect = text();
-    }
+    cost.effects[0].effect = text();
+    cost.recommendations[0].text = text();
+    cost.recommendations[0].command = Some(text());
+    cost.sweeps[0].levels[0].setting = text();
+    cost.sweeps[0].reference.method = text();
+    cost.sweeps[0].cut = Some(text());
     let html = page(&[cost]);
     for harm in ["<script", "<img src=x", "'x' onerror", "<!--]", "49&lt;"] {
         assert!(!html.contains(harm), "{harm}");
     }
     assert!(html.contains("&lt;script&gt;window.hacked=1"));
-    for drawing in drawings(&html) {
-        Document::parse(drawing).unwrap();
-    }
-}
-
-#[test]
-fn the_page_asks_for_nothing_outside() {
-    let html = page(&costs()).replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-    asks_for_nothing_outside(&html);
-    assert!(!html.contains("<script"));
-}
-
-/// A file of its own has colours and no variables of a page.
-#[test]
-fn the_picture_stands_alone() {
-    let svg = work_precision_svg(&costs()[0].studies[1]);
-    let document = Document::parse(&svg).unwrap();
-    let root = document.root_element();
-    assert_eq!(root.attribute("width"), Some("800"));
-    assert!(
-        root.attribute("font-family")
-            .unwrap()
-            .contains("sans-serif")
-    );
-    assert!(!svg.contains("var("));
-    // Strokes that were drawn as numbers would end like this.
-    assert!(!svg.contains("A5\""));
-    assert!(svg.contains("<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"));
-}
-
-/// Without times there is one panel.
-#[test]
-fn without_times_there_is_one_panel() {
-    let mut study = costs().swap_remove(0).studies.swap_remove(1);
-    assert!(work_precision_svg(&study).contains("wall time"));
-    for sweep in &mut study.sweeps {
-        for level in &mut sweep.levels {
-            level.time = None;
-        }
-    }
-    assert!(!work_precision_svg(&study).contains("wall time"));
-    assert!(
-        study
-            .sweeps
-            .iter()
-            .any(|sweep| sweep.parameter == Parameter::None)
-    );
+    asks_for_nothing_outside(&html.replace("xmlns=\"http://www.w3.org/2000/svg\"", ""));
 }

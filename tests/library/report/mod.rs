@@ -2,7 +2,6 @@
 
 mod browser;
 mod cost;
-mod cost_samples;
 mod page;
 mod samples;
 mod webdriver;

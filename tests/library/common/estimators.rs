@@ -1,7 +1,7 @@
-//! Predicted variances of estimators of transmittance, which tests compare with measured ones.
+//! Predicted variances of estimators of transmittance.
 
-use crate::math::exp_m1;
-use crate::optics::{opacity, transmittance};
+use volref::math::exp_m1;
+use volref::optics::{opacity, transmittance};
 
 /// Variance of one flight counted as 1 if it survives `depth`, as 0 if not: `T (1 − T)`.
 pub fn delta_tracking_variance(depth: f64) -> f64 {
