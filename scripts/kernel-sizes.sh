@@ -21,7 +21,7 @@ nm -S -C "$binary" | awk -v text="$text" '
             value = 16 * value + index("0123456789abcdef", substr(digits, i, 1)) - 1
         return value
     }
-    $3 !~ /^[tTwW]$/ || /volref(\[[0-9a-f]*\])?::(cost|hard_cases|reference|conventions)::|classified::conventional::/ { next }
+    $3 !~ /^[tTwW]$/ || /volref(\[[0-9a-f]*\])?::(cost|reference|conventions)::|classified::conventional::/ { next }
     /PathTracer|ByPathTracing/ { family = "path tracer" }
     /LineOfSight|ByLineOfSight/ { family = "line of sight" }
     /RayCaster|render::classified::kernels::/ { family = "ray caster" }

@@ -91,7 +91,6 @@ mod files;
 pub mod film;
 pub mod geometry;
 pub mod guide;
-pub mod hard_cases;
 pub mod judging;
 pub mod known_answers;
 pub mod math;

@@ -4,9 +4,8 @@ use super::Outcome;
 use super::failure::Failure;
 use super::output::{self, Json, number_of};
 use super::suite::Selection;
-use crate::hard_cases::Row;
 use crate::report::{widest, wrapped};
-use crate::suite::{ANALYTIC, CORE, Case, Family, HARD, Suite, row_name};
+use crate::suite::{CORE, Case, Family, Suite};
 use crate::variations::mistakes;
 use serde_json::{Value, json};
 
@@ -46,11 +45,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let suite = arguments.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
-    let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
+    let cases = suite.select(&arguments.filters)?;
     let families = suite.families(&cases);
     let text = match arguments.filters.is_empty() {
-        true => overview(&suite, &families, rows.len()),
-        false => listing(&cases, &rows),
+        true => overview(&suite, &families),
+        false => listing(&cases),
     };
     let is_core = |case: &Case| suite.core().contains(&case.name);
     let family = |family: &Family<'_>| {
@@ -61,19 +60,16 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             "core": family.cases.iter().filter(|case| is_core(case)).count(),
         })
     };
-    let mut value = json!({
+    let value = json!({
         "schema": "volref/list/1",
         "families": families.iter().map(family).collect::<Vec<_>>(),
         "cases": cases.iter().map(|case| case_json(case, is_core(case))).collect::<Vec<_>>(),
     });
-    if !rows.is_empty() {
-        value["rows"] = rows.iter().map(|row| row_json(row)).collect();
-    }
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
 /// The families, in the order of their use, and the core set.
-fn overview(suite: &Suite, families: &[Family<'_>], rows: usize) -> String {
+fn overview(suite: &Suite, families: &[Family<'_>]) -> String {
     let width = widest(families.iter().map(|family| family.name)).max("family".len());
     let mut text = format!("{:<width$}  cases  asks of a renderer\n", "family");
     for Family { name, asks, cases } in families {
@@ -81,18 +77,11 @@ fn overview(suite: &Suite, families: &[Family<'_>], rows: usize) -> String {
         text.push_str(line.trim_end());
         text.push('\n');
     }
-    let rows = match rows {
-        0 => String::new(),
-        rows => format!(", and {rows} laws without an image in the family {HARD}"),
-    };
     let cases = families
         .iter()
         .map(|family| family.cases.len())
         .sum::<usize>();
-    text.push_str(&format!(
-        "\nIn all {}{rows}.\n",
-        number_of(cases as u64, "case")
-    ));
+    text.push_str(&format!("\nIn all {}.\n", number_of(cases as u64, "case")));
     let core = suite.core();
     if !core.is_empty() {
         text.push_str(&format!(
@@ -105,19 +94,14 @@ fn overview(suite: &Suite, families: &[Family<'_>], rows: usize) -> String {
     text
 }
 
-/// A line for each case and row, and what the case shows.
-fn listing(cases: &[&Case], rows: &[&Row]) -> String {
-    let row_names: Vec<String> = rows.iter().map(|row| row_name(row)).collect();
-    let names = cases.iter().map(|case| &case.name).chain(&row_names);
-    let widest = widest(names);
+/// A line for each case, and what it shows.
+fn listing(cases: &[&Case]) -> String {
+    let widest = widest(cases.iter().map(|case| &case.name));
     let mut text = String::new();
     for case in cases {
         let (name, source) = (&case.name, short(&case.source));
         text.push_str(&format!("{name:<widest$}  {}\n", case.class()));
         text.push_str(&wrapped(&format!("{} [{source}]", case.shows), 4));
-    }
-    for (row, name) in rows.iter().zip(&row_names) {
-        text.push_str(&format!("{name:<widest$}  {ANALYTIC:<13}  {}\n", row.what));
     }
     text
 }
@@ -136,16 +120,6 @@ fn case_json(case: &Case, is_core: bool) -> Value {
         "exposure": case.exposure,
         "opacity": case.opacity,
         "depth": case.depth.map(|depth| depth.to_string()),
-    })
-}
-
-fn row_json(row: &Row) -> Value {
-    json!({
-        "name": row_name(row),
-        "what": row.what,
-        "tolerance": row.tolerance,
-        "remedy": row.remedy,
-        "file": row.file,
     })
 }
 

@@ -5,13 +5,13 @@ use super::failure::{Exit, Failure, bad_input, exit};
 use super::kept::NAME;
 use super::results::{Findings, ResultFiles};
 use super::verdicts::PrintedVerdicts;
-use crate::compare::Gate;
+use crate::compare::{Exact, Gate};
 use crate::conventions::Profile;
 use crate::judging::{CaseFinding, CaseResult, Cause, Evidence, Judged, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::runs::{KeptResult, ResultFolder, Run};
-use crate::suite::{self, Case, Suite};
+use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -130,7 +130,7 @@ pub fn without_result(name: &str, case: Option<&Case>, reason: &str) -> Judged {
     let finding = CaseFinding::new(Verdict::Missing, Cause::Undecided, reason);
     let (class, gate): (_, &'static dyn Gate) = match case {
         Some(case) => (case.class(), case.gate()),
-        None => (suite::ANALYTIC, &suite::Analytic),
+        None => ("", &Exact),
     };
     Judged {
         result: CaseResult {

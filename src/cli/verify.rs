@@ -6,12 +6,10 @@ use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
 use super::suite::Selection;
 use super::{Outcome, output, progress, render};
-use crate::hard_cases::Row;
 use crate::judging;
 use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::report;
-use crate::suite;
 use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
 
@@ -19,8 +17,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
-    /// Families, cases, hard cases such as G6, or patterns over them such as 'figures/*'; those with ! before
-    /// them are left out
+    /// Families, cases, or patterns over them such as 'figures/*'; those with ! before them are left out
     /// [default: all]
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
@@ -40,66 +37,39 @@ pub struct Arguments {
     threads: Option<u16>,
 }
 
-/// A case or row to verify.
-enum Selected<'s> {
-    Case(&'s Case),
-    /// A row of the catalogue of hard cases.
-    Row(&'static Row),
-}
-
-impl Selected<'_> {
-    fn name(&self) -> String {
-        match self {
-            Selected::Case(case) => case.name.clone(),
-            Selected::Row(row) => suite::row_name(row),
-        }
-    }
-}
-
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
     arguments.files.check(&suite)?;
-    let (cases, rows) = suite.select_with_rows(&arguments.filters)?;
+    let mut cases = suite.select(&arguments.filters)?;
     let kept = &arguments.kept;
     let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
     let to_keep = folder.map(|folder| {
-        let names = rows.iter().map(|row| suite::row_name(row));
-        let cases = cases.iter().copied();
+        let all = cases.iter().copied();
         let run = run_of(
             "verify",
             &suite,
             &arguments.filters,
-            cases,
-            names,
+            all,
+            [],
             BTreeMap::new(),
         );
         (folder, run)
     });
-    let cases = cases.into_iter().map(Selected::Case);
-    let mut selected: Vec<Selected<'_>> =
-        cases.chain(rows.into_iter().map(Selected::Row)).collect();
-    arguments
-        .partition
-        .retain(&mut selected, "cases", Selected::name)?;
+    let name = |case: &&Case| case.name.clone();
+    arguments.partition.retain(&mut cases, "cases", name)?;
     let store = suite.store();
     let mut judged = render::with_threads(arguments.threads, || {
-        let bar = progress::counted("cases", selected.len());
-        let verified = selected.iter().map(|selected| {
-            bar.set_message(selected.name());
-            let judged = match selected {
-                Selected::Case(case) => {
-                    let mut judged = judging::verify(case, &store, &bar);
-                    if arguments.files.wants_evidence() && judged.result.cause == Cause::Golden {
-                        judging::show_unjudged(case, &store, &mut judged.evidence, &bar);
-                    }
-                    if to_keep.is_none() && !arguments.files.wants_evidence() {
-                        judged.evidence = Evidence::default();
-                    }
-                    judged
-                }
-                Selected::Row(row) => judging::verify_row(row),
-            };
+        let bar = progress::counted("cases", cases.len());
+        let verified = cases.iter().map(|case| {
+            bar.set_message(case.name.clone());
+            let mut judged = judging::verify(case, &store, &bar);
+            if arguments.files.wants_evidence() && judged.result.cause == Cause::Golden {
+                judging::show_unjudged(case, &store, &mut judged.evidence, &bar);
+            }
+            if to_keep.is_none() && !arguments.files.wants_evidence() {
+                judged.evidence = Evidence::default();
+            }
             bar.inc(1);
             judged
         });
@@ -115,7 +85,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged.evidence.reproduce = vec![again];
     }
     let kept = to_keep.map_or(Ok(()), |(folder, run)| {
-        let part: Vec<String> = selected.iter().map(Selected::name).collect();
+        let part: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
         keep(&folder, &run, &part, &judged)
     });
     if arguments.filters.is_empty() && arguments.partition.is_first() {

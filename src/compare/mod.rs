@@ -16,6 +16,7 @@ mod gate;
 mod image_gate;
 mod incomparable;
 mod judgement;
+mod margin;
 mod measured_difference;
 pub(crate) mod opacity;
 mod parts;
@@ -39,6 +40,8 @@ pub use gate::Gate;
 pub(crate) use gate::Metric;
 pub use image_gate::{Conditions, ImageGate};
 pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
+pub use margin::Margin;
+pub(crate) use margin::STANDARD_ERRORS;
 pub use measured_difference::measured_difference;
 pub(crate) use measured_difference::{
     SHARED_POSITIONS, WITHIN_A_PIXEL, left, measured, place_of_rest,

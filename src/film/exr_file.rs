@@ -7,8 +7,7 @@
 use super::error::{check_claim, check_size};
 use super::exr_completeness::{check_blocks, check_headers, unreadable};
 use super::exr_layers::{Colours, ExrPart, ExrParts, main_layer, name_of, samples_of};
-use super::exr_meaning::{check_opacity, check_part, check_parts, primaries};
-use super::primaries::{Primaries, REC709};
+use super::exr_meaning::{check_opacity, check_part, check_parts, check_primaries};
 use super::reading::{Overflow, Reading};
 use super::{Film, FilmError, Noise};
 use crate::files::decoder;
@@ -17,7 +16,6 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer, LayerAttributes,
     ReadChannels, ReadLayers, Vec2, WritableImage, read,
 };
-use glam::DVec3;
 use std::io::Cursor;
 use std::ops::Range;
 
@@ -30,10 +28,6 @@ const SAMPLES: &str = "samples.Y";
 const NO_COUNT: &str = "there are variances, but no channel samples.Y: write the number of \
 samples per pixel into it, the same everywhere; or give several renderings with different seeds \
 in place of variances";
-
-/// The variance of a sum of channels needs their covariances.
-pub(super) const NOT_CONVERTED: &str = "the colours were converted to the primaries of Rec.709, and \
-variances cannot be: write both with those primaries, or give several renderings with different seeds";
 
 impl Film {
     /// The image as EXR, 32-bit float, lossless: R, G and B; A if there is opacity; Z if there is depth; if there is
@@ -77,12 +71,8 @@ impl Film {
     /// else is ignored, except for noise: the layers `variance` (of the means; R, G, B) and
     /// `samples` (Y).
     ///
-    /// Colours with other primaries than those of Rec.709, by `chromaticities`, `colorInteropID` or
-    /// `acesImageContainerFlag`, are converted, the white point by the Bradford transform;
-    /// [`Film::changes_on_reading`] says so.
-    ///
-    /// Deep data, subsampled channels, luminance with chroma, colours that are not linear RGB or whose
-    /// statements contradict each other, several views, environment maps, pixels that are not square,
+    /// Deep data, subsampled channels, luminance with chroma, colours that are not linear RGB with the primaries of Rec.709,
+    /// several views, environment maps, pixels that are not square,
     /// opacity that colours are not multiplied by, the compressions DWAA and DWAB and, of half floats,
     /// B44 and B44A, windows that end before they begin, and files with a missing block of pixels in
     /// any part or resolution are refused. Values that are not finite are kept.
@@ -141,31 +131,19 @@ pub(super) fn written_parts(
 fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
     let frame = PixelWindow::of(colours.part, file)?;
     check_opacity(colours)?;
-    let primaries = primaries(colours, file)?;
+    check_primaries(colours, file)?;
     let mut reading = Reading::default();
     if let Some(layer) = &colours.unusual_layer {
         reading
             .changes
             .push(format!("was read from the layer {layer}"));
     }
-    let mut radiance = pixels(colours.rgb);
+    let radiance = pixels(colours.rgb);
     let mut channels = colours.rgb.iter().chain(&colours.opacity);
     if channels.any(|of| has_infinite_halves(of)) {
         reading.overflow = Some(Overflow::Half);
     }
     let noise = noise(colours, file)?;
-    // Grey has no primaries.
-    if !primaries.is(&REC709) && !colours.is_grey {
-        if noise.is_some() {
-            return Err(FilmError::Noise(NOT_CONVERTED));
-        }
-        convert(&mut radiance, primaries);
-        reading.is_converted = true;
-        reading.changes.push(format!(
-            "was converted from the primaries {primaries} to those of Rec.709{}",
-            primaries.adaptation()
-        ));
-    }
     let samples = match &noise {
         Some(noise) => Some(noise.samples),
         // Without variances the count is only used for advice, so a malformed one is ignored.
@@ -185,20 +163,6 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
         quantisation: None,
         depth: colours.depth.map(|depth| frame.cut(floats(depth))),
     })
-}
-
-/// Converts to the primaries of Rec.709. Pixels that are not finite are left, for infinity less
-/// infinity would be NaN.
-fn convert(radiance: &mut [[f32; 3]], from: Primaries) {
-    let Some(matrix) = from.to_rec709() else {
-        return;
-    };
-    for pixel in radiance {
-        if pixel.iter().all(|value| value.is_finite()) {
-            let converted = matrix * DVec3::from_array(pixel.map(f64::from));
-            *pixel = converted.to_array().map(|value| value as f32);
-        }
-    }
 }
 
 /// The colours of the pixels, given their channels.

@@ -2,7 +2,7 @@
 //!
 //! | attribute | rule |
 //! | --- | --- |
-//! | `chromaticities`, `colorInteropID`, `acesImageContainerFlag`, `oiio:ColorSpace` | linear RGB with known primaries: converted to Rec.709 if it has others; else refused, as are contradictions |
+//! | `chromaticities`, `colorInteropID`, `acesImageContainerFlag`, `oiio:ColorSpace` | refused unless they say linear RGB with the primaries of Rec.709 |
 //! | `multiView`, `view` | at most one view |
 //! | `envmap` | refused |
 //! | `pixelAspectRatio` | 1 |
@@ -19,7 +19,7 @@
 
 use super::FilmError;
 use super::exr_layers::{Colours, ExrParts};
-use super::primaries::{AP0, Primaries, REC709};
+use super::primaries::are_rec709;
 use exr::meta::attribute::{AttributeValue, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::{Compression, Text, Vec2};
@@ -28,8 +28,20 @@ use std::collections::HashMap;
 /// Attributes with the name of an encoding of colours.
 const ENCODINGS: [&str; 2] = ["colorInteropID", "oiio:ColorSpace"];
 
-/// Encodings that state nothing: that of a configuration that the file does not name.
-const NOT_STATED: [&str; 3] = ["", "unknown", "scene_linear"];
+/// Encodings, in small letters, that state nothing (that of a configuration that the file does not name), or linear RGB
+/// with the primaries of Rec.709.
+///
+/// Source: Color Interop Forum, "Color Space Encodings for Texture Assets and CG Rendering".
+const REC709: [&str; 8] = [
+    "",
+    "unknown",
+    "scene_linear",
+    "lin_rec709_scene",
+    "linear",
+    "lin_rec709",
+    "lin_srgb",
+    "linear rec.709 (srgb)",
+];
 
 const ACES: &str = "acesImageContainerFlag";
 const CHROMATICITIES: &str = "chromaticities";
@@ -38,8 +50,8 @@ const UNASSOCIATED: &str = "oiio:UnassociatedAlpha";
 const LOSSLESS: &str = "render it again and write it with ZIP or PIZ: recompressing the file does \
 not bring the digits back";
 
-const REC709_PLEASE: &str = "write linear RGB with the primaries of Rec.709 (colorInteropID \
-lin_rec709_scene, or no such attribute), or the chromaticities that the numbers have";
+const CONVERT: &str = "write linear RGB with the primaries of Rec.709, or convert the file: \
+oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr";
 
 /// Compressions by their number in the file, from the first that is not read.
 const UNREAD: [(u8, &str); 3] = [(10, "HTJ2K256"), (11, "HTJ2K32"), (13, "ZSTD")];
@@ -141,10 +153,10 @@ pub(super) fn check_parts(headers: &[Header]) -> Result<(), FilmError> {
     Ok(())
 }
 
-/// Primaries of the channels `colours`; of Rec.709 where nothing is stated.
-pub(super) fn primaries(colours: &Colours, file: &ExrParts) -> Result<Primaries, FilmError> {
+/// Fails if the channels `colours` are not linear RGB with the primaries of Rec.709, as far as is stated.
+pub(super) fn check_primaries(colours: &Colours, file: &ExrParts) -> Result<(), FilmError> {
     let other = &colours.part.attributes.other;
-    let mut stated: Vec<(&str, Primaries)> = Vec::new();
+    let mut fault = None;
     match (
         &file.attributes.chromaticities,
         other.get(&Text::from(CHROMATICITIES)),
@@ -152,52 +164,36 @@ pub(super) fn primaries(colours: &Colours, file: &ExrParts) -> Result<Primaries,
         (Some(of), None) => {
             let points = [of.red, of.green, of.blue, of.white];
             let points = points.map(|Vec2(x, y)| [x, y].map(f64::from));
-            stated.push((CHROMATICITIES, Primaries(points)));
+            if !are_rec709(&points) {
+                let [r, g, b, w] = points.map(|[x, y]| format!("({x:.4}, {y:.4})"));
+                fault = Some(format!(
+                    "the {CHROMATICITIES} of this EXR are {r}, {g}, {b} with white {w}, not those of Rec.709"
+                ));
+            }
         }
         (None, None) => {}
         _ => return Err(of_another_type(CHROMATICITIES)),
     }
-    match integer(other, ACES)? {
-        0 => {}
-        _ => stated.push((ACES, AP0)),
+    if integer(other, ACES)? != 0 {
+        fault = Some(format!(
+            "the colours of this EXR are ACES2065-1, by its {ACES}"
+        ));
     }
+    // Grey has no primaries.
+    fault = fault.filter(|_| !colours.is_grey);
     for name in ENCODINGS {
         let encoding = match other.get(&Text::from(name)) {
             None => continue,
             Some(AttributeValue::Text(text)) => text.to_string(),
             Some(_) => return Err(of_another_type(name)),
         };
-        match Primaries::named(&encoding) {
-            Some(primaries) => stated.push((name, primaries)),
-            None if NOT_STATED.contains(&&*encoding) => {}
-            None => {
-                return Err(FilmError::unsuited(
-                    format!(
-                        "the {name} of this EXR is {encoding:?}, which is not a linear RGB known to volref"
-                    ),
-                    REC709_PLEASE,
-                ));
-            }
+        if !REC709.contains(&&*encoding.to_ascii_lowercase()) {
+            fault = Some(format!(
+                "the {name} of this EXR is {encoding:?}, not linear RGB with the primaries of Rec.709"
+            ));
         }
     }
-    let Some((name, primaries)) = stated.first().copied() else {
-        return Ok(REC709);
-    };
-    if let Some((other, of)) = stated.iter().find(|(_, of)| !of.is(&primaries)) {
-        return Err(FilmError::unsuited(
-            format!(
-                "this EXR contradicts itself: its primaries are {primaries} by {name}, and {of} by {other}"
-            ),
-            "remove the attribute that is wrong",
-        ));
-    }
-    if primaries.to_rec709().is_none() {
-        return Err(FilmError::unsuited(
-            format!("the {name} of this EXR are those of no colours: {primaries}"),
-            REC709_PLEASE,
-        ));
-    }
-    Ok(primaries)
+    fault.map_or(Ok(()), |fault| Err(FilmError::unsuited(fault, CONVERT)))
 }
 
 /// Fails if colours beside an opacity are not multiplied by it.

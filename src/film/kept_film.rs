@@ -7,19 +7,6 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// The film of `size` that was kept at `path`, and the head of its file.
-///
-/// # Errors
-///
-/// Fault of a file: a sentence without its subject.
-pub(crate) fn read<H: DeserializeOwned>(
-    path: &Path,
-    size: [usize; 2],
-) -> Result<(H, Film), String> {
-    let (head, exr) = kept_file::read(path)?;
-    Ok((head, film_of(&exr, size)?))
-}
-
 /// The film of `size`, columns and rows, in the contents of such a file.
 ///
 /// # Errors

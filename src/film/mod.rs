@@ -156,9 +156,6 @@ impl Film {
         if samples < 2 {
             return Err(FilmError::Noise("one sample has no variance"));
         }
-        if self.reading.is_converted || variance.reading.is_converted {
-            return Err(FilmError::Noise(exr_file::NOT_CONVERTED));
-        }
         let variance = variance.radiance.clone();
         Ok(Film {
             noise: Some(Noise::of_samples(variance, samples)),
@@ -355,8 +352,8 @@ impl Film {
         noise.is_of_renderings().then_some(noise.samples)
     }
 
-    /// Changes of the pixels on reading, as ends of a sentence about the image: a conversion from other
-    /// primaries, the choice of a layer, a scale.
+    /// Changes of the pixels on reading, as ends of a sentence about the image: the choice of a layer, a
+    /// scale.
     pub fn changes_on_reading(&self) -> &[String] {
         &self.reading.changes
     }

@@ -5,13 +5,12 @@
 //! 8 bits would lose digits.
 
 use super::error::{check_claim, check_size};
-use super::primaries::{Primaries, REC709};
+use super::primaries::are_rec709;
 use super::{Film, FilmError};
 use crate::files::decoder;
 use crate::math;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
-use moxcms::ColorProfile;
 use std::io::Cursor;
 
 /// Memory for a row, a chunk and a profile, in bytes: a profile can be a decompression bomb, too.
@@ -214,9 +213,7 @@ fn other_codes(info: &png::Info) -> Option<String> {
         if !name.contains("sRGB") || is_linear {
             return Some(format!("their profile is {name:?}"));
         }
-        return (!has_srgb_numbers(profile)).then(|| {
-            format!("their profile is called {name:?}, but has other primaries or curves")
-        });
+        return None;
     }
     if info.srgb.is_some() {
         return None;
@@ -224,9 +221,8 @@ fn other_codes(info: &png::Info) -> Option<String> {
     if let Some(stated) = info.chrm_chunk {
         let points = [stated.red, stated.green, stated.blue, stated.white];
         let number = |scaled: png::ScaledFloat| f64::from(scaled.into_scaled()) / 1e5;
-        let primaries = Primaries(points.map(|(x, y)| [number(x), number(y)]));
-        if !primaries.is(&REC709) {
-            return Some(format!("the primaries of its cHRM are {primaries}"));
+        if !are_rec709(&points.map(|(x, y)| [number(x), number(y)])) {
+            return Some("its cHRM states other primaries".to_owned());
         }
     }
     let gamma = f64::from(info.gama_chunk?.into_scaled()) / 1e5;
@@ -234,33 +230,7 @@ fn other_codes(info: &png::Info) -> Option<String> {
     (!is_srgb).then(|| format!("its gAMA says {gamma}"))
 }
 
-/// True if the primaries and curves of an ICC profile are those of sRGB, where it has any. A name is no
-/// proof: there are linear profiles called sRGB.
-fn has_srgb_numbers(profile: &[u8]) -> bool {
-    /// Tolerance of the coordinates of primaries, which profiles keep to four digits, and of a curve, where 2.2
-    /// stands for sRGB.
-    const NEAR: [f64; 2] = [0.002, 0.01];
-    /// Code and linear value of sRGB.
-    const HALF: (f32, f64) = (0.5, 0.21404);
-    let Ok(profile) = ColorProfile::new_from_slice(profile) else {
-        return true;
-    };
-    let colorants = |of: &ColorProfile| {
-        [of.red_colorant, of.green_colorant, of.blue_colorant].map(|c| [c.x, c.y, c.z])
-    };
-    let [stated, srgb] = [colorants(&profile), colorants(&ColorProfile::new_srgb())];
-    let mut pairs = stated.as_flattened().iter().zip(srgb.as_flattened());
-    let has_primaries = stated == [[0.0; 3]; 3] || pairs.all(|(a, b)| (a - b).abs() <= NEAR[0]);
-    let curves = [&profile.red_trc, &profile.green_trc, &profile.blue_trc];
-    has_primaries
-        && curves.into_iter().flatten().all(|curve| {
-            let curve = curve.make_linear_evaluator();
-            let value = curve.map(|curve| f64::from(curve.evaluate_value(HALF.0)));
-            value.is_ok_and(|value| (value - HALF.1).abs() <= NEAR[1])
-        })
-}
-
-/// The name in an ICC profile: its tag `desc`, in 8 or 16 bits a letter.
+/// The name in an ICC profile, by which it is accepted: its tag `desc`, in 8 or 16 bits a letter.
 ///
 /// Source: ICC.1:2022, 7.3 (tag table) and 9.2.41.
 fn description(profile: &[u8]) -> Option<String> {

@@ -7,8 +7,6 @@ use std::fmt;
 pub(super) struct Reading {
     /// Ends of a sentence about the image.
     pub changes: Vec<String>,
-    /// True if colours were converted from other primaries.
-    pub is_converted: bool,
     pub overflow: Option<Overflow>,
     /// True if the values make sense only in the other byte order.
     pub is_swapped: bool,

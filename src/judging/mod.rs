@@ -16,7 +16,6 @@ pub(crate) mod precision;
 pub(crate) mod random_samples;
 mod refinement;
 pub(crate) mod results;
-pub(crate) mod rows;
 pub(crate) mod self_test;
 pub(crate) mod truth;
 pub(crate) mod validate;
@@ -37,7 +36,6 @@ pub use precision::{declared, radiance};
 pub(crate) use random_samples::within;
 pub(crate) use results::Summary;
 pub use results::{CaseResult, Cause, Verdict, metric_meaning};
-pub(crate) use rows::verify_row;
 pub(crate) use self_test::{
     CaseTrials, MistakeTrials, SelfTest, SelfTestCases, SelfTestExtent, Step, Trial, case_trials,
     self_test_steps,

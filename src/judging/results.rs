@@ -2,7 +2,7 @@
 
 use super::known::{Known, KnownStatus};
 use crate::compare::{self, Detectable, FitMap, GATES, Gate, Metric, NumberChange, Refinement};
-use crate::suite::analytic::Analytic;
+use crate::suite::OF_TOLERANCE;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -69,7 +69,7 @@ pub enum Cause {
 fn gate_named<'de, D: Deserializer<'de>>(from: D) -> Result<&'static dyn Gate, D::Error> {
     let name = String::deserialize(from)?;
     let gates = GATES.into_iter().map(|gate| gate as &'static dyn Gate);
-    let mut gates = gates.chain([&Refinement as &dyn Gate, &Analytic]);
+    let mut gates = gates.chain([&Refinement as &dyn Gate]);
     let found = gates.find(|gate| gate.name() == name);
     found.ok_or_else(|| D::Error::custom(format!("there is no gate {name:?}")))
 }
@@ -216,8 +216,8 @@ impl Summary {
 
 /// Meaning of a metric of results, in a sentence; empty for an unknown one.
 pub fn metric_meaning(name: &str) -> &'static str {
-    let of_suite = Analytic.metrics().iter().chain([&SAME_BITS]);
-    let found = of_suite.copied().find(|(known, _)| *known == name);
+    let mut of_suite = [OF_TOLERANCE, SAME_BITS].into_iter();
+    let found = of_suite.find(|(known, _)| *known == name);
     let meaning = found.map(|(_, meaning)| meaning);
     meaning
         .or_else(|| compare::metric_meaning(name))

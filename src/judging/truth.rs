@@ -1,12 +1,12 @@
 //! Renderings of volref judged by a known answer, with the gates for other renderers.
 
 use super::finding::MOST_CASES;
+use crate::compare::Margin;
 use crate::compare::{Conditions, Deterministic, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
-use crate::hard_cases::Margin;
 use crate::known_answers::KnownImage;
 use crate::suite::Case;
-use crate::suite::analytic::ERROR_OF_TOLERANCE;
+use crate::suite::ERROR_OF_TOLERANCE;
 
 /// Largest error of volref against an answer where it draws no random numbers, relative to the
 /// brightest channel of a pixel, beside the error of the answer itself: its integrals are within

@@ -11,7 +11,7 @@ use crate::compare::{
 use crate::film::Film;
 use crate::known_answers::Formula;
 use crate::render::{self, Detail, plans};
-use crate::suite::analytic::ERROR_OF_TOLERANCE;
+use crate::suite::ERROR_OF_TOLERANCE;
 use crate::suite::golden::{input_hashes, short};
 use crate::suite::rendering::{
     CaseRendering, ReferenceRenderer, Renderer, check_class, render_case,

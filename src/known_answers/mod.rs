@@ -28,5 +28,5 @@ mod slab;
 
 pub use catalogue::{CATALOGUE, NAMES};
 pub use formula::Formula;
-pub(crate) use half_space::h_function;
+
 pub use image::{Footprint, KnownImage};

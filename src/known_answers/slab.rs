@@ -291,7 +291,7 @@ mod tests {
     /// A layer of sixty is a half-space.
     #[test]
     fn a_thick_layer_is_a_half_space() {
-        use crate::known_answers::h_function;
+        use crate::known_answers::half_space::h_function;
         let layer = Slab::new(0.9, 60.0).unwrap();
         for mu in [0.3, 0.6, 1.0] {
             let h = h_function(DVec3::splat(0.9), mu).value.x;

@@ -49,6 +49,10 @@ pub use plan::{Effect, Plan, State, plans};
 pub(crate) use progress::Progress;
 pub use progress::Watch;
 
+#[cfg(test)]
+#[path = "tests/hard_cases/mod.rs"]
+mod hard_cases;
+
 /// Number of kernels in a family, as listed in the table above.
 #[cfg(test)]
 fn documented_kernels(family: &str) -> usize {

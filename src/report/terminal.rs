@@ -3,7 +3,7 @@
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, JudgedWith, KnownStatus, Summary, Verdict, is_declared};
 use crate::naming::{Likenesses, SearchStep, Stage, is_number_found};
-use crate::suite::{ANALYTIC, ERROR_OF_TOLERANCE};
+use crate::suite::ERROR_OF_TOLERANCE;
 use std::collections::BTreeMap;
 
 /// Length of the longest of `names`; 0 without any.
@@ -91,9 +91,6 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     if let (Verdict::Pass, Some(&share)) = (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
     {
         text.push_str(&format!("  {:>6}", closeness(share)));
-        if result.class == ANALYTIC {
-            text.push_str(&format!("  {}", result.reason));
-        }
     }
     text.push('\n');
     let mut below: Vec<String> = Vec::new();

@@ -1,10 +1,19 @@
 //! Known answers, which take precedence over any golden.
 
+use crate::compare::{Margin, Metric, STANDARD_ERRORS};
 use crate::film::{CHANNELS, Film};
-use crate::hard_cases::{Margin, STANDARD_ERRORS};
 use crate::math::Sum;
 use glam::DVec3;
 use std::fmt;
+
+/// Name of [`OF_TOLERANCE`].
+pub(crate) const ERROR_OF_TOLERANCE: &str = "error_of_tolerance";
+
+/// The metric of a case with a known answer beside those of the gate.
+pub(crate) const OF_TOLERANCE: Metric = (
+    ERROR_OF_TOLERANCE,
+    "Error of the known answer as a fraction of its tolerance: 0 is exact, 1 is the limit.",
+);
 
 /// The known radiance of every pixel of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,11 @@
 //! The suite: every manifest in its folder is a case.
 
 use super::outline::{self, Outline};
-use super::{Answer, EmbeddedSuite, Store, row_name};
+use super::{Answer, EmbeddedSuite, Store};
 use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
 use crate::files::misspelling::nearest;
 use crate::files::regular_file::Identity;
 use crate::film::Depth;
-use crate::hard_cases::{CATALOGUE_FILE, Row, rows};
 use crate::known_answers::{self, Footprint, Formula};
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
@@ -415,17 +414,13 @@ impl Suite {
     /// the rest of it matches; where all do, they leave the others of all cases. A filter without a match, or
     /// filters that leave nothing, are an error: a check that silently checks nothing is worse than none.
     pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
-        let chosen = self.chosen(filters, &[])?;
+        let chosen = self.chosen(filters)?;
         let cases = self.cases.iter().filter(|case| chosen.has(&case.name));
         Ok(cases.collect())
     }
 
-    /// Names that the filters choose among those of the cases and `others`.
-    pub(crate) fn chosen(
-        &self,
-        filters: &[String],
-        others: &[String],
-    ) -> Result<Chosen, SuiteError> {
+    /// Names that the filters choose among those of the cases.
+    fn chosen(&self, filters: &[String]) -> Result<Chosen, SuiteError> {
         let no_match = |filter: &str, help| SuiteError::NoMatch {
             filter: filter.to_owned(),
             help,
@@ -454,33 +449,25 @@ impl Suite {
         }
         for filter in filters {
             let unreadable = self.unreadable.iter().map(|(name, _)| name);
-            let mut names = self.names(others).chain(unreadable);
+            let mut names = self.names().chain(unreadable);
             if !names.any(|name| matches(pattern_of(filter), name)) {
-                return Err(no_match(filter, self.nearest(filter, others)));
+                return Err(no_match(filter, self.nearest(filter)));
             }
         }
-        if !self.names(others).any(|name| chosen.has(name)) {
+        if !self.names().any(|name| chosen.has(name)) {
             let help = "what the filters name is excluded by those that begin with !";
             return Err(no_match(&filters.join(" "), help.to_owned()));
         }
         Ok(chosen)
     }
 
-    fn names<'s>(&'s self, others: &'s [String]) -> impl Iterator<Item = &'s String> {
-        self.cases.iter().map(|case| &case.name).chain(others)
+    fn names(&self) -> impl Iterator<Item = &String> {
+        self.cases.iter().map(|case| &case.name)
     }
 
-    fn nearest(&self, filter: &str, others: &[String]) -> String {
+    fn nearest(&self, filter: &str) -> String {
         let given = filter;
         let filter = pattern_of(given);
-        let is_row = rows().any(|row| filter == row.id || filter == row_name(row));
-        if is_row && others.is_empty() && !self.rows().is_empty() {
-            let images = filter.trim_start_matches("hard/").to_lowercase();
-            return format!(
-                "{filter} is a row of the catalogue of hard cases, which `volref verify` runs; the \
-                 images of the family are cases, such as '{images}-*'"
-            );
-        }
         if let Some(scene) = self.scene_without_manifest(filter) {
             let [manifest, file] =
                 [CASES, SCENES].map(|part| self.root.join(part).join(format!("{scene}.toml")));
@@ -492,11 +479,11 @@ impl Suite {
                 suite_option(&self.root),
             );
         }
-        if self.cases.is_empty() && others.is_empty() {
+        if self.cases.is_empty() {
             return format!("{CASES} is empty");
         }
         let all = format!("`volref list{}` shows all cases", suite_option(&self.root));
-        let names = self.names(others).flat_map(|name| parts(name));
+        let names = self.names().flat_map(|name| parts(name));
         match nearest(filter, names) {
             Some(name) => {
                 let mark = given.strip_suffix(filter).unwrap_or_default();
@@ -587,14 +574,9 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
     Ok(paths)
 }
 
-/// Fails where two manifests have one name, or a manifest that of a row of the catalogue.
+/// Fails where two manifests have one name.
 pub(super) fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
-    let of_row = |row: &Row| {
-        let file = format!("row {} of the catalogue, {CATALOGUE_FILE}", row.id);
-        let name = row_name(row);
-        (name.to_lowercase(), (name, file))
-    };
-    let mut files: BTreeMap<String, (String, String)> = rows().map(of_row).collect();
+    let mut files: BTreeMap<String, (String, String)> = BTreeMap::new();
     for path in manifests {
         let (name, file) = (name_of(path), path.display().to_string());
         let before = files.insert(name.to_lowercase(), (name.clone(), file.clone()));

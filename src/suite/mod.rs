@@ -1,6 +1,5 @@
 //! Cases and goldens, and their use by `verify`, `validate` and `accept`.
 
-pub(crate) mod analytic;
 pub(crate) mod answer;
 pub(crate) mod case;
 pub(crate) mod draft;
@@ -11,13 +10,12 @@ pub(crate) mod name_hash;
 pub(crate) mod outline;
 pub(crate) mod outputs;
 pub(crate) mod rendering;
-pub(crate) mod row_name;
 pub(crate) mod sensitivities;
 pub(crate) mod store;
 pub(crate) mod suite_hash;
 
-pub(crate) use analytic::{ANALYTIC, Analytic, ERROR_OF_TOLERANCE};
 pub use answer::Answer;
+pub(crate) use answer::{ERROR_OF_TOLERANCE, OF_TOLERANCE};
 pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };
@@ -29,6 +27,5 @@ pub(crate) use name_hash::name_hash;
 pub(crate) use outline::CORE;
 pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path};
 pub(crate) use outputs::{NOT_RENDERED, entries, step_name};
-pub(crate) use row_name::{HARD, row_name};
 pub(crate) use sensitivities::{sensitivities_of, telling_case};
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};

@@ -102,7 +102,7 @@ const REASONS: &[Reason] = &[
             "volref verify hard",
             "volref units",
             "volref merge",
-            "--test hard_cases",
+            "cargo test --lib",
             "--ignored",
             "scripts/check.sh",
             "scripts/nightly.sh",

@@ -2,11 +2,6 @@
 //! no file is waited for.
 
 use crate::folder::{Folder, assert_holds};
-use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    Text, WritableImage,
-};
-use glam::{DMat3, DVec3};
 
 /// A suite with goldens, and scenes, volumes and images beside it.
 fn folder() -> Folder {
@@ -402,62 +397,5 @@ fn images_that_make_a_decoder_panic_are_unreadable() {
         "smoke/nearest: pass",
     ] {
         assert!(said.contains(part), "{part} is not in: {said}");
-    }
-}
-
-/// The golden of smoke/plain in the primaries of ACEScg passes where the file says so, and fails where
-/// the numbers are those of Rec.709; both verdicts state the conversion.
-#[test]
-fn primaries_of_an_image_are_heeded() {
-    let folder = Folder::with_goldens();
-    let golden = folder.film("golden/smoke/plain.exr");
-    // ACEScg to Rec.709, as OpenColorIO has it.
-    let from_ap1 = DMat3::from_cols_array_2d(&[
-        [1.705051, -0.130256, -0.024003],
-        [-0.621792, 1.140805, -0.128969],
-        [-0.083259, -0.010548, 1.152972],
-    ]);
-    let numbers = golden.radiance().iter();
-    let to_ap1 = |pixel: &[f32; 3]| {
-        let pixel = from_ap1.inverse() * DVec3::from_array(pixel.map(f64::from));
-        pixel.to_array().map(|value| value as f32)
-    };
-    let right: Vec<[f32; 3]> = numbers.map(to_ap1).collect();
-    for (pixels, code, verdict) in [(right, 0, "pass"), (golden.radiance().to_vec(), 1, "fail")] {
-        let mut layer = LayerAttributes::default();
-        layer.other.insert(
-            Text::from("colorInteropID"),
-            AttributeValue::Text(Text::from("lin_ap1_scene")),
-        );
-        let channel = |name, c: usize| {
-            let values = pixels.iter().map(|pixel| pixel[c]).collect();
-            AnyChannel::new(name, FlatSamples::F32(values))
-        };
-        let channels = [channel("R", 0), channel("G", 1), channel("B", 2)];
-        let layer = Layer::new(
-            (golden.width(), golden.height()),
-            layer,
-            Encoding::SMALL_LOSSLESS,
-            AnyChannels::sort(channels.into_iter().collect()),
-        );
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        let image = Image::from_layer(layer);
-        image.write().to_buffered(&mut bytes).unwrap();
-        folder.write("images/plain.exr", bytes.into_inner());
-        let arguments = [
-            "validate",
-            "smoke/plain",
-            "--outputs=images",
-            "--explain=0",
-            "--json",
-        ];
-        let run = folder.volref(&arguments);
-        assert_eq!(run.code, code, "{}{}", run.stdout, run.stderr);
-        let case = &run.json()["cases"][0];
-        assert_eq!(case["verdict"], verdict);
-        let reason = case["reason"].as_str().unwrap();
-        let said =
-            "the test image was converted from the primaries ACEScg (AP1) to those of Rec.709";
-        assert!(reason.contains(said), "{reason}");
     }
 }

@@ -136,16 +136,11 @@ fn links_within_the_cache_are_not_followed() {
 fn names_that_differ_in_capitals_alone_are_refused() {
     let suite = Folder::with_suite();
     let manifest = suite.read("fixtures/cases/smoke/plain.toml");
-    for (file, other) in [
-        ("smoke/Plain", "fixtures/cases/smoke/plain.toml"),
-        ("hard/d3", "row D3 of the catalogue"),
-    ] {
-        let file = format!("fixtures/cases/{file}.toml");
-        suite.write(&file, &manifest);
-        let words = [&file, other, "differ in capitals alone", "rename one"];
-        suite.volref("list").expect(2, &words);
-        suite.remove(&file);
-    }
+    let file = "fixtures/cases/smoke/Plain.toml";
+    suite.write(file, &manifest);
+    let other = "fixtures/cases/smoke/plain.toml";
+    let words = [file, other, "differ in capitals alone", "rename one"];
+    suite.volref("list").expect(2, &words);
 }
 
 /// A message names the file that was asked for, not the one beside it.

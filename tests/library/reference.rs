@@ -21,7 +21,7 @@ use volref::scene::{Classified, Conventions, Mode, Model, Scene};
 use volref::variations::mistakes;
 
 /// Radiative scenes that the plain path tracer cannot render within a test, and what holds them
-/// instead: known answers, which `volref verify` and `tests/hard_cases.rs` check.
+/// instead: known answers, which `volref verify` and the unit tests `hard_cases` check.
 const HELD_BY_KNOWN_ANSWERS: [(&str, &str); 6] = [
     (
         "hard/d10-tiny-and-huge-voxels",

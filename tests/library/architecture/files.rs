@@ -194,7 +194,7 @@ pub fn circles<'f>(imports: &BTreeMap<&'f str, BTreeSet<&'f str>>) -> Vec<Vec<&'
 }
 
 fn is_test(file: &str) -> bool {
-    file.ends_with("tests.rs")
+    file.ends_with("tests.rs") || file.contains("/tests/")
 }
 
 /// `volume/field.rs` is `volume::field`, `volume/mod.rs` and `volume.rs` are `volume`.

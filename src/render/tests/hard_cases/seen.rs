@@ -36,7 +36,7 @@ camera = { eye = [0, 0, -3], target = [0, 0, 0], up = [0, 1, 0], vertical_fov = 
 
 impl Seen {
     /// Compares the radiance with that of the code that renders.
-    pub fn compare(&self, margin: &mut Margin) {
+    pub fn compare(&self, margin: &Margin) {
         let root = toml::Table::from_iter([("radiative".to_owned(), self.scene.clone().into())]);
         let text = format!("{FILM_AND_CAMERA}{root}");
         let scene = Scene::parse(&text, Path::new("catalogue.toml"));

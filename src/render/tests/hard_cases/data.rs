@@ -1,22 +1,14 @@
 //! D: data and grids.
 
-use super::Check;
 use super::margin::Margin;
 use super::scenes::*;
 use super::test_ray::{LENGTH, SQUARED, TRANSMITTANCE, by_delta, by_last_number, by_ratio, smooth};
 use crate::geometry::{Camera, Direction, Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::rng::Stream;
-use crate::math::{Moments, Sum, exp, exp_m1, ln_1p, log2};
-use crate::optics::collocation::{Collocation, LocalProperties};
+use crate::math::{Moments, Sum, exp, exp_m1, log2};
 use crate::optics::{Phong, optical_depth, transmittance};
-use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
-use crate::render::classified::empty_space::NoSkipping;
-use crate::render::classified::field::GridField;
-use crate::render::classified::ray_caster::RayCaster;
-use crate::render::classified::shading::Unshaded;
 use crate::render::classified::steps::Steps;
-use crate::render::classified::volume_shadow::Unshadowed;
 use crate::render::counters::Uncounted;
 use crate::render::radiative::effects::Everything;
 use crate::render::radiative::sampler::Sampler;
@@ -27,28 +19,10 @@ use crate::render::{Effect, Event, Plan, Sampling, render_counted};
 use crate::scene::{Classified, Model};
 use crate::volume::{
     Centring, DensityField, Grid, GridDensity, GridError, Interpolation, Lattice, LoadOptions,
-    NonFinite, Trilinear, read_volume,
+    NonFinite, read_volume,
 };
 use glam::DVec3;
 use std::sync::Arc;
-
-pub const CHECKS: &[Check] = &[
-    ("D1", d1_constant_grid),
-    ("D2", d2_trilinear_cell),
-    ("D3", d3_one_voxel),
-    ("D4", d4_upper_bound),
-    ("D5", d5_anisotropic_spacing),
-    ("D6", d6_empty_space),
-    ("D7", d7_bright_voxel_on_a_border),
-    ("D8", d8_discontinuous_density),
-    ("D9", d9_voxels_that_are_no_densities),
-    ("D10", d10_subnormal_and_huge_voxels),
-    ("D11", d11_bound_too_small),
-    ("D12", d12_extinction_at_its_bound),
-    ("D13", d13_narrow_peak),
-    ("D14", d14_zero_gradient),
-    ("D14", d14_touched_surfaces),
-];
 
 const BOTH: [Interpolation; 2] = [Interpolation::Nearest, Interpolation::Trilinear];
 
@@ -59,7 +33,9 @@ fn depth(density: &GridDensity, ray: &Ray) -> (f64, f64) {
     (depth, inside.length())
 }
 
-fn d1_constant_grid(margin: &mut Margin) {
+#[test]
+fn d1_constant_grid() {
+    let margin = &Margin;
     let constant = grid([5, 4, 3], DVec3::splat(0.3), |_| 0.7);
     for interpolation in BOTH {
         let density = GridDensity::new(constant.clone(), interpolation);
@@ -77,7 +53,9 @@ fn d1_constant_grid(margin: &mut Margin) {
     }
 }
 
-fn d2_trilinear_cell(margin: &mut Margin) {
+#[test]
+fn d2_trilinear_cell() {
+    let margin = &Margin;
     let product = grid([2; 3], DVec3::ONE, |[i, j, k]| (i * j * k) as f32);
     let density = GridDensity::new(product, Interpolation::Trilinear);
     // ∫ (t/√3)³ dt from 0 to √3; one sample in the middle would find half of it.
@@ -85,7 +63,9 @@ fn d2_trilinear_cell(margin: &mut Margin) {
     margin.roundings("xyz along the diagonal", depth, 3.0_f64.sqrt() / 4.0, 8.0);
 }
 
-fn d3_one_voxel(margin: &mut Margin) {
+#[test]
+fn d3_one_voxel() {
+    let margin = &Margin;
     let lattices = [
         ([1, 1, 1], 0),
         ([1, 16, 16], 0),
@@ -112,7 +92,9 @@ fn d3_one_voxel(margin: &mut Margin) {
     }
 }
 
-fn d4_upper_bound(margin: &mut Margin) {
+#[test]
+fn d4_upper_bound() {
+    let margin = &Margin;
     let ramp = grid([4; 3], DVec3::ONE, |[i, _, _]| i as f32);
     let below = 3.0_f64.next_down();
     // The ramp itself is that much lower below; a nearest voxel is the last one.
@@ -126,7 +108,9 @@ fn d4_upper_bound(margin: &mut Margin) {
     }
 }
 
-fn d5_anisotropic_spacing(margin: &mut Margin) {
+#[test]
+fn d5_anisotropic_spacing() {
+    let margin = &Margin;
     let sigma = 0.5;
     let constant = grid([5, 4, 3], [1.0, 2.0, 4.0], |_| 1.0);
     for interpolation in BOTH {
@@ -146,7 +130,9 @@ fn d5_anisotropic_spacing(margin: &mut Margin) {
     }
 }
 
-fn d6_empty_space(margin: &mut Margin) {
+#[test]
+fn d6_empty_space() {
+    let margin = &Margin;
     // Whether only the sky is seen, and after how many lookups.
     let seen = |model: Model| {
         rendered(&scene_of(model, [8, 8])).map(|rendering| {
@@ -177,7 +163,9 @@ fn d6_empty_space(margin: &mut Margin) {
     }
 }
 
-fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
+#[test]
+fn d7_bright_voxel_on_a_border() {
+    let margin = &Margin;
     const SAMPLES: u32 = 40_000;
     let spacing = DVec3::new(2.0 / 32.0, 0.25, 0.25);
     let spike = grid([33, 9, 9], spacing, |node| {
@@ -214,7 +202,9 @@ fn d7_bright_voxel_on_a_border(margin: &mut Margin) {
     margin.exact("violations of the bound", scratch.take_violations(), 0);
 }
 
-fn d8_discontinuous_density(margin: &mut Margin) {
+#[test]
+fn d8_discontinuous_density() {
+    let margin = &Margin;
     // Depth by steps, against what follows from the place of the edge.
     let error = |count: u32, edge: f64| {
         let steps = Steps::over(Span::new(0.0, LENGTH), LENGTH / f64::from(count));
@@ -262,7 +252,9 @@ fn nrrd_with(odd: &str) -> String {
     format!("{head}\n\n{}\n", values.join(" "))
 }
 
-fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
+#[test]
+fn d9_voxels_that_are_no_densities() {
+    let margin = &Margin;
     for text in ["nan", "inf", "-inf"] {
         let file = nrrd_with(text);
         let refused = read_volume("grid.nrrd", file.as_bytes(), None, &LoadOptions::default());
@@ -298,7 +290,9 @@ fn d9_voxels_that_are_no_densities(margin: &mut Margin) {
     }
 }
 
-fn d10_subnormal_and_huge_voxels(margin: &mut Margin) {
+#[test]
+fn d10_subnormal_and_huge_voxels() {
+    let margin = &Margin;
     for (value, right) in [(1e-45_f32, 1.0), (f32::MAX, 0.0)] {
         let voxels = grid([3; 3], DVec3::ONE, |_| value);
         let density = GridDensity::new(voxels, Interpolation::Trilinear);
@@ -318,7 +312,9 @@ fn d10_subnormal_and_huge_voxels(margin: &mut Margin) {
     }
 }
 
-fn d11_bound_too_small(margin: &mut Margin) {
+#[test]
+fn d11_bound_too_small() {
+    let margin = &Margin;
     let bound = 2.0;
     let ratio = by_ratio(&smooth, bound, 400_000);
     margin.holds("violations are counted", ratio.violations > 0);
@@ -340,7 +336,9 @@ fn d11_bound_too_small(margin: &mut Margin) {
     margin.sampled("delta tracking", &honest.moments, TRANSMITTANCE);
 }
 
-fn d12_extinction_at_its_bound(margin: &mut Margin) {
+#[test]
+fn d12_extinction_at_its_bound() {
+    let margin = &Margin;
     // With the last of all random numbers a collision is real where the extinction is the bound, and
     // leaves numbers where it is not, in every channel.
     for bound in [1.5_f64, 2.0_f64.next_down(), 1.0] {
@@ -377,53 +375,9 @@ fn d12_extinction_at_its_bound(margin: &mut Margin) {
     margin.sampled("a grid an ulp below its bound", &found, right);
 }
 
-fn d13_narrow_peak(margin: &mut Margin) {
-    const STEPS: u32 = 10;
-    // A field that rises from 0 to 1 over a length of 1, in steps of 0.1, by points and by segments.
-    let crossed = |peak: f64| {
-        let ends = [(0.49, 0.0), (0.49, peak), (0.51, peak), (0.51, 0.0)];
-        let points = ends.map(|(value, opacity)| point(value, opacity, DVec3::X));
-        let transfer = table(points.into(), 0.01);
-        let (knots, collocation) = (transfer.knots(), Collocation::new());
-        // The integral over a segment, cut where its values pass knots of the table.
-        let segment = |front: f64, back: f64, length: f64| {
-            let shares = knots.iter().map(|knot| (knot - front) / (back - front));
-            let mut cuts: Vec<f64> = shares.filter(|share| (0.0..1.0).contains(share)).collect();
-            cuts.extend([0.0, 1.0]);
-            cuts.sort_unstable_by(f64::total_cmp);
-            collocation.light(&cuts, 1e-13, |share| {
-                let value = front + (back - front) * share;
-                LocalProperties::with_source(
-                    transfer.extinction(value) * length,
-                    transfer.colour(value),
-                )
-            })
-        };
-        let (mut points, mut whole) = (Layers::default(), Layers::default());
-        for index in 0..STEPS {
-            let value = |index: f64| index / f64::from(STEPS);
-            let (index, step) = (f64::from(index), 1.0 / f64::from(STEPS));
-            let own = transfer.opacity(value(index + 0.5), step);
-            points = FrontToBack::add(points, DVec3::X * own, own);
-            let light = segment(value(index), value(index + 1.0), step);
-            whole = FrontToBack::add(whole, light.radiance, -exp_m1(-light.depth));
-        }
-        (points, whole)
-    };
-    // What points see of it: nothing, all of it missed.
-    let (points, whole) = crossed(1.0);
-    margin.exact("points", points, Layers::default());
-    margin.exact("segments, opaque", whole, Layers::single(DVec3::X, 1.0));
-    // Two reference lengths at opacity 3/4.
-    let (points, whole) = crossed(0.75);
-    margin.exact("points, nearly opaque", points, Layers::default());
-    margin.relative("segments, nearly opaque", whole.opacity, 0.9375, 1e-10);
-    margin.relative("their radiance", whole.colour.x, 0.9375, 1e-10);
-    let faint = -exp_m1(2.0 * ln_1p(-1e-9));
-    margin.relative("segments, faint", crossed(1e-9).1.opacity, faint, 1e-10);
-}
-
-fn d14_zero_gradient(margin: &mut Margin) {
+#[test]
+fn d14_zero_gradient() {
+    let margin = &Margin;
     let phong = Phong {
         ambient: 0.1,
         diffuse: 1.0,
@@ -457,7 +411,9 @@ fn d14_zero_gradient(margin: &mut Margin) {
     margin.same_picture("a constant volume, shaded", shaded, plain);
 }
 
-fn d14_touched_surfaces(margin: &mut Margin) {
+#[test]
+fn d14_touched_surfaces() {
+    let margin = &Margin;
     // A surface: opaque from 1 on, and nothing below. The field is 1 at one node only, so that the
     // surface is a point of it, and a ray through that node touches it without crossing.
     let ends = [0.0, 1.0].map(|opacity| point(1.0, opacity, DVec3::Y));
@@ -474,25 +430,21 @@ fn d14_touched_surfaces(margin: &mut Margin) {
         ("beside", &touched, 2.0_f64.next_up(), false),
         ("equal to a voxel", &exact, 1.3, true),
     ] {
-        let caster = RayCaster {
-            field: GridField::new(grid, Trilinear),
-            order: FrontToBack::default(),
-            shading: Unshaded,
-            visibility: Unshadowed,
-            skipping: NoSkipping,
-            transfer_function: &surface,
+        let eye = DVec3::new(x, 2.0, -1.0);
+        let volume = Classified {
             // From z = 0 on: the third sample lies at 2 exactly.
             step: 0.8,
-            extent: grid.lattice().bounds().into(),
+            camera: Camera::new(eye, eye + DVec3::Z, DVec3::Y, 0.7).expect("a view"),
+            ..classified(grid.clone(), surface.clone())
         };
-        let layers = caster.layers(&ray([x, 2.0, -1.0], DVec3::Z), &mut Uncounted);
+        let film = film(&scene_of(volume, [1, 1])).expect("a picture");
         // A second hit would add to it, none would leave it black.
         let right = if hit {
-            (DVec3::Y, 0.0)
+            ([0.0, 1.0, 0.0], 1.0)
         } else {
-            (DVec3::ZERO, 1.0)
+            ([0.0; 3], 0.0)
         };
-        let found = (layers.colour, layers.transparency);
-        margin.exact(format_args!("{name}: colour, let through"), found, right);
+        let found = (film.radiance()[0], film.opacity().expect("opacity")[0]);
+        margin.exact(format_args!("{name}: colour and opacity"), found, right);
     }
 }

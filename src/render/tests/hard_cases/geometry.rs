@@ -1,6 +1,5 @@
 //! G: rays, boxes, spheres and cells.
 
-use super::Check;
 use super::margin::{Margin, U};
 use super::scenes::*;
 use crate::geometry::{
@@ -13,19 +12,6 @@ use crate::scene::Radiative;
 use crate::volume::{Blob, Walk};
 use glam::DVec3;
 
-pub const CHECKS: &[Check] = &[
-    ("G3", g3_corner_and_edge),
-    ("G4", g4_origin_on_a_face),
-    ("G5", g5_flat_and_inverted_boxes),
-    ("G6", g6_two_halves_are_the_whole),
-    ("G7", g7_direction_of_any_length),
-    ("G8", g8_whole_scene_scaled),
-    ("G9", g9_far_from_the_origin),
-    ("G10", g10_far_and_grazed_sphere),
-    ("G11", g11_leaving_a_surface),
-    ("G12", g12_grid_walk),
-];
-
 /// Both ends of the span of `ray` in `shape`; not numbers where it misses.
 fn ends(shape: &Aabb, ray: &Ray) -> [f64; 2] {
     let span = shape.span(ray);
@@ -37,7 +23,9 @@ fn chord(shape: &Aabb, ray: &Ray) -> f64 {
     shape.span(ray).map_or(0.0, |span| span.length())
 }
 
-fn g3_corner_and_edge(margin: &mut Margin) {
+#[test]
+fn g3_corner_and_edge() {
+    let margin = &Margin;
     let diagonal = chord(&unit_box(), &ray([-1.0; 3], [1.0; 3]));
     margin.roundings("diagonal", diagonal, 3.0_f64.sqrt(), 16.0);
     // Through the edge x = 0, y = 1 only.
@@ -46,12 +34,16 @@ fn g3_corner_and_edge(margin: &mut Margin) {
     margin.exact("one edge", transmittance(optical_depth(5.0, touching)), 1.0);
 }
 
-fn g4_origin_on_a_face(margin: &mut Margin) {
+#[test]
+fn g4_origin_on_a_face() {
+    let margin = &Margin;
     let out = chord(&unit_box(), &ray([0.5, 0.5, 0.0], DVec3::NEG_Z));
     margin.within("on a face, looking out", out, 0.0, 0.0);
 }
 
-fn g5_flat_and_inverted_boxes(margin: &mut Margin) {
+#[test]
+fn g5_flat_and_inverted_boxes() {
+    let margin = &Margin;
     let flat = cuboid(DVec3::ZERO, [1.0, 0.0, 1.0]);
     for towards in [DVec3::Y, DVec3::X, DVec3::ONE] {
         let ray = ray(DVec3::new(0.5, 0.0, 0.5) - towards, towards);
@@ -65,7 +57,9 @@ fn g5_flat_and_inverted_boxes(margin: &mut Margin) {
     margin.holds("a box that is no number is refused", no_number.is_err());
 }
 
-fn g6_two_halves_are_the_whole(margin: &mut Margin) {
+#[test]
+fn g6_two_halves_are_the_whole() {
+    let margin = &Margin;
     let sigma = 3.0;
     let whole = unit_box();
     let (mut left, mut right) = (whole, whole);
@@ -116,7 +110,9 @@ fn foggy(scale: f64) -> Radiative {
     scene
 }
 
-fn g7_direction_of_any_length(margin: &mut Margin) {
+#[test]
+fn g7_direction_of_any_length() {
+    let margin = &Margin;
     let scene = foggy(1.0);
     // Entry, exit, and what is seen through the fog.
     let along = |scale: f64| {
@@ -137,7 +133,9 @@ fn g7_direction_of_any_length(margin: &mut Margin) {
     }
 }
 
-fn g8_whole_scene_scaled(margin: &mut Margin) {
+#[test]
+fn g8_whole_scene_scaled() {
+    let margin = &Margin;
     let fog = |scale| bits(&scene_of(foggy(scale), [8, 8]));
     let smoke = |scale| bits(&scene_of(plume(scale), [8, 8]));
     let large = f64::from(1 << 20) * f64::from(1 << 20);
@@ -148,7 +146,9 @@ fn g8_whole_scene_scaled(margin: &mut Margin) {
     }
 }
 
-fn g9_far_from_the_origin(margin: &mut Margin) {
+#[test]
+fn g9_far_from_the_origin() {
+    let margin = &Margin;
     let sigma = 2.0;
     let near = ray([0.3, 0.35, -1.1], [0.1, 0.2, 1.0]);
     // Entry and exit of the box, the depth between them, and entry of a sphere.
@@ -175,7 +175,9 @@ fn g9_far_from_the_origin(margin: &mut Margin) {
     }
 }
 
-fn g10_far_and_grazed_sphere(margin: &mut Margin) {
+#[test]
+fn g10_far_and_grazed_sphere() {
+    let margin = &Margin;
     let unit = ball(DVec3::ZERO, 1.0);
     let distance = 1e8_f64;
     let ulp = distance.next_up() - distance;
@@ -190,7 +192,9 @@ fn g10_far_and_grazed_sphere(margin: &mut Margin) {
     margin.exact("beside", unit.spans(&beside).len(), 0);
 }
 
-fn g11_leaving_a_surface(margin: &mut Margin) {
+#[test]
+fn g11_leaving_a_surface() {
+    let margin = &Margin;
     let turn = Transform::rotation(DVec3::new(1.0, 2.0, 3.0), 37.0).expect("an axis");
     for scale in [1e-6, 1.0, 1e6] {
         let centre = DVec3::new(5.0, -7.0, 11.0) * scale;
@@ -252,7 +256,9 @@ fn leave(shape: &dyn Solid) -> (usize, usize, usize) {
     (hits, self_hits, leaks)
 }
 
-fn g12_grid_walk(margin: &mut Margin) {
+#[test]
+fn g12_grid_walk() {
+    let margin = &Margin;
     const SIDE: usize = 8;
     const MOST_CELLS: usize = 3 * SIDE + 1;
     let bounds = cuboid(DVec3::ZERO, DVec3::splat(8.0));

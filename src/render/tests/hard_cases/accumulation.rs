@@ -1,6 +1,5 @@
 //! A: accumulation, order and reproducibility.
 
-use super::Check;
 use super::margin::Margin;
 use super::scenes::*;
 use crate::film::Film;
@@ -20,18 +19,9 @@ use crate::scene::{Classified, Model, Radiative, Scene};
 use crate::volume::{Blob, ConstantDensity};
 use glam::DVec3;
 
-pub const CHECKS: &[Check] = &[
-    ("A1", a1_a_million_thin_layers),
-    ("A2", a2_positions_do_not_drift),
-    ("A3", a3_compensated_sums_and_variances),
-    ("A4", a4_threads),
-    ("A4", a4_orders_of_pixels),
-    ("A5", a5_builds_and_platforms),
-    ("A6", a6_null_effects),
-    ("A7", a7_no_bad_pixel),
-];
-
-fn a1_a_million_thin_layers(margin: &mut Margin) {
+#[test]
+fn a1_a_million_thin_layers() {
+    let margin = &Margin;
     let right = 0.632_120_742_768_355;
     let mut layers = Layers::default();
     let mut depth = Sum::default();
@@ -45,11 +35,13 @@ fn a1_a_million_thin_layers(margin: &mut Margin) {
     margin.relative("sum of depths", opacity(depth.value()), right, 1e-15);
 }
 
-fn a2_positions_do_not_drift(margin: &mut Margin) {
+#[test]
+fn a2_positions_do_not_drift() {
+    let margin = &Margin;
     let steps = Steps::over(Span::new(0.0, 1e6), 0.1);
     margin.exact("steps", steps.count(), 10_000_000);
     let ulp = 1e6_f64.next_up() - 1e6;
-    let mut ends = |index, right| {
+    let ends = |index, right| {
         let (middle, length) = steps.sample(index);
         let what = format_args!("end of step {index}");
         margin.within(what, middle + 0.5 * length, right, ulp);
@@ -60,7 +52,9 @@ fn a2_positions_do_not_drift(margin: &mut Margin) {
     }
 }
 
-fn a3_compensated_sums_and_variances(margin: &mut Margin) {
+#[test]
+fn a3_compensated_sums_and_variances() {
+    let margin = &Margin;
     let sum = Sum::from_iter([1.0, 1e100, 1.0, -1e100]).value();
     margin.exact("sum", sum, 2.0);
     for samples in [2, 10, 1000, 1_000_000] {
@@ -100,7 +94,9 @@ fn pictures() -> [(&'static str, Scene); 2] {
     [("fog", picture(fog())), ("plume", picture(plume(1.0)))]
 }
 
-fn a4_threads(margin: &mut Margin) {
+#[test]
+fn a4_threads() {
+    let margin = &Margin;
     for (name, scene) in &pictures() {
         let with_threads = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -114,7 +110,9 @@ fn a4_threads(margin: &mut Margin) {
 }
 
 /// Pixel by pixel in other orders: each is what it is, whatever came before it.
-fn a4_orders_of_pixels(margin: &mut Margin) {
+#[test]
+fn a4_orders_of_pixels() {
+    let margin = &Margin;
     let (scene, [width, height]) = (fog(), SIZE);
     let tracer = PathTracer::<Everything>::new(&scene, None, false);
     let mut scratch = Scratch::default();
@@ -158,7 +156,9 @@ fn digest(values: impl Iterator<Item = f64>) -> String {
     format!("{hash:016x}")
 }
 
-fn a5_builds_and_platforms(margin: &mut Margin) {
+#[test]
+fn a5_builds_and_platforms() {
+    let margin = &Margin;
     type Function = fn(f64) -> f64;
     let functions: [(&str, Function, &str); 10] = [
         ("exp", |x| math::exp(40.0 * x - 20.0), "e284202e3008e380"),
@@ -185,7 +185,9 @@ fn a5_builds_and_platforms(margin: &mut Margin) {
     }
 }
 
-fn a6_null_effects(margin: &mut Margin) {
+#[test]
+fn a6_null_effects() {
+    let margin = &Margin;
     let plain = before_sky(vec![in_box(cube(), grey(1.0, 1.0, 0.0))]);
     let mut beside_nothing = plain.clone();
     let nothing = in_ball(ball(DVec3::X, 0.9), grey(0.0, 0.0, 0.0));
@@ -233,7 +235,9 @@ fn a6_null_effects(margin: &mut Margin) {
     margin.same_picture("and a density of nothing", of_no_density, plain);
 }
 
-fn a7_no_bad_pixel(margin: &mut Margin) {
+#[test]
+fn a7_no_bad_pixel() {
+    let margin = &Margin;
     // A film that holds one is found out, with its place.
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1e-30] {
         let mut pixels = vec![[0.5_f32; 3]; 12];

@@ -1,6 +1,5 @@
 //! E: exponentials and opacity.
 
-use super::Check;
 use super::margin::Margin;
 use super::scenes::*;
 use crate::geometry::Span;
@@ -12,13 +11,9 @@ use crate::render::{Event, Plan};
 use crate::scene::{Classified, Compositing};
 use glam::DVec3;
 
-pub const CHECKS: &[Check] = &[
-    ("E5", e5_media_without_a_boundary),
-    ("E8", e8_any_number_of_steps),
-    ("E9", e9_early_termination),
-];
-
-fn e5_media_without_a_boundary(margin: &mut Margin) {
+#[test]
+fn e5_media_without_a_boundary() {
+    let margin = &Margin;
     for (sigma, right) in [(0.0, 1.0), (1e-9, 0.0)] {
         let mut endless = in_box(unit_box(), grey(sigma, 0.0, 0.0));
         endless.boundary = None;
@@ -27,7 +22,9 @@ fn e5_media_without_a_boundary(margin: &mut Margin) {
     }
 }
 
-fn e8_any_number_of_steps(margin: &mut Margin) {
+#[test]
+fn e8_any_number_of_steps() {
+    let margin = &Margin;
     for sigma in [0.1, 1.0, 10.0] {
         // The first is a step longer than the box; of 0.15 the last is shorter.
         for length in [3.0, 1.0, 0.5, 0.15, 1.0 / 7.0, 1e-3, 1e-6] {
@@ -52,7 +49,9 @@ fn e8_any_number_of_steps(margin: &mut Margin) {
     }
 }
 
-fn e9_early_termination(margin: &mut Margin) {
+#[test]
+fn e9_early_termination() {
+    let margin = &Margin;
     let (below, source) = (1e-3, 4.0);
     // Grey fog that lets e^(−1) through a unit, a bright red medium behind it, and a blue sky.
     let (fog, bright) = (DVec3::splat(0.1), DVec3::X * source);

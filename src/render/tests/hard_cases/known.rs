@@ -30,7 +30,7 @@ pub struct Table {
 
 impl Table {
     /// Compares all values with those of the code that renders.
-    pub fn compare(&self, margin: &mut Margin) {
+    pub fn compare(&self, margin: &Margin) {
         for line in &self.known {
             for [found, right] in self.found_and_right(line) {
                 let what = format_args!("{} of {line:?}", self.of);
@@ -102,7 +102,7 @@ pub struct SpanInBox {
 
 impl SpanInBox {
     /// Compares the span with that of the code that renders.
-    pub fn compare(&self, margin: &mut Margin) {
+    pub fn compare(&self, margin: &Margin) {
         let found = unit_box().span(&ray(self.from, self.along));
         let found = found.map_or(vec![], |span| vec![span.near, span.far]);
         let what = format_args!("from {:?} along {:?}", self.from, self.along);

@@ -1,17 +1,9 @@
 //! Rows on several volumes, surfaces and clips whose faces lie on each other, and on maps that are nearly singular.
 
-use super::Check;
 use super::margin::Margin;
 use super::scenes::film;
 use crate::math::{cos, exp_m1, ln_1p};
 use crate::scene::Scene;
-
-pub const CHECKS: &[Check] = &[
-    ("O1", o1_nearly_singular_map),
-    ("O2", o2_volumes_that_touch),
-    ("O3", o3_surface_on_a_face),
-    ("O4", o4_clip_through_nodes),
-];
 
 /// Half of the light, over a length of 1.
 const HALF: &str = "transfer_function = { reference_length = 1, point = [\
@@ -45,7 +37,7 @@ fn seen(parts: &str) -> [[f64; 2]; 2] {
 }
 
 /// Requires the opacity, and that as much less of the background is seen, to the rounding of 32 bits.
-fn is_opaque(margin: &mut Margin, what: &str, parts: &str, opacity: f64) {
+fn is_opaque(margin: &Margin, what: &str, parts: &str, opacity: f64) {
     for [found, behind] in seen(parts) {
         margin.within(what, found, opacity, ROUNDING);
         margin.within(what, behind, 1.0 - opacity, ROUNDING);
@@ -61,7 +53,9 @@ fn opacity_over(length: f64) -> f64 {
     -exp_m1(length * ln_1p(-0.5))
 }
 
-fn o1_nearly_singular_map(margin: &mut Margin) {
+#[test]
+fn o1_nearly_singular_map() {
+    let margin = &Margin;
     // A thousand times as wide and a thousandth as thick, tilted: the ray is longer by the cosine.
     let thin = volume("a", 0.0, 2, [1.0, 0.0])
         .replace("reference_length = 1,", "reference_length = 0.001,");
@@ -78,7 +72,9 @@ fn o1_nearly_singular_map(margin: &mut Margin) {
     }
 }
 
-fn o2_volumes_that_touch(margin: &mut Margin) {
+#[test]
+fn o2_volumes_that_touch() {
+    let margin = &Margin;
     let [first, second] = constant_neighbours();
     for parts in [format!("{first}{second}"), format!("{second}{first}")] {
         is_opaque(margin, "neither a gap nor twice", &parts, opacity_over(2.0));
@@ -92,7 +88,9 @@ fn o2_volumes_that_touch(margin: &mut Margin) {
     margin.within("values that meet", whole[0], right, ROUNDING);
 }
 
-fn o3_surface_on_a_face(margin: &mut Margin) {
+#[test]
+fn o3_surface_on_a_face() {
+    let margin = &Margin;
     let [first, second] = constant_neighbours();
     let surface = |at: f64| {
         format!(
@@ -109,7 +107,9 @@ fn o3_surface_on_a_face(margin: &mut Margin) {
     }
 }
 
-fn o4_clip_through_nodes(margin: &mut Margin) {
+#[test]
+fn o4_clip_through_nodes() {
+    let margin = &Margin;
     let clip = |towards: i32, of: &str| {
         format!(
             "[[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, {towards}]\nvolumes = ['{of}']\n"
