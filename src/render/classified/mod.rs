@@ -12,6 +12,7 @@ pub mod empty_space;
 pub mod field;
 pub mod integral;
 pub(super) mod kernels;
+pub(super) mod leaping;
 pub mod modes;
 pub mod ray_caster;
 pub(super) mod several;
