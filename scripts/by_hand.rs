@@ -13,9 +13,8 @@ use volref::geometry::{Aabb, Boundary, Camera, Ray, Span, length_of};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::{Frame, Moments, exp, ln_1p};
 use volref::optics::{Deflection, Density, Field, Light, optical_depth, source_factor};
-use volref::render::classified::empty_space::{EmptySpace, Skipping};
+use volref::render::classified::empty_space::EmptySpace;
 use volref::render::classified::steps::Steps;
-use volref::render::counters::Uncounted;
 use volref::scene::{Classified, Radiative, Scattering};
 use volref::volume::{Cell, NodeLine, relative_gradients};
 
@@ -61,7 +60,7 @@ pub fn shaded_with_shadow(scene: &Classified, size: Size) -> Film {
     let shadow = scene.shadow.expect("a scene with shadow");
     let gradients = relative_gradients(grid);
     let space = EmptySpace::of(grid, looks);
-    let leap = |nodes, reach| space.transparent_samples(nodes, reach, &mut Uncounted);
+    let leap = |nodes, reach| space.transparent_samples(nodes, reach);
     with_opacity(&scene.camera, size, |ray| {
         let (mut colour, mut opacity, mut through) = (DVec3::ZERO, 0.0, 1.0);
         let span = bounds.span(&ray).unwrap_or(NOTHING);

@@ -3,7 +3,7 @@
 use super::opacity::Correction;
 use crate::optics::TransferFunction;
 use crate::scene::Classified;
-use crate::volume::{Cell, Grid, Lerp as _, Reconstruction as _};
+use crate::volume::{Cell, Grid, Lerp as _};
 use glam::DVec3;
 
 /// Opacity and colour of a sample.

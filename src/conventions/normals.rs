@@ -3,7 +3,7 @@
 use super::work::RayWork;
 use crate::geometry::Direction;
 use crate::scene::{Classified, Conventions, Gradient, StoredValues};
-use crate::volume::{Cell, Grid, Lattice, NodePoint, Reconstruction as _, relative_gradients};
+use crate::volume::{Cell, Grid, Lattice, NodePoint, relative_gradients};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};

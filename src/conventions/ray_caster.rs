@@ -20,7 +20,7 @@ use crate::geometry::{Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, Phong, over_length};
 use crate::scene::{Classified, Clip, Compositing, Lookup, NormalSpace, NormalTransform};
-use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox, Reconstruction as _};
+use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox};
 use glam::DVec3;
 
 /// A ray caster for a scene.

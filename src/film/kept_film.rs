@@ -4,7 +4,6 @@ use crate::files::kept_file;
 use crate::files::kept_file::KeepError;
 use crate::film::Film;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 use std::path::Path;
 
 /// The film of `size`, columns and rows, in the contents of such a file.

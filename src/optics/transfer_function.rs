@@ -108,26 +108,6 @@ impl TransferFunction {
         }
     }
 
-    /// [`TransferFunction::look`] at several values: the same bits, in less time.
-    #[inline(always)]
-    pub(crate) fn look_at_several<const N: usize>(
-        &self,
-        values: [f64; N],
-    ) -> ([f64; N], [DVec3; N]) {
-        match &self.appearance {
-            Appearance::Formula {
-                opacity, colormap, ..
-            } => {
-                let densities = values.map(|value| self.density(value));
-                (
-                    densities.map(|density| opacity.at(density)),
-                    densities.map(|density| colormap.at(density)),
-                )
-            }
-            Appearance::Points(points) => points.look_at_several(values),
-        }
-    }
-
     /// Emission of a sample before its colour and shading: `d²` by the formula.
     /// That belongs to the assignment and to densities; the colours of a table are radiances as
     /// they stand, so there it is 1.
@@ -271,10 +251,6 @@ mod tests {
             (1e30, 1.0),
         ] {
             assert_eq!(mapped.look(value), plain.look(density));
-            assert_eq!(
-                mapped.look_at_several([value]),
-                plain.look_at_several([density])
-            );
             assert_eq!(mapped.emission(value), plain.emission(density));
         }
         assert_eq!(mapped.knots(), [-1000.0, -488.0, 24.0, 536.0, 1048.0]);

@@ -157,27 +157,6 @@ impl TransferPoints {
         )
     }
 
-    /// [`TransferPoints::look`] at several values: the same bits, in less time.
-    #[inline(always)]
-    pub(crate) fn look_at_several<const N: usize>(
-        &self,
-        values: [f64; N],
-    ) -> ([f64; N], [DVec3; N]) {
-        // Loops over arrays: a closure for each value would be a call.
-        let mut lines = [&self.lines[0]; N];
-        let (mut parts, mut opacities) = ([0.0; N], [0.0; N]);
-        let mut colours = [DVec3::ZERO; N];
-        for i in 0..N {
-            lines[i] = &self.lines[self.points_up_to(values[i])];
-            parts[i] = lines[i].part(values[i]);
-        }
-        for i in 0..N {
-            opacities[i] = lines[i].opacity + lines[i].opacity_change * parts[i];
-            colours[i] = lines[i].colour + lines[i].colour_change * parts[i];
-        }
-        (opacities, colours)
-    }
-
     /// The largest channel of all colours.
     pub fn brightest(&self) -> f64 {
         let channels = self.points.iter().map(|point| point.colour.max_element());

@@ -30,7 +30,7 @@ use super::ray_caster::Layer;
 use crate::film::Film;
 use crate::geometry::{Direction, Ray};
 use crate::scene::{Classified, Isosurface, Isosurfaces};
-use crate::volume::{Cell, Grid, NodeLine, Reconstruction as _};
+use crate::volume::{Cell, Grid, NodeLine};
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -35,7 +35,7 @@ use crate::film::Film;
 use crate::geometry::Ray;
 use crate::math::exp;
 use crate::scene::{Classified, Projected, Projection};
-use crate::volume::{Cell, NodeLine, Reconstruction as _};
+use crate::volume::{Cell, NodeLine};
 use rayon::prelude::*;
 
 /// The image of `scene` by `projection`; one ray through the centre of each pixel.

@@ -51,7 +51,7 @@ use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, over_length};
 use crate::scene::{Classified, Compositing, Shadow};
-use crate::volume::{Cell, Grid, NodeLine, NodePoint, Reconstruction as _};
+use crate::volume::{Cell, Grid, NodeLine, NodePoint};
 use glam::DVec3;
 use rayon::prelude::*;
 

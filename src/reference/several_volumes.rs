@@ -39,7 +39,7 @@ use crate::geometry::{Ray, Span};
 use crate::math::ln_1p;
 use crate::optics::over_length;
 use crate::scene::{Classified, Modulation};
-use crate::volume::{Cell, NodeLine, Reconstruction as _};
+use crate::volume::{Cell, NodeLine};
 use glam::DVec3;
 use rayon::prelude::*;
 

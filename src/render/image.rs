@@ -1,6 +1,8 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{conventional, curve, integral, leaping, modes, several, several_integral};
+use super::classified::{
+    conventional, curve, integral, modes, ray_caster, several, several_integral,
+};
 use super::counters::{Counters, Event, Uncounted, Work};
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
@@ -230,7 +232,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
         }
         Kernel::Background(scene) => (part.film(background(scene, &pixels))?, W::default()),
         Kernel::RayCaster { scene, features } => {
-            let (cast, counters) = leaping::cast(scene, features, &pixels);
+            let (cast, counters) = ray_caster::cast(scene, features, &pixels);
             let mut work = W::default();
             for event in Event::ALL {
                 work.count_times(event, counters[event]);

@@ -8,7 +8,7 @@ use super::reader::Reader;
 use super::transfer_function::read_points;
 use super::volume::VolumeRequest;
 use crate::optics::{TransferPoint, TransferPoints};
-use crate::volume::{Cell, Grid, Interpolation, Reconstruction as _, gradient_lengths};
+use crate::volume::{Cell, Grid, Interpolation, gradient_lengths};
 use glam::DVec3;
 use std::sync::Arc;
 

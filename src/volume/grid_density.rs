@@ -2,7 +2,7 @@
 
 use super::{
     Blocks, Cell, Centring, CubicSegment, DensityField, DensityRange, Grid, Interpolation,
-    NodeLine, Reconstruction, Walk,
+    NodeLine, Walk,
 };
 use crate::geometry::{Aabb, Line, Span};
 use crate::math::Sum;

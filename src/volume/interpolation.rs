@@ -16,6 +16,17 @@ pub enum Interpolation {
     Trilinear,
 }
 
+impl Interpolation {
+    /// The value of `grid` at the point of `cell`.
+    #[inline]
+    pub fn read<T: Node>(self, grid: &Grid<T>, cell: &Cell) -> T::Value {
+        match self {
+            Interpolation::Nearest => cell.nearest(grid),
+            Interpolation::Trilinear => cell.trilinear(grid),
+        }
+    }
+}
+
 /// A type stored at nodes, and its type in arithmetic.
 pub trait Node: Copy {
     /// `f64` for a scalar field, `DVec3` for a vector field.

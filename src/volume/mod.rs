@@ -3,7 +3,6 @@
 
 mod blob;
 mod blocks;
-mod cells;
 mod course_grid;
 mod cubic;
 mod error;
@@ -34,7 +33,6 @@ mod perlin;
 mod placed_box;
 mod point_cloud;
 mod raw_volume;
-mod reconstruction;
 mod samples;
 mod shown_values;
 mod source;
@@ -43,7 +41,6 @@ mod walk;
 
 pub use blob::Blob;
 pub use blocks::Blocks;
-pub use cells::{Cells, NodePoints};
 pub use cubic::CubicSegment;
 pub use error::{VolumeError, VolumeFault};
 pub use field::{DensityField, DensityRange};
@@ -70,7 +67,6 @@ pub(crate) use parameter::require;
 pub use perlin::perlin_noise;
 pub(crate) use perlin::{GRADIENTS as NOISE_GRADIENTS, PUBLISHED as NOISE_PERMUTATION};
 pub use placed_box::{PlacedBox, cell_edges, voxel};
-pub use reconstruction::{Nearest, Reconstruction, Trilinear};
 pub use samples::{Element, Encoding, Endian, Layout, LostValues, Stored};
 pub use source::FileRead;
 pub use splat::{Splatting, splat, splat_weights};

@@ -1,6 +1,6 @@
 //! A line through a lattice.
 
-use super::{Lattice, NodePoint, NodePoints};
+use super::{Lattice, NodePoint};
 use crate::geometry::Line;
 use glam::DVec3;
 
@@ -37,19 +37,6 @@ impl NodeLine {
     #[inline]
     pub fn at(&self, t: f64) -> NodePoint {
         NodePoint(self.origin.0 + self.direction * t)
-    }
-
-    /// The points at several distances.
-    #[inline(always)]
-    pub(crate) fn at_several<const N: usize>(&self, distances: &[f64; N]) -> NodePoints<N> {
-        let mut points = [[0.0; N]; 3];
-        for (axis, points) in points.iter_mut().enumerate() {
-            let (origin, direction) = (self.origin.0[axis], self.direction[axis]);
-            for (point, distance) in points.iter_mut().zip(distances) {
-                *point = origin + direction * distance;
-            }
-        }
-        points
     }
 
     /// Largest change of a coordinate over `length` world units.

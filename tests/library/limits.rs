@@ -14,7 +14,7 @@ use volref::render::classified::integral::{RayIntegral, RayIntegrator};
 use volref::render::{Sampling, plans, render, render_counted};
 use volref::scene::{Classified, Model, Scene};
 use volref::suite::Suite;
-use volref::volume::{Cell, Reconstruction as _};
+use volref::volume::Cell;
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")

@@ -25,7 +25,7 @@ use volref::scene::{
 use volref::sensitivity::number;
 use volref::suite::{Output, Suite};
 use volref::variations::mistakes;
-use volref::volume::{Cell, Centring, Grid, Lattice, NodeLine, Reconstruction as _};
+use volref::volume::{Cell, Centring, Grid, Lattice, NodeLine};
 
 const ALL: [Projected; 5] = [
     Projected::Maximum,

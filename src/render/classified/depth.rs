@@ -13,7 +13,7 @@ use crate::film::Depth;
 use crate::geometry::Ray;
 use crate::math::{exp, exp_m1, ln, ln_1p};
 use crate::scene::{Classified, Compositing, Conventions, Isosurface, Mode, Model, Panel, Scene};
-use crate::volume::{Cell, NodeLine, Reconstruction as _};
+use crate::volume::{Cell, NodeLine};
 use rayon::prelude::*;
 
 /// Depth of each pixel of `scene`, world units, row by row from the top.

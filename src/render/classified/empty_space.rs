@@ -4,26 +4,8 @@
 //! values all have opacity 0, and in the blocks around it, samples are not taken.
 
 use crate::optics::TransferFunction;
-use crate::render::counters::{Event, Work};
 use crate::volume::{Grid, Lattice, NodePoint, Scalar};
 use rayon::prelude::*;
-
-/// Empty-space skipping along a ray.
-pub trait Skipping: Sync {
-    /// Number of samples, from the one at `point` on, that are certainly transparent. From
-    /// sample to sample no coordinate changes by more than `reach`.
-    fn transparent_samples<W: Work>(&self, point: NodePoint, reach: f64, work: &mut W) -> usize;
-}
-
-/// No skipping: every sample is taken.
-#[derive(Clone, Copy, Debug)]
-pub struct NoSkipping;
-
-impl Skipping for NoSkipping {
-    fn transparent_samples<W: Work>(&self, _: NodePoint, _: f64, _: &mut W) -> usize {
-        0
-    }
-}
 
 /// Cells along the edge of a block.
 const BLOCK: usize = 4;
@@ -134,14 +116,10 @@ fn range_of_nodes<T: Scalar>(grid: &Grid<T>, block: [usize; 3]) -> (f64, f64) {
     (least, most)
 }
 
-impl Skipping for EmptySpace {
-    fn transparent_samples<W: Work>(
-        &self,
-        NodePoint(point): NodePoint,
-        reach: f64,
-        work: &mut W,
-    ) -> usize {
-        work.count(Event::CellWalked);
+impl EmptySpace {
+    /// Number of samples, from the one at `point` on, that are certainly transparent. From
+    /// sample to sample no coordinate changes by more than `reach`.
+    pub fn transparent_samples(&self, NodePoint(point): NodePoint, reach: f64) -> usize {
         let mut block = [0; 3];
         for axis in 0..3 {
             // A point half a node before the first lies in block 0: below 0 the conversion gives 0.
@@ -163,7 +141,6 @@ impl Skipping for EmptySpace {
 mod tests {
     use super::*;
     use crate::optics::{Appearance, Colormap, TransferOpacity};
-    use crate::render::counters::Counters;
     use glam::DVec3;
 
     fn spike(nodes: [usize; 3], at: [usize; 3]) -> EmptySpace {
@@ -201,8 +178,7 @@ mod tests {
             let node = [index % 40, index / 40 % 30, index / 1200];
             let point = DVec3::new(node[0] as f64, node[1] as f64, node[2] as f64) + 0.3;
             for reach in [0.01, 0.7, 3.0, 50.0] {
-                let skipped =
-                    space.transparent_samples(NodePoint(point), reach, &mut Counters::default());
+                let skipped = space.transparent_samples(NodePoint(point), reach);
                 if skipped > 0 {
                     // The last sample passed over may have come this close, on some axis.
                     let moved = (skipped - 1) as f64 * reach;
@@ -216,7 +192,7 @@ mod tests {
     fn an_empty_grid_is_crossed_in_one_leap() {
         let mut space = spike([100, 1, 1], [0, 0, 0]);
         space.distance.fill(u8::MAX);
-        let leap = space.transparent_samples(NodePoint(DVec3::ZERO), 0.5, &mut Counters::default());
+        let leap = space.transparent_samples(NodePoint(DVec3::ZERO), 0.5);
         assert!(leap >= 200);
     }
 }

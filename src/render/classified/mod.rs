@@ -1,22 +1,15 @@
 //! Classified volumes: a grid, a transfer function, and a ray caster.
 //!
-//! [`RayCaster::layers`](ray_caster::RayCaster::layers) is the loop along one ray; its parts have a
-//! file each.
+//! [`RayCaster::layers`](ray_caster::RayCaster::layers) is the loop along one ray.
 
-mod batches;
 pub mod compositing;
 pub(super) mod conventional;
 pub mod curve;
 pub mod depth;
 pub mod empty_space;
-pub mod field;
 pub mod integral;
-pub(super) mod kernels;
-pub(super) mod leaping;
 pub mod modes;
 pub mod ray_caster;
 pub(super) mod several;
 pub(super) mod several_integral;
-pub mod shading;
 pub mod steps;
-pub mod volume_shadow;

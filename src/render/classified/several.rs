@@ -24,7 +24,7 @@ use crate::render::pixels::{Pixels, rows};
 use crate::scene::{
     Classified, Composition, Kept, Modulation, ObjectShadows, OpaqueSurface, SurfaceDepth,
 };
-use crate::volume::{Cell, Grid, NodeLine, PlacedBox, Reconstruction as _};
+use crate::volume::{Cell, Grid, NodeLine, PlacedBox};
 use glam::DVec3;
 use std::borrow::Cow;
 

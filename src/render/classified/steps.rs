@@ -54,22 +54,6 @@ impl Steps {
         self.length
     }
 
-    /// The distances of [`Steps::sample`] for `N > 1` samples, from the first up or down to the last, all at once;
-    /// `None` where one of them is at the end of the span, with a shorter step.
-    #[inline(always)]
-    pub fn whole<const N: usize>(&self, [first, last]: [usize; 2]) -> Option<[f64; N]> {
-        if first.max(last) + 1 >= self.count {
-            return None;
-        }
-        let (at, stride) = (first as i64 as f64, if last > first { 1.0 } else { -1.0 });
-        // Whole numbers far below 2^53, so products and sums are exact.
-        let mut distances = [0.0; N];
-        for (number, distance) in distances.iter_mut().enumerate() {
-            *distance = self.middle(at + stride * number as f64);
-        }
-        Some(distances)
-    }
-
     /// The middle of the whole step with the number `at`.
     #[inline(always)]
     fn middle(&self, at: f64) -> f64 {
@@ -97,17 +81,6 @@ mod tests {
         let steps = Steps::over(Span::new(1.0, 2.25), 0.5);
         let samples: Vec<_> = (0..steps.count()).map(|i| steps.sample(i)).collect();
         assert_eq!(samples, [(1.25, 0.5), (1.75, 0.5), (2.125, 0.25)]);
-    }
-
-    #[test]
-    fn whole_steps_at_once_are_those_one_by_one() {
-        let steps = Steps::over(Span::new(0.3, 2.7), 0.07);
-        assert_eq!(steps.count(), 35);
-        let one_by_one = |indices: [usize; 4]| indices.map(|index| steps.sample(index).0);
-        assert_eq!(steps.whole([30, 33]), Some(one_by_one([30, 31, 32, 33])));
-        assert_eq!(steps.whole([33, 30]), Some(one_by_one([33, 32, 31, 30])));
-        assert_eq!(steps.whole::<4>([31, 34]), None);
-        assert_eq!(steps.whole::<4>([34, 31]), None);
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub struct RayCasterFeatures {
 
 impl RayCasterFeatures {
     /// The features that `scene` asks for, none left out.
-    pub(super) fn asked_for(scene: &Classified) -> RayCasterFeatures {
+    pub(in crate::render) fn asked_for(scene: &Classified) -> RayCasterFeatures {
         RayCasterFeatures {
             field: match scene.interpolation {
                 Interpolation::Nearest => FieldKind::Nearest,

@@ -9,17 +9,10 @@
 use super::{U, scenes};
 use glam::DVec3;
 use serde_json::Value;
-use volref::geometry::Ray;
+use volref::geometry::Span;
 use volref::optics::{TransferFunction, over_length};
-use volref::render::Counters;
 use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
-use volref::render::classified::empty_space::NoSkipping;
-use volref::render::classified::field::ScalarField;
-use volref::render::classified::ray_caster::RayCaster;
-use volref::render::classified::shading::Unshaded;
-use volref::render::classified::volume_shadow::Unshadowed;
-use volref::render::counters::Work;
-use volref::volume::{Grid, Lattice, NodePoint, NodePoints};
+use volref::render::classified::steps::Steps;
 
 fn entries(case: &str) -> Vec<Value> {
     let text = include_str!("../../../fixtures/known-answers/compositing.json");
@@ -138,78 +131,22 @@ fn put_together<O: CompositingOrder + Default>(samples: &[(f64, f64)]) -> Layers
     })
 }
 
-/// A field given by its extinction along z. With floor 0 and a reference length of 1 the
-/// transfer function is `T = exp(−d²)` per length: a density is the root of an extinction.
-struct Extinction<S> {
-    lattice: Lattice,
-    sigma: S,
-}
-
-impl<S: Fn(f64) -> f64 + Sync> ScalarField for Extinction<S> {
-    type Location = NodePoint;
-
-    type Locations<const N: usize> = NodePoints<N>;
-
-    fn lattice(&self) -> &Lattice {
-        &self.lattice
-    }
-
-    fn locate(&self, point: NodePoint) -> NodePoint {
-        point
-    }
-
-    fn density<W: Work>(&self, point: &NodePoint, _: &mut W) -> f64 {
-        (self.sigma)(point.0.z * self.lattice.spacing().z).sqrt()
-    }
-
-    fn locate_several<const N: usize>(&self, points: &NodePoints<N>) -> NodePoints<N> {
-        *points
-    }
-
-    fn densities<const N: usize, W: Work>(
-        &self,
-        points: &NodePoints<N>,
-        _: usize,
-        work: &mut W,
-    ) -> [f64; N] {
-        let point = |index: usize| NodePoint(points.map(|axis| axis[index]).into());
-        std::array::from_fn(|index| self.density(&point(index), work))
-    }
-
-    fn gradient<const N: usize, W: Work>(
-        &self,
-        _: &Grid<[f32; 3]>,
-        _: &NodePoints<N>,
-        _: usize,
-        _: &mut W,
-    ) -> DVec3 {
-        unreachable!("nothing is shaded")
-    }
-}
-
-/// A ray through a slab of the entry's `length`, in its number of `steps`.
-fn march<O: CompositingOrder + Default>(
-    entry: &Value,
-    sigma: impl Fn(f64) -> f64 + Sync,
-) -> Layers {
+/// A ray through a slab of the entry's `length`, in its number of `steps`, with an extinction along z. With floor 0 and
+/// a reference length of 1 the transfer function is `T = exp(−d²)` per length: a density is the root of an extinction.
+fn march<O: CompositingOrder + Default>(entry: &Value, sigma: impl Fn(f64) -> f64) -> Layers {
     let length = input(entry, "length");
-    let lattice = Lattice::new([2, 2, 2], DVec3::new(1.0, 1.0, length), DVec3::ZERO).unwrap();
     let transfer_function = TransferFunction {
         appearance: scenes::formula(0.0, "white"),
         reference_length: 1.0,
     };
-    let caster = RayCaster {
-        field: Extinction { lattice, sigma },
-        order: O::default(),
-        shading: Unshaded,
-        visibility: Unshadowed,
-        skipping: NoSkipping,
-        transfer_function: &transfer_function,
-        step: length / input(entry, "steps"),
-        extent: lattice.bounds().into(),
-    };
-    let ray = Ray::new(DVec3::new(0.5, 0.5, 0.0), DVec3::Z).unwrap();
-    caster.layers(&ray, &mut Counters::default())
+    let steps = Steps::over(Span::new(0.0, length), length / input(entry, "steps"));
+    (0..steps.count()).fold(Layers::default(), |layers, done| {
+        let (t, length) = steps.sample(O::index(done, steps.count()));
+        let density = sigma(t).sqrt();
+        let opacity = transfer_function.opacity(density, length);
+        let radiance = transfer_function.colour(density) * transfer_function.emission(density);
+        O::add(layers, radiance * opacity, opacity)
+    })
 }
 
 #[test]

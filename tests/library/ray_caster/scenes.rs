@@ -7,15 +7,11 @@ use volref::film::Film;
 use volref::geometry::{Camera, Ray};
 use volref::math;
 use volref::optics::{Appearance, Colormap, Phong, TransferFunction, TransferOpacity};
-use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
-use volref::render::classified::empty_space::NoSkipping;
-use volref::render::classified::field::{GridField, ScalarField};
+use volref::render::classified::compositing::Layers;
 use volref::render::classified::ray_caster::RayCaster;
-use volref::render::classified::shading::{Shaded, Shading, Unshaded};
-use volref::render::classified::volume_shadow::{Unshadowed, Visibility, VolumeShadow};
 use volref::render::{Counters, Plan, Sampling, render_counted};
 use volref::scene::{Classified, Compositing, Conventions, Mode, Objects, Panel, Shadow};
-use volref::volume::{Grid, Interpolation, Lattice, Nearest, Trilinear, relative_gradients};
+use volref::volume::{Grid, Interpolation, Lattice};
 
 /// `2^exponent`, exactly.
 pub fn power_of_two(exponent: i32) -> f64 {
@@ -262,79 +258,8 @@ pub fn rays(scene: &Classified, size: usize) -> Vec<Ray> {
 
 /// What `rays` see in full precision, without leaps over empty space.
 pub fn layers(scene: &Classified, rays: &[Ray]) -> Vec<Layers> {
-    match scene.interpolation {
-        Interpolation::Nearest => with_order(scene, rays, GridField::new(&scene.grid, Nearest)),
-        Interpolation::Trilinear => with_order(scene, rays, GridField::new(&scene.grid, Trilinear)),
-    }
-}
-
-fn with_order<F: ScalarField>(scene: &Classified, rays: &[Ray], field: F) -> Vec<Layers> {
-    match scene.compositing {
-        Compositing::FrontToBack => with_shading::<F, FrontToBack>(scene, rays, field),
-        Compositing::BackToFront => with_shading::<F, BackToFront>(scene, rays, field),
-        Compositing::EarlyTermination(_) => {
-            unreachable!("no scene here asks for it")
-        }
-    }
-}
-
-fn with_shading<F: ScalarField, O: CompositingOrder + Default>(
-    scene: &Classified,
-    rays: &[Ray],
-    field: F,
-) -> Vec<Layers> {
-    match scene.phong {
-        None => with_visibility::<F, O, _>(scene, rays, field, Unshaded),
-        Some(phong) => {
-            let shading = Shaded {
-                phong,
-                gradients: relative_gradients(&*scene.grid),
-                light: scene.light,
-            };
-            with_visibility::<F, O, _>(scene, rays, field, shading)
-        }
-    }
-}
-
-fn with_visibility<F: ScalarField, O: CompositingOrder + Default, S: Shading>(
-    scene: &Classified,
-    rays: &[Ray],
-    field: F,
-    shading: S,
-) -> Vec<Layers> {
-    match scene.shadow {
-        None => with_all::<F, O, S, _>(scene, rays, field, shading, Unshadowed),
-        Some(shadow) => {
-            let visibility = VolumeShadow {
-                shadow,
-                light: scene.light,
-                extent: scene.grid.lattice().bounds().into(),
-                transfer_function: &scene.transfer_function,
-            };
-            with_all::<F, O, S, _>(scene, rays, field, shading, visibility)
-        }
-    }
-}
-
-fn with_all<F: ScalarField, O: CompositingOrder + Default, S: Shading, V: Visibility>(
-    scene: &Classified,
-    rays: &[Ray],
-    field: F,
-    shading: S,
-    visibility: V,
-) -> Vec<Layers> {
-    let caster = RayCaster {
-        field,
-        order: O::default(),
-        shading,
-        visibility,
-        skipping: NoSkipping,
-        transfer_function: &scene.transfer_function,
-        step: scene.step,
-        extent: scene.grid.lattice().bounds().into(),
-    };
+    let caster = RayCaster::plain(scene);
     let mut work = Counters::default();
-    rays.iter()
-        .map(|ray| caster.layers(ray, &mut work))
-        .collect()
+    let layers = rays.iter().map(|ray| caster.layers(ray, &mut work));
+    layers.collect()
 }

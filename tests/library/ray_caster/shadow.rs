@@ -3,36 +3,23 @@
 use super::{U, config, scenes};
 use glam::DVec3;
 use proptest::prelude::*;
+use std::sync::Arc;
 use volref::math;
-use volref::optics::TransferFunction;
-use volref::render::classified::empty_space::NoSkipping;
-use volref::render::classified::field::{GridField, ScalarField};
-use volref::render::classified::steps::SamplePoint;
-use volref::render::classified::volume_shadow::{Visibility, VolumeShadow};
+use volref::render::classified::ray_caster::RayCaster;
 use volref::render::{Counters, Event};
-use volref::scene::Shadow;
-use volref::volume::{Cell, Grid, Lattice, Trilinear};
+use volref::scene::{Classified, Shadow};
+use volref::volume::{Cell, Grid, Lattice};
 
-fn visibility(grid: &Grid<f32>, shadow: Shadow, light: DVec3, at: DVec3) -> (f64, Counters) {
-    let lattice = grid.lattice();
-    let transfer_function = TransferFunction {
-        appearance: scenes::formula(0.36, "heat"),
-        reference_length: 1.0,
-    };
-    let visibility = VolumeShadow {
-        shadow,
+fn visibility(grid: &Arc<Grid<f32>>, shadow: Shadow, light: DVec3, at: DVec3) -> (f64, Counters) {
+    let nodes = grid.lattice().to_nodes(at);
+    let scene = Classified {
+        shadow: Some(shadow),
         light,
-        extent: lattice.bounds().into(),
-        transfer_function: &transfer_function,
-    };
-    let sample = SamplePoint {
-        world: at,
-        nodes: lattice.to_nodes(at),
+        ..scenes::plain(grid.clone())
     };
     let mut work = Counters::default();
-    let field = GridField::new(grid, Trilinear);
-    assert_eq!(field.lattice(), lattice);
-    (visibility.at(sample, &field, &NoSkipping, &mut work), work)
+    let visible = RayCaster::plain(&scene).visibility(at, nodes, &mut work);
+    (visible, work)
 }
 
 proptest! {
