@@ -241,7 +241,9 @@ impl RendererRun {
     }
 
     fn judged_again(&self, case: &Case, store: &Store, kept: &CaseResult) -> Judged {
-        let output = declared(self.outputs.output(&case.name), self.bits, case);
+        let of_profile = self.profile.as_ref().and_then(|profile| profile.bits);
+        let bits = Bits::of(self.bits, of_profile);
+        let output = declared(self.outputs.output(&case.name), bits, case);
         let output = before_background(output, self.alpha, case);
         // The conventions that were found for this image, or else those of its renderer.
         let found = kept.profile.as_deref();

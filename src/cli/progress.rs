@@ -404,7 +404,7 @@ mod tests {
         );
         assert_eq!(
             state("rendering", None, Some(0.0002), 30.0, false),
-            "rendering, 0.02 % done, 30 seconds so far, about 42 hours left"
+            "rendering, 0.02 % done, 30 seconds so far, about 2 days left"
         );
         let cases = Some(("cases", [49, 194]));
         assert_eq!(

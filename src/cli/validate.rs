@@ -553,13 +553,7 @@ impl Judge<'_> {
     /// Bits of a channel in the images.
     fn bits(&self) -> Option<Bits> {
         let of_profile = self.profile.as_ref().and_then(|profile| profile.bits);
-        match (self.arguments.bits, of_profile) {
-            (Some(given), Some(of_profile)) => Some(Bits {
-                blended: of_profile.blended,
-                ..given
-            }),
-            (given, of_profile) => given.or(of_profile),
-        }
+        Bits::of(self.arguments.bits, of_profile)
     }
 
     /// Colours of the images that leave out the background, if declared.

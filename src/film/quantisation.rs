@@ -74,6 +74,17 @@ impl fmt::Display for Bits {
 }
 
 impl Bits {
+    /// Those that were `given` for images, beside those of a profile: that says how values were blended, in any case.
+    pub(crate) fn of(given: Option<Bits>, of_profile: Option<Bits>) -> Option<Bits> {
+        match (given, of_profile) {
+            (Some(given), Some(of_profile)) => Some(Bits {
+                blended: of_profile.blended,
+                ..given
+            }),
+            (given, of_profile) => given.or(of_profile),
+        }
+    }
+
     /// Codes of a curve that nobody stated.
     pub(crate) const UNKNOWN: Bits = Bits {
         encoding: None,

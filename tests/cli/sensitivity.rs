@@ -71,7 +71,7 @@ fn what_is_wrong_is_said() {
         ("render CASE -o a.exr --change density=inf", "finite"),
         (
             "render CASE -o a.exr --change density=-2",
-            "falls by all of itself, or more",
+            "a parameter falls by less than 100 %",
         ),
     ] {
         let line = line.replace("CASE", CASE);

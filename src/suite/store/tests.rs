@@ -98,7 +98,7 @@ fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// Panics if the root holds anything but the files of this version and the lock.
+/// Panics if the root holds anything but the files of this version, the lock, and what hides it.
 fn assert_only(root: &Path, version: Option<&str>) {
     let expected = version.map(files).unwrap_or_default();
     let mut expected: BTreeMap<PathBuf, Vec<u8>> = expected
@@ -108,6 +108,8 @@ fn assert_only(root: &Path, version: Option<&str>) {
     expected.insert(root.join(LOCK), Vec::new());
     let mut found = tree(root);
     found.entry(root.join(LOCK)).or_default();
+    // It hides the lock from version control.
+    found.remove(&root.join(".gitignore"));
     assert_eq!(found, expected);
 }
 
