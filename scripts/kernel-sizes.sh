@@ -24,11 +24,8 @@ nm -S -C "$binary" | awk -v text="$text" '
     $3 !~ /^[tTwW]$/ || /volref(\[[0-9a-f]*\])?::(cost|reference|conventions)::|classified::conventional::/ { next }
     /PathTracer|ByPathTracing/ { family = "path tracer" }
     /LineOfSight|ByLineOfSight/ { family = "line of sight" }
-    /RayCaster|render::classified::kernels::/ { family = "ray caster" }
-    !/PathTracer|ByPathTracing|LineOfSight|RayCaster|render::classified::kernels::/ {
-        # A shadow is traced alike by shaded and unshaded ray casters, and so on.
-        if (/effects::Only</) family = "shared by the latter two"
-        else if (/VolumeShadow as .*Visibility>::at/) family = "ray caster"
+    !/PathTracer|ByPathTracing|LineOfSight/ {
+        if (/effects::Only</) family = "shared by both"
         else next
     }
     {
@@ -51,9 +48,8 @@ nm -S -C "$binary" | awk -v text="$text" '
         media = "media, surfaces, emission, colour, anisotropy, heterogeneity"
         print "| family | kernels | compiled for | uncounted, KiB | counted | either | of all code |"
         print "|---|---|---|---|---|---|---|"
-        row("ray caster", "field (3), order (2), shading, shadow, empty-space skipping")
         row("path tracer", media)
         row("line of sight", media)
-        row("shared by the latter two", "the same")
+        row("shared by both", "the same")
     }
 '

@@ -7,22 +7,21 @@
 //!
 //! # The kernels
 //!
-//! A kernel is the code of a renderer compiled for certain effects. They come in families; the
-//! [`Plan`] picks one member for an image, once, in the `kernels.rs` of each model. Each is also
+//! Samples of classified volumes have one plain loop. For surfaces, media and lights
+//! a kernel is the code of a renderer compiled for certain effects. They come in families; the
+//! [`Plan`] picks one member for an image, once, in `radiative/kernels.rs`. Each is also
 //! compiled in a second variant that counts its work. The code between a kernel and the threads is
 //! compiled only once: duplicated for each kernel, it would be a third of all code.
 //!
 //! | family | kernels | compiled for | uncounted, KiB | counted | either | of all code |
 //! |---|---|---|---|---|---|---|
-//! | ray caster | 40 | field (3), order (2), shading, shadow, empty-space skipping | 759 | 773 | 0 | 9.9 % |
 //! | path tracer | 26 | media, surfaces, emission, colour, anisotropy, heterogeneity | 332 | 338 | 2 | 4.4 % |
 //! | line of sight | 22 | media, surfaces, emission, colour, anisotropy, heterogeneity | 173 | 179 | 15 | 2.4 % |
-//! | shared by the latter two | – | the same | 493 | 495 | 231 | 7.9 % |
+//! | shared by both | – | the same | 493 | 495 | 231 | 7.9 % |
 //!
 //! Kernels for media without surfaces are for one homogeneous and convex medium alone.
 //! For heterogeneous media there are no kernels without surfaces, and on the line of sight, where
 //! they do not scatter, no anisotropic ones; without media, kernels are not specialised for the effects of media.
-//! A constant field has no empty space to skip.
 //! The kernel with all effects is the general one. Made by `scripts/kernel-sizes.sh` for x86-64; a
 //! test checks the kernel counts.
 
