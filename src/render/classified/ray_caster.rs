@@ -14,7 +14,7 @@ use crate::math::exp;
 use crate::optics::{Appearance, Phong, over_length, over_lengths};
 use crate::render::counters::{Counters, Event, Work};
 use crate::render::pixels::{Pixels, rows};
-use crate::render::plan::RayCasterFeatures;
+use crate::render::plan::{FieldKind, RayCasterFeatures};
 use crate::scene::{Classified, Compositing, Shadow};
 use crate::volume::{Cell, Grid, NodeLine, NodePoint, PlacedBox};
 use glam::DVec3;
@@ -49,6 +49,8 @@ pub struct RayCaster<'s> {
     /// The reflection model, and gradients of the world at the nodes, in any unit: only directions matter.
     shading: Option<(Phong, Grid<[f32; 3]>)>,
     shadow: Option<Shadow>,
+    /// The one value of a grid that has no other.
+    constant: Option<f64>,
     empty_space: Option<EmptySpace>,
     extent: PlacedBox,
 }
@@ -89,6 +91,8 @@ impl<'s> RayCaster<'s> {
             scene,
             shading: phong.map(|phong| (phong, scene.gradients())),
             shadow: scene.shadow.filter(|_| features.shadow),
+            constant: (features.field == FieldKind::Constant)
+                .then(|| scene.grid.values()[0].into()),
             empty_space: leaps.then(|| EmptySpace::of(&*scene.grid, &scene.transfer_function)),
             extent: scene.extent(),
         }
@@ -203,6 +207,9 @@ impl<'s> RayCaster<'s> {
     }
 
     fn value(&self, point: NodePoint, work: &mut Counters) -> f64 {
+        if let Some(value) = self.constant {
+            return value;
+        }
         work.count(Event::DensityLookup);
         let grid = &*self.scene.grid;
         let cell = Cell::around(grid.lattice(), point);
