@@ -74,7 +74,7 @@ impl fmt::Display for Bits {
 }
 
 impl Bits {
-    /// Those that were `given` for images, beside those of a profile: that says how values were blended, in any case.
+    /// Bits that were `given` for images, beside those of a profile, which alone says how values were blended.
     pub(crate) fn of(given: Option<Bits>, of_profile: Option<Bits>) -> Option<Bits> {
         match (given, of_profile) {
             (Some(given), Some(of_profile)) => Some(Bits {
