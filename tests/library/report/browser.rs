@@ -190,7 +190,7 @@ fn somebody_looks_into_a_failure() {
         .count();
     let headline = text(browser, ".headline");
     let sentence = format!(
-        "{failed} of {} cases fail; one of them looks like “g negated”.",
+        "{failed} of {} cases fail; NaN or infinity in 1; one of them looks like “g negated”.",
         sample.results.len()
     );
     assert!(headline.contains(&sentence), "{headline}");
