@@ -23,6 +23,12 @@ struct Kept {
 }
 
 impl Predictions {
+    /// Number of predictions that are kept.
+    pub fn count(&self) -> usize {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.films.len()
+    }
+
     /// The prediction with this key, if it was kept.
     pub(super) fn get(&self, key: &str) -> Option<Film> {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);

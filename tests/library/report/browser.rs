@@ -477,7 +477,7 @@ fn the_cost_page_fits() {
     let browser = &opened.browser;
     for width in [1280, 500] {
         opened.load_again(width, 900);
-        browser.wait_for("document.querySelector('main')");
+        browser.wait_for("document.querySelector('h1')");
         let is_too_wide = "return document.documentElement.scrollWidth > innerWidth";
         assert_eq!(browser.run(is_too_wide), false);
         let cut_off = browser.run(
