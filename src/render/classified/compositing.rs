@@ -58,11 +58,6 @@ pub trait CompositingOrder {
 
     /// `layers` with one more sample, of associated `colour`.
     fn add(layers: Layers, colour: DVec3, opacity: f64) -> Layers;
-
-    /// Whether the remaining samples are left out.
-    fn is_over(&self, _layers: &Layers) -> bool {
-        false
-    }
 }
 
 /// From the eye into the volume: `C += T·c`, `A += T·a`, `T *= 1 − a`.
@@ -73,10 +68,7 @@ pub trait CompositingOrder {
 /// [plan](crate::render::plan::Approximation): an approximation that a scene asks for, never one
 /// made without it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct FrontToBack {
-    /// Transparency below which a ray ends; 0 never.
-    pub termination: f64,
-}
+pub struct FrontToBack;
 
 impl CompositingOrder for FrontToBack {
     fn index(done: usize, _count: usize) -> usize {
@@ -94,10 +86,6 @@ impl CompositingOrder for FrontToBack {
             },
             transparency,
         }
-    }
-
-    fn is_over(&self, layers: &Layers) -> bool {
-        layers.transparency < self.termination
     }
 }
 

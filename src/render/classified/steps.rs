@@ -1,17 +1,6 @@
 //! Positions of the samples of a ray.
 
 use crate::geometry::Span;
-use crate::volume::NodePoint;
-use glam::DVec3;
-
-/// The position of a sample.
-#[derive(Clone, Copy, Debug)]
-pub struct SamplePoint {
-    /// World position.
-    pub world: DVec3,
-    /// Position in node units.
-    pub nodes: NodePoint,
-}
 
 /// Samples in the middle of steps of equal length along a span; the last step is as long as
 /// what is left.
