@@ -8,7 +8,7 @@ use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::compare::{Exact, Picture};
 use crate::film::Film;
-use crate::judging::{CaseFinding, Cause, Evidence, Judged, JudgedWith, Verdict};
+use crate::judging::{CaseFinding, CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Change, UnitFolder};
@@ -116,13 +116,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     if arguments.page.is_asked() {
         let shown = cases.iter().zip(old).zip(&said);
-        let judged: Vec<Judged> = shown
+        let (results, evidence): (Vec<_>, Vec<_>) = shown
             .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
-            .collect();
+            .unzip();
         let page = PageOf {
             command: "accept",
             headline: &headline(&said),
-            judged: &judged,
+            results: &results,
+            evidence: &evidence,
             found: &Likenesses::default(),
             judged_with: &JudgedWith::default(),
         };
@@ -192,21 +193,19 @@ impl Arguments {
         old: Option<Film>,
         new: Option<Film>,
         (word, detail): &(&str, String),
-    ) -> Judged {
+    ) -> (CaseResult, Evidence) {
         let reason = format!("{word}: {detail}");
         let finding = CaseFinding::new(Verdict::Pass, Cause::None, reason);
         let mut result = finding.result(&case.name, case.class(), &Exact, Instant::now());
         let note = "the golden shown is the one before this accept; the test image is the one accepted now";
         result.notes.push(note.to_owned());
-        Judged {
-            result,
-            evidence: Evidence {
-                golden: old,
-                test: new.map(Picture::Radiance),
-                provenance: vec![("accepted because".to_owned(), self.reason.clone())],
-                reproduce: vec![self.selection.again("verify", &case.name, &[])],
-                ..Evidence::of(case)
-            },
-        }
+        let evidence = Evidence {
+            golden: old,
+            test: new.map(Picture::Radiance),
+            provenance: vec![("accepted because".to_owned(), self.reason.clone())],
+            reproduce: vec![self.selection.again("verify", &case.name, &[])],
+            ..Evidence::of(case)
+        };
+        (result, evidence)
     }
 }

@@ -12,7 +12,7 @@ use crate::compare::{
 };
 use crate::film::{Bits, Film, FilmFormat};
 use crate::judging::measured::decoded;
-use crate::judging::{CaseFinding, CaseResult, Evidence, Judged, JudgedWith, radiance};
+use crate::judging::{CaseFinding, CaseResult, Evidence, JudgedWith, radiance};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::MEAN_RESOLUTION;
@@ -165,7 +165,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let page = PageOf {
         command: "compare",
         headline: "",
-        judged: &[Judged { result, evidence }],
+        results: &[result],
+        evidence: &[evidence],
         found: &Likenesses::default(),
         judged_with: &JudgedWith::default(),
     };

@@ -2,7 +2,7 @@
 
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::kept::NAME;
-use super::merged_runs::{NO_RESULT, cases_of, side_by_side, without_result};
+use super::merged_runs::{NO_RESULT, cases_of, profile_of, side_by_side, without_result};
 use super::merged_units::joined_units;
 use super::output::check_not_golden;
 use super::results::{Findings, ResultFiles};
@@ -11,7 +11,6 @@ use super::suite::{KEPT, Selection};
 use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::verify;
 use super::{Outcome, progress};
-use crate::conventions::Profile;
 use crate::judging;
 use crate::judging::{
     CaseResult, CaseTrials, Judged, JudgedWith, SelfTest, SelfTestCases, Verdict,
@@ -207,9 +206,7 @@ fn joined_results(
     if run.command == SELF_TEST {
         return joined_self_test(arguments, results, &cases);
     }
-    let profile = run.settings.get("profile");
-    let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
-    let profile = profile.transpose()?;
+    let profile = profile_of(run)?;
     let is_explained = run.command == "validate" && arguments.explain.seconds(false) > 0.0;
     let wants_images = |result: &CaseResult| {
         arguments.files.wants_evidence() || is_explained && result.verdict != Verdict::Missing
@@ -263,10 +260,9 @@ fn joined_results(
         units,
         origin: None,
     };
-    Ok(Outcome {
-        text: arguments.files.write(&findings, text)?,
-        exit: exit(&findings.results()),
-    })
+    let exit = exit(&findings.results());
+    let text = arguments.files.write(findings, text)?;
+    Ok(Outcome { text, exit })
 }
 
 /// The self-test of all parts, as on one machine with all `cases`. Where parts are missing, a

@@ -25,9 +25,7 @@ pub fn side_by_side(
     let mut found: Vec<(&str, Judged)> = Vec::new();
     let mut loosened = Vec::new();
     for (id, (run, folder)) in runs {
-        let profile = run.settings.get("profile");
-        let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
-        let profile = profile.transpose()?;
+        let profile = profile_of(run)?;
         cases_of(run, suite)?;
         let name = run.settings.get(NAME).map_or("", String::as_str);
         let (mut judged, mut skipped) = (Vec::new(), Vec::new());
@@ -74,7 +72,7 @@ pub fn side_by_side(
         origin: None,
     };
     Ok(Outcome {
-        text: files.write(&findings, text)?,
+        text: files.write(findings, text)?,
         exit: exit(&results),
     })
 }
@@ -97,6 +95,13 @@ fn in_order(mut found: Vec<(&str, Judged)>, suite: &Suite) -> Vec<Judged> {
         judged
     });
     named.collect()
+}
+
+/// The profile under which `run` judged.
+pub fn profile_of(run: &Run) -> Result<Option<Profile>, Failure> {
+    let text = run.settings.get("profile");
+    let profile = text.map(|text| Profile::parse(text, "the profile of the results"));
+    Ok(profile.transpose()?)
 }
 
 /// The cases of `run`, if this program and this `suite` judged them.

@@ -404,7 +404,7 @@ fn is_below(path: &Path, folder: &Path) -> bool {
     let (Ok(path), Ok(folder)) = (std::path::absolute(path), folder.canonicalize()) else {
         return false;
     };
-    // Of what is yet to be made, the folder that is there already.
+    // What is yet to be made is in the folder that is there already.
     let existing = path
         .ancestors()
         .find_map(|existing| existing.canonicalize().ok());

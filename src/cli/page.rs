@@ -2,9 +2,8 @@
 
 use super::command_line::command_line;
 use super::failure::Failure;
-use super::output;
-use super::output::check_not_golden;
-use crate::judging::{Evidence, Judged, JudgedWith};
+use super::output::{self, check_not_golden};
+use crate::judging::{CaseResult, Evidence, JudgedWith};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::Suite;
@@ -27,7 +26,8 @@ pub struct PageOf<'p> {
     pub command: &'p str,
     /// The result in a sentence; empty where the verdicts give it.
     pub headline: &'p str,
-    pub judged: &'p [Judged],
+    pub results: &'p [CaseResult],
+    pub evidence: &'p [Evidence],
     pub found: &'p Likenesses,
     pub judged_with: &'p JudgedWith,
 }
@@ -58,17 +58,13 @@ impl ReportPage {
         let Some(folder) = &self.report else {
             return Ok(());
         };
-        let judged = of.judged.iter();
-        let (results, evidence): (Vec<_>, Vec<Evidence>) = judged
-            .map(|judged| (judged.result.clone(), judged.evidence.clone()))
-            .unzip();
         let page = report::results_html(&report::Page {
             title: &format!("volref {}", of.command),
             command: &command_line(),
             headline: of.headline,
             judged_with: &of.judged_with.in_words(),
-            results: &results,
-            evidence: &evidence,
+            results: of.results,
+            evidence: of.evidence,
             found: of.found,
         });
         let path = output::write_within(folder, Path::new(PAGE), page.as_bytes())?;

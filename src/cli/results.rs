@@ -90,8 +90,11 @@ impl ResultFiles {
     }
 
     /// Writes the requested files, and returns the text to print: `text`, or JSON instead.
-    pub fn write(&self, findings: &Findings<'_>, mut text: String) -> Result<String, Failure> {
-        let results = findings.results();
+    pub fn write(&self, findings: Findings<'_>, mut text: String) -> Result<String, Failure> {
+        let judged = findings.judged.into_iter();
+        let (results, evidence): (Vec<_>, Vec<_>) = judged
+            .map(|judged| (judged.result, judged.evidence))
+            .unzip();
         if let Some(path) = &self.junit {
             output::write(
                 path,
@@ -101,7 +104,8 @@ impl ResultFiles {
         let page = PageOf {
             command: findings.command,
             headline: "",
-            judged: &findings.judged,
+            results: &results,
+            evidence: &evidence,
             found: &findings.found,
             judged_with: &findings.judged_with,
         };

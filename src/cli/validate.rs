@@ -237,10 +237,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         Some(known) => known.exit(&results),
         None => exit(&results),
     };
-    Ok(Outcome {
-        text: arguments.files.write(&findings, text)?,
-        exit,
-    })
+    let text = arguments.files.write(findings, text)?;
+    Ok(Outcome { text, exit })
 }
 
 /// `case` with the biases that an image must be able to show by these arguments.

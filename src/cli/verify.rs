@@ -108,7 +108,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         return Err(failure);
     }
     Ok(Outcome {
-        text: arguments.files.write(&findings, text)?,
+        text: arguments.files.write(findings, text)?,
         exit: exit(&results),
     })
 }
