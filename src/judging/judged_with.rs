@@ -2,7 +2,7 @@
 
 use super::{CaseResult, Verdict};
 use crate::conventions::Profile;
-use crate::suite::NOT_RENDERED;
+use crate::suite::refusal;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -39,19 +39,17 @@ impl JudgedWith {
             Some((name.replace(' ', "_"), value.clone()))
         });
         let profile = profile.map(|profile| ("profile".to_owned(), profile.name.clone()));
-        let missing = results
-            .iter()
-            .filter(|result| result.verdict == Verdict::Missing);
-        let missing = missing.map(|result| (result.name.clone(), result.reason.clone()));
         let (mut without_image, mut cannot) = (Vec::new(), Vec::new());
         for (name, reason) in skipped {
-            match reason.starts_with(NOT_RENDERED) {
-                true => cannot.push(name),
-                false => without_image.push(name),
+            match refusal(&reason) {
+                Some(_) => cannot.push(name),
+                None => without_image.push(name),
             }
         }
-        let is_said = missing.filter(|(_, reason)| reason.starts_with(NOT_RENDERED));
-        cannot.extend(is_said.map(|(name, _)| name));
+        let missing = results
+            .iter()
+            .filter(|it| it.verdict == Verdict::Missing && refusal(&it.reason).is_some());
+        cannot.extend(missing.map(|it| it.name.clone()));
         cannot.sort();
         JudgedWith {
             settings: profile.into_iter().chain(given).collect(),

@@ -8,11 +8,10 @@ use crate::files::regular_file::Identity;
 use crate::film::Depth;
 use crate::known_answers::{self, Footprint, Formula};
 use crate::scene::format::{Key, Kind, Range, Table};
-use crate::scene::reader::{Document, Reader};
+use crate::scene::reader::Reader;
 use crate::scene::{Scene, SceneError, SceneResult};
 use crate::variations::mistakes;
 use miette::Diagnostic;
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -603,19 +602,11 @@ fn name_of(path: &Path) -> String {
 }
 
 fn read_manifest(path: &Path) -> SceneResult<Case> {
-    let shown = path.display().to_string();
-    let text = outline::text_of(path);
-    let document = Document {
-        path: &shown,
-        text: text.as_deref().unwrap_or(""),
-    };
-    if let Err(message) = &text {
-        return Err(document.error(None, message.clone(), None));
-    }
-    let root = document.parse()?;
-    let log = RefCell::default();
-    let reader = Reader::new(&document, &MANIFEST, &root, &log)?;
+    outline::read_file(path, &MANIFEST, |reader| case_of(path, reader))
+}
 
+/// The case that the manifest at `path` declares.
+fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
     let full_name = name_of(path);
     let (family, name) = full_name.split_once('/').unwrap_or_default();
     let family = family.to_owned();
@@ -638,13 +629,13 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
     let is_stochastic = class == STOCHASTIC;
     let truth = reader.optional_text("truth")?;
     let truth = truth.and_then(|name| Formula::named(&name));
-    let sampling = read_sampling(&reader, is_stochastic, truth.is_some())?;
-    let answer = read_answer(&reader, is_stochastic)?;
+    let sampling = read_sampling(reader, is_stochastic, truth.is_some())?;
+    let answer = read_answer(reader, is_stochastic)?;
     if truth.is_some() && answer.is_some() {
         let message = "the `truth` is the answer: leave one of them out";
         return Err(reader.error("answer", message));
     }
-    let depth = read_depth(&reader, &class)?;
+    let depth = read_depth(reader, &class)?;
     let (opacity, promise) = (reader.flag("opacity")?, reader.number("mean_resolution")?);
     let numbers = match answer {
         Some(Answer::EveryPixel { radiance, within }) => Some((radiance, Some(within))),
@@ -681,7 +672,7 @@ fn read_manifest(path: &Path) -> SceneResult<Case> {
         answer,
         opacity,
         depth,
-        mistakes: read_mistakes(&reader)?,
+        mistakes: read_mistakes(reader)?,
         exposure: reader.number("exposure")?,
         limit: class == LIMIT,
         sampling,

@@ -39,28 +39,20 @@ pub(super) struct Outline {
 impl Outline {
     /// The outline in a file, whose core set names cases of the suite only.
     pub fn read(path: &Path, is_case: impl Fn(&str) -> bool) -> SceneResult<Outline> {
-        let shown = path.display().to_string();
-        let text = text_of(path);
-        let document = Document {
-            path: &shown,
-            text: text.as_deref().unwrap_or(""),
-        };
-        if let Err(message) = &text {
-            return Err(document.error(None, message.clone(), None));
-        }
-        let root = document.parse()?;
-        let log = RefCell::default();
-        let reader = Reader::new(&document, &OUTLINE, &root, &log)?;
-        let core = reader.words("core")?;
-        if let Some(name) = core.iter().find(|name| !is_case(name)) {
-            let message = format!("the core set names {name:?}, which is no case of this suite");
-            let help =
-                format!("remove it from `core`, or add its manifest, fixtures/cases/{name}.toml");
-            return Err(reader.mistake("core", message, help));
-        }
-        let family = |table: &Reader| Ok((table.text("name")?, table.text("asks")?));
-        let families = reader.tables_as("family", family)?;
-        Ok(Outline { core, families })
+        read_file(path, &OUTLINE, |reader| {
+            let core = reader.words("core")?;
+            if let Some(name) = core.iter().find(|name| !is_case(name)) {
+                let message =
+                    format!("the core set names {name:?}, which is no case of this suite");
+                let help = format!(
+                    "remove it from `core`, or add its manifest, fixtures/cases/{name}.toml"
+                );
+                return Err(reader.mistake("core", message, help));
+            }
+            let family = |table: &Reader| Ok((table.text("name")?, table.text("asks")?));
+            let families = reader.tables_as("family", family)?;
+            Ok(Outline { core, families })
+        })
     }
 
     /// The filters, with the names of its cases in place of the word [`CORE`].
@@ -82,9 +74,21 @@ impl Outline {
     }
 }
 
-/// The text of a manifest, or the reason why there is none.
-pub(super) fn text_of(path: &Path) -> Result<String, String> {
+/// What `read` makes of the table in a file of the suite.
+pub(super) fn read_file<T>(
+    path: &Path,
+    declaration: &'static Table,
+    read: impl FnOnce(&Reader) -> SceneResult<T>,
+) -> SceneResult<T> {
+    let shown = path.display().to_string();
+    let document = |text| Document { path: &shown, text };
+    let failed = |message: String| document("").error(None, message, None);
     let bytes = regular_file::read(path, MOST_BYTES)
-        .map_err(|error| format!("cannot read the manifest: {error}"))?;
-    String::from_utf8(bytes).map_err(|_| "the manifest is not UTF-8 text".to_owned())
+        .map_err(|error| failed(format!("cannot read the manifest: {error}")))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| failed("the manifest is not UTF-8 text".to_owned()))?;
+    let document = document(&text);
+    let root = document.parse()?;
+    let log = RefCell::default();
+    read(&Reader::new(&document, declaration, &root, &log)?)
 }

@@ -32,6 +32,11 @@ pub struct Outputs {
 /// Beginning of the reason where a renderer or a format has no words for a scene.
 pub(crate) const NOT_RENDERED: &str = "not rendered: ";
 
+/// What a renderer says of a scene that it cannot draw, if that is the `reason` of a missing image.
+pub(crate) fn refusal(reason: &str) -> Option<&str> {
+    reason.strip_prefix(NOT_RENDERED)
+}
+
 /// The output of another renderer for a case.
 #[derive(Clone, Debug)]
 pub enum Output {

@@ -7,7 +7,7 @@ use crate::compare::{Picture, recognised};
 use crate::film::{CHANNELS, Film};
 use crate::judging::{CaseResult, Verdict};
 use crate::naming::NOTHING_STANDS_OUT;
-use crate::suite::NOT_RENDERED;
+use crate::suite::refusal;
 
 /// Longest side of a picture: that of forty cases and ten renderers fit in some 20 MB.
 const SIDE: usize = 128;
@@ -40,7 +40,7 @@ pub(super) fn fault(result: &CaseResult) -> String {
         Verdict::Fail if !best.is_empty() => best.join("; "),
         verdict => {
             let reason = &result.reason;
-            let reason = reason.strip_prefix(NOT_RENDERED).unwrap_or(reason);
+            let reason = refusal(reason).unwrap_or(reason);
             let measured = measured.filter(|_| verdict == Verdict::Fail);
             measured.map_or(reason, String::as_str).to_owned()
         }

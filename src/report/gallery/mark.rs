@@ -1,7 +1,7 @@
 //! Verdicts as the page marks and counts them.
 
 use crate::judging::{CaseResult, KnownStatus, Verdict};
-use crate::suite::NOT_RENDERED;
+use crate::suite::refusal;
 use minijinja::{Value, context};
 
 /// A kind of result.
@@ -93,7 +93,7 @@ impl Mark {
             Verdict::Fail => 3,
             Verdict::Inconclusive => 4,
             Verdict::Error => 5,
-            Verdict::Missing if result.reason.starts_with(NOT_RENDERED) => 7,
+            Verdict::Missing if refusal(&result.reason).is_some() => 7,
             Verdict::Missing => 6,
         };
         &MARKS[at]
