@@ -8,69 +8,51 @@ use volref::suite::Suite;
 /// Width and height of panels where all cases are rendered.
 const PIXELS: usize = 8;
 
-/// A ramp in a box, thin everywhere.
-const RAMP: &str = r#"
+/// A scene of a ramp in a box, with opacities over a length of 1 at its values 0, 8 and 16.
+fn ramp(camera: &str, [low, middle, high]: [f64; 3], step: &str, volume: &str) -> String {
+    format!(
+        r#"
 [film]
 width = 24
 height = 24
 
 [camera]
-eye = [-3, -1.7, 1.2]
-target = [0, 0, 0]
-up = [0, 0, 1]
-vertical_fov = 40
+{camera}
 
 [transfer_function]
 reference_length = 1
 point = [
-    { value = 0, colour = [0.1, 0.3, 0.8], opacity = 0.002 },
-    { value = 8, colour = [0.9, 0.8, 0.3], opacity = 0.1 },
-    { value = 16, colour = [0.8, 0.1, 0.1], opacity = 0.33 },
+    {{ value = 0, colour = [0.1, 0.3, 0.8], opacity = {low} }},
+    {{ value = 8, colour = [0.9, 0.8, 0.3], opacity = {middle} }},
+    {{ value = 16, colour = [0.8, 0.1, 0.1], opacity = {high} }},
 ]
 
 [classified]
-step = 0.05
+step = {step}
 
 [classified.volume]
 field = "ramp"
 value = 0
-slope = [2, 1, 1]
 nodes = [5, 5, 5]
-spacing = [0.5, 0.5, 0.5]
-origin = [-1, -1, -1]
-"#;
+{volume}
+"#
+    )
+}
+
+/// A ramp that is seen from its side.
+fn from_the_side(opacities: [f64; 3], step: &str) -> String {
+    let camera = "eye = [-3, -1.7, 1.2]\ntarget = [0, 0, 0]\nup = [0, 0, 1]\nvertical_fov = 40";
+    let volume = "slope = [2, 1, 1]\nspacing = [0.5, 0.5, 0.5]\norigin = [-1, -1, -1]";
+    ramp(camera, opacities, step, volume)
+}
 
 /// A ramp across the view, which is along its box of 1.3 steps.
-const FACING: &str = r#"
-[film]
-width = 24
-height = 24
-
-[camera]
-eye = [0.3, -0.2, -40]
-target = [0.3, -0.2, 0]
-up = [0, 1, 0]
-vertical_fov = 3
-
-[transfer_function]
-reference_length = 1
-point = [
-    { value = 0, colour = [0.1, 0.3, 0.8], opacity = 0.05 },
-    { value = 8, colour = [0.9, 0.8, 0.3], opacity = 0.3 },
-    { value = 16, colour = [0.8, 0.1, 0.1], opacity = 0.8 },
-]
-
-[classified]
-step = 1
-
-[classified.volume]
-field = "ramp"
-value = 0
-slope = [2, 2, 0]
-nodes = [5, 5, 5]
-spacing = [0.5, 0.5, 0.325]
-origin = [-1, -1, -0.65]
-"#;
+fn facing() -> String {
+    let camera =
+        "eye = [0.3, -0.2, -40]\ntarget = [0.3, -0.2, 0]\nup = [0, 1, 0]\nvertical_fov = 3";
+    let volume = "slope = [2, 2, 0]\nspacing = [0.5, 0.5, 0.325]\norigin = [-1, -1, -0.65]";
+    ramp(camera, [0.05, 0.3, 0.8], "1", volume)
+}
 
 /// A suite of one case, `own/case`, with its golden.
 fn with_case(scene: &str, class: &str) -> Folder {
@@ -102,12 +84,12 @@ fn validated(folder: &Folder, options: &str) -> (Run, serde_json::Value) {
 /// step where the reference length is 2/1.3 steps: two conventions, or one mistake.
 #[test]
 fn one_mistake_goes_before_several_conventions() {
-    let scene = FACING.replace(
+    let scene = facing().replace(
         "reference_length = 1",
         "reference_length = 1.5384615384615385",
     );
     let folder = with_case(&scene, "deterministic");
-    let image = rendered(&folder, FACING, "");
+    let image = rendered(&folder, &facing(), "");
     folder.write_film("out/own/case.exr", &image);
     let profile = "name = 'mine'\n[conventions]\nfitted_steps = 'up'\nstep_opacity = 'nominal'\n";
     folder.write("mine.toml", profile);
@@ -124,7 +106,8 @@ fn one_mistake_goes_before_several_conventions() {
 /// In thin haze all that is left of colours multiplied by opacity twice is faint, and of few codes.
 #[test]
 fn colours_multiplied_by_opacity_twice_in_thin_haze_are_no_convention() {
-    let haze = RAMP.replace("[classified]", "[classified]\ncompositing = \"continuous\"");
+    let thin = from_the_side([0.002, 0.1, 0.33], "0.05");
+    let haze = thin.replace("[classified]", "[classified]\ncompositing = \"continuous\"");
     let folder = with_case(&haze, "limit");
     let linear = "8-linear".parse::<Bits>().unwrap().of_png(0.0);
     for (suffix, step) in [("", 0.05), ("@0.5", 0.025), ("@0.25", 0.0125)] {
@@ -147,11 +130,7 @@ fn colours_multiplied_by_opacity_twice_in_thin_haze_are_no_convention() {
 
 /// The opaque ramp, `step` long, with volumes that fill half a voxel beyond their outermost nodes.
 fn opaque_beyond_nodes(step: &str) -> [String; 2] {
-    let scene = RAMP
-        .replace("step = 0.05", &format!("step = {step}"))
-        .replace("opacity = 0.002", "opacity = 0.5")
-        .replace("opacity = 0.1 }", "opacity = 0.5 }")
-        .replace("opacity = 0.33", "opacity = 0.9");
+    let scene = from_the_side([0.5, 0.5, 0.9], &format!("{step:?}"));
     let beyond = format!("{scene}\n[classified.conventions]\nbox = 'voxels'\n");
     [scene, beyond]
 }
