@@ -43,7 +43,7 @@ pub(super) struct Truth {
 }
 
 impl Truth {
-    /// That of `panel`, the finest setting of which is `finest`. Random numbers are those of `seed`.
+    /// The true image of `panel`, whose finest setting is `finest`; random numbers follow from `seed`.
     pub fn of(
         panel: &Panel,
         parameter: Parameter,

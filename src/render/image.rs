@@ -76,7 +76,7 @@ pub(crate) fn render_part(
 ///
 /// # Errors
 ///
-/// Those of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` returns
+/// The errors of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` returns
 /// true; it is called before every row, from any thread.
 pub(crate) fn render_coarse(
     plans: &[Plan<'_>],

@@ -11,7 +11,7 @@ use std::ops::Range;
 pub enum Detail {
     /// All.
     Whole,
-    /// Of each panel the rows from the first up to the end, which is not one of them. Each pixel has the
+    /// In each panel the rows from the first up to the end, which is not one of them. Each pixel has the
     /// same bits as in the whole image.
     Rows {
         /// From the top.

@@ -230,9 +230,6 @@ fn pages_are_in_plain_english() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Rooms that are still to be rewritten.
-const ROOMS: [&str; 5] = ["cost", "report/cost", "runs", "report/gallery", "render"];
-
 /// Help and documentation are made of comments, messages of strings.
 #[test]
 fn help_messages_and_documentation_are_in_plain_english() {
@@ -240,9 +237,6 @@ fn help_messages_and_documentation_are_in_plain_english() {
     let mut wrong = Vec::new();
     for path in files("src", "rs") {
         let name = path.strip_prefix(&source).unwrap();
-        if ROOMS.iter().any(|room| name.starts_with(room)) {
-            continue;
-        }
         let of_users = name.starts_with("cli");
         let Texts { strings, docs } = texts(&text(&path));
         let found = [faults(&strings, true), faults(&docs, of_users)].concat();

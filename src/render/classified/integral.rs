@@ -61,7 +61,7 @@ pub struct RayIntegrator<'s> {
 }
 
 impl<'s> RayIntegrator<'s> {
-    /// That of `scene`: its field, transfer function and background.
+    /// An integrator of `scene`: its field, transfer function and background.
     pub fn new(scene: &'s Classified) -> RayIntegrator<'s> {
         RayIntegrator {
             range: scene.grid.range(),

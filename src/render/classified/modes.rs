@@ -57,7 +57,7 @@ pub struct ExactField<'s> {
 }
 
 impl<'s> ExactField<'s> {
-    /// That of `scene`.
+    /// The field of `scene`.
     pub fn new(scene: &'s Classified) -> ExactField<'s> {
         ExactField {
             scene,

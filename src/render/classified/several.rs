@@ -155,7 +155,7 @@ impl<'s> Caster<'s> {
         }
     }
 
-    /// That of `scene` without shading and shadow: for opacities.
+    /// A caster of `scene` without shading and shadow: for opacities.
     pub fn unlit(scene: &Classified) -> Caster<'s> {
         let mut unlit = scene.clone();
         unlit.edit_volumes(|volume| {
@@ -221,8 +221,7 @@ impl<'s> Caster<'s> {
         layers
     }
 
-    /// Middle, length and opacity of what `ray` passes: pieces of volumes, and the surface at its end. Of merged
-    /// volumes.
+    /// Middle, length and opacity of what `ray` passes: pieces of merged volumes, and the surface at its end.
     pub fn passed(&self, ray: &Ray) -> Vec<(f64, f64, f64)> {
         let hit = self.scene.objects.nearest_surface(ray);
         let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);

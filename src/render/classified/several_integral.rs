@@ -155,7 +155,7 @@ fn together(
 }
 
 impl<'s> SeveralIntegrator<'s> {
-    /// That of `scene`, without shading, shadow and modulation.
+    /// An integrator of `scene`, without shading, shadow and modulation.
     pub fn new(scene: &'s Classified) -> SeveralIntegrator<'s> {
         let parts = (0..scene.volume_count()).map(|index| Part::new(scene, index));
         SeveralIntegrator {

@@ -43,7 +43,7 @@ struct Contents<'s> {
     scene: &'s Classified,
     /// Smallest and largest density.
     range: [f64; 2],
-    /// Of what is provably null by volref's conventions others make something: nothing is left out.
+    /// Other conventions make something of what is provably null by volref's own: nothing is left out.
     is_conventional: bool,
     is_constant: bool,
     is_transparent: bool,

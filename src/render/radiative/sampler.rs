@@ -20,11 +20,11 @@ pub struct Sampler {
 /// Tentative collisions that share one row of numbers: every bounce begins each row anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NumberRow {
-    /// Of the free flight.
+    /// The numbers of the free flight.
     FreeFlight,
-    /// Of emission along the ray.
+    /// The numbers of emission along the ray.
     Emission,
-    /// Of all transmittances estimated at the bounce, in the order of the estimates.
+    /// The numbers of all transmittances estimated at the bounce, in the order of the estimates.
     Transmittance,
 }
 

@@ -30,14 +30,14 @@ pub struct MediumSegment {
 /// Optical depths by channel from the origin of a ray to a point on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct OpticalDepths {
-    /// Of the media that scatter.
+    /// Depths of the media that scatter.
     pub scattering: DVec3,
-    /// Of those that only absorb.
+    /// Depths of the media that only absorb.
     pub absorbing: DVec3,
 }
 
 impl OpticalDepths {
-    /// Of all media.
+    /// Depths of all media.
     pub fn total(&self) -> DVec3 {
         self.scattering + self.absorbing
     }

@@ -38,7 +38,7 @@ enum PlaneSource {
 }
 
 /// Distances along `ray` at which the shadow of `boundary` in the light of `source` may begin, end or
-/// have a kink, in no order. Of a mesh, those of the box around it.
+/// have a kink, in no order. A mesh has those of the box around it.
 pub fn shadow_edges(boundary: &Boundary, ray: &Ray, source: LightSource) -> Vec<f64> {
     match boundary {
         Boundary::Sphere(sphere) => of_sphere(sphere, ray, source),

@@ -9,7 +9,7 @@
 //! Both samplers are weighted by multiple importance sampling, and each is better near the end of
 //! the other.
 //!
-//! Of the two places, the medium and the surface behind it, one is chosen for each vertex. Both would
+//! Each vertex chooses one of two places, the medium and the surface behind it. Both would
 //! take four rays, each through all media; one takes two, and 1.09 times the variance in 0.67 of the
 //! time for a dense body in fog, 1.15 times in 0.70 for a spotlight in a room of fog.
 //!
