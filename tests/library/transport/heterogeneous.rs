@@ -10,8 +10,8 @@ use volref::math::quadrature::integrate;
 use volref::math::rng::Stream;
 use volref::math::{Moments, exp};
 use volref::optics::{Coefficients, Density, Field, Homogeneous, Material, Sides};
+use volref::render::plan::RadiativeFeatures;
 use volref::render::radiative::context::Scratch;
-use volref::render::radiative::effects::{Everything, Only};
 use volref::render::radiative::path_tracer::PathTracer;
 use volref::render::radiative::sampler::Sampler;
 use volref::render::radiative::scene_context::SceneContext;
@@ -393,7 +393,7 @@ fn placed_elsewhere() {
 fn empty_blocks() {
     let one_side = grid([33, 33, 33], |node| if node[0] < 9 { 1.0 } else { 0.0 });
     let scene = lit(vec![in_cube(field(one_side), grey(5.0, 0.8, 0.0))]);
-    let tracer = PathTracer::<Everything>::new(&scene, None, false);
+    let tracer = PathTracer::new(&scene, None, RadiativeFeatures::ALL);
     let mut work = Counters::default();
     // Through cells 16 to 32 of 32 along x, whose blocks are empty. Towards the light it goes on.
     let view = ray(DVec3::new(0.5, 0.1, 4.0), DVec3::NEG_Z);
@@ -414,7 +414,7 @@ fn empty_blocks() {
         field(grid([9; 3], |_| 0.0)),
         grey(5.0, 0.8, 0.0),
     )]);
-    let media = SceneContext::<Everything>::new(&nothing, false);
+    let media = SceneContext::new(&nothing, RadiativeFeatures::ALL);
     assert_eq!(media.media.count(), 0);
 }
 
@@ -449,7 +449,7 @@ fn a_spike_on_the_border_of_two_blocks() {
     assert!((exact - exp(-depth)).abs() <= 1e-6, "{exact}");
 
     let scene = background(body(1.0));
-    let around = SceneContext::<Everything>::new(&scene, false);
+    let around = SceneContext::new(&scene, RadiativeFeatures::ALL);
     let (mut scratch, mut work) = (TrackerScratch::default(), Counters::default());
     let mut moments = Moments::default();
     for sample in 0..SAMPLES {
@@ -638,22 +638,9 @@ fn narrow_emitters_that_overlap() {
     assert!((found - expected).abs() < 2e-4, "{found} {expected}");
 }
 
-/// Kernels for fewer effects give the bits of the one for everything, path by path.
 #[test]
-fn special_kernels() {
-    let plain = lit(vec![
-        in_cube(field(bumpy_grid()), grey(1.0, 0.8, 0.0)),
-        within(ball(DVec3::X, 1.0), grey(0.7, 0.8, 0.0)),
-    ]);
-    let mut general = Paths::new(&plain, None, 81);
-    let mut special: Paths<'_, Only<true, false, false, false, true, true>> =
-        Paths::compiled_for(&plain, None, 81);
-    for sample in 0..500 {
-        let ray = |_: &Stream| into_the_middle();
-        assert_eq!(special.radiance(sample, ray), general.radiance(sample, ray));
-    }
-    // The density at a point is that of its field.
-    let body = &plain.media[0];
+fn the_density_at_a_point_is_that_of_its_field() {
+    let body = in_cube(field(bumpy_grid()), grey(1.0, 0.8, 0.0));
     let point = DVec3::new(0.1, 0.2, 0.3);
     let density = body.density.as_ref().unwrap();
     assert_eq!(density.at(point, &mut 0), density.field().density(point));

@@ -6,8 +6,8 @@ use volref::geometry::{Boundary, Camera, Luminous, Rectangle, Shape, Sphere};
 use volref::math::rng::{Purpose, Stream};
 use volref::optics::{Coefficients, Field, Homogeneous, Material, Sides};
 use volref::render::counters::Uncounted;
+use volref::render::plan::RadiativeFeatures;
 use volref::render::radiative::context::Scratch;
-use volref::render::radiative::effects::{Effects, Everything, Only};
 use volref::render::radiative::path_tracer::PathTracer;
 use volref::render::radiative::sampler::Sampler;
 use volref::render::{Effect, Plan, Sampling, render};
@@ -67,8 +67,12 @@ fn with_surfaces(scene: Radiative) -> Radiative {
 }
 
 /// Every path through the picture, to the bit.
-fn paths<E: Effects>(scene: &Radiative, null_media: bool) -> Vec<[u64; 3]> {
-    let tracer = PathTracer::<E>::new(scene, None, null_media);
+fn paths(scene: &Radiative, vacuum_media: bool) -> Vec<[u64; 3]> {
+    let features = RadiativeFeatures {
+        vacuum_media,
+        ..RadiativeFeatures::ALL
+    };
+    let tracer = PathTracer::new(scene, None, features);
     let mut scratch = Scratch::default();
     let path = |sample| {
         let random = Stream::new(scene.seed, 0, sample);
@@ -89,53 +93,6 @@ fn same_bits(found: &[[u64; 3]], expected: &[[u64; 3]]) {
     }
 }
 
-#[track_caller]
-fn as_everything<E: Effects>(scene: &Radiative) {
-    let general = paths::<Everything>(scene, false);
-    same_bits(&paths::<E>(scene, false), &general);
-    let black = general.iter().all(|path| *path == [0; 3]);
-    assert!(!black, "nothing is seen");
-}
-
-/// The kernel for everything against those for what a scene has, path by path.
-#[test]
-fn special_kernels() {
-    let fog = |medium| lit(vec![within(cube(), medium)]);
-    let surfaces_only = with_surfaces(lit(vec![]));
-    as_everything::<Only<false, true, false, false, false, false>>(&surfaces_only);
-    as_everything::<Only<false, false, false, false, false, false>>(&lit(vec![]));
-
-    let plain = fog(grey(1.0, 0.8, 0.0));
-    as_everything::<Only<true, false, false, false, false, false>>(&plain);
-    as_everything::<Only<true, true, false, false, false, false>>(&plain);
-    as_everything::<Only<true, false, true, false, false, false>>(&plain);
-    as_everything::<Only<true, false, false, true, false, false>>(&plain);
-    as_everything::<Only<true, false, false, false, true, false>>(&plain);
-    as_everything::<Only<true, true, false, false, false, false>>(&with_surfaces(plain));
-
-    let forward = fog(grey(2.0, 0.9, 0.7));
-    as_everything::<Only<true, false, false, false, true, false>>(&forward);
-    as_everything::<Only<true, true, false, false, true, false>>(&with_surfaces(forward));
-
-    let warm = fog(emissive(grey(1.0, 0.6, 0.0), 0.5));
-    as_everything::<Only<true, false, true, false, false, false>>(&warm);
-    as_everything::<Only<true, true, true, false, false, false>>(&with_surfaces(warm));
-
-    let blue = fog(coloured(0.0));
-    as_everything::<Only<true, false, false, true, false, false>>(&blue);
-    as_everything::<Only<true, true, false, true, false, false>>(&with_surfaces(blue));
-    let blue = fog(coloured(-0.3));
-    as_everything::<Only<true, false, false, true, true, false>>(&blue);
-    as_everything::<Only<true, true, false, true, true, false>>(&with_surfaces(blue));
-
-    // Two media that overlap, one of which only absorbs.
-    let two = lit(vec![
-        within(cube(), grey(1.0, 0.8, 0.0)),
-        within(ball(DVec3::X, 1.0), grey(0.7, 0.0, 0.0)),
-    ]);
-    as_everything::<Only<true, true, false, false, false, false>>(&two);
-}
-
 /// Media of no matter, across media of some, beside them and everywhere.
 #[test]
 fn media_of_nothing() {
@@ -146,7 +103,7 @@ fn media_of_nothing() {
         ]
     };
     for scene in [lit(some(0.0)), with_surfaces(lit(some(0.5)))] {
-        let bare = paths::<Everything>(&scene, false);
+        let bare = paths(&scene, false);
         let null: [Vec<Body>; 3] = [
             vec![within(ball(DVec3::new(0.2, 0.1, 0.3), 0.7), nothing())],
             vec![everywhere(nothing())],
@@ -166,8 +123,8 @@ fn media_of_nothing() {
                 } else {
                     with_null.media.extend(null.clone());
                 }
-                same_bits(&paths::<Everything>(&with_null, false), &bare);
-                same_bits(&paths::<Everything>(&with_null, true), &bare);
+                same_bits(&paths(&with_null, false), &bare);
+                same_bits(&paths(&with_null, true), &bare);
             }
         }
     }
