@@ -261,11 +261,11 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
         if known.get("status") == "known":
             link = f" ({known['link']})" if known.get("link") else ""
             pytest.xfail(f"{known['reason']}{link}")
-        if known.get("change"):
-            pytest.fail(f"{known['status']}: {known['change']}\n{result}")
-        if result.passed or (allow_inconclusive and result.verdict == "inconclusive"):
+        is_accepted = result.passed or (allow_inconclusive and result.verdict == "inconclusive")
+        if is_accepted and not known:
             return result
-        lines = [str(result)]
+        lines = [f"{known['status']}: {known['change']}"] if known else []
+        lines.append(str(result))
         if result.verdict == "inconclusive":
             lines.append(INCONCLUSIVE)
         if page:

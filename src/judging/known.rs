@@ -71,13 +71,11 @@ impl Known {
     /// In one line, such as `known: rounds opacities (https://...)`, or what is to change.
     pub fn in_words(&self) -> String {
         let status = self.status.name();
-        let words = match (&self.change, &self.reason) {
-            (Some(change), _) => change,
-            (None, Some(reason)) => reason,
-            (None, None) => return "new: no known failure".to_owned(),
-        };
+        let is_known = self.status == KnownStatus::Known;
+        let words = if is_known { &self.reason } else { &self.change };
+        let words = words.as_deref().unwrap_or_default();
         match &self.link {
-            Some(link) if self.change.is_none() => format!("{status}: {words} ({link})"),
+            Some(link) if is_known => format!("{status}: {words} ({link})"),
             _ => format!("{status}: {words}"),
         }
     }
