@@ -32,7 +32,7 @@ const fn new(
 }
 
 /// All marks, in the order of the legend.
-static MARKS: [Mark; 8] = [
+static MARKS: [Mark; 9] = [
     new(
         "right",
         "✓",
@@ -81,10 +81,19 @@ static MARKS: [Mark; 8] = [
         "cannot say",
         "The renderer has no way to draw the scene. That is no failure.",
     ),
+    new(
+        "blank",
+        "",
+        "not asked",
+        "The mark is blank: the run of the renderer left the scene out.",
+    ),
 ];
 
 impl Mark {
-    pub fn of(result: &CaseResult) -> &'static Mark {
+    pub fn of(result: Option<&CaseResult>) -> &'static Mark {
+        let Some(result) = result else {
+            return &MARKS[8];
+        };
         let known = result.known.as_ref().map(|known| known.status);
         let at = match result.verdict {
             Verdict::Pass => 0,
@@ -106,7 +115,7 @@ impl Mark {
 
     /// True if the renderer tried: there is an image, or it failed.
     pub fn is_judged(&self) -> bool {
-        !["absent", "cannot"].contains(&self.class)
+        !["absent", "cannot", "blank"].contains(&self.class)
     }
 
     /// True if an image was compared with the right one.
@@ -121,7 +130,7 @@ impl Mark {
 
     /// The words for a template.
     pub fn shown(&self) -> Value {
-        context! { class => self.class, symbol => self.symbol, word => self.word }
+        context! { class => self.class, symbol => self.symbol, word => self.word, is_judged => self.is_judged() }
     }
 }
 
