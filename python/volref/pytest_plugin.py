@@ -67,7 +67,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--volref-known",
         metavar="FILE",
         help="known failures, as of volref validate --known: a listed failure is an expected one, and a mended, worse or "
-        "other one fails [default: volref_known of the ini file, from the folder of that file]",
+        "other one fails. The first file: volref validate --outputs DIR --only-present --known FILE --known-update, with the "
+        "DIR of --volref-outputs [default: volref_known of the ini file, from the folder of that file]",
     )
     parser.addini("volref_known", "file of known failures, from the folder of this file")
     group.addoption("--volref-suite", metavar="DIR", help="suite to judge by, in place of the one within volref")
