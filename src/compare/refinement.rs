@@ -460,12 +460,9 @@ impl Outcome {
     }
 
     fn judgement(self, passed: bool, reason: String) -> Judgement {
-        let width = self
-            .metrics
-            .iter()
-            .find(|(name, _)| *name == "error_allowed");
-        let width = width.map_or(0.0, |&(_, width)| width);
         let mut judgement = Judgement::new(&Refinement, passed, reason, &self.metrics);
+        let width = judgement.metrics.get("error_allowed");
+        let width = width.copied().unwrap_or_default();
         if passed && width > WIDEST {
             let undecided = Undecided::Step(width);
             judgement.reason.push_str(&format!("; {undecided}"));

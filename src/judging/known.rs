@@ -22,24 +22,18 @@ pub enum KnownStatus {
 }
 
 impl KnownStatus {
-    /// All of them, in the order in which they are counted.
-    pub const ALL: [KnownStatus; 5] = [
-        KnownStatus::Known,
-        KnownStatus::New,
-        KnownStatus::Mended,
-        KnownStatus::Otherwise,
-        KnownStatus::Worse,
+    /// All of them, in the order in which they are counted, with the words used in JSON and on the terminal.
+    pub const ALL: [(KnownStatus, &str); 5] = [
+        (KnownStatus::Known, "known"),
+        (KnownStatus::New, "new"),
+        (KnownStatus::Mended, "mended"),
+        (KnownStatus::Otherwise, "otherwise"),
+        (KnownStatus::Worse, "worse"),
     ];
 
-    /// The word used in JSON and on the terminal.
+    /// The word for it.
     pub fn name(self) -> &'static str {
-        match self {
-            KnownStatus::Known => "known",
-            KnownStatus::New => "new",
-            KnownStatus::Mended => "mended",
-            KnownStatus::Otherwise => "otherwise",
-            KnownStatus::Worse => "worse",
-        }
+        KnownStatus::ALL[self as usize].1
     }
 }
 

@@ -10,19 +10,13 @@ use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::suite::{Suite, SuiteError};
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error as ValueError;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::DeValue;
-
-/// The verdicts that a failure may have.
-const VERDICTS: [Verdict; 5] = [
-    Verdict::Fail,
-    Verdict::Convention,
-    Verdict::Inconclusive,
-    Verdict::Missing,
-    Verdict::Error,
-];
 
 /// The declaration of a table of the file; its name is a case, or filters over cases.
 const ENTRY: Table = Table::new("A known failure.").keys(&[
@@ -100,11 +94,7 @@ impl KnownFailures {
             let cases = cases_named(suite, text_of_name)
                 .map_err(|(message, help)| at_name(message, help))?;
             let line = line_at(text, name.span().start);
-            let entry = Entry {
-                line,
-                cases,
-                ..entry(&document, text_of_name, value)?
-            };
+            let entry = entry(&document, text_of_name, value, (line, cases))?;
             if entry.reason.trim().is_empty() && !may_lack_reasons {
                 let message = format!("the known failure {text_of_name:?} has no reason");
                 let help = "write in `reason` why the failure is accepted for now: --known-update leaves that to a person";
@@ -127,30 +117,26 @@ impl KnownFailures {
     /// What the file says of `result`; `None` of one that is neither listed nor a failure, and of one that was not
     /// judged.
     pub fn of(&self, result: &CaseResult) -> Option<Known> {
-        let Some(entry) = self.entry(&result.name) else {
-            let name = &result.name;
-            let verdict = result.verdict.name();
-            let (path, line) = (&self.path, self.text.lines().count() + 1);
-            let change = format!(
-                "{path}:{line}: {name} is {verdict:?}: mend the renderer, or write [{name:?}] and below it {}, reason = \"...\"",
-                in_words(&failing(result))
-            );
-            return is_failure(result).then_some(Known {
-                status: KnownStatus::New,
-                reason: None,
-                link: None,
-                line: None,
-                change: Some(change),
-            });
+        let entry = self.entry(&result.name);
+        let (status, change) = match entry {
+            Some(entry) => entry.status(result)?,
+            None if is_failure(result) => {
+                let (name, verdict) = (&result.name, result.verdict.name());
+                let keys = in_words(&failing(result));
+                let words = format!(
+                    "{name} is {verdict:?}: {MEND}, or write [{name:?}] and below it {keys}, reason = \"...\""
+                );
+                let line = self.text.lines().count() + 1;
+                (KnownStatus::New, Some((line, words)))
+            }
+            None => return None,
         };
-        let (status, change) = entry.status(result)?;
-        let change = change.map(|(line, words)| format!("{}:{line}: {words}", self.path));
         Some(Known {
             status,
-            reason: Some(entry.reason.clone()),
-            link: entry.link.clone(),
-            line: Some(entry.line),
-            change,
+            reason: entry.map(|entry| entry.reason.clone()),
+            link: entry.and_then(|entry| entry.link.clone()),
+            line: entry.map(|entry| entry.line),
+            change: change.map(|(line, words)| format!("{}:{line}: {words}", self.path)),
         })
     }
 
@@ -312,11 +298,12 @@ fn cases_named(suite: &Suite, name: &str) -> Result<Vec<String>, (String, String
     }
 }
 
-/// The entry in `value`, but for its line and its cases.
+/// The entry in `value`, in this `line`, with its `cases`.
 fn entry<'s>(
     document: &Document<'s>,
     name: &str,
     value: &Spanned<DeValue<'s>>,
+    (line, cases): (usize, Vec<String>),
 ) -> SceneResult<Entry> {
     let log = RefCell::default();
     let reader = Reader::of_value(document, &ENTRY, value, format!("{name:?}"), &log)?;
@@ -336,13 +323,13 @@ fn entry<'s>(
         return Err(reader.mistake("cause", message, help));
     }
     let verdict = reader.optional_text("verdict")?;
-    let verdict = VERDICTS
-        .into_iter()
-        .find(|known| verdict.as_deref() == Some(known.name()));
+    let verdict = verdict.map_or(Ok(Verdict::Fail), |name| {
+        Verdict::deserialize(name.into_deserializer())
+    });
     Ok(Entry {
         name: name.to_owned(),
-        cases: Vec::new(),
-        verdict: verdict.unwrap_or(Verdict::Fail),
+        cases,
+        verdict: verdict.unwrap_or_else(|_: ValueError| Verdict::Fail),
         cause,
         reason: reader.optional_text("reason")?.unwrap_or_default(),
         link: reader.optional_text("link")?,
@@ -350,7 +337,7 @@ fn entry<'s>(
             reader.optional_number(BOUNDS[0])?,
             reader.optional_number(BOUNDS[1])?,
         ],
-        line: 0,
+        line,
         lines: lines_of_keys(document.text, value),
     })
 }

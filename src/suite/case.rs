@@ -625,14 +625,9 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
         Some(scene) => folder.join(scene),
         // Not folder/../../scenes: shown in messages, the short way reads better.
         None => {
-            let fixtures = folder
-                .parent()
-                .and_then(Path::parent)
-                .unwrap_or(Path::new(""));
-            fixtures
-                .join("scenes")
-                .join(&family)
-                .join(format!("{name}.toml"))
+            let fixtures = folder.parent().and_then(Path::parent);
+            let fixtures = fixtures.unwrap_or(Path::new(""));
+            fixtures.join(format!("scenes/{family}/{name}.toml"))
         }
     };
     let class = reader.text("class")?;

@@ -17,12 +17,7 @@ pub(super) struct Mark {
     meaning: &'static str,
 }
 
-const fn new(
-    class: &'static str,
-    symbol: &'static str,
-    word: &'static str,
-    meaning: &'static str,
-) -> Mark {
+const fn new([class, symbol, word, meaning]: [&'static str; 4]) -> Mark {
     Mark {
         class,
         symbol,
@@ -33,60 +28,60 @@ const fn new(
 
 /// All marks, in the order of the legend.
 static MARKS: [Mark; 9] = [
-    new(
+    new([
         "right",
         "✓",
         "right",
         "The image agrees with the right one, up to rounding or noise.",
-    ),
-    new(
+    ]),
+    new([
         "convention",
         "≈",
         "right by convention",
         "The image agrees under other conventions than those of the scene, and volref says which.",
-    ),
-    new(
+    ]),
+    new([
         "known",
         "✗",
         "wrong, cause known",
         "The image differs, and a person has written down why.",
-    ),
-    new(
+    ]),
+    new([
         "wrong",
         "✗",
         "wrong, cause not known",
         "The image differs, and nobody has found out why yet.",
-    ),
-    new(
+    ]),
+    new([
         "undecided",
         "?",
         "undecided",
         "The image is too noisy, or its steps are too long, to tell.",
-    ),
-    new(
+    ]),
+    new([
         "error",
         "!",
         "error",
         "The renderer failed, or its image cannot be read.",
-    ),
-    new(
+    ]),
+    new([
         "absent",
         "○",
         "no image",
         "The renderer was asked, and there is no image.",
-    ),
-    new(
+    ]),
+    new([
         "cannot",
         "·",
         "cannot say",
         "The renderer has no way to draw the scene. That is no failure.",
-    ),
-    new(
+    ]),
+    new([
         "blank",
         "",
         "not asked",
         "The mark is blank: the run of the renderer left the scene out.",
-    ),
+    ]),
 ];
 
 impl Mark {
