@@ -298,11 +298,8 @@ impl CheckedGolden {
             .plans()
             .iter()
             .map(|plan| {
-                plan.omitted()
-                    .into_iter()
-                    .map(word)
-                    .collect::<Vec<_>>()
-                    .join(", ")
+                let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
+                words.join(", ")
             })
             .collect();
         match &omitted[..] {

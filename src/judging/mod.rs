@@ -27,6 +27,7 @@ pub use finding::Judged;
 pub(crate) use finding::{CaseFinding, is_declared};
 pub(crate) use judged_with::JudgedWith;
 pub use known::{Known, KnownStatus};
+pub(crate) use known_failure::OF_PROFILE;
 pub(crate) use known_file::KnownFailures;
 pub(crate) use more_samples::MoreSamples;
 pub use more_samples::is_open;

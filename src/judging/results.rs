@@ -34,14 +34,16 @@ pub enum Verdict {
 impl Verdict {
     /// The word used in JSON and on the terminal.
     pub fn name(self) -> &'static str {
-        match self {
-            Verdict::Pass => "pass",
-            Verdict::Fail => "fail",
-            Verdict::Convention => "convention",
-            Verdict::Inconclusive => "inconclusive",
-            Verdict::Missing => "missing",
-            Verdict::Error => "error",
-        }
+        // In the order of the variants.
+        const NAMES: [&str; 6] = [
+            "pass",
+            "fail",
+            "convention",
+            "inconclusive",
+            "missing",
+            "error",
+        ];
+        NAMES[self as usize]
     }
 }
 
@@ -185,10 +187,8 @@ impl Summary {
     /// Counts the verdicts of `results`.
     pub fn of(results: &[CaseResult]) -> Summary {
         let count = |verdict| {
-            results
-                .iter()
-                .filter(|result| result.verdict == verdict)
-                .count()
+            let such = results.iter().filter(|result| result.verdict == verdict);
+            such.count()
         };
         Summary {
             pass: count(Verdict::Pass),
@@ -219,9 +219,8 @@ pub fn metric_meaning(name: &str) -> &'static str {
     let mut of_suite = [OF_TOLERANCE, SAME_BITS].into_iter();
     let found = of_suite.find(|(known, _)| *known == name);
     let meaning = found.map(|(_, meaning)| meaning);
-    meaning
-        .or_else(|| compare::metric_meaning(name))
-        .unwrap_or("")
+    let meaning = meaning.or_else(|| compare::metric_meaning(name));
+    meaning.unwrap_or_default()
 }
 
 #[cfg(test)]

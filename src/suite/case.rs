@@ -168,7 +168,8 @@ impl Case {
         self.limit
     }
 
-    /// The arguments that name the suite in a command, with a blank before them; none where it is the current folder.
+    /// The arguments that name the suite in a command, with a blank before them; none where it is the current folder or the
+    /// embedded one.
     pub(crate) fn suite_option(&self) -> String {
         suite_option(&self.suite)
     }
@@ -304,7 +305,10 @@ impl Suite {
         check_names(&manifests)?;
         for path in manifests {
             match read_manifest(&path) {
-                Ok(case) => {
+                Ok(mut case) => {
+                    if suite.own.is_some() {
+                        case.suite = PathBuf::new();
+                    }
                     suite.by_name.insert(case.name.clone(), suite.cases.len());
                     suite.cases.push(case);
                 }
@@ -464,6 +468,12 @@ impl Suite {
         self.cases.iter().map(|case| &case.name)
     }
 
+    /// The arguments that name the suite in a command; none of the embedded one.
+    fn option(&self) -> String {
+        let own = self.own.as_ref();
+        own.map_or_else(|| suite_option(&self.root), |_| String::new())
+    }
+
     fn nearest(&self, filter: &str) -> String {
         let given = filter;
         let filter = pattern_of(given);
@@ -475,13 +485,13 @@ impl Suite {
                  `volref accept {}{} --reason ...` writes one",
                 manifest.display(),
                 shell_words::quote(&file.display().to_string()),
-                suite_option(&self.root),
+                self.option(),
             );
         }
         if self.cases.is_empty() {
             return format!("{CASES} is empty");
         }
-        let all = format!("`volref list{}` shows all cases", suite_option(&self.root));
+        let all = format!("`volref list{}` shows all cases", self.option());
         let names = self.names().flat_map(|name| parts(name));
         match nearest(filter, names) {
             Some(name) => {
@@ -615,14 +625,9 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
         Some(scene) => folder.join(scene),
         // Not folder/../../scenes: shown in messages, the short way reads better.
         None => {
-            let fixtures = folder
-                .parent()
-                .and_then(Path::parent)
-                .unwrap_or(Path::new(""));
-            fixtures
-                .join("scenes")
-                .join(&family)
-                .join(format!("{name}.toml"))
+            let fixtures = folder.parent().and_then(Path::parent);
+            let fixtures = fixtures.unwrap_or(Path::new(""));
+            fixtures.join(format!("scenes/{family}/{name}.toml"))
         }
     };
     let class = reader.text("class")?;
