@@ -30,7 +30,7 @@ const ENTRY: Table = Table::new("A known failure.").keys(&[
     Key::optional("reason", Kind::Text)
         .doc("Why the failure is accepted for now, by a person. Required."),
     Key::optional("link", Kind::Text).doc("Where it is told, such as the address of an issue."),
-    Key::optional("bound", Kind::Number(Range::at_least(0.0)))
+    Key::optional("bound", Kind::Number(Range::NOT_NEGATIVE))
         .doc("Largest size of the difference, by one metric of the gate: worst_in_tolerances, max_abs_error (exact), worst_off_limit (refinement), flip_weighted_p99 (perceptual), or the largest mean_difference of a channel with 5 standard errors (stochastic)."),
 ]);
 
@@ -297,7 +297,7 @@ fn entry<'s>(
         let help = format!("write [{name:?}], and below it reason = \"...\"");
         return Err(document.error(Some(value.span()), message, Some(help)));
     };
-    let verdict = reader.optional_text("verdict")?;
+    let verdict: Option<String> = reader.get("verdict")?;
     let verdict = VERDICTS
         .into_iter()
         .find(|known| verdict.as_deref() == Some(known.name()));
@@ -305,10 +305,10 @@ fn entry<'s>(
         name: name.to_owned(),
         cases: Vec::new(),
         verdict: verdict.unwrap_or(Verdict::Fail),
-        cause: reader.optional_text("cause")?,
-        reason: reader.optional_text("reason")?.unwrap_or_default(),
-        link: reader.optional_text("link")?,
-        bound: reader.optional_number("bound")?,
+        cause: reader.optional("cause")?,
+        reason: reader.optional("reason")?.unwrap_or_default(),
+        link: reader.optional("link")?,
+        bound: reader.optional("bound")?,
         line: 0,
         lines: lines_of_keys(document.text, value),
     })
