@@ -27,9 +27,9 @@ const ENTRY: Table = Table::new("A known failure.").keys(&[
     Key::optional("reason", Kind::Text)
         .doc("Why the failure is accepted for now, by a person. Required."),
     Key::optional("link", Kind::Text).doc("Where it is told, such as the address of an issue."),
-    Key::optional(BOUNDS[0], Kind::Number(Range::at_least(0.0)))
+    Key::optional(BOUNDS[0], Kind::Number(Range::NOT_NEGATIVE))
         .doc("Largest size of the difference, by a metric of the gate: worst_in_tolerances, worst_off_limit (refinement), flip_weighted_p99 (perceptual), or the largest mean_difference of a channel with 5 standard errors (stochastic)."),
-    Key::optional(BOUNDS[1], Kind::Number(Range::at_least(0.0)))
+    Key::optional(BOUNDS[1], Kind::Number(Range::NOT_NEGATIVE))
         .doc("Largest share of the image that differs: outlier_share, share_off_limit (refinement), or flip_mean (perceptual)."),
 ]);
 
@@ -312,7 +312,7 @@ fn entry<'s>(
         let help = format!("write [{name:?}], and below it reason = \"...\"");
         return Err(document.error(Some(value.span()), message, Some(help)));
     };
-    let cause = reader.optional_text("cause")?;
+    let cause = reader.get::<Option<String>>("cause")?;
     if let Some(cause) = cause.as_deref().filter(|cause| !is_cause(cause)) {
         let message = format!("{cause:?} is no mistake or convention that a search finds");
         let meant = nearest(cause, causes()).map(|meant| format!("did you mean {meant:?}? "));
@@ -322,7 +322,7 @@ fn entry<'s>(
         );
         return Err(reader.mistake("cause", message, help));
     }
-    let verdict = reader.optional_text("verdict")?;
+    let verdict = reader.get::<Option<String>>("verdict")?;
     let verdict = verdict.map_or(Ok(Verdict::Fail), |name| {
         Verdict::deserialize(name.into_deserializer())
     });
@@ -331,11 +331,11 @@ fn entry<'s>(
         cases,
         verdict: verdict.unwrap_or_else(|_: ValueError| Verdict::Fail),
         cause,
-        reason: reader.optional_text("reason")?.unwrap_or_default(),
-        link: reader.optional_text("link")?,
+        reason: reader.get::<Option<String>>("reason")?.unwrap_or_default(),
+        link: reader.get("link")?,
         bounds: [
-            reader.optional_number(BOUNDS[0])?,
-            reader.optional_number(BOUNDS[1])?,
+            reader.get(BOUNDS[0])?,
+            reader.get(BOUNDS[1])?,
         ],
         line,
         lines: lines_of_keys(document.text, value),
