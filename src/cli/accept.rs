@@ -11,7 +11,7 @@ use crate::film::Film;
 use crate::judging::{CaseFinding, CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::runs;
-use crate::runs::{AcceptError, AcceptRequest, Change, UnitFolder};
+use crate::runs::{AcceptError, AcceptRequest, Change, KeptRenderings};
 use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
 use serde_json::json;
 use std::path::Path;
@@ -19,8 +19,8 @@ use std::time::Instant;
 
 /// Render cases and accept the images as new goldens
 ///
-/// Look at the images before and after. All cases are accepted, or none. Finished units of stochastic cases (see volref units) are kept
-/// in .volref until all goldens are written, so an interrupted run continues where it stopped.
+/// Look at the images before and after. All cases are accepted, or none. Finished renderings of stochastic cases are kept
+/// in .volref until all goldens are written: the same command, run again after an interruption, continues there.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out. A scene
@@ -70,7 +70,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
     let bar = progress::work();
-    let kept = UnitFolder::open(suite.cache_folder());
+    let kept = KeptRenderings::open(suite.cache_folder());
     let store = suite.store();
     // Before they are replaced.
     let old: Vec<Option<Film>> = match arguments.page.is_asked() {

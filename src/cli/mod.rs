@@ -21,8 +21,6 @@ mod known;
 mod list;
 mod man;
 mod merge;
-mod merged_runs;
-mod merged_units;
 mod output;
 mod page;
 mod partition;
@@ -38,7 +36,6 @@ mod sensitivity;
 mod suite;
 mod suite_command;
 mod threads;
-mod units;
 mod validate;
 mod verdicts;
 mod verify;
@@ -77,7 +74,6 @@ enum Command {
     Cost(cost::Arguments),
     Export(export::Arguments),
     Accept(accept::Arguments),
-    Units(units::Arguments),
     Merge(merge::Arguments),
     Selftest(selftest::Arguments),
     Sensitivity(sensitivity::Arguments),
@@ -150,7 +146,6 @@ fn run() -> Exit {
         Command::Cost(arguments) => cost::run(arguments),
         Command::Export(arguments) => progress::during("exporting", || export::run(arguments)),
         Command::Accept(arguments) => accept::run(arguments),
-        Command::Units(arguments) => units::run(arguments),
         Command::Merge(arguments) => merge::run(arguments),
         Command::Selftest(arguments) => selftest::run(arguments),
         Command::Sensitivity(arguments) => sensitivity::run(arguments),
