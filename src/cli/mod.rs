@@ -39,7 +39,6 @@ mod threads;
 mod validate;
 mod verdicts;
 mod verify;
-mod visible_report;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use std::process::ExitCode;
@@ -114,7 +113,6 @@ pub fn main(suite: SuiteFiles) -> ExitCode {
 }
 
 fn run() -> Exit {
-    failure::draw_errors_for_the_terminal();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {

@@ -1,6 +1,6 @@
 //! Results for build servers.
 
-use super::visible::xml_text;
+use crate::files::visible::xml_text;
 use crate::judging::{CaseResult, Cause, JudgedWith, Known, KnownStatus, Verdict, is_declared};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -121,8 +121,8 @@ fn test_case(result: &CaseResult) -> String {
 mod tests {
     use super::*;
     use crate::compare::Deterministic;
+    use crate::files::visible::visible;
     use crate::judging::Cause;
-    use crate::report::visible;
 
     /// A case whose every text is `text`.
     fn case(text: &str, verdict: Verdict) -> CaseResult {
