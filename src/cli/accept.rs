@@ -8,14 +8,13 @@ use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::compare::{Exact, Picture};
 use crate::film::Film;
-use crate::judging::{CaseFinding, CaseResult, Cause, Evidence, JudgedWith, Verdict};
+use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Change, KeptRenderings};
 use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
 use serde_json::json;
 use std::path::Path;
-use std::time::Instant;
 
 /// Render cases and accept the images as new goldens
 ///
@@ -195,8 +194,8 @@ impl Arguments {
         (word, detail): &(&str, String),
     ) -> (CaseResult, Evidence) {
         let reason = format!("{word}: {detail}");
-        let finding = CaseFinding::new(Verdict::Pass, Cause::None, reason);
-        let mut result = finding.result(&case.name, case.class(), &Exact, Instant::now());
+        let finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
+        let mut result = finding.of_case(&case.name, case.class(), &Exact);
         let note = "the golden shown is the one before this accept; the test image is the one accepted now";
         result.notes.push(note.to_owned());
         let evidence = Evidence {

@@ -9,12 +9,12 @@ use super::selftest::{self, SELF_TEST};
 use super::suite::{KEPT, Selection};
 use super::verdicts::PrintedVerdicts;
 use super::verify;
-use crate::compare::{Exact, Gate};
+use crate::compare::Exact;
 use crate::conventions::Profile;
+use crate::film::Film;
 use crate::judging;
 use crate::judging::{
-    CaseFinding, CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, SelfTest,
-    SelfTestCases, Verdict,
+    CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, SelfTest, SelfTestCases, Verdict,
 };
 use crate::naming::Likenesses;
 use crate::report;
@@ -23,7 +23,6 @@ use crate::suite::{Case, Golden, Suite};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Join the results of several machines
 ///
@@ -238,8 +237,13 @@ fn joined_results(
     };
     let all = runs.iter().map(|of| of.run.cases.len()).sum();
     let text = text + &missing_text(&missing, all);
-    let missing = missing.into_iter();
-    judged.extend(missing.map(|(name, reason)| without_result(name, suite.case(name), reason)));
+    for (name, reason) in missing {
+        let mut without = without_result(name, suite.case(name), reason);
+        if arguments.files.wants_evidence() {
+            without.evidence.golden = golden_of(name, suite);
+        }
+        judged.push(without);
+    }
     let findings = Findings {
         command: if is_verified { "verify" } else { "validate" },
         has_known: false,
@@ -253,13 +257,16 @@ fn joined_results(
     Ok(Outcome { text, exit })
 }
 
+/// The golden of a case, for a page.
+fn golden_of(name: &str, suite: &Suite) -> Option<Film> {
+    let golden = Golden::read(&suite.store(), suite.case(name)?);
+    golden.ok().map(|golden| golden.film)
+}
+
 /// The result `kept` of a run in `folder` with its images. The verdict holds without them.
 fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suite) -> Judged {
     let mut judged = kept.clone().judged();
-    let golden = suite
-        .case(&judged.result.name)
-        .map(|case| Golden::read(&suite.store(), case));
-    judged.evidence.golden = golden.and_then(Result::ok).map(|golden| golden.film);
+    judged.evidence.golden = golden_of(&judged.result.name, suite);
     match folder.image(run, kept) {
         Ok(image) => judged.evidence.test = image,
         Err(reason) => judged
@@ -436,19 +443,12 @@ fn missing_text(missing: &[(&String, &String)], all: usize) -> String {
 
 /// The verdict on a case without a result.
 fn without_result(name: &str, case: Option<&Case>, reason: &str) -> Judged {
-    let finding = CaseFinding::new(Verdict::Missing, Cause::Undecided, reason);
-    let (class, gate): (_, &'static dyn Gate) = match case {
-        Some(case) => (case.class(), case.gate()),
-        None => ("", &Exact),
-    };
+    let result = CaseResult::new(Verdict::Missing, Cause::Undecided, reason);
     Judged {
-        result: CaseResult {
-            seconds: 0.0,
-            ..finding.result(name, class, gate, Instant::now())
+        result: match case {
+            Some(case) => result.of_case(name, case.class(), case.gate()),
+            None => result.of_case(name, "", &Exact),
         },
-        evidence: Evidence {
-            without_image: true,
-            ..case.map(Evidence::of).unwrap_or_default()
-        },
+        evidence: case.map(Evidence::of).unwrap_or_default(),
     }
 }

@@ -127,28 +127,10 @@ mod tests {
     /// A case whose every text is `text`.
     fn case(text: &str, verdict: Verdict) -> CaseResult {
         CaseResult {
-            name: text.to_owned(),
             family: text.to_owned(),
-            class: text.to_owned(),
-            verdict,
-            metrics: BTreeMap::new(),
-            gate: &Deterministic,
-            reason: text.to_owned(),
             notes: vec![text.to_owned()],
-            conventions: vec![],
-            profile: None,
-            changes: Vec::new(),
-            fit: None,
-            as_if: None,
-            cause_is_said: false,
-            search_ended: None,
-            known: None,
-            detectable: Vec::new(),
             looks_like: vec![text.to_owned()],
-            difference: Vec::new(),
-            seconds: 0.0,
-            work: BTreeMap::new(),
-            cause: Cause::None,
+            ..CaseResult::new(verdict, Cause::None, text).of_case(text, text, &Deterministic)
         }
     }
 
