@@ -12,7 +12,7 @@ use crate::compare::{
 };
 use crate::film::{Bits, Film, FilmFormat};
 use crate::judging::measured::decoded;
-use crate::judging::{CaseFinding, CaseResult, Evidence, JudgedWith, radiance};
+use crate::judging::{CaseResult, Evidence, JudgedWith, radiance};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::MEAN_RESOLUTION;
@@ -123,8 +123,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         }
     }
     let mut result = CaseResult {
-        family: String::new(),
-        ..CaseFinding::from(judgement).result(&arguments.test.to_string_lossy(), "", gate, start)
+        name: arguments.test.to_string_lossy().into_owned(),
+        gate,
+        seconds: start.elapsed().as_secs_f64(),
+        ..CaseResult::from(judgement)
     };
     let film = test.radiance();
     let hidden = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));

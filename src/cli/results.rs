@@ -35,8 +35,6 @@ pub struct Findings<'f> {
     pub judged_with: JudgedWith,
     /// True if the results are held against known failures.
     pub has_known: bool,
-    /// Units of goldens that were joined.
-    pub units: Option<Value>,
     /// Command, and how images were read.
     pub origin: Option<Value>,
 }
@@ -120,9 +118,6 @@ impl ResultFiles {
         };
         if findings.has_known {
             count_in(&mut json["summary"], &results);
-        }
-        if let Some(units) = &findings.units {
-            json["units"] = units.clone();
         }
         if let Some(origin) = &findings.origin {
             json["origin"] = origin.clone();

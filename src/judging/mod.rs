@@ -24,7 +24,7 @@ pub(crate) mod verify;
 pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, KnownMistakes, Likeness};
 pub use finding::Judged;
-pub(crate) use finding::{CaseFinding, is_declared};
+pub(crate) use finding::is_declared;
 pub(crate) use judged_with::JudgedWith;
 pub use known::{Known, KnownStatus};
 pub(crate) use known_failure::OF_PROFILE;

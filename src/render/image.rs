@@ -157,7 +157,6 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, R
     }
     let film = Film::side_by_side(&films);
     let found = film.first_without_radiance();
-    let found = found.map(|([column, row], value)| ([column, row + job.detail.first_row()], value));
     match found {
         None => {
             let error_bound = error.map(|error| relative_to_brightest(error, &film));
@@ -220,7 +219,6 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
     let part = PanelPart {
         width: job.detail.columns(panel.width).len(),
         height: job.detail.rows(panel.height).len(),
-        first_row: job.detail.first_row(),
     };
     let mut error = None;
     let (film, work) = match plan.kernel {
@@ -300,8 +298,6 @@ struct PanelPart {
     width: usize,
     /// Rows.
     height: usize,
-    /// From the top of the image.
-    first_row: usize,
 }
 
 impl PanelPart {
@@ -334,7 +330,7 @@ impl PanelPart {
             return Ok(pixels.into_iter().flatten().collect());
         };
         let column = index % self.width;
-        let row = self.first_row + index / self.width;
+        let row = index / self.width;
         Err(match fault {
             PathFault::Endless => RenderError::Endless { column, row },
             PathFault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
@@ -432,13 +428,8 @@ mod tests {
         }
     }
 
-    /// The rows from the sixth on.
     fn at(width: usize) -> PanelPart {
-        PanelPart {
-            height: 0,
-            width,
-            first_row: 5,
-        }
+        PanelPart { height: 0, width }
     }
 
     #[test]
@@ -449,7 +440,7 @@ mod tests {
         let expected = Err(RenderError::Majorant {
             violations: 42,
             column: 1,
-            row: 6,
+            row: 1,
         });
         assert_eq!(
             at(3).without_faults(&scene(vec![]), pixels.clone()),

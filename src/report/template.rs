@@ -1,6 +1,6 @@
 //! Pages by templates, and images within them.
 
-use super::visible;
+use crate::files::visible::visible;
 use crate::film::Film;
 use minijinja::{Environment, Value};
 

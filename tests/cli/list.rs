@@ -381,8 +381,7 @@ fn help() {
       accept       Render cases and accept the images as new goldens
 
     Also
-      units        List the work units of goldens, or compute some of them
-      merge        Join what several machines computed: results, units of goldens
+      merge        Join the results of several machines
       selftest     Check that the suite rejects known mistakes and no correct image
       suite        Show the suite within this program, or write a copy of it
       schema       Print the JSON Schema of scenes, cases or profiles, for editors
