@@ -294,7 +294,6 @@ pub fn hostile() -> Sample {
             pixel.map(|v| 2.0 * v)
         }))),
         refined: Vec::new(),
-        without_image: false,
         exposure: 0.0,
         source: text(),
         shows: text(),
