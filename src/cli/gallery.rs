@@ -291,8 +291,8 @@ impl RendererRun {
                 result.name
             ));
         }
-        let change = result.known.as_ref()?.change.as_ref()?;
-        Some(format!("{name}: {change}\n"))
+        let known = result.known.as_ref().filter(|known| known.is_outdated())?;
+        Some(format!("{name}: {}\n", known.change.as_ref()?))
     }
 }
 

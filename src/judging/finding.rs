@@ -225,10 +225,8 @@ impl CheckedGolden {
         match &omitted[..] {
             [one] => one.clone(),
             panels => {
-                let said = panels
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, names)| !names.is_empty());
+                let said = panels.iter().enumerate();
+                let said = said.filter(|(_, names)| !names.is_empty());
                 let said: Vec<_> = said
                     .map(|(index, names)| format!("{names} in panel {}", index + 1))
                     .collect();

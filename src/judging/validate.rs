@@ -349,11 +349,7 @@ fn judged(
             return CaseResult::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
-    let stops = if case.exposure.abs() == 1.0 {
-        "stop"
-    } else {
-        "stops"
-    };
+    let stops = ["stops", "stop"][usize::from(case.exposure.abs() == 1.0)];
     let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
     let exposure = gate.depends_on_exposure().then_some(exposure);
     with_words(case, checked, judgement, picture, exposure)

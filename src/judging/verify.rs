@@ -63,11 +63,7 @@ pub(crate) fn verify_with(
             // More random samples say more.
             let known = ("known answer".to_owned(), answer.to_string());
             evidence.provenance.push(known);
-            let sure = if quick.is_some() {
-                &checked.golden.film
-            } else {
-                &film
-            };
+            let sure = quick.map_or(&film, |_| &checked.golden.film);
             hold_to(answer, sure, &mut finding);
         }
         evidence.test = Some(Picture::Radiance(film));
@@ -197,13 +193,10 @@ fn moved_inputs(checked: &CheckedGolden) -> String {
         .map(|(path, _)| path.as_str())
         .collect();
     if moved.is_empty() {
-        String::new()
-    } else {
-        format!(
-            "; input changed since the golden was made: {}",
-            moved.join(", ")
-        )
+        return String::new();
     }
+    let moved = moved.join(", ");
+    format!("; input changed since the golden was made: {moved}")
 }
 
 /// The rendering against the hash of its bits and against the answer, and the golden against the
@@ -244,11 +237,7 @@ fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseR
     let golden = &checked.golden;
     let judgement = judge_quick(&golden.film, film);
     let has_bits = film.pixel_hash() == quick.pixels;
-    let however = if has_bits == judgement.passed {
-        "and"
-    } else {
-        "but"
-    };
+    let however = ["but", "and"][usize::from(has_bits == judgement.passed)];
     let rendering = format!("the quick rendering of {} samples", quick.samples);
     let reason = format!(
         "{}, {however} against {} samples: {}",

@@ -73,12 +73,7 @@ fn image(cell: &str, class: &str) -> (usize, Vec<[u8; 3]>) {
 fn every_renderer_has_its_column_and_every_case_its_row() {
     let folder = with_runs();
     let run = gallery(&folder, &["right", "shadowless", "broken"]);
-    assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(
-        run.stdout.starts_with("page.html: 3 renderers, 4 cases, "),
-        "{}",
-        run.stdout
-    );
+    run.prints(0, &["page.html: 3 renderers, 4 cases, "]);
     let page = folder.text("page.html");
 
     // Offline, and nobody's words are markup.
@@ -298,9 +293,8 @@ fn images_are_judged_again_and_known_failures_show_their_cause() {
          [\"smoke/plain\"]\nreason = \"was wrong once\"\n",
     );
     let run = gallery(&folder, &["shadowless"]);
-    run.expect(0, &[]);
     let told = "shadowless: shadowless/known.toml:4: smoke/plain passes: remove the entry";
-    assert!(run.stdout.contains(told), "{}", run.stdout);
+    run.prints(0, &[told]);
     let page = folder.text("page.html");
     let cell = cells(&page, "smoke/shadow").remove(1);
     for words in [

@@ -1,6 +1,6 @@
 //! `volref validate --known`: failures that are listed do not fail a run; those that are new, mended or worse do.
 
-use crate::folder::{Folder, Run};
+use crate::folder::{Folder, Run, assert_holds};
 use crate::validate::scaled;
 
 /// A renderer with three faults, and the file that lists them.
@@ -60,14 +60,9 @@ fn three_known_faults_are_green_and_a_fourth_is_red() {
     let folder = suite();
     folder.write("known.toml", KNOWN);
     let run = validate(&folder, "--json=r.json --junit r.xml --report page");
-    run.expect(0, &[]);
-    for said in [
-        "known         smoke/plain",
-        "half the light (https://example.org/1)",
-        "known failures: 3 known\n",
-    ] {
-        assert!(run.stdout.contains(said), "{said}: {}", run.stdout);
-    }
+    let link = "half the light (https://example.org/1)";
+    let counts = "known failures: 3 known\n";
+    run.prints(0, &["known         smoke/plain", link, counts]);
     let json = folder.json("r.json");
     assert_eq!(json["summary"]["fail"], 2, "the verdicts stay");
     assert_eq!(
@@ -82,15 +77,9 @@ fn three_known_faults_are_green_and_a_fourth_is_red() {
     assert_eq!(plain["verdict"], "fail");
     assert_eq!(plain["known"]["line"], 4);
     assert_eq!(plain["known"]["link"], "https://example.org/1");
-    let junit = folder.text("r.xml");
-    assert!(
-        junit.contains("skipped=\"3\" failures=\"0\" errors=\"0\""),
-        "{junit}"
-    );
-    assert!(
-        junit.contains("<skipped message=\"known: no shadow\"/>"),
-        "{junit}"
-    );
+    let counts = "skipped=\"3\" failures=\"0\" errors=\"0\"";
+    let skipped = "<skipped message=\"known: no shadow\"/>";
+    assert_holds(&folder.text("r.xml"), &[counts, skipped]);
     assert!(folder.text("page/index.html").contains("known: no shadow"));
 
     darken(&folder, "plots/curve", 0.5);
@@ -98,17 +87,9 @@ fn three_known_faults_are_green_and_a_fourth_is_red() {
     assert_eq!(run.code, 1);
     assert_eq!(status(&folder, "plots/curve"), "new");
     let run = validate(&folder, "--junit r.xml");
-    assert!(
-        run.stdout
-            .contains("3 known, 1 new\nnew           known.toml:16: plots/curve is \"fail\": mend the renderer, or write [\"plots/curve\"] and below it verdict = \"fail\", bound = 45.5, share = 1"),
-        "{}",
-        run.stdout
-    );
-    assert!(
-        folder
-            .text("r.xml")
-            .contains("skipped=\"3\" failures=\"1\"")
-    );
+    let told = "3 known, 1 new\nnew           known.toml:16: plots/curve is \"fail\": mend the renderer, or write [\"plots/curve\"] and below it verdict = \"fail\", bound = 45.5, share = 1";
+    run.prints(1, &[told]);
+    assert_holds(&folder.text("r.xml"), &["skipped=\"3\" failures=\"1\""]);
     // Another part of the suite has nothing to do with it.
     validate(&folder, "smoke").expect(0, &[]);
 }
@@ -118,10 +99,8 @@ fn what_is_mended_worse_or_otherwise_is_red_with_the_line() {
     let folder = suite();
     folder.write("known.toml", KNOWN.replace("1000", "1.5"));
     let said = |folder: &Folder, words: &str| {
-        let run = validate(folder, "--json=r.json --junit r.xml");
-        assert_eq!(run.code, 1, "{}", run.stderr);
-        let run = validate(folder, "");
-        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+        validate(folder, "").prints(1, &[words]);
+        validate(folder, "--json=r.json --junit r.xml");
     };
     said(
         &folder,
@@ -144,11 +123,8 @@ fn what_is_mended_worse_or_otherwise_is_red_with_the_line() {
         "known.toml:4: smoke/plain passes: remove the entry [\"smoke/plain\"]",
     );
     assert_eq!(status(&folder, "smoke/plain"), "mended");
-    assert!(
-        folder
-            .text("r.xml")
-            .contains("<failure message=\"mended: known.toml:4")
-    );
+    let told = "<failure message=\"mended: known.toml:4";
+    assert_holds(&folder.text("r.xml"), &[told]);
     darken(&folder, "smoke/plain", 0.5);
 
     // An image that is not there has not been judged.
@@ -184,29 +160,16 @@ fn a_cause_counts_where_it_was_searched() {
     folder.write("known.toml", listed("bright-halved"));
     folder.volref(searched).expect(0, &[]);
     folder.write("known.toml", listed("step-doubled"));
-    assert_eq!(folder.volref(searched).code, 1);
-    let run = folder.volref(searched);
-    assert!(
-        run.stdout.contains(
-            "known.toml:2: smoke/plain looks like \"bright-halved\" now: mend the renderer, or write cause = \"bright-halved\""
-        ),
-        "{}",
-        run.stdout
-    );
+    let told = "known.toml:2: smoke/plain looks like \"bright-halved\" now: mend the renderer, or write cause = \"bright-halved\"";
+    folder.volref(searched).prints(1, &[told]);
 }
 
 #[test]
 fn an_update_writes_what_is_new_and_takes_out_what_is_mended() {
     let folder = suite();
     // A new file.
-    let run = update(&folder);
-    run.expect(0, &[]);
-    assert!(
-        run.stdout
-            .contains("known.toml is written; write the reasons of the 3 new entries"),
-        "{}",
-        run.stdout
-    );
+    let told = "known.toml is written; write the reasons of the 3 new entries";
+    update(&folder).prints(0, &[told]);
     let written = folder.text("known.toml");
     assert!(written.starts_with("# Known failures"), "{written}");
     let nearest = "[\"smoke/nearest\"]\nverdict = \"error\"\nreason = \"\"\n\n[\"smoke/plain\"]\nverdict = \"fail\"\nbound = ";
@@ -215,9 +178,7 @@ fn an_update_writes_what_is_new_and_takes_out_what_is_mended() {
     validate(&folder, "").expect(2, &["known.toml:4:2: ", "has no reason", "--known-update"]);
     folder.write("known.toml", written.replace("\"\"", "\"a reason\""));
     validate(&folder, "").expect(0, &[]);
-    let again = update(&folder);
-    again.expect(0, &[]);
-    assert!(again.stdout.contains("is as it was"), "{}", again.stdout);
+    update(&folder).prints(0, &["is as it was"]);
 
     // A file by hand: its first entry is mended, another fault is new.
     folder.write("known.toml", KNOWN);
@@ -261,10 +222,8 @@ fn the_share_of_the_image_is_bounded_too() {
     validate("--known-update").expect(0, &[]);
     assert!(!folder.text("known.toml").contains("share"));
     darken(&folder, "smoke/shadow", 0.5);
-    let run = validate("");
-    run.expect(0, &[]);
     let told = "known.toml:1: smoke/shadow has a size that the entry does not bound: write bound = 27.9, share = 0.134";
-    assert!(run.stdout.contains(told), "{}", run.stdout);
+    validate("").prints(0, &[told]);
     validate("--known-update").expect(0, &[]);
     let written = folder.text("known.toml");
     assert!(
@@ -282,10 +241,8 @@ fn the_share_of_the_image_is_bounded_too() {
         "out/smoke/shadow.exr",
         &volref::film::Film::new(12, 10, film),
     );
-    let run = validate("");
-    assert_eq!(run.code, 1);
     let told = "known.toml:4: smoke/shadow is worse, beyond the margin: mend the renderer, or write share = 1";
-    assert!(run.stdout.contains(told), "{}", run.stdout);
+    validate("").prints(1, &[told]);
 }
 
 #[test]

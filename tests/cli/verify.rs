@@ -77,6 +77,7 @@ fn json_in_place_of_the_text() {
           "gate": "exact",
           "looks_like": [],
           "metrics": {
+            "far_share": 0.1,
             "lost_pixels": 0.0,
             "max_abs_error": 0.08119858801364899,
             "mean_difference_blue": -0.00032241178193241166,
