@@ -2,14 +2,15 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::page::{PageOf, ReportPage};
+use super::page::ReportPage;
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::compare::{Exact, Picture};
 use crate::film::Film;
-use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
+use crate::judging::{CaseResult, Cause, Evidence, Verdict};
 use crate::naming::Likenesses;
+use crate::report::Page;
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Change, KeptRenderings};
 use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
@@ -118,15 +119,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let (results, evidence): (Vec<_>, Vec<_>) = shown
             .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
             .unzip();
-        let page = PageOf {
-            command: "accept",
+        let page = Page {
             headline: &headline(&said),
-            results: &results,
-            evidence: &evidence,
-            found: &Likenesses::default(),
-            judged_with: &JudgedWith::default(),
+            ..Page::of("accept", &results, &evidence, &Likenesses::default())
         };
-        arguments.page.write(&page, &mut text)?;
+        arguments.page.write(page, &mut text)?;
     }
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)

@@ -5,7 +5,8 @@ use super::kept::{KeepArgument, keep, run_of, say_kept};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
 use super::suite::Selection;
-use super::{Outcome, output, progress, render};
+use super::threads::Threads;
+use super::{Outcome, output, progress};
 use crate::judging;
 use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
@@ -32,9 +33,8 @@ pub struct Arguments {
     verbose: bool,
     #[command(flatten)]
     files: ResultFiles,
-    /// Threads to use; the images are the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 /// Runs the command.
@@ -53,7 +53,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.partition.retain(&mut cases, "cases", name)?;
     let store = suite.store();
     let shows = to_keep.is_some() || arguments.files.wants_evidence();
-    let mut judged = render::with_threads(arguments.threads, || {
+    let mut judged = arguments.threads.run(|| {
         let bar = progress::counted("cases", cases.len());
         let verified = cases.iter().map(|case| {
             bar.set_message(case.name.clone());

@@ -3,7 +3,7 @@
 mod cell;
 mod mark;
 
-use super::template::{blue_to_red, rendered};
+use super::template::{Template, blue_to_red, rendered};
 use crate::compare::Picture;
 use crate::film::Film;
 use crate::judging::{CaseResult, Judged};
@@ -123,6 +123,12 @@ pub(crate) fn gallery_row(case: &GalleryCase<'_>, judged: Vec<Option<Judged>>) -
     }
 }
 
+const TEMPLATE: Template = Template {
+    blocks: include_str!("gallery/template.html"),
+    style: include_str!("gallery/page.css"),
+    script: include_str!("gallery/page.js"),
+};
+
 /// The page as a complete HTML file. It loads nothing else and works from `file://`. The rows are in the order of the
 /// `families`.
 pub(crate) fn gallery_html(
@@ -160,17 +166,14 @@ pub(crate) fn gallery_html(
         .map(|(rows, (id, title, columns))| page.group(id, title, columns, rows));
     let renderer = |(at, of): (usize, &GalleryRenderer)| page.renderer(at, of);
     rendered(
-        include_str!("gallery/template.html"),
+        &TEMPLATE,
         context! {
-            version => env!("CARGO_PKG_VERSION"),
             images => all.filter(|cell| cell.mark.is_compared()).count(),
             cases => rows.len(),
             legend => legend(marks),
             renderers => renderers.iter().enumerate().map(renderer).collect::<Vec<_>>(),
             groups => shown.collect::<Vec<_>>(),
             colours => colours.collect::<Vec<_>>().join(", "),
-            style => include_str!("gallery/page.css"),
-            script => include_str!("gallery/page.js"),
         },
     )
 }

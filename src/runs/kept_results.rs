@@ -13,7 +13,7 @@ use crate::film::{Film, FilmFormat};
 use crate::judging::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A request to judge cases.
@@ -38,54 +38,32 @@ impl Run {
 
     /// First difference of `other`, with both values: short words.
     pub fn difference(&self, other: &Run) -> (String, [String; 2]) {
-        let both = [self, other];
-        if self.command != other.command {
-            return (
-                "the command".to_owned(),
-                both.map(|run| run.command.clone()),
-            );
-        }
-        let names =
-            |run: &Run| -> Vec<String> { run.cases.iter().map(|(name, _)| name.clone()).collect() };
-        if names(self) != names(other) {
-            let words = both.map(|run| format!("{} cases", run.cases.len()));
-            return ("the list of cases".to_owned(), words);
-        }
-        let changed = self
-            .cases
-            .iter()
-            .zip(&other.cases)
-            .find(|(one, other)| one != other);
-        if let Some(((name, one), (_, other))) = changed {
-            let what = format!("the scene, manifest or golden of {name}");
-            return (what, [one, other].map(|hash| shortened(hash)));
-        }
-        let names = self.settings.keys().chain(other.settings.keys());
-        let value = |run: &Run, name: &String| run.settings.get(name).cloned();
-        let mut others = names.filter(|name| value(self, name) != value(other, name));
-        let Some(name) = others.next() else {
-            return Default::default();
-        };
-        let values = both.map(|run| value(run, name).unwrap_or("none".to_owned()));
-        (name.clone(), where_they_differ(&values))
+        let [ours, theirs] = [(self, other), (other, self)].map(|(run, other)| run.facts(other));
+        let mut pairs = ours.zip(theirs);
+        let differs = pairs.find(|(one, other)| one != other);
+        let ((name, one), (_, other)) = differs.unwrap_or_default();
+        (name, [one, other].map(|value| shortened(&value)))
     }
-}
 
-/// Both values, cut to begin shortly before the first different letter.
-fn where_they_differ(values: &[String; 2]) -> [String; 2] {
-    const BEFORE: usize = 20;
-    let [one, other] = values;
-    let alike = one.chars().zip(other.chars());
-    let alike = alike.take_while(|(a, b)| a == b).count();
-    values.each_ref().map(|value| {
-        let skipped = alike.saturating_sub(BEFORE);
-        let rest: String = value.chars().skip(skipped).collect();
-        if skipped < 2 * BEFORE {
-            shortened(value)
-        } else {
-            format!("… {}", shortened(&rest))
-        }
-    })
+    /// All that makes a run, by name, with `none` for a setting that only `other` has.
+    fn facts<'r>(&'r self, other: &'r Run) -> impl Iterator<Item = (String, String)> + 'r {
+        let count = format!("{} cases", self.cases.len());
+        let whole = [
+            ("the command", self.command.clone()),
+            ("the list of cases", count),
+        ];
+        let whole = whole.map(|(name, value)| (name.to_owned(), value));
+        let cases = self.cases.iter().map(|(name, hash)| {
+            let name = format!("the scene, manifest or golden of {name}");
+            (name, hash.clone())
+        });
+        let names: BTreeSet<&String> = self.settings.keys().chain(other.settings.keys()).collect();
+        let settings = names.into_iter().map(|name| {
+            let value = self.settings.get(name).cloned();
+            (name.clone(), value.unwrap_or("none".to_owned()))
+        });
+        whole.into_iter().chain(cases).chain(settings)
+    }
 }
 
 /// The beginning of the first line: of a hash, twelve letters.
