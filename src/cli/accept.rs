@@ -119,9 +119,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let (results, evidence): (Vec<_>, Vec<_>) = shown
             .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
             .unzip();
+        let found = Likenesses::default();
         let page = Page {
             headline: &headline(&said),
-            ..Page::of("accept", &results, &evidence, &Likenesses::default())
+            ..Page::of("accept", &results, &evidence, &found)
         };
         arguments.page.write(page, &mut text)?;
     }

@@ -333,10 +333,7 @@ fn entry<'s>(
         cause,
         reason: reader.get::<Option<String>>("reason")?.unwrap_or_default(),
         link: reader.get("link")?,
-        bounds: [
-            reader.get(BOUNDS[0])?,
-            reader.get(BOUNDS[1])?,
-        ],
+        bounds: [reader.get(BOUNDS[0])?, reader.get(BOUNDS[1])?],
         line,
         lines: lines_of_keys(document.text, value),
     })
