@@ -151,7 +151,9 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
     let defaults: Vec<(&Reading, Option<&str>)> = defaults(panel).collect();
     let default = |(reading, rule): &(&Reading, Option<&str>)| {
         let mut json = json!({ "key": reading.key, "value": reading.value });
-        rule.map(|rule| json["rule"] = json!(rule));
+        if let Some(rule) = rule {
+            json["rule"] = json!(rule);
+        }
         json
     };
     json["defaults"] = defaults.iter().map(default).collect();
@@ -207,9 +209,9 @@ fn describe_volumes(panel: &Panel, text: &mut String, json: &mut Value) {
         let mut json = json!({
             "nodes": [nx, ny, nz], "voxel": voxel, "min": [x, y, z], "max": [u, v, w],
         });
-        volume
-            .to_world
-            .map(|map| json["to_world"] = json!(map.rows()));
+        if let Some(map) = volume.to_world {
+            json["to_world"] = json!(map.rows());
+        }
         volumes.push(json);
     }
     json["volume"] = volumes.remove(0);

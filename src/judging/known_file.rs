@@ -323,13 +323,13 @@ fn entry<'s>(
         return Err(reader.mistake("cause", message, help));
     }
     let verdict = reader.get::<Option<String>>("verdict")?;
-    let verdict = verdict.map_or(Ok(Verdict::Fail), |name| {
+    let verdict: Result<Verdict, ValueError> = verdict.map_or(Ok(Verdict::Fail), |name| {
         Verdict::deserialize(name.into_deserializer())
     });
     Ok(Entry {
         name: name.to_owned(),
         cases,
-        verdict: verdict.unwrap_or_else(|_: ValueError| Verdict::Fail),
+        verdict: verdict.unwrap_or(Verdict::Fail),
         cause,
         reason: reader.get::<Option<String>>("reason")?.unwrap_or_default(),
         link: reader.get("link")?,
