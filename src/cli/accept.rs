@@ -119,10 +119,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let (results, evidence): (Vec<_>, Vec<_>) = shown
             .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
             .unzip();
-        let nothing_searched = Likenesses::default();
+        let found = Likenesses::default();
         let page = Page {
             headline: &headline(&said),
-            ..Page::of("accept", &results, &evidence, &nothing_searched)
+            ..Page::of("accept", &results, &evidence, &found)
         };
         arguments.page.write(page, &mut text)?;
     }

@@ -6,12 +6,12 @@ use super::render::warnings_of_all;
 use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
-use crate::render::plan::{Approximation, Decision, Estimator, PlanError, Reason};
+use crate::render::plan::{Estimator, PlanError};
 use crate::render::{self, Counters, Effect, Footprint, Memory, Plan, Sampling};
 use crate::report::widest;
-use crate::scene::{Classified, Model, Origin, Panel, Scene};
+use crate::scene::{Origin, Panel, Reading, Scene};
 use indicatif::HumanBytes;
-use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Show how a scene is rendered: effects and why, kernel, defaults
@@ -50,186 +50,6 @@ fn plan_for<'s>(panel: &'s Panel, forced: &[Forced]) -> Result<Plan<'s>, PlanErr
     Plan::forcing(panel, &effects.collect::<Vec<_>>())
 }
 
-#[derive(Serialize)]
-struct PlanJson<'s> {
-    schema: &'static str,
-    scene: &'s PathBuf,
-    image: ImageJson,
-    /// Memory of the values of all volumes, bytes.
-    volume_bytes: u64,
-    panels: Vec<PanelJson<'s>>,
-}
-
-/// The whole image, all panels together.
-#[derive(Serialize)]
-struct ImageJson {
-    width: usize,
-    height: usize,
-    /// Memory of the finished image, bytes.
-    bytes: u64,
-    /// Peak memory while it is rendered and written, bytes.
-    most_bytes: u64,
-}
-
-#[derive(Serialize)]
-struct PanelJson<'s> {
-    title: Option<&'s str>,
-    kernel: String,
-    estimator: &'s Estimator,
-    effects: &'s [Decision],
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    approximations: &'s [Approximation],
-    warnings: &'s [Reason],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    volume: Option<VolumeJson>,
-    /// Further volumes.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    further_volumes: Vec<VolumeJson>,
-    /// Numbers of surfaces and of clips among volumes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    surfaces: Option<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    clips: Option<usize>,
-    defaults: Vec<DefaultJson<'s>>,
-    /// Rays from the eye.
-    rays: u64,
-    memory: Vec<Memory>,
-    /// Work of all rays.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    counters: Option<Counters>,
-}
-
-impl<'s> PanelJson<'s> {
-    fn of(plan: &'s Plan<'s>, counters: Option<Counters>) -> PanelJson<'s> {
-        let panel = plan.panel;
-        let mut volumes = volumes(panel).into_iter();
-        let objects = panel.classified().filter(|it| !it.objects.is_empty());
-        let objects = objects.map(|it| &it.objects);
-        PanelJson {
-            title: panel.title.as_deref(),
-            kernel: plan.kernel.to_string(),
-            estimator: &plan.estimator,
-            effects: &plan.decisions,
-            approximations: &plan.approximations,
-            warnings: &plan.warnings,
-            volume: volumes.next(),
-            further_volumes: volumes.collect(),
-            surfaces: objects.map(|objects| objects.surfaces.len()),
-            clips: objects.map(|objects| objects.clips.len()),
-            defaults: defaults(panel).collect(),
-            rays: rays(plan),
-            memory: plan.memory(),
-            counters,
-        }
-    }
-
-    /// The same for people.
-    fn in_words(&self) -> String {
-        let mut text = format!("kernel     {}\n", self.kernel);
-        let Estimator { method, why } = self.estimator;
-        text.push_str(&format!("estimator  {method}: {why}\n"));
-        for volume in self.volume.iter().chain(&self.further_volumes) {
-            let ([nx, ny, nz], [x, y, z], [u, v, w]) = (volume.nodes, volume.min, volume.max);
-            text.push_str(&format!(
-            "volume     {nx} × {ny} × {nz} nodes, voxel size {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
-            volume.voxel
-        ));
-        }
-        if !self.warnings.is_empty() {
-            text.push_str("\nwarnings\n");
-            for warning in self.warnings {
-                text.push_str(&format!("  {}\n", warning));
-            }
-        }
-        text.push_str("\neffects\n");
-        for decision in self.effects {
-            text.push_str(&format!(
-                "  {:<7}  {:<22}  {}\n",
-                decision.state, decision.effect, decision.why
-            ));
-        }
-        if !self.approximations.is_empty() {
-            text.push_str("\napproximations requested\n");
-        }
-        for of in self.approximations {
-            let line = of
-                .line
-                .map_or(String::new(), |line| format!(", line {line}"));
-            text.push_str(&format!(
-                "  without {}: pixels are off by less than {:.3e}  ({}{line})\n",
-                of.without, of.bias, of.field
-            ));
-        }
-        text.push_str("\ndefaults filled in\n");
-        if self.defaults.is_empty() {
-            text.push_str("  none\n");
-        }
-        let widest = widest(self.defaults.iter().map(|default| default.key));
-        for DefaultJson { key, value, rule } in &self.defaults {
-            let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
-            text.push_str(&format!("  {key:<widest$}  {value}{rule}\n"));
-        }
-        if let Some(work) = &self.counters {
-            text.push('\n');
-            text.push_str(&describe_work(self.rays, work));
-        }
-        text.push_str("\nmemory besides the scene and the image\n");
-        if self.memory.is_empty() {
-            text.push_str("  none\n");
-        }
-        for Memory { what, bytes } in &self.memory {
-            text.push_str(&format!(
-                "  {:>10}  {what}\n",
-                HumanBytes(*bytes as u64).to_string()
-            ));
-        }
-        text.push('\n');
-        text
-    }
-}
-
-#[derive(Serialize)]
-struct DefaultJson<'s> {
-    key: &'s str,
-    value: &'s str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rule: Option<&'static str>,
-}
-
-/// Position of the grid, world units.
-#[derive(Serialize)]
-struct VolumeJson {
-    nodes: [usize; 3],
-    voxel: f64,
-    min: [f64; 3],
-    max: [f64; 3],
-    /// Rows of the map of the grid into the world.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    to_world: Option<[[f64; 4]; 3]>,
-}
-
-fn volumes(panel: &Panel) -> Vec<VolumeJson> {
-    match &panel.model {
-        Model::Classified(classified) => classified
-            .each_alone()
-            .map(|alone| volume(&alone))
-            .collect(),
-        Model::Radiative(_) | Model::Curve(_) => vec![],
-    }
-}
-
-fn volume(classified: &Classified) -> VolumeJson {
-    let lattice = classified.grid.lattice();
-    let bounds = classified.extent().world_bounds();
-    VolumeJson {
-        nodes: lattice.nodes(),
-        voxel: classified.voxel(),
-        min: bounds.min.to_array(),
-        max: bounds.max.to_array(),
-        to_world: classified.to_world.map(|map| map.rows()),
-    }
-}
-
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.scene = scene_file(&arguments.scene)?;
@@ -258,35 +78,150 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     );
     let volume_bytes = scene.volume_bytes();
     if volume_bytes > 0 {
-        text.push_str(&format!(
-            "volumes    {} of values\n",
-            HumanBytes(volume_bytes)
-        ));
+        let size = HumanBytes(volume_bytes);
+        text.push_str(&format!("volumes    {size} of values\n"));
     }
-    let panels = plans.iter().zip(work);
-    let panels: Vec<PanelJson<'_>> = panels
-        .map(|(plan, work)| PanelJson::of(plan, work))
-        .collect();
-    for (index, panel) in panels.iter().enumerate() {
+    let mut panels = Vec::new();
+    for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
         if plans.len() > 1 {
-            let title = panel.title.unwrap_or("untitled");
+            let title = plan.panel.title.as_deref().unwrap_or("untitled");
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
-        text.push_str(&panel.in_words());
+        panels.push(described(plan, work.as_ref(), &mut text));
     }
-    let value = PlanJson {
-        schema: "volref/plan/1",
-        scene: &arguments.scene,
-        image: ImageJson {
-            width,
-            height,
-            bytes: image,
-            most_bytes: most,
-        },
-        volume_bytes,
-        panels,
-    };
+    let value = json!({
+        "schema": "volref/plan/1",
+        "scene": arguments.scene,
+        "image": { "width": width, "height": height, "bytes": image, "most_bytes": most },
+        "volume_bytes": volume_bytes,
+        "panels": panels,
+    });
     arguments.json.instead_of(text, &value).map(Outcome::from)
+}
+
+/// The plan of a panel as JSON, and the same for people, at the end of `text`.
+fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Value {
+    let (panel, memory) = (plan.panel, plan.memory());
+    let pixels = (panel.width * panel.height) as u64;
+    let rays = pixels.saturating_mul(plan.samples(Sampling::default()).into());
+    let Estimator { method, why } = &plan.estimator;
+    text.push_str(&format!(
+        "kernel     {}\nestimator  {method}: {why}\n",
+        plan.kernel
+    ));
+    let mut json = json!({
+        "title": panel.title,
+        "kernel": plan.kernel.to_string(),
+        "estimator": plan.estimator,
+        "effects": plan.decisions,
+        "warnings": plan.warnings,
+        "rays": rays,
+        "memory": memory,
+    });
+    describe_volumes(panel, text, &mut json);
+    let mut section = |title: &str, lines: &[String]| {
+        text.push_str(&format!("\n{title}\n"));
+        lines
+            .iter()
+            .for_each(|line| text.push_str(&format!("  {line}\n")));
+    };
+    if !plan.warnings.is_empty() {
+        let warnings = plan.warnings.iter();
+        section(
+            "warnings",
+            &warnings.map(ToString::to_string).collect::<Vec<_>>(),
+        );
+    }
+    let effects = plan.decisions.iter();
+    let effects = effects.map(|of| format!("{:<7}  {:<22}  {}", of.state, of.effect, of.why));
+    section("effects", &effects.collect::<Vec<_>>());
+    if !plan.approximations.is_empty() {
+        json["approximations"] = json!(plan.approximations);
+        let lines = plan.approximations.iter().map(|of| {
+            let line = of
+                .line
+                .map_or(String::new(), |line| format!(", line {line}"));
+            format!(
+                "without {}: pixels are off by less than {:.3e}  ({}{line})",
+                of.without, of.bias, of.field
+            )
+        });
+        section("approximations requested", &lines.collect::<Vec<_>>());
+    }
+    let defaults: Vec<(&Reading, Option<&str>)> = defaults(panel).collect();
+    let default = |(reading, rule): &(&Reading, Option<&str>)| {
+        let mut json = json!({ "key": reading.key, "value": reading.value });
+        if let Some(rule) = rule {
+            json["rule"] = json!(rule);
+        }
+        json
+    };
+    json["defaults"] = defaults.iter().map(default).collect();
+    let widest = widest(defaults.iter().map(|(reading, _)| &reading.key));
+    let lines = defaults.iter().map(|(Reading { key, value, .. }, rule)| {
+        let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
+        format!("{key:<widest$}  {value}{rule}")
+    });
+    section("defaults filled in", &or_none(lines.collect()));
+    if let Some(work) = work {
+        json["counters"] = json!(work);
+        let count = format!("({rays} rays)");
+        let title = format!("work {count:<23}  {:>12}  {:>14}", "per ray", "total");
+        let lines = Event::ALL.map(|event| {
+            let (name, count) = (event.key().replace('_', " "), work[event]);
+            let per_ray = short(count as f64 / rays.max(1) as f64);
+            format!("{name:<26}  {per_ray:>12}  {count:>14}")
+        });
+        section(&title, &lines);
+    }
+    let lines = memory.iter().map(|Memory { what, bytes }| {
+        let bytes = HumanBytes(*bytes as u64).to_string();
+        format!("{bytes:>10}  {what}")
+    });
+    section(
+        "memory besides the scene and the image",
+        &or_none(lines.collect()),
+    );
+    text.push('\n');
+    json
+}
+
+fn or_none(lines: Vec<String>) -> Vec<String> {
+    match lines.is_empty() {
+        true => vec!["none".to_owned()],
+        false => lines,
+    }
+}
+
+/// Position of the grids, world units, and the numbers of what is among them.
+fn describe_volumes(panel: &Panel, text: &mut String, json: &mut Value) {
+    let Some(classified) = panel.classified() else {
+        return;
+    };
+    let mut volumes = Vec::new();
+    for volume in classified.each_alone() {
+        let ([nx, ny, nz], voxel) = (volume.grid.lattice().nodes(), volume.voxel());
+        let bounds = volume.extent().world_bounds();
+        let ([x, y, z], [u, v, w]) = (bounds.min.to_array(), bounds.max.to_array());
+        text.push_str(&format!(
+            "volume     {nx} × {ny} × {nz} nodes, voxel size {voxel}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n"
+        ));
+        let mut json = json!({
+            "nodes": [nx, ny, nz], "voxel": voxel, "min": [x, y, z], "max": [u, v, w],
+        });
+        if let Some(map) = volume.to_world {
+            json["to_world"] = json!(map.rows());
+        }
+        volumes.push(json);
+    }
+    json["volume"] = volumes.remove(0);
+    if !volumes.is_empty() {
+        json["further_volumes"] = json!(volumes);
+    }
+    if !classified.objects.is_empty() {
+        json["surfaces"] = json!(classified.objects.surfaces.len());
+        json["clips"] = json!(classified.objects.clips.len());
+    }
 }
 
 /// Work of each plan, counted while it is rendered.
@@ -298,41 +233,16 @@ fn counted(plans: &[Plan]) -> Result<Vec<Option<Counters>>, Failure> {
     Ok(work.into_iter().map(Some).collect())
 }
 
-fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
+/// The keys that the file does not state, with the rules by which they are derived.
+fn defaults(panel: &Panel) -> impl Iterator<Item = (&Reading, Option<&str>)> {
     panel.readings.iter().filter_map(|reading| {
         let rule = match reading.origin {
             Origin::Given => return None,
             Origin::Default => None,
             Origin::Derived(rule) => Some(rule),
         };
-        Some(DefaultJson {
-            key: &reading.key,
-            value: &reading.value,
-            rule,
-        })
+        Some((reading, rule))
     })
-}
-
-/// Rays from the eye.
-fn rays(plan: &Plan<'_>) -> u64 {
-    let pixels = (plan.panel.width * plan.panel.height) as u64;
-    pixels.saturating_mul(plan.samples(Sampling::default()).into())
-}
-
-/// The work of `rays`, per ray and in all.
-fn describe_work(rays: u64, work: &Counters) -> String {
-    let mut text = format!(
-        "work {:<23}  {:>12}  {:>14}\n",
-        format!("({rays} rays)"),
-        "per ray",
-        "total"
-    );
-    for event in Event::ALL {
-        let (name, count) = (event.key().replace('_', " "), work[event]);
-        let per_ray = short(count as f64 / rays.max(1) as f64);
-        text.push_str(&format!("  {name:<26}  {per_ray:>12}  {count:>14}\n"));
-    }
-    text
 }
 
 /// Four digits, without an exponent.

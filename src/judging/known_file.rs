@@ -323,7 +323,7 @@ fn entry<'s>(
         return Err(reader.mistake("cause", message, help));
     }
     let verdict = reader.get::<Option<String>>("verdict")?;
-    let verdict: Result<_, ValueError> = verdict.map_or(Ok(Verdict::Fail), |name| {
+    let verdict: Result<Verdict, ValueError> = verdict.map_or(Ok(Verdict::Fail), |name| {
         Verdict::deserialize(name.into_deserializer())
     });
     Ok(Entry {
@@ -333,10 +333,7 @@ fn entry<'s>(
         cause,
         reason: reader.get::<Option<String>>("reason")?.unwrap_or_default(),
         link: reader.get("link")?,
-        bounds: [
-            reader.get(BOUNDS[0])?,
-            reader.get(BOUNDS[1])?,
-        ],
+        bounds: [reader.get(BOUNDS[0])?, reader.get(BOUNDS[1])?],
         line,
         lines: lines_of_keys(document.text, value),
     })

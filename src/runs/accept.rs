@@ -65,14 +65,16 @@ pub enum AcceptError {
         "state what was wrong before, or what a first golden is for: --reason \"…\""
     ))]
     NoReason,
-    /// A case could not be rendered.
+    /// An image that cannot be a golden, or none.
     #[error("{case}: {reason}")]
-    #[diagnostic(help("nothing was accepted, not even the other cases"))]
-    Incomplete {
+    #[diagnostic(help("{help}"))]
+    Refused {
         /// `family/name`.
         case: String,
         /// Reason.
         reason: String,
+        /// Remedy.
+        help: &'static str,
     },
     /// A converged image with too much noise.
     #[error(
@@ -89,41 +91,6 @@ pub enum AcceptError {
         resolution: f64,
         /// Samples that would suffice.
         enough: u64,
-    },
-    /// Two renderings of one scene that differ.
-    #[error(
-        "{case}: the quick rendering and the converged one differ by more than noise: {reason}"
-    )]
-    #[diagnostic(help(
-        "where light arrives rarely, few samples are far from normal: more quick_samples help; \
-         otherwise the renderer is wrong. Nothing was accepted"
-    ))]
-    Contradiction {
-        /// `family/name`.
-        case: String,
-        /// Difference of the two.
-        reason: String,
-    },
-    /// No image that could stay.
-    #[error("{case}: there is no image to keep: {reason}")]
-    #[diagnostic(help("without --keep-images it is rendered; nothing was accepted"))]
-    NothingToKeep {
-        /// `family/name`.
-        case: String,
-        /// Obstacle.
-        reason: String,
-    },
-    /// An image that differs from the known answer.
-    #[error("{case}: the image differs from the known answer: {reason}")]
-    #[diagnostic(help(
-        "either the `answer` or the `truth` of the manifest is wrong, or the scene, or the \
-         renderer. Nothing was accepted"
-    ))]
-    WrongAnswer {
-        /// `family/name`.
-        case: String,
-        /// Place of the largest error.
-        reason: String,
     },
     /// The files could not be written.
     #[error(transparent)]
@@ -267,11 +234,24 @@ pub(crate) fn accept_with(
 }
 
 impl AcceptError {
-    fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
-        AcceptError::Incomplete {
+    fn refused(case: &Case, reason: impl ToString, help: &'static str) -> AcceptError {
+        AcceptError::Refused {
             case: case.name.clone(),
             reason: reason.to_string(),
+            help,
         }
+    }
+
+    fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
+        let help = "nothing was accepted, not even the other cases";
+        AcceptError::refused(case, reason, help)
+    }
+
+    fn wrong_answer(case: &Case, reason: &str) -> AcceptError {
+        let reason = format!("the image differs from the known answer: {reason}");
+        let help = "either the `answer` or the `truth` of the manifest is wrong, or the scene, or the \
+                    renderer. Nothing was accepted";
+        AcceptError::refused(case, reason, help)
     }
 }
 
@@ -376,9 +356,10 @@ impl<'c> LoadedCase<'c> {
         let Some(converged) = converged else {
             return Ok(None);
         };
-        let nothing = |reason: String| AcceptError::NothingToKeep {
-            case: self.case.name.clone(),
-            reason,
+        let nothing = |reason: String| {
+            let reason = format!("there is no image to keep: {reason}");
+            let help = "without --keep-images it is rendered; nothing was accepted";
+            AcceptError::refused(self.case, reason, help)
         };
         let golden = Golden::read_with_any_sensitivities(store, self.case)
             .map_err(|error| nothing(error.to_string()))?;
@@ -435,10 +416,7 @@ impl<'c> LoadedCase<'c> {
         if let Some(answer) = &self.case.answer {
             let margin = answer.margin(&golden);
             if !margin.passed() {
-                return Err(AcceptError::WrongAnswer {
-                    case: self.case.name.clone(),
-                    reason: margin.worst().to_owned(),
-                });
+                return Err(AcceptError::wrong_answer(self.case, margin.worst()));
             }
         }
         if let (Some(sampling), Some(quick)) = (self.case.sampling, &quick) {
@@ -447,10 +425,10 @@ impl<'c> LoadedCase<'c> {
             }
             let judgement = judge_quick(&golden, quick);
             if !judgement.passed {
-                return Err(AcceptError::Contradiction {
-                    case: self.case.name.clone(),
-                    reason: judgement.reason,
-                });
+                let reason = format!("{CONTRADICTION}: {}", judgement.reason);
+                let help = "where light arrives rarely, few samples are far from normal: more quick_samples \
+                            help; otherwise the renderer is wrong. Nothing was accepted";
+                return Err(AcceptError::refused(self.case, reason, help));
             }
         }
         if let Some(bound) =
@@ -478,10 +456,7 @@ impl<'c> LoadedCase<'c> {
             .map_err(|reason| AcceptError::incomplete(self.case, reason))?;
         let judgement = judge_by_truth(self.case, &known, rendering);
         if !judgement.passed {
-            return Err(AcceptError::WrongAnswer {
-                case: self.case.name.clone(),
-                reason: judgement.reason,
-            });
+            return Err(AcceptError::wrong_answer(self.case, &judgement.reason));
         }
         Ok(GoldenImage {
             film: known.film,
@@ -491,6 +466,9 @@ impl<'c> LoadedCase<'c> {
         })
     }
 }
+
+/// Fault of two renderings of one scene.
+const CONTRADICTION: &str = "the quick rendering and the converged one differ by more than noise";
 
 /// A rendering that `verify` is to repeat.
 fn pinned(film: &Film) -> Quick {

@@ -3,6 +3,7 @@
 use crate::cost::Cost;
 use crate::cost::order::{ConvergenceOrder, OrderVerdict};
 use crate::cost::timing::{Machine, Times};
+use textwrap::{Options, WordSeparator, WordSplitter, fill};
 
 /// Longest line of plain text.
 const WIDEST: usize = 100;
@@ -101,26 +102,12 @@ pub(super) fn machine(machine: &Machine) -> Vec<String> {
 /// The words of `text` in lines that are at most [`WIDEST`] long, each after `indent` blanks; a
 /// word that is longer has a line to itself.
 pub(crate) fn wrapped(text: &str, indent: usize) -> String {
-    let mut out = String::new();
-    let mut length = 0;
-    for word in text.split_whitespace() {
-        let size = word.chars().count();
-        if length > 0 && length + 1 + size > WIDEST {
-            out.push('\n');
-            length = 0;
-        }
-        if length == 0 {
-            out.push_str(&" ".repeat(indent));
-            length = indent;
-        } else {
-            out.push(' ');
-            length += 1;
-        }
-        out.push_str(word);
-        length += size;
-    }
-    out.push('\n');
-    out
+    let indent = " ".repeat(indent);
+    let options = Options::new(WIDEST).break_words(false);
+    let options = options.word_splitter(WordSplitter::NoHyphenation);
+    let options = options.word_separator(WordSeparator::AsciiSpace);
+    let options = options.initial_indent(&indent).subsequent_indent(&indent);
+    fill(text, options) + "\n"
 }
 
 #[cfg(test)]

@@ -229,10 +229,7 @@ fn images_can_be_kept() {
     let renderer = ExtraNoise::new();
     let nothing = |result: Result<Vec<Accepted>, AcceptError>| {
         let error = result.unwrap_err();
-        assert!(
-            matches!(error, AcceptError::NothingToKeep { .. }),
-            "{error}"
-        );
+        assert!(error.to_string().contains("no image to keep"), "{error}");
     };
     nothing(folder.accept_or_keep(&renderer, true));
     folder.accept(&renderer).unwrap();
@@ -257,10 +254,7 @@ fn images_can_be_kept() {
         ..ExtraNoise::new()
     };
     let error = folder.accept_or_keep(&biased, true).unwrap_err();
-    assert!(
-        matches!(error, AcceptError::Contradiction { .. }),
-        "{error}"
-    );
+    assert!(error.to_string().contains(CONTRADICTION), "{error}");
     folder.manifest("= 400", "= 401");
     nothing(folder.accept_or_keep(&rewritten, true));
     assert_eq!(folder.golden().provenance.seal, after.provenance.seal);
@@ -274,10 +268,7 @@ fn quick_and_converged_must_agree() {
         ..ExtraNoise::new()
     };
     let error = folder.accept(&wrong).unwrap_err();
-    assert!(
-        matches!(error, AcceptError::Contradiction { .. }),
-        "{error}"
-    );
+    assert!(error.to_string().contains(CONTRADICTION), "{error}");
     assert_eq!(folder.verify(&wrong).verdict, Verdict::Missing);
 }
 
