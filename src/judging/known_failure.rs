@@ -120,7 +120,7 @@ fn rounded_up(size: f64) -> f64 {
     }
 }
 
-/// What is written into an entry: keys with their values, `None` of one that is removed.
+/// Keys to write into an entry, with their values; `None` removes one.
 pub(super) type Keys = Vec<(&'static str, Option<Value>)>;
 
 /// How `result` fails, as it is written: the verdict, the first cause that was found, none if there was no search, and

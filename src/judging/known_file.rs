@@ -44,7 +44,7 @@ struct Entry {
     cause: Option<String>,
     reason: String,
     link: Option<String>,
-    /// Those of [`BOUNDS`].
+    /// Values of [`BOUNDS`].
     bounds: [Option<f64>; 2],
     /// Line of the table.
     line: usize,
