@@ -5,7 +5,7 @@ use super::failure::{Failure, bad_input};
 /// Option for the number of threads.
 #[derive(clap::Args, Debug)]
 pub struct Threads {
-    /// Threads to use; images are the same for any number [default: all cores]
+    /// Threads to use; the image is the same for any number [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
