@@ -4,10 +4,9 @@ use super::failure::{Exit, Failure, bad_input};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{output, progress};
-use crate::files::kept_file;
 use crate::files::program_hash;
 use crate::judging::{CaseTrials, Judged};
-use crate::runs::{ResultFolder, Run};
+use crate::runs::{ResultFolder, Run, kept_folder};
 use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -49,7 +48,7 @@ impl KeepArgument {
         let is_ours = self.results.is_none() || !folder.exists();
         output::make_folder(&folder)?;
         if is_ours {
-            kept_file::hide(&folder);
+            kept_folder::hide(&folder);
         }
         Ok(Some(ResultFolder::open(folder)))
     }

@@ -94,14 +94,11 @@ impl Judgement {
         reason: String,
         metrics: &[(&str, f64)],
     ) -> Judgement {
-        let metrics = metrics
-            .iter()
-            .map(|&(name, value)| (name.to_owned(), value))
-            .collect();
+        let named = |&(name, value): &(&str, f64)| (name.to_owned(), value);
         Judgement {
             passed,
             gate,
-            metrics,
+            metrics: metrics.iter().map(named).collect(),
             reason,
             undecided: None,
             certain: None,

@@ -6,7 +6,6 @@ pub(crate) mod decoder;
 pub(crate) mod file_kind;
 pub(crate) mod golden_mark;
 pub(crate) mod gzip;
-pub(crate) mod kept_file;
 pub(crate) mod misspelling;
 pub(crate) mod own_file;
 pub(crate) mod partial_file;

@@ -1,8 +1,8 @@
 //! Renderings of stochastic cases, kept until `accept` writes all its goldens, so that one that was interrupted goes on
 //! where it was. A file is an image behind a hash of it and of its key: one that was cut off or changed is not read.
 
+use super::kept_folder::{self, KeepError};
 use crate::files::atomic_file::directory_of;
-use crate::files::kept_file::{self, KeepError};
 use crate::files::program_hash::hash;
 use crate::files::{own_file, partial_file, regular_file};
 use crate::film::Film;
@@ -75,20 +75,20 @@ impl KeptRenderings {
 
     /// Keeps a rendering.
     pub(crate) fn put(&self, key: &RenderingKey, film: &Film) -> Result<(), KeepError> {
-        let (root, name) = kept_file::in_its_folder(&self.root);
+        let (root, name) = kept_folder::in_its_folder(&self.root);
         let inner = name.join(key.file());
         let path = root.join(&inner);
         let exr = film.to_exr();
         let exr = exr.map_err(|error| KeepError::encode(&path, error))?;
         own_file::make_folder(root, directory_of(&inner))?;
         own_file::write(&path, &[key.seal(&exr).as_bytes(), &exr].concat())?;
-        kept_file::hide(&self.root);
+        kept_folder::hide(&self.root);
         Ok(())
     }
 
     /// Fails where renderings of `case` could not be kept, for a link or something else in the place of a folder.
     pub(crate) fn check(&self, case: &str) -> Result<(), KeepError> {
-        let (root, name) = kept_file::in_its_folder(&self.root);
+        let (root, name) = kept_folder::in_its_folder(&self.root);
         let folder = name.join(RENDERINGS).join(case);
         Ok(own_file::check_folder(root, &folder)?)
     }
@@ -115,6 +115,6 @@ impl KeptRenderings {
             }
         }
         partial_file::sweep(&self.root);
-        kept_file::remove_if_empty(&self.root);
+        kept_folder::remove_if_empty(&self.root);
     }
 }

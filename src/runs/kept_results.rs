@@ -4,9 +4,9 @@
 //! judged by any process anywhere. A run has a folder, with a file that describes it, one for each part, and the images
 //! that were judged.
 
+use super::kept_folder::{self, KeepError};
 use crate::compare::{FitMap, Picture};
 use crate::files::atomic_file::directory_of;
-use crate::files::kept_file::{self, KeepError};
 use crate::files::program_hash::hash;
 use crate::files::{own_file, regular_file};
 use crate::film::{Film, FilmFormat};
@@ -181,7 +181,7 @@ impl ResultFolder {
     ///
     /// The folder, with a remedy.
     pub fn check(&self) -> Result<(), KeepError> {
-        let (root, name) = kept_file::in_its_folder(&self.root);
+        let (root, name) = kept_folder::in_its_folder(&self.root);
         Ok(own_file::check_folder(root, &name.join(RESULTS))?)
     }
 
@@ -197,7 +197,7 @@ impl ResultFolder {
         judged: &[Judged],
         trials: Vec<CaseTrials>,
     ) -> Result<PathBuf, KeepError> {
-        let (root, name) = kept_file::in_its_folder(&self.root);
+        let (root, name) = kept_folder::in_its_folder(&self.root);
         let inner = name.join(RESULTS).join(run.id());
         let folder = own_file::make_folder(root, &inner)?;
         write(&folder.join(RUN), run)?;

@@ -1,6 +1,7 @@
 //! Long work in parts: new goldens, results of the parts of a run.
 
 pub(crate) mod accept;
+pub(crate) mod kept_folder;
 pub(crate) mod kept_renderings;
 pub(crate) mod kept_results;
 

@@ -378,13 +378,9 @@ fn judgement(
             comparison.asked(),
         ),
     };
-    let certain = as_if.map(|as_if| {
-        let mut certain = faults.clone();
-        certain.remove(as_if);
-        if certain.is_empty() {
-            certain.push("the images differ beyond noise".to_owned());
-        }
-        certain.join("; ")
+    let certain = as_if.map(|at| match (&faults[..at], &faults[at + 1..]) {
+        ([], []) => "the images differ beyond noise".to_owned(),
+        (before, behind) => [before, behind].concat().join("; "),
     });
     let reason = match (undecided, promise) {
         (Some((undecided, required)), Some(promise)) => {

@@ -1,9 +1,9 @@
 //! Folders in which one process leaves files for another, hidden from version control.
 
-use super::atomic_file::WriteError;
-use super::own_file;
-use super::own_file::FolderError;
-use super::{partial_file, regular_file};
+use crate::files::atomic_file::WriteError;
+use crate::files::own_file;
+use crate::files::own_file::FolderError;
+use crate::files::{partial_file, regular_file};
 use std::path::{Path, PathBuf};
 
 /// A file could not be kept.
