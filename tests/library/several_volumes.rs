@@ -226,7 +226,7 @@ fn a_second_number_modulates_opacity() {
         ),
         (
             format!("of = 'gradient'\n{half}\n[classified.conventions]\njitter = true"),
-            "beside a shadow, or modulated opacities, only",
+            "beside a shadow, or modulated opacities, several",
         ),
         (
             "of = 'gradient'\npoint = [{ value = 1, factor = 0 }, { value = 0, factor = 1 }]"
@@ -877,17 +877,9 @@ fn conventions_of_one_volume_among_surfaces() {
     for (wrong, message) in [
         (
             text("first_sample = 1.0", "[classified.shadow]"),
-            "are known",
+            "follow no conventions",
         ),
         (text("first_sample = 1.0", &volume), "by common steps"),
-        (
-            text("first_sample = 1.0\nsurface_depth = 'box'", ""),
-            "are known",
-        ),
-        (
-            text("volume_steps = 'common'\nsurface_depth = 'box'", &volume),
-            "with steps of their own",
-        ),
         (
             text("volume_boxes = 'voxels'", &volume),
             "give `volume_steps",
