@@ -2,7 +2,7 @@
 
 use super::image::render_all;
 use crate::film::Film;
-use crate::scene::{Panel, Scene};
+use crate::scene::{Fault, Panel, Scene};
 
 /// Places of the first sample, at equal distances, the first and the last a whole step apart.
 const PLACES: u32 = 33;
@@ -78,7 +78,8 @@ fn at_place(scene: &Scene, place: f64) -> Scene {
             conventions.first_sample = place;
         }
         if conventions.first_step_jitter {
-            (conventions.first_step_jitter, conventions.first_step) = (false, place);
+            conventions.first_step_jitter = false;
+            conventions.fault = Some(Fault::FirstStep(place));
         }
     })
 }

@@ -4,7 +4,7 @@ use super::steps::StepRule;
 use super::work::RayWork;
 use crate::geometry::Ray;
 use crate::math::rng::philox4x32_10;
-use crate::scene::{Classified, Compositing, Precision};
+use crate::scene::{Classified, Compositing, Fault, Precision};
 use glam::DVec3;
 use half::f16;
 
@@ -55,7 +55,7 @@ impl Layer {
         } else {
             self.over(sample)
         };
-        if scene.conventions.added_colours {
+        if scene.conventions.fault == Some(Fault::ColoursAdded) {
             seen.colour = sum;
         }
         seen.rounded(scene.conventions.precision)

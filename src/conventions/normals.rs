@@ -2,7 +2,7 @@
 
 use super::work::RayWork;
 use crate::geometry::Direction;
-use crate::scene::{Classified, Conventions, Gradient, StoredValues};
+use crate::scene::{Classified, Conventions, Fault, Gradient, StoredValues};
 use crate::volume::{Cell, Grid, Lattice, NodePoint, relative_gradients};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -148,7 +148,8 @@ fn takes_volrefs(conventions: &Conventions) -> bool {
         && conventions.normal_bits == volrefs.normal_bits
         && conventions.cell_centred == volrefs.cell_centred
         && conventions.normal_space == volrefs.normal_space
-        && conventions.normal_transform == volrefs.normal_transform
+        && conventions.fault != Some(Fault::GradientsAsVectors)
+        && conventions.fault != Some(Fault::GradientsUnmapped)
 }
 
 /// Weights of a node's neighbours and of itself along an axis.

@@ -128,10 +128,7 @@ impl Profile {
             "srgb" => Encoding::Srgb,
             _ => Encoding::Linear,
         });
-        let conventions = reader.table("conventions")?;
-        let conventions = conventions
-            .map(|reader| Conventions::read(&reader))
-            .transpose()?;
+        let conventions = reader.table_as("conventions", Conventions::read)?;
         Ok(Profile {
             name,
             text: text.to_owned(),
@@ -187,9 +184,7 @@ impl Profile {
                 self.name
             ));
         }
-        scene
-            .check_common_steps()
-            .map_err(|message| format!("the profile {:?}: {message}", self.name))?;
-        Ok(())
+        let checked = scene.check_common_steps();
+        checked.map_err(|message| format!("the profile {:?}: {message}", self.name))
     }
 }

@@ -19,7 +19,7 @@ use super::work::RayWork;
 use crate::geometry::{Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, Phong, over_length};
-use crate::scene::{Classified, Clip, Compositing, Lookup, NormalSpace, NormalTransform};
+use crate::scene::{Classified, Clip, Compositing, Fault, NormalSpace};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox};
 use glam::DVec3;
 
@@ -111,8 +111,10 @@ impl<'s> RayCaster<'s> {
         let step = step_in_world(scene.step, measure, lines.inside.direction, sizes, lengths);
         let steps_over = |span: Span| {
             let ends = [span.near, span.far].map(|t| lines.nodes.at(t).0);
-            let cuts = scene.conventions.brick_steps;
-            let cuts = cuts.map_or(Vec::new(), |edge| brick_faces(span, ends, edge));
+            let cuts = match scene.conventions.fault {
+                Some(Fault::StepsFromBricks(edge)) => brick_faces(span, ends, edge),
+                _ => Vec::new(),
+            };
             StepsInParts::new(span, step, rule, &cuts)
         };
         let (steps, count) = taken(&scene.conventions, span, whole.far, steps_over);
@@ -178,7 +180,7 @@ impl<'s> RayCaster<'s> {
         work.emission_terms += 1;
         let visibility = self.visibility(point, node_point, work);
         let light = look.emission * visibility;
-        let colour = match &self.shading {
+        let mut colour = match &self.shading {
             None => look.colour * light,
             Some((phong, gradients)) => {
                 let (to_light, to_eye) = self.directions(point, node_point, ray);
@@ -201,21 +203,15 @@ impl<'s> RayCaster<'s> {
                 }
             }
         };
-        let colour = if scene.conventions.clamped_samples {
-            colour.min(DVec3::ONE)
-        } else {
-            colour
-        };
-        let colour = if scene.conventions.own_transmittance {
-            colour * (1.0 - opacity)
-        } else {
-            colour
-        };
-        let colour = if scene.conventions.own_opacity {
-            colour * opacity
-        } else {
-            colour
-        };
+        if scene.conventions.clamped_samples {
+            colour = colour.min(DVec3::ONE);
+        }
+        if scene.conventions.own_transmittance {
+            colour *= 1.0 - opacity;
+        }
+        if scene.conventions.own_opacity {
+            colour *= opacity;
+        }
         Some(Layer {
             colour: colour * opacity,
             opacity,
@@ -235,7 +231,7 @@ impl<'s> RayCaster<'s> {
     /// The part of `ray` within the volume.
     pub(super) fn span(&self, ray: &Ray) -> Option<Span> {
         let ahead = self.extent.span(ray)?;
-        if self.scene.conventions.starts_behind_eye {
+        if self.scene.conventions.fault == Some(Fault::BeginsBehindEye) {
             let edges: f64 = self.extent.edges().map(length_of).into_iter().sum();
             let back = edges + length_of(ray.origin - self.centre());
             let from_behind = Ray::new(ray.origin - ray.direction * back, *ray.direction)?;
@@ -264,25 +260,23 @@ impl<'s> RayCaster<'s> {
 
     /// The point of the grid, in nodes, that is read at `point`.
     pub(super) fn looked_up(&self, point: NodePoint) -> NodePoint {
-        let NodePoint(at) = self.as_cells(point);
-        let at = match self.scene.conventions.lookup {
-            Lookup::Exact => at,
-            Lookup::HalfOn => at + 0.5,
-            Lookup::HalfBack => at - 0.5,
-        };
-        let at = match self.scene.conventions.fraction_bits {
-            Some(bits) => {
-                let units = f64::from(1_u32 << bits);
-                (at * units).round() / units
-            }
-            None => at,
-        };
-        let Some(edge) = self.scene.conventions.brick_values.map(f64::from) else {
-            return NodePoint(at);
-        };
-        // No farther than to the last node of the brick.
-        let first = (at / edge).floor().max(DVec3::ZERO) * edge;
-        NodePoint(at.min(first + (edge - 1.0)))
+        let (fault, mut at) = (self.scene.conventions.fault, self.as_cells(point).0);
+        match fault {
+            Some(Fault::LookedUpOn) => at += 0.5,
+            Some(Fault::LookedUpBack) => at -= 0.5,
+            _ => {}
+        }
+        if let Some(bits) = self.scene.conventions.fraction_bits {
+            let units = f64::from(1_u32 << bits);
+            at = (at * units).round() / units;
+        }
+        if let Some(Fault::BricksWithoutNeighbours(edge)) = fault {
+            let edge = f64::from(edge);
+            // No farther than to the last node of the brick.
+            let first = (at / edge).floor().max(DVec3::ZERO) * edge;
+            at = at.min(first + (edge - 1.0));
+        }
+        NodePoint(at)
     }
 
     /// The point of the grid that lies at `point`, if nodes are taken for the centres of cells.
@@ -320,13 +314,11 @@ impl<'s> RayCaster<'s> {
             NormalSpace::EyeBox => return self.in_reverse_order(gradient),
         }
         match &self.scene.to_world {
-            Some(map) if !gradients.are_of_the_world() => {
-                match self.scene.conventions.normal_transform {
-                    NormalTransform::Gradient => map.gradient_map() * gradient,
-                    NormalTransform::Vector => map.vector(gradient),
-                    NormalTransform::None => gradient,
-                }
-            }
+            Some(map) if !gradients.are_of_the_world() => match self.scene.conventions.fault {
+                Some(Fault::GradientsAsVectors) => map.vector(gradient),
+                Some(Fault::GradientsUnmapped) => gradient,
+                _ => map.gradient_map() * gradient,
+            },
             _ => gradient,
         }
     }

@@ -1,7 +1,7 @@
 //! Samples along a ray.
 
 use crate::geometry::Span;
-use crate::scene::{Conventions, FittedSteps, LastStep, StepLength};
+use crate::scene::{Conventions, Fault, FittedSteps, LastStep, StepLength};
 use glam::DVec3;
 
 /// Places of samples and lengths of steps.
@@ -37,12 +37,15 @@ impl StepRule {
     /// The rule of `conventions`.
     pub fn of(conventions: &Conventions) -> StepRule {
         StepRule {
-            position: conventions.first_sample,
-            first: conventions.first_step,
             last: conventions.last_step,
             fitted: conventions.fitted_steps,
             ends_on_face: conventions.last_sample_on_face,
             one_sample: conventions.one_sample,
+            first: match conventions.fault {
+                Some(Fault::FirstStep(length)) => length,
+                _ => 1.0,
+            },
+            position: conventions.first_sample,
         }
     }
 }
@@ -204,8 +207,10 @@ pub fn taken(
         steps = steps_over(Span::new(span.near, far));
         count = steps.count.min(count + 1);
     }
-    let most = conventions.most_steps;
-    (steps, most.map_or(count, |most| count.min(most as usize)))
+    if let Some(Fault::MostSteps(most)) = conventions.fault {
+        count = count.min(most as usize);
+    }
+    (steps, count)
 }
 
 /// Distances within `span` at which a ray enters another brick of `edge` cells, from the node coordinates of both ends.

@@ -464,42 +464,33 @@ fn read_conventions(reader: &Reader, mode: &Mode) -> SceneResult<Conventions> {
 
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
 fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -> SceneResult<()> {
-    let refused = |key: &str, message: &str, help: &str| {
+    let refuse = |key: &str, message: &str, help: &str| {
         let message = format!("with `compositing = \"continuous\"` {message}");
-        Err(reader.mistake(key, message, help))
+        reader.without(key, message, help)
     };
-    for (key, message, help) in [
-        (
-            "early_termination",
-            "no ray is ended early: the image is the whole integral",
-            "leave the key out",
-        ),
-        (
-            "conventions",
-            "no conventions are followed: there are no samples, and objects are merged",
-            "leave the table out, or composite samples; `volref validate --as` judges images under conventions",
-        ),
-        (
-            "phong",
-            "samples cannot be shaded: gradients jump from cell to cell, and the integral is \
-             stated for light that depends on the value alone",
-            "leave the table out, or composite samples front to back",
-        ),
-        (
-            "shadow",
-            "samples cannot be in shadow: the integral is stated for light that depends on the \
-             value alone",
-            "leave the table out, or composite samples front to back",
-        ),
-    ] {
-        // The mode has refused its other keys.
-        if reader.has(key) && (*mode == Mode::Composited || key == "conventions") {
-            return refused(key, message, help);
-        }
+    let (key, composite) = (
+        "leave the key out",
+        "leave the table out, or composite samples front to back",
+    );
+    // The mode has refused its other keys.
+    if *mode == Mode::Composited {
+        let message = "no ray is ended early: the image is the whole integral";
+        refuse("early_termination", message, key)?;
+    }
+    let message = "no conventions are followed: there are no samples, and objects are merged";
+    let help = "leave the table out, or composite samples; `volref validate --as` judges images under conventions";
+    refuse("conventions", message, help)?;
+    if *mode == Mode::Composited {
+        let message = "samples cannot be shaded: gradients jump from cell to cell, and the integral is \
+                       stated for light that depends on the value alone";
+        refuse("phong", message, composite)?;
+        let message = "samples cannot be in shadow: the integral is stated for light that depends on the \
+                       value alone";
+        refuse("shadow", message, composite)?;
     }
     if interpolation == Interpolation::Nearest {
         let message = "the field is trilinear: between nearest nodes it jumps";
-        return refused("interpolation", message, "leave the key out");
+        refuse("interpolation", message, key)?;
     }
     Ok(())
 }

@@ -40,18 +40,19 @@ const OBJECTS: u8 = COMPOSITED | 16;
 macro_rules! conventions {
     ($(
         $key:literal = $field:ident: $type:ty = $kind:ident($($values:tt)+) of $modes:ident,
-        $doc:literal,
-        [$($alternative:expr),* $(,)?];
+        $doc:literal $(, [$($alternative:expr),+ $(,)?])?;
     )+) => {
         /// Conventions of a ray caster; by default those of volref.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Conventions {
             $(#[doc = $doc] pub $field: $type,)+
+            /// A mistake that is made: no file states one.
+            pub fault: Option<Fault>,
         }
 
         impl Default for Conventions {
             fn default() -> Conventions {
-                Conventions { $($field: value!(default $kind $($values)+),)+ }
+                Conventions { $($field: value!(default $kind $($values)+),)+ fault: None }
             }
         }
 
@@ -62,12 +63,12 @@ macro_rules! conventions {
         .keys(&[$(value!(key $kind $key, $type, $($values)+).doc($doc),)+]);
 
         /// Choices with what other renderers do, by the key of each convention.
-        pub const ALTERNATIVES: &[(&str, &[Alternative])] = &[$(($key, &[$($alternative),*]),)+];
+        pub const ALTERNATIVES: &[(&str, &[Alternative])] = &[$(($key, &[$($($alternative),+)?]),)+];
 
         impl Conventions {
             /// Reads the table, in the order of its declaration.
             pub fn read(reader: &Reader) -> SceneResult<Conventions> {
-                let read = Conventions { $($field: value!(read $kind reader.get($key)?, $($values)+),)+ };
+                let read = Conventions { $($field: value!(read $kind reader.get($key)?, $($values)+),)+ fault: None };
                 read.check(reader)?;
                 Ok(read)
             }
@@ -95,7 +96,7 @@ macro_rules! conventions {
                     Mode::Projection(_) => PROJECTED,
                     Mode::Isosurfaces(_) => SURFACES,
                 };
-                Conventions { $($field: if $modes & mode == 0 { own.$field } else { self.$field },)+ }
+                Conventions { $($field: if $modes & mode == 0 { own.$field } else { self.$field },)+ fault: self.fault }
             }
         }
     };
@@ -172,20 +173,13 @@ conventions! {
     ];
 
     "jitter" = jitter: bool = flag(false) of COMPOSITED,
-    "Places the samples of each ray at a random `first_sample`, the same for all samples of the ray.",
-    [];
+    "Places the samples of each ray at a random `first_sample`, the same for all samples of the ray.";
 
     "unstated_first_sample" = unstated_first_sample: bool = flag(false) of COMPOSITED,
-    "Places the samples of each ray at a `first_sample` that no scene states, such as by counting steps from the near plane of a camera: any is right, and here it is random.",
-    [];
-
-    "first_step" = first_step: f64 = number(1.0) of ALL,
-    "Length of the first step of a ray, in steps; whole steps follow. A ray not longer than a step has one step.",
-    [];
+    "Places the samples of each ray at a `first_sample` that no scene states, such as by counting steps from the near plane of a camera: any is right, and here it is random.";
 
     "first_step_jitter" = first_step_jitter: bool = flag(false) of COMPOSITED,
-    "Gives the first step of each ray a random length, a `first_step` of its own.",
-    [];
+    "Gives the first step of each ray a random length, a `first_step` of its own.";
 
     "step_length" = step_length: StepLength = choice("world") of ALL,
     "Length of a step: that of the scene in the world; as many spacings of the grid as it has voxels, along the ray in node coordinates (voxels), or along the axis on which the ray passes nodes fastest (main-axis); or the part of the cube of texture coordinates that it is of the longest side of the volume (texture); or as long in the coordinates of the volume, before a map places it, as stated in the world (volume).",
@@ -267,33 +261,8 @@ conventions! {
         other("interpolates values by fractions of 8 bits", |it| it.fraction_bits = Some(8)),
     ];
 
-    "lookup" = lookup: Lookup = choice("exact") of ALL,
-    "Place at which values are looked up: that of the sample, or half a spacing beside it along each axis, towards larger node coordinates (half-on) or smaller ones (half-back), in the same box; beyond the outermost nodes their values are continued.",
-    [];
-
-    "brick_values" = brick_values: Option<u32> = count(2..=65_536) of ALL,
-    "Nodes to an edge of bricks that the volume is stored in, without layers of their neighbours: from the last node of a brick to the first of the next along an axis, values are those of the former. If left out, values are interpolated everywhere.",
-    [];
-
-    "brick_steps" = brick_steps: Option<u32> = count(1..=65_536) of COMPOSITED,
-    "Cells to an edge of bricks at whose faces the steps of a ray are counted anew, the last one in each as `last_step` says. If left out, they are counted once, from the face of the volume.",
-    [];
-
-    "most_steps" = most_steps: Option<u32> = count(1..=16_777_216) of COMPOSITED,
-    "Steps of a ray at most: what lies behind them is not seen. If left out, there are as many as its way through the volume takes.",
-    [];
-
-    "ray_start" = starts_behind_eye: bool = either("eye", "box") of COMPOSITED,
-    "Beginning of the steps of a ray whose eye is within the volume: the eye, or where its line enters the volume behind the eye (box).",
-    [];
-
     "near_plane" = near_plane: f64 = number(0.0) of ALL,
-    "Near plane, as a fraction of the depth of the farthest box corner (boxes extend half a voxel beyond the nodes). Rays start there if it lies inside a volume.",
-    [];
-
-    "blending" = added_colours: bool = either("over", "added") of COMPOSITED,
-    "Colours of the samples of a ray, multiplied by their opacities: each in front of those behind it (over), or added.",
-    [];
+    "Near plane, as a fraction of the depth of the farthest box corner (boxes extend half a voxel beyond the nodes). Rays start there if it lies inside a volume.";
 
     "opacity" = linear_opacity: bool = either("exact", "linear") of COMPOSITED,
     "Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0).",
@@ -336,8 +305,7 @@ conventions! {
     ];
 
     "node_colours" = separate_colours: bool = either("associated", "separate") of COMPOSITED,
-    "Colours of classified nodes are interpolated multiplied by their opacities (associated), or as they are (separate).",
-    [];
+    "Colours of classified nodes are interpolated multiplied by their opacities (associated), or as they are (separate).";
 
     "table_size" = table_size: Option<u32> = count(2..=65_536) of COMPOSITED,
     "Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value.",
@@ -353,8 +321,7 @@ conventions! {
     ];
 
     "table_lookup" = nearest_entry: bool = either("linear", "nearest") of COMPOSITED,
-    "Between the entries of the table: linear, or the nearest entry.",
-    [];
+    "Between the entries of the table: linear, or the nearest entry.";
 
     "table_place" = texture_place: bool = either("ends", "texture") of COMPOSITED,
     "Place of a value in a table of n entries, from the share s of the range of the table that lies below it: s (n - 1), so that the outermost entries lie at both ends (ends), or s n - 1/2 as in textures, within the outermost entries (texture).",
@@ -364,16 +331,13 @@ conventions! {
     ];
 
     "texture_size" = texture_size: Option<u32> = count(2..=65_536) of COMPOSITED,
-    "Entries of a texture into which the table is sampled, over the range of the densities, where opacities are corrected; values are its coordinates, and entries are interpolated. If left out, the table itself is looked up.",
-    [];
+    "Entries of a texture into which the table is sampled, over the range of the densities, where opacities are corrected; values are its coordinates, and entries are interpolated. If left out, the table itself is looked up.";
 
     "lookup_bits" = lookup_bits: Option<u32> = count(2..=16) of COMPOSITED,
-    "Bits to which colours and opacities that the table holds in `colour_bits` and `opacity_bits` are rounded once more, between entries. If left out, they are not.",
-    [];
+    "Bits to which colours and opacities that the table holds in `colour_bits` and `opacity_bits` are rounded once more, between entries. If left out, they are not.";
 
     "table_fraction_bits" = table_fraction_bits: Option<u32> = count(2..=16) of COMPOSITED,
-    "Bits of the fraction by which entries of the table are interpolated. If left out, it is not rounded.",
-    [];
+    "Bits of the fraction by which entries of the table are interpolated. If left out, it is not rounded.";
 
     "opacity_correction" = corrected_entries: bool = either("samples", "entries") of COMPOSITED,
     "Opacities are corrected for the length of a step at each sample; or once, for that of the scene, in the entries of the table or at classified nodes, which are interpolated then (entries).",
@@ -441,10 +405,6 @@ conventions! {
         other("stretches normals by the proportions of the volume, along the axes of the eye",
             |it| it.normal_space = NormalSpace::EyeBox),
     ];
-
-    "normal_transform" = normal_transform: NormalTransform = choice("gradient") of SHADED,
-    "Map of gradients of a volume that a map places: by its inverse transpose, as gradients are; by itself, as vectors are (vector); or none.",
-    [];
 
     "shading_point" = texture_shading_point: bool = either("sample", "texture") of SHADED,
     "Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis.",
@@ -523,41 +483,23 @@ conventions! {
         other("turns normals towards the eye", |it| it.normals_to_eye = true).instead_of("two_sided"),
     ];
 
-    "composition" = composition: Composition = choice("merged") of OBJECTS,
-    "Composition of several volumes: extinctions add, colours are their mean weighted by extinction (merged); one volume as a whole in front of the next, in the order in which a ray enters their boxes (nearest-box), or each in front of those before it in the scene (last-in-front); opacities add, up to 1 (added-opacities); or colours are their mean without weights (mean-colours).",
-    [];
-
     "volume_steps" = common_steps: bool = either("own", "common") of OBJECTS,
-    "Steps of several volumes: of each its own (own); or the shortest of them for all, counted from where a ray enters the box along the axes of the world around all volumes, their faces where `box` has them, and at each place a sample of every volume, one over the next in the order of the scene (common).",
-    [];
+    "Steps of several volumes: of each its own (own); or the shortest of them for all, counted from where a ray enters the box along the axes of the world around all volumes, their faces where `box` has them, and at each place a sample of every volume, one over the next in the order of the scene (common).";
 
     "volume_boxes" = voxel_boxes: bool = either("nodes", "voxels") of OBJECTS,
-    "Faces of the volumes where there are several, sampled by common steps: as `box` has them (nodes), or half a spacing beyond the outermost nodes, as far as the box around all volumes goes (voxels).",
-    [];
-
-    "surface_depth" = surface_depth: SurfaceDepth = choice("true") of OBJECTS,
-    "Depth of surfaces among volumes: where they stand (true), behind all volumes (behind), in front of all (in-front); or cut where a ray has entered the box of a volume, as if that were opaque to what is drawn later (box).",
-    [];
-
-    "object_shadows" = object_shadows: ObjectShadows = choice("all") of OBJECTS,
-    "Shadows among several volumes and surfaces: of all on all (all); of volumes as if they were not clipped (unclipped); none of surfaces (none-of-surfaces); or none of volumes on surfaces (none-on-surfaces).",
-    [];
+    "Faces of the volumes where there are several, sampled by common steps: as `box` has them (nodes), or half a spacing beyond the outermost nodes, as far as the box around all volumes goes (voxels).";
 
     "sample_behind_ends" = sample_behind_ends: bool = flag(false) of OBJECTS,
-    "Takes one sample more of a ray that a surface or a clip ends within the volume: the steps go on behind that end.",
-    [];
+    "Takes one sample more of a ray that a surface or a clip ends within the volume: the steps go on behind that end.";
 
     "isosurface_place" = surfaces_at_samples: bool = either("root", "sample") of SURFACES,
-    "Place of an isosurface: where the field has its value between two samples (root); or the sample behind, each of which finds one surface at most, and a further one that was passed is left to the next sample (sample).",
-    [];
+    "Place of an isosurface: where the field has its value between two samples (root); or the sample behind, each of which finds one surface at most, and a further one that was passed is left to the next sample (sample).";
 
     "isosurface_sides" = one_sided_surfaces: bool = either("both", "one") of SURFACES,
-    "Sides on which isosurfaces are lit: both, the normal turned to the eye; or the one of smaller values alone (one).",
-    [];
+    "Sides on which isosurfaces are lit: both, the normal turned to the eye; or the one of smaller values alone (one).";
 
     "mean_colours" = mean_of_range: bool = either("stated", "range") of MEAN,
-    "Colours of a projection of the mean: those of the scene; or greys, from black at the smallest value of the volume to white at the largest (range).",
-    [];
+    "Colours of a projection of the mean: those of the scene; or greys, from black at the smallest value of the volume to white at the largest (range).";
 
     "own_transmittance" = own_transmittance: bool = flag(false) of COMPOSITED,
     "Dims the colour of each sample by its own transmittance, too, as where the transmittance is updated before the colour is added.",

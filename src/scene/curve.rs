@@ -33,11 +33,11 @@ impl Curve {
                 let densities = reader.get("densities")?;
                 Ok(Curve::Formula { opacity, densities })
             }
-            OpacityByValue::Points(_) if reader.has("densities") => {
+            OpacityByValue::Points(points) => {
                 let message = "the axis of a table of points goes from its first to its last";
-                Err(reader.mistake("densities", message, "remove `densities`"))
+                reader.without("densities", message, "remove `densities`")?;
+                Ok(Curve::Points(points))
             }
-            OpacityByValue::Points(points) => Ok(Curve::Points(points)),
         }
     }
 }

@@ -263,10 +263,8 @@ impl std::fmt::Display for Range {
             (true, false) if self.low_open => write!(f, "be finite and above {}", self.low),
             (true, false) => write!(f, "be finite and at least {}", self.low),
             _ => {
-                let (left, right) = (
-                    if self.low_open { "(" } else { "[" },
-                    if self.high_open { ")" } else { "]" },
-                );
+                let left = ['[', '('][usize::from(self.low_open)];
+                let right = [']', ')'][usize::from(self.high_open)];
                 write!(f, "lie in {left}{}, {}{right}", self.low, self.high)
             }
         }
@@ -404,21 +402,12 @@ fn limits(rule: &Rule) -> Vec<Value> {
 
 fn number_schema(range: Range) -> Value {
     let mut schema = json!({ "type": "number" });
-    if range.low.is_finite() {
-        let name = if range.low_open {
-            "exclusiveMinimum"
-        } else {
-            "minimum"
-        };
-        schema[name] = json!(range.low);
-    }
-    if range.high.is_finite() {
-        let name = if range.high_open {
-            "exclusiveMaximum"
-        } else {
-            "maximum"
-        };
-        schema[name] = json!(range.high);
+    let low = (range.low, ["minimum", "exclusiveMinimum"], range.low_open);
+    let high = (range.high, ["maximum", "exclusiveMaximum"], range.high_open);
+    for (end, names, is_open) in [low, high] {
+        if end.is_finite() {
+            schema[names[usize::from(is_open)]] = json!(end);
+        }
     }
     schema
 }

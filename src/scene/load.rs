@@ -458,10 +458,8 @@ fn read_classified(
     let shared_opacity = is_shared
         .then(|| OpacityByValue::read(&shared))
         .transpose()?;
-    refuse_sampling(
-        root,
-        "a classified volume is rendered without random numbers",
-    )?;
+    let message = "a classified volume is rendered without random numbers";
+    root.without("sampling", message, "remove [sampling]")?;
     let has_other_colours = reader.has("window") || reader.has("isosurface");
     let mut volumes: Vec<VolumeTable> = Vec::new();
     for volume in &tables {
@@ -474,10 +472,10 @@ fn read_classified(
         };
         let placed = files.placed_values(volume)?;
         let table = own.as_ref().unwrap_or(&shared);
-        if has_other_colours && table.has("range") {
+        if has_other_colours {
             let message =
                 "`range` has no effect: a window or isosurfaces state values of their own";
-            return Err(table.mistake("range", message, "leave the key out"));
+            table.without("range", message, "leave the key out")?;
         }
         let mut range = None;
         if matches!(opacity, OpacityByValue::Formula(_)) && !has_other_colours {
@@ -546,13 +544,7 @@ fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
     if root.has("camera") {
         return Err(root.error("camera", "a plot of the curve has no camera"));
     }
-    refuse_sampling(root, "a plot of the curve is drawn without random numbers")?;
+    let message = "a plot of the curve is drawn without random numbers";
+    root.without("sampling", message, "remove [sampling]")?;
     Curve::read(reader, opacity)
-}
-
-fn refuse_sampling(root: &Reader, message: &str) -> SceneResult<()> {
-    if root.has("sampling") {
-        return Err(root.mistake("sampling", message, "remove [sampling]"));
-    }
-    Ok(())
 }

@@ -35,9 +35,8 @@ mod volumes;
 pub use classified::{Classified, Compositing};
 pub use clip::{Clip, Kept};
 pub use conventions::{
-    ALTERNATIVES, Alternative, CONVENTIONS, Composition, Conventions, FittedSteps, Gradient,
-    LastStep, LightColour, Lookup, NormalSpace, NormalTransform, ObjectShadows, Precision,
-    StepLength, StoredValues, SurfaceDepth,
+    ALTERNATIVES, Alternative, CONVENTIONS, Conventions, Fault, FittedSteps, Gradient, LastStep,
+    LightColour, NormalSpace, Precision, StepLength, StoredValues,
 };
 pub use curve::Curve;
 pub use error::SceneError;

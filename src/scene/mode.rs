@@ -158,23 +158,22 @@ impl Isosurfaces {
 impl Mode {
     /// The mode of `[classified]`, without keys that contradict it; `order` is that of compositing.
     pub(super) fn read(reader: &Reader, order: &str) -> SceneResult<Mode> {
-        let without = |key: &str, message: String, help: &str| match reader.has(key) {
-            true => Err(reader.mistake(key, message, help)),
-            false => Ok(()),
-        };
         let Some(name) = reader.optional::<String>("mode")? else {
             let help = "choose what a pixel shows with `mode`, or leave the key out";
             for Key { name, .. } in &MODE[1..] {
-                without(name, format!("composited samples have no `{name}`"), help)?;
+                reader.without(name, format!("composited samples have no `{name}`"), help)?;
             }
             return Ok(Mode::Composited);
         };
         let (key, table) = ("leave the key out", "leave the table out");
         let mode = format!("`mode = {name:?}`");
-        let message = format!("{mode} ends no ray early");
-        without("early_termination", message, key)?;
+        reader.without(
+            "early_termination",
+            format!("{mode} ends no ray early"),
+            key,
+        )?;
         let message = format!("nothing casts a shadow with {mode}");
-        without("shadow", message, "leave the table out, or `mode`")?;
+        reader.without("shadow", message, "leave the table out, or `mode`")?;
         if order == "back-to-front" {
             let message = format!("{mode} knows one order: from the eye on");
             let help = "leave the key out, or say \"continuous\" for exact values";
@@ -182,19 +181,18 @@ impl Mode {
         }
         if name == ISOSURFACE {
             for other in ["window", "attenuation"] {
-                let message = "isosurfaces have colours of their own";
-                without(other, message.to_owned(), key)?;
+                reader.without(other, "isosurfaces have colours of their own", key)?;
             }
             return Ok(Mode::Isosurfaces(read_surfaces(reader)?));
         }
         let help = "leave the tables out, or say `mode = \"isosurface\"`";
-        without("isosurface", format!("{mode} shows no surface"), help)?;
+        reader.without("isosurface", format!("{mode} shows no surface"), help)?;
         let message = format!("{mode} shows a value, which has no normal");
-        without("phong", message, table)?;
+        reader.without("phong", message, table)?;
         let window = reader.table_as("window", read_window)?;
         if name != ATTENUATED {
             let help = "leave the key out, or say `mode = \"attenuated-maximum\"`";
-            without("attenuation", format!("{mode} attenuates nothing"), help)?;
+            reader.without("attenuation", format!("{mode} attenuates nothing"), help)?;
         }
         let of = match name.as_str() {
             "maximum" => Projected::Maximum,
@@ -284,17 +282,14 @@ fn read_surfaces(reader: &Reader) -> SceneResult<Isosurfaces> {
     let tables = reader.tables("isosurface")?;
     if tables.is_empty() {
         let message = "`mode = \"isosurface\"` needs a value";
-        return Err(reader.mistake(
-            "mode",
-            message,
-            "give [[classified.isosurface]] with `value` and `colour`, once for each surface",
-        ));
+        let help =
+            "give [[classified.isosurface]] with `value` and `colour`, once for each surface";
+        return Err(reader.mistake("mode", message, help));
     }
     if tables.len() > MOST_SURFACES {
-        let message = format!(
-            "{} isosurfaces are too many: a scene has at most {MOST_SURFACES}",
-            tables.len()
-        );
+        let count = tables.len();
+        let message =
+            format!("{count} isosurfaces are too many: a scene has at most {MOST_SURFACES}");
         return Err(reader.error("isosurface", message));
     }
     let mut surfaces: Vec<Isosurface> = Vec::new();
@@ -302,11 +297,8 @@ fn read_surfaces(reader: &Reader) -> SceneResult<Isosurfaces> {
         let surface = Isosurface::read(table)?;
         if surfaces.iter().any(|other| other.value == surface.value) {
             let message = format!("two isosurfaces have the value {}", surface.value);
-            return Err(table.mistake(
-                "value",
-                message,
-                "leave one of them out: they are one surface",
-            ));
+            let help = "leave one of them out: they are one surface";
+            return Err(table.mistake("value", message, help));
         }
         surfaces.push(surface);
     }

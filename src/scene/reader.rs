@@ -90,15 +90,16 @@ impl<'d, 's> Reader<'d, 's> {
         table: &'d Spanned<DeTable<'s>>,
         log: &'d RefCell<Vec<Reading>>,
     ) -> SceneResult<Self> {
-        let reader = Reader {
+        let (span, table, path) = (table.span(), table.get_ref(), String::new());
+        Reader {
             document,
             declaration,
-            table: table.get_ref(),
-            span: table.span(),
-            path: String::new(),
+            table,
+            span,
+            path,
             log,
-        };
-        reader.checked()
+        }
+        .checked()
     }
 
     /// Reads `value`, a table of `document` that messages call `path`, by `declaration`; `None` if it is none.
@@ -109,18 +110,19 @@ impl<'d, 's> Reader<'d, 's> {
         path: String,
         log: &'d RefCell<Vec<Reading>>,
     ) -> SceneResult<Option<Self>> {
-        let DeValue::Table(table) = value.get_ref() else {
-            return Ok(None);
+        let (span, table) = (value.span(), value.get_ref().as_table());
+        let reader = |table| {
+            Reader {
+                document,
+                declaration,
+                table,
+                span,
+                path,
+                log,
+            }
+            .checked()
         };
-        let reader = Reader {
-            document,
-            declaration,
-            table,
-            span: value.span(),
-            path,
-            log,
-        };
-        reader.checked().map(Some)
+        table.map(reader).transpose()
     }
 
     /// The reader of a table within this one.
@@ -131,14 +133,14 @@ impl<'d, 's> Reader<'d, 's> {
         span: Range<usize>,
         path: String,
     ) -> SceneResult<Self> {
-        let reader = Reader {
+        Reader {
             declaration,
             table,
             span,
             path,
             ..*self
-        };
-        reader.checked()
+        }
+        .checked()
     }
 
     /// Refuses keys that are not declared, and those that break a rule.

@@ -2,7 +2,7 @@
 
 use super::classified::checked_step;
 use super::clip::{Clip, keeps_all, leave_something};
-use super::conventions::Conventions;
+use super::conventions::{Conventions, Fault};
 use super::modulation::Modulation;
 use super::objects::{Objects, Volume};
 use super::reader::Reader;
@@ -17,18 +17,30 @@ impl Classified {
         !self.objects.is_empty() && self.mode == Mode::Composited
     }
 
-    /// True if a renderer has its conventions: of several objects, only those about them; of one volume among
-    /// surfaces and clips, or of several that are sampled by common steps, all others.
+    /// True if a renderer has its conventions: of several objects, none; of one volume among surfaces and clips, or of
+    /// several that are sampled by common steps, all.
     pub(crate) fn has_conventions_that_are_rendered(&self) -> bool {
+        let is_of_merged = self
+            .conventions
+            .fault
+            .is_some_and(Fault::is_of_merged_objects);
         !self.has_objects()
             || self.is_merged()
-            || self.is_sampled_by(&self.conventions) && !self.conventions.is_of_merged_objects()
+            || self.is_sampled_by(&self.conventions) && !is_of_merged
     }
 
-    /// True if it follows no conventions but those about several objects, and no ray ends early: these are merged.
+    /// True if it follows no conventions, and makes no mistakes but those about several objects, and no ray ends early:
+    /// these are merged.
     pub(crate) fn is_merged(&self) -> bool {
         let ends_early = matches!(self.compositing, Compositing::EarlyTermination(_));
-        self.conventions.is_of_objects_alone() && !ends_early
+        let own = Conventions {
+            fault: self
+                .conventions
+                .fault
+                .filter(|it| it.is_of_merged_objects()),
+            ..Conventions::default()
+        };
+        self.conventions == own && !ends_early
     }
 
     /// True if the samples of its volumes follow `conventions`: those of one, or of all by common steps, with
@@ -194,34 +206,31 @@ impl Classified {
             );
             return Err(reader.mistake("conventions", message, "leave the keys out"));
         }
-        for (key, is_refused, what, help) in [
-            (
-                "compositing",
-                reader.has("compositing") && !self.continuous,
-                "samples are composited front to back",
-                "leave `compositing` out: the order changes no more than rounding",
-            ),
-            (
-                "early_termination",
-                reader.has("early_termination"),
-                "no ray is ended early",
-                "leave the key out",
-            ),
-        ] {
-            if is_refused {
-                let with = if self.objects.are_modulation_alone() {
-                    "modulated opacities"
-                } else {
-                    "several volumes, surfaces or clips"
-                };
-                let message = format!("with {with} {what}");
-                return Err(reader.mistake(key, message, help));
-            }
+        let with = match self.objects.are_modulation_alone() {
+            true => "modulated opacities",
+            false => "several volumes, surfaces or clips",
+        };
+        if !self.continuous {
+            let message = format!("with {with} samples are composited front to back");
+            let help = "leave `compositing` out: the order changes no more than rounding";
+            reader.without("compositing", message, help)?;
         }
+        let message = format!("with {with} no ray is ended early");
+        reader.without("early_termination", message, "leave the key out")?;
         let is_modulated =
             (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
         if !self.has_conventions_that_are_rendered() {
-            let (message, help) = self.why_unknown_conventions(is_modulated);
+            let (message, help) = if self.shadow.is_some() || is_modulated {
+                (
+                    "beside a shadow, or modulated opacities, several objects follow no conventions",
+                    "leave the table out, or `shadow` and `modulation`",
+                )
+            } else {
+                (
+                    "several volumes follow these conventions only where they are sampled by common steps",
+                    "add `volume_steps = \"common\"`, or leave the keys out",
+                )
+            };
             return Err(reader.mistake("conventions", message, help));
         }
         if self.continuous && is_modulated {
@@ -263,27 +272,6 @@ impl Classified {
         Ok(())
     }
 
-    /// Reason why several volumes do not follow the conventions of this scene, and a remedy.
-    fn why_unknown_conventions(&self, is_modulated: bool) -> (&'static str, &'static str) {
-        if self.shadow.is_some() || is_modulated {
-            (
-                "beside a shadow, or modulated opacities, only `composition`, `surface_depth` and `object_shadows` \
-                 are known",
-                "leave the other keys out, or `shadow` and `modulation`",
-            )
-        } else if self.conventions.is_of_merged_objects() {
-            (
-                "`composition`, `surface_depth` and `object_shadows` are known beside volref's own conventions alone",
-                "leave these keys out, or all others",
-            )
-        } else {
-            (
-                "several volumes follow these conventions only where they are sampled by common steps",
-                "add `volume_steps = \"common\"`, or leave the keys out",
-            )
-        }
-    }
-
     /// Refuses clips that leave nothing of a volume: the first that does so alone, or with those before it.
     fn check_clips_of(
         &self,
@@ -310,27 +298,5 @@ impl Classified {
                     normal points, or the inside of its box";
         let tables = reader.tables("clip")?;
         Err(tables[number].mistake_here(message, help))
-    }
-}
-
-impl Conventions {
-    /// True if a convention about several objects that are merged is not volref's own.
-    pub(super) fn is_of_merged_objects(&self) -> bool {
-        let own = Conventions::default();
-        self.composition != own.composition
-            || self.surface_depth != own.surface_depth
-            || self.object_shadows != own.object_shadows
-    }
-
-    /// True if all conventions but those about several objects are volref's own.
-    fn is_of_objects_alone(&self) -> bool {
-        let own = Conventions::default();
-        let others = Conventions {
-            composition: own.composition,
-            surface_depth: own.surface_depth,
-            object_shadows: own.object_shadows,
-            ..*self
-        };
-        others == own
     }
 }

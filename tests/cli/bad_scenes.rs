@@ -879,7 +879,7 @@ fn volumes_surfaces_and_clips() {
     }
     let one = "[classified]\n[classified.volume]\nfile = \"cloud.obj\"\n";
     broken(format!(
-        "{one}[classified.conventions]\nsurface_depth = \"behind\"\n"
+        "{one}[classified.conventions]\nsample_behind_ends = true\n"
     ));
     broken("[classified]\n".into());
     broken("[classified]\nvolume = []\n".into());
@@ -916,7 +916,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:6:1: this volume has no transfer function, and others have one of their own help: give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes without one: an empty table is the formula with its defaults
-    broken.toml:4:1: the scene has no further volumes, surfaces or clips, which these conventions are about: `surface_depth` help: leave the keys out
+    broken.toml:4:1: the scene has no further volumes, surfaces or clips, which these conventions are about: `sample_behind_ends` help: leave the keys out
     broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` is empty help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` must be a table, or tables in double brackets, [[…]], not an integer help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.

@@ -12,7 +12,7 @@ use volref::judging::{Verdict, validate};
 use volref::math::{cos, sin};
 use volref::naming::{Predictions, Search, likeness};
 use volref::render::{Sampling, plans, render};
-use volref::scene::{Classified, Scene};
+use volref::scene::{Classified, Fault as CasterFault, Scene};
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
 use volref::volume::{Grid, Lattice};
@@ -313,7 +313,9 @@ fn reported_faults_are_caught() {
     }
     // Samples counted from each brick, of a size that no mistake has.
     for name in ["spots-of-16", "spots-of-32"] {
-        let edit = |volume: &mut Classified| volume.conventions.brick_steps = Some(24);
+        let edit = |volume: &mut Classified| {
+            volume.conventions.fault = Some(CasterFault::StepsFromBricks(24))
+        };
         assert_eq!(verdict(&case(name), edit).0, Verdict::Fail, "{name}");
     }
 }
@@ -432,11 +434,12 @@ fn reversed_and_exchanged_axes_are_named() {
 fn bricks_as_large_as_the_volume_change_nothing() {
     let scene = case("spots-of-8").load_scene().unwrap();
     let right = rendered(&scene);
-    let wrong = rendered(&scene.with_volumes(|volume| {
-        volume.conventions.brick_values = Some(33);
-        volume.conventions.brick_steps = Some(33);
-    }));
-    assert_eq!(right, wrong);
-    let smaller = rendered(&scene.with_volumes(|volume| volume.conventions.brick_values = Some(8)));
-    assert_ne!(right, smaller);
+    for (fault, is_seen) in [
+        (CasterFault::BricksWithoutNeighbours(33), false),
+        (CasterFault::StepsFromBricks(33), false),
+        (CasterFault::BricksWithoutNeighbours(8), true),
+    ] {
+        let wrong = rendered(&scene.with_volumes(|volume| volume.conventions.fault = Some(fault)));
+        assert_eq!(right != wrong, is_seen, "{fault:?}");
+    }
 }

@@ -21,8 +21,8 @@ use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::render::{Sampling, plans, render};
 use volref::scene::format::{Key, Kind};
 use volref::scene::{
-    CONVENTIONS, Classified, Compositing, Composition, Conventions, FittedSteps, LastStep, Model,
-    Precision, Scene, Shadow, StepLength, StoredValues,
+    CONVENTIONS, Classified, Compositing, Conventions, FittedSteps, LastStep, Model, Precision,
+    Scene, Shadow, StepLength, StoredValues,
 };
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
@@ -126,18 +126,8 @@ fn profiles_of_several_objects() {
         let rendered = render(&plans(scene), Sampling::default(), &|| {});
         rendered.unwrap().film
     };
-    let (nearest, early) = ("composition = 'nearest-box'", "early_termination = 0.5\n");
-    let mut own = scene("scenes/two-fogs");
-    for panel in &mut own.panels {
-        let Model::Classified(volume) = &mut panel.model else {
-            unreachable!()
-        };
-        volume.sample();
-        volume.conventions.composition = Composition::NearestBox;
-    }
-    let followed = applied("scenes/two-fogs", "", nearest).unwrap();
-    assert_eq!(image(&followed).radiance(), image(&own).radiance());
-    for (keys, conventions) in [(early, nearest), ("", "first_sample = 0"), (early, "")] {
+    let early = "early_termination = 0.5\n";
+    for (keys, conventions) in [("", "first_sample = 0"), (early, "")] {
         let refused = applied("scenes/two-fogs", keys, conventions).unwrap_err();
         assert!(refused.contains("volume_steps"), "{refused}");
     }
@@ -179,7 +169,6 @@ fn steps_are_fitted_and_opacities_corrected() {
     assert_passes(&scene, passed(1.5), "half a voxel beyond", |it| {
         it.voxel_box = true
     });
-    assert_passes(&scene, passed(1.0), "first step", |it| it.first_step = 0.25);
     assert_passes(&scene, passed(1.0), "last sample", |it| {
         it.last_sample_on_face = true
     });
@@ -654,12 +643,9 @@ fn read(conventions: &str) -> Result<Conventions, String> {
 /// Keys that concern a single volume, composited; those of several objects are looked at in `several_volumes.rs`, those
 /// of modes in `modes.rs`.
 fn keys_of_one_volume() -> impl Iterator<Item = &'static Key> {
-    const OTHERS: [&str; 9] = [
-        "composition",
+    const OTHERS: [&str; 6] = [
         "volume_steps",
         "volume_boxes",
-        "surface_depth",
-        "object_shadows",
         "sample_behind_ends",
         "isosurface_place",
         "isosurface_sides",
@@ -678,17 +664,10 @@ fn every_value() -> Vec<(String, Conventions, Conventions)> {
             Kind::Choice(words) => words.iter().map(|word| format!("{word:?}")).collect(),
             Kind::Flag => vec!["true".to_owned(), "false".to_owned()],
             Kind::Number(_) if key.name == "most_opacity" => vec!["0.3".to_owned()],
-            Kind::Number(_) if key.name == "first_step" => {
-                vec!["0.25".to_owned(), "0.75".to_owned()]
-            }
             Kind::Number(_) if key.name.ends_with("opacity") => {
                 vec!["0.02".to_owned(), "0.05".to_owned()]
             }
             Kind::Number(_) => vec!["0.0".to_owned(), "1.0".to_owned()],
-            // Of three nodes to an axis.
-            Kind::Count(least, _) if key.name.starts_with("brick_") => vec![least.to_string()],
-            // Of rays of some four.
-            Kind::Count(least, _) if key.name == "most_steps" => vec![(least + 1).to_string()],
             Kind::Count(least, _) => vec![(least + 2).to_string(), (least + 14).to_string()],
             _ => panic!("{}: a kind without values here", key.name),
         };
@@ -916,13 +895,11 @@ fn conventions_in_a_scene() {
         ("box = 'voxels'\ncentring = 'cells'", "values fill the box"),
         ("step_opacity = 'nominal'", "of the length stated"),
         ("fitted_steps = 'up'\nlast_step = 'whole'", "of one length"),
-        ("fitted_steps = 'up'\nfirst_step = 0.5", "of one length"),
         (
             "last_step = 'dropped'\nlast_sample = 'face'",
             "does not end with the ray",
         ),
         ("jitter = true\nfirst_step_jitter = true", "random already"),
-        ("first_step = 0.5\nfirst_step_jitter = true", "is random"),
         ("last_step = 'half'", "last_step"),
         ("first_sample = 1.5", "[0, 1]"),
     ] {

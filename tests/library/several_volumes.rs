@@ -13,7 +13,7 @@ use volref::math::rng::philox4x32_10;
 use volref::math::{exp, exp_m1, ln_1p};
 use volref::reference;
 use volref::render::{Effect, Event, Sampling, State, plans, render, render_counted};
-use volref::scene::{Clip, Kept, Length, Model, Scene};
+use volref::scene::{Clip, Fault, Kept, Length, Model, Scene};
 use volref::sensitivity::number;
 use volref::variations::mistakes;
 
@@ -226,7 +226,7 @@ fn a_second_number_modulates_opacity() {
         ),
         (
             format!("of = 'gradient'\n{half}\n[classified.conventions]\njitter = true"),
-            "beside a shadow, or modulated opacities, only",
+            "beside a shadow, or modulated opacities, several",
         ),
         (
             "of = 'gradient'\npoint = [{ value = 1, factor = 0 }, { value = 0, factor = 1 }]"
@@ -596,49 +596,39 @@ fn generated_scenes_in_another_order() {
     assert!(compared > 30, "{compared}");
 }
 
-/// Every value of every convention about several objects makes a picture of its own, and the right one is
-/// without.
+/// Every mistake about several objects makes a picture of its own, and the right one is without.
 #[test]
-fn conventions_of_others_are_heard() {
+fn mistakes_of_several_objects_are_seen() {
     let folder = tempfile::tempdir().unwrap();
     slab(folder.path(), "a.nrrd", -2.0, 0.5);
     slab(folder.path(), "b.nrrd", -1.0, 1.5);
     let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.15));
-    let picture = |conventions: &str| {
-        let text = format!(
-            "[classified.shadow]\n[classified.light]\nposition = [3, 0, -4]\n{conventions}\n\
-             [[classified.volume]]\nfile = 'a.nrrd'\nname = 'a'\n{red}\n\
-             [[classified.volume]]\nfile = 'b.nrrd'\n{blue}\n\
-             [[classified.clip]]\npoint = [0.5, 0, 0]\nnormal = [-1, 0, 0.2]\nvolumes = ['a']\n\
-             [[classified.surface]]\ncolour = 1\nsphere = {{ centre = [0.2, 0, -0.4], radius = 0.7 }}\n"
-        );
-        fast(&scene_of(folder.path(), &text))
-    };
-    let mut known = vec![("volref's own".to_owned(), picture(""))];
-    for (key, values) in [
-        (
-            "composition",
-            &[
-                "nearest-box",
-                "last-in-front",
-                "added-opacities",
-                "mean-colours",
-            ][..],
-        ),
-        ("surface_depth", &["behind", "in-front", "box"]),
-        (
-            "object_shadows",
-            &["unclipped", "none-of-surfaces", "none-on-surfaces"],
-        ),
+    let text = format!(
+        "[classified.shadow]\n[classified.light]\nposition = [3, 0, -4]\n\
+         [[classified.volume]]\nfile = 'a.nrrd'\nname = 'a'\n{red}\n\
+         [[classified.volume]]\nfile = 'b.nrrd'\n{blue}\n\
+         [[classified.clip]]\npoint = [0.5, 0, 0]\nnormal = [-1, 0, 0.2]\nvolumes = ['a']\n\
+         [[classified.surface]]\ncolour = 1\nsphere = {{ centre = [0.2, 0, -0.4], radius = 0.7 }}\n"
+    );
+    let scene = scene_of(folder.path(), &text);
+    let mut known = vec![("volref's own".to_owned(), fast(&scene))];
+    for fault in [
+        Fault::NearestBoxInFront,
+        Fault::LastInFront,
+        Fault::OpacitiesAdded,
+        Fault::ColoursUnweighted,
+        Fault::SurfacesBehind,
+        Fault::SurfacesInFront,
+        Fault::SurfacesCutByBoxes,
+        Fault::ShadowsUnclipped,
+        Fault::NoShadowOfSurfaces,
+        Fault::NoShadowOnSurfaces,
     ] {
-        for value in values {
-            let line = format!("{key} = '{value}'");
-            let new = picture(&format!("[classified.conventions]\n{line}"));
-            for (other, old) in &known {
-                assert!(difference(&new, old) > 1e-3, "{line} looks like {other}");
-            }
-            known.push((line, new));
+        let new = fast(&scene.with_volumes(|volume| volume.conventions.fault = Some(fault)));
+        for (other, old) in &known {
+            assert!(difference(&new, old) > 1e-3, "{fault:?} looks like {other}");
         }
+        known.push((format!("{fault:?}"), new));
     }
 }
 
@@ -750,10 +740,11 @@ fn a_step_for_all_is_the_step_of_each() {
     let scene = |first: &str, second: &str| {
         let text = format!(
             "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n{first}\n\
-             [[classified.volume]]\nfile = 'b.nrrd'\nscale = [0.5, 0.5, 0.5]\n{blue}\n{second}\n\
-             [classified.conventions]\ncomposition = 'added-opacities'"
+             [[classified.volume]]\nfile = 'b.nrrd'\nscale = [0.5, 0.5, 0.5]\n{blue}\n{second}\n"
         );
+        // Opacities that add depend on the steps, even in a uniform volume.
         scene_of(folder.path(), &text)
+            .with_volumes(|volume| volume.conventions.fault = Some(Fault::OpacitiesAdded))
     };
     let mut changed = scene("", "step = 0.4");
     let Model::Classified(classified) = &mut changed.panels[0].model else {
@@ -886,17 +877,9 @@ fn conventions_of_one_volume_among_surfaces() {
     for (wrong, message) in [
         (
             text("first_sample = 1.0", "[classified.shadow]"),
-            "are known",
+            "follow no conventions",
         ),
         (text("first_sample = 1.0", &volume), "by common steps"),
-        (
-            text("first_sample = 1.0\nsurface_depth = 'box'", ""),
-            "are known",
-        ),
-        (
-            text("volume_steps = 'common'\nsurface_depth = 'box'", &volume),
-            "with steps of their own",
-        ),
         (
             text("volume_boxes = 'voxels'", &volume),
             "give `volume_steps",

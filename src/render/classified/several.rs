@@ -21,9 +21,7 @@ use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::Appearance;
 use crate::render::counters::{Event, Uncounted, Work};
 use crate::render::pixels::{Pixels, rows};
-use crate::scene::{
-    Classified, Composition, Kept, Modulation, ObjectShadows, OpaqueSurface, SurfaceDepth,
-};
+use crate::scene::{Classified, Fault, Kept, Modulation, OpaqueSurface};
 use crate::volume::{Cell, Grid, NodeLine, PlacedBox};
 use glam::DVec3;
 use std::borrow::Cow;
@@ -167,18 +165,18 @@ impl<'s> Caster<'s> {
 
     /// Everything along `ray`, composited.
     fn layers<W: Work>(&self, ray: &Ray, work: &mut W) -> Layers {
-        let conventions = &self.scene.conventions;
+        let fault = self.scene.conventions.fault;
         let objects = &self.scene.objects;
         work.count_times(Event::SurfaceTest, objects.surfaces.len() as u64);
         let mut hit = objects.nearest_surface(ray);
-        if conventions.surface_depth == SurfaceDepth::Box {
+        if fault == Some(Fault::SurfacesCutByBoxes) {
             let boxes = self.parts.iter().filter_map(|part| part.extent.span(ray));
             let entered = boxes.map(|span| span.near).fold(f64::INFINITY, f64::min);
             hit = hit.filter(|(hit, _)| hit.t <= entered);
         }
-        let end = match (&hit, conventions.surface_depth) {
-            (None, _) | (_, SurfaceDepth::Behind) => f64::INFINITY,
-            (_, SurfaceDepth::InFront) => 0.0,
+        let end = match (&hit, fault) {
+            (None, _) | (_, Some(Fault::SurfacesBehind)) => f64::INFINITY,
+            (_, Some(Fault::SurfacesInFront)) => 0.0,
             (Some((hit, _)), _) => hit.t,
         };
         let mut cursors: Vec<Cursor<'_>> = self
@@ -186,16 +184,16 @@ impl<'s> Caster<'s> {
             .iter()
             .filter_map(|part| Cursor::new(part, ray, end))
             .collect();
-        match conventions.composition {
-            Composition::NearestBox => {
+        match fault {
+            Some(Fault::NearestBoxInFront) => {
                 cursors.sort_by(|a, b| a.span.near.total_cmp(&b.span.near));
             }
-            Composition::LastInFront => cursors.reverse(),
+            Some(Fault::LastInFront) => cursors.reverse(),
             _ => {}
         }
         let mut layers = Layers::default();
-        match conventions.composition {
-            Composition::NearestBox | Composition::LastInFront => {
+        match fault {
+            Some(Fault::NearestBoxInFront | Fault::LastInFront) => {
                 for cursor in &mut cursors {
                     let of_one = self.merged(std::slice::from_mut(cursor), ray, work);
                     layers = FrontToBack::add(layers, of_one.colour, of_one.opacity);
@@ -280,14 +278,14 @@ impl<'s> Caster<'s> {
         let seen = || cursors.iter().filter(|cursor| cursor.extinction > 0.0);
         seen().next()?;
         work.count(Event::Attenuation);
-        let composition = self.scene.conventions.composition;
+        let fault = self.scene.conventions.fault;
         let opaque = seen()
             .filter(|cursor| cursor.extinction == f64::INFINITY)
             .count();
         // Opaque ones weigh the same, beside which others have no weight.
-        let weight = |cursor: &Cursor<'_>| match composition {
-            Composition::MeanColours => 1.0,
-            Composition::AddedOpacities => -exp_m1(-cursor.extinction * length),
+        let weight = |cursor: &Cursor<'_>| match fault {
+            Some(Fault::ColoursUnweighted) => 1.0,
+            Some(Fault::OpacitiesAdded) => -exp_m1(-cursor.extinction * length),
             _ if opaque == 0 => cursor.extinction,
             _ => f64::from(u8::from(cursor.extinction == f64::INFINITY)),
         };
@@ -295,7 +293,7 @@ impl<'s> Caster<'s> {
         let colour: DVec3 = seen()
             .map(|cursor| cursor.colour * (weight(cursor) / total))
             .sum();
-        let opacity = if composition == Composition::AddedOpacities {
+        let opacity = if fault == Some(Fault::OpacitiesAdded) {
             total.min(1.0)
         } else {
             let extinction: f64 = seen().map(|cursor| cursor.extinction).sum();
@@ -325,8 +323,8 @@ impl<'s> Caster<'s> {
             return 1.0;
         }
         work.count(Event::ShadowRay);
-        let shadows = self.scene.conventions.object_shadows;
-        if shadows != ObjectShadows::NoneOfSurfaces {
+        let fault = self.scene.conventions.fault;
+        if fault != Some(Fault::NoShadowOfSurfaces) {
             for surface in &self.scene.objects.surfaces {
                 work.count(Event::SurfaceTest);
                 if surface.shape.blocks(ray, distance) {
@@ -334,10 +332,10 @@ impl<'s> Caster<'s> {
                 }
             }
         }
-        if of_surface && shadows == ObjectShadows::NoneOnSurfaces {
+        if of_surface && fault == Some(Fault::NoShadowOnSurfaces) {
             return 1.0;
         }
-        let is_clipped = shadows != ObjectShadows::Unclipped;
+        let is_clipped = fault != Some(Fault::ShadowsUnclipped);
         let mut sum = 0.0;
         for part in &self.parts {
             if let Some(span) = part.span(ray, distance, is_clipped) {

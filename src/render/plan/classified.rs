@@ -1,20 +1,25 @@
 //! The plan for a classified volume.
 
-use super::EffectFinding::{Absent, NotAsked};
+use super::decision::{findings, stated};
 use super::{
-    Approximation, Decisions, Effect, EffectFinding, Estimator, FieldKind, Kernel, Method, Plan,
-    RayCasterFeatures, Reason, State,
+    Approximation, Decision, Decisions, Effect, EffectFinding, Estimator, FieldKind, Kernel,
+    Method, Plan, RayCasterFeatures, Reason, State,
 };
 use crate::optics::{Appearance, Phong};
 use crate::scene::{Classified, Compositing, Conventions, KeyLines, Panel};
 use crate::volume::Interpolation;
 
-const TRANSFER_FUNCTION: &str = "transfer_function";
+pub(super) const NO_SCATTERING: &str =
+    "the classified model has no scattering; shading replaces it";
+pub(super) const ONE_OPACITY: &str = "opacity is the same for all colours";
+pub(super) const NO_PHASE: &str = "the classified model has no phase function";
+
+pub(super) const TRANSFER_FUNCTION: &str = "transfer_function";
 pub(super) const VOLUME: &str = "classified.volume";
 pub(super) const PHONG: &str = "classified.phong";
 pub(super) const SHADOW: &str = "classified.shadow";
-const LIGHT: &str = "classified.light";
-const COMPOSITING: &str = "classified.compositing";
+pub(super) const LIGHT: &str = "classified.light";
+pub(super) const COMPOSITING: &str = "classified.compositing";
 const EARLY_TERMINATION: &str = "classified.early_termination";
 
 /// The plan for a classified volume.
@@ -68,79 +73,46 @@ impl<'s> Contents<'s> {
 
     /// The finding for an effect.
     fn finding(&self, effect: Effect) -> EffectFinding {
-        match effect {
-            Effect::Surfaces | Effect::SurfaceShadow => {
-                Absent("the classified model has no surfaces")
-            }
-            Effect::Absorption | Effect::Emission if self.is_transparent => {
-                null(TRANSFER_FUNCTION, self.transparency())
-            }
-            Effect::Absorption => {
-                let [least, most] = self.shortest_range();
-                let extent = match self.is_by_formula() {
-                    true => format!("densities up to {most}"),
-                    false => format!("values from {least} to {most}"),
-                };
-                matters(TRANSFER_FUNCTION, extent)
-            }
-            Effect::Emission => {
-                let light = match self.scene.transfer_function.appearance {
-                    Appearance::Formula { .. } => "the colormap emits light",
-                    Appearance::Points(_) => "the colours of the points emit light",
-                };
-                matters(TRANSFER_FUNCTION, light)
-            }
-            Effect::SingleScattering | Effect::MultipleScattering => {
-                Absent("the classified model has no scattering; shading replaces it")
-            }
-            Effect::MediumShadow => match self.scene.shadow {
-                None => NotAsked(SHADOW),
-                Some(_) if self.is_transparent => null(SHADOW, self.transparency()),
-                Some(_) if self.is_by_formula() => matters(SHADOW, "densities attenuate light"),
-                Some(_) => matters(SHADOW, "opacities attenuate light"),
-            },
-            Effect::GradientShading => self.of_shading(),
-            Effect::Heterogeneity => self.of_heterogeneity(),
-            Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
-            Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
-        }
-    }
-
-    fn of_shading(&self) -> EffectFinding {
-        let [least, most] = self.range;
-        match &self.scene.phong {
-            None => NotAsked(PHONG),
-            Some(_) if self.is_transparent => null(PHONG, self.transparency()),
-            Some(_) if self.is_constant => {
-                null(PHONG, "the density is constant: its gradient is 0")
-            }
-            Some(_) if !self.is_conventional && self.has_no_gradient => {
-                null(PHONG, "no axis has three nodes: the stored gradient is 0")
-            }
-            Some(phong) if !self.is_conventional && is_identity(phong) => null(
-                PHONG,
-                "ambient 1, diffuse 0 and specular 0 leave colours as they are",
-            ),
-            Some(_) if least == most || self.has_no_gradient => matters(
-                PHONG,
-                "samples without a gradient are shaded, too, by some conventions",
-            ),
-            Some(_) => matters(PHONG, "the density has a gradient"),
-        }
-    }
-
-    fn of_heterogeneity(&self) -> EffectFinding {
+        let Contents {
+            scene,
+            is_transparent,
+            is_constant,
+            ..
+        } = *self;
         let [least, most] = self.shortest_range();
-        let numbers = match self.is_by_formula() {
-            true => "densities",
-            false => "values",
-        };
-        if self.is_transparent {
-            null(VOLUME, self.transparency())
-        } else if self.is_constant {
-            null(VOLUME, format!("every voxel holds {most}"))
-        } else {
-            matters(VOLUME, format!("{numbers} from {least} to {most}"))
+        let (is_own, is_by_formula) = (!self.is_conventional, self.is_by_formula());
+        let has_colormap = matches!(
+            scene.transfer_function.appearance,
+            Appearance::Formula { .. }
+        );
+        findings! { effect;
+            Surfaces | SurfaceShadow => Absent("the classified model has no surfaces");
+            Absorption | Emission if is_transparent => null(TRANSFER_FUNCTION, self.transparency());
+            Absorption if is_by_formula => matters(TRANSFER_FUNCTION, format!("densities up to {most}"));
+            Absorption => matters(TRANSFER_FUNCTION, format!("values from {least} to {most}"));
+            Emission if has_colormap => matters(TRANSFER_FUNCTION, "the colormap emits light");
+            Emission => matters(TRANSFER_FUNCTION, "the colours of the points emit light");
+            SingleScattering | MultipleScattering => Absent(NO_SCATTERING);
+            MediumShadow if scene.shadow.is_none() => NotAsked(SHADOW);
+            MediumShadow if is_transparent => null(SHADOW, self.transparency());
+            MediumShadow if is_by_formula => matters(SHADOW, "densities attenuate light");
+            MediumShadow => matters(SHADOW, "opacities attenuate light");
+            GradientShading if scene.phong.is_none() => NotAsked(PHONG);
+            GradientShading if is_transparent => null(PHONG, self.transparency());
+            GradientShading if is_constant => null(PHONG, "the density is constant: its gradient is 0");
+            GradientShading if is_own && self.has_no_gradient
+                => null(PHONG, "no axis has three nodes: the stored gradient is 0");
+            GradientShading if is_own && scene.phong.as_ref().is_some_and(is_identity)
+                => null(PHONG, "ambient 1, diffuse 0 and specular 0 leave colours as they are");
+            GradientShading if least == most || self.has_no_gradient
+                => matters(PHONG, "samples without a gradient are shaded, too, by some conventions");
+            GradientShading => matters(PHONG, "the density has a gradient");
+            Heterogeneity if is_transparent => null(VOLUME, self.transparency());
+            Heterogeneity if is_constant => null(VOLUME, format!("every voxel holds {most}"));
+            Heterogeneity if is_by_formula => matters(VOLUME, format!("densities from {least} to {most}"));
+            Heterogeneity => matters(VOLUME, format!("values from {least} to {most}"));
+            ChromaticCoefficients => Absent(ONE_OPACITY);
+            AnisotropicPhase => Absent(NO_PHASE);
         }
     }
 
@@ -212,44 +184,26 @@ impl<'s> Contents<'s> {
     }
 }
 
-fn null(field: &str, reason: impl Into<String>) -> EffectFinding {
-    EffectFinding::Null(field.to_owned(), reason.into())
-}
-
-pub(super) fn matters(field: &str, reason: impl Into<String>) -> EffectFinding {
-    EffectFinding::Matters(field.to_owned(), reason.into())
-}
-
 /// Keys of the file without any effect.
 fn warnings(scene: &Classified, decisions: &Decisions, key_lines: &KeyLines) -> Vec<Reason> {
-    let mut warnings = Vec::new();
-    let mut warn = |key: &str, message: String| {
-        if key_lines.has(key) {
-            warnings.push(Reason::of(key, message, key_lines));
-        }
-    };
-    for (effect, key, what) in [
+    let elided = [
         (Effect::GradientShading, PHONG, "shading"),
         (Effect::MediumShadow, SHADOW, "the shadow"),
         (Effect::Absorption, EARLY_TERMINATION, "early termination"),
-    ] {
-        let decision = decisions.of(effect);
-        if decision.state == State::Elided {
-            warn(
-                key,
-                format!("{what} has no effect: {}", decision.why.reason),
-            );
-        }
-    }
-    let on = |effect| decisions.is_on(effect);
+    ];
+    let elided = elided.into_iter().filter_map(|(effect, key, what)| {
+        let Decision { state, why, .. } = decisions.of(effect);
+        let message = format!("{what} has no effect: {}", why.reason);
+        (*state == State::Elided).then(|| (key.to_owned(), message))
+    });
     let lights = |phong: Phong| phong.diffuse != 0.0 || phong.specular != 0.0;
-    let lit = on(Effect::GradientShading) && scene.phong.is_some_and(lights);
-    if !lit && !on(Effect::MediumShadow) {
+    let lit = decisions.is_on(Effect::GradientShading) && scene.phong.is_some_and(lights);
+    let unlit = (!lit && !decisions.is_on(Effect::MediumShadow)).then(|| {
         let message = "the light has no effect: nothing is shaded by it or casts a shadow";
-        warn(LIGHT, message.to_owned());
-    }
-    warnings.extend(without_effect(scene, key_lines));
-    warnings
+        (LIGHT.to_owned(), message.to_owned())
+    });
+    let warnings = stated(elided.chain(unlit), key_lines);
+    warnings.chain(without_effect(scene, key_lines)).collect()
 }
 
 /// The warning of a transfer function that no volume has, as each has its own.

@@ -80,6 +80,37 @@ pub(super) enum EffectFinding {
     Null(String, String),
 }
 
+impl EffectFinding {
+    pub fn left_out(key: impl Into<String>, reason: impl Into<String>) -> EffectFinding {
+        EffectFinding::LeftOut(key.into(), reason.into())
+    }
+
+    pub fn matters(key: impl Into<String>, reason: impl Into<String>) -> EffectFinding {
+        EffectFinding::Matters(key.into(), reason.into())
+    }
+
+    pub fn null(key: impl Into<String>, reason: impl Into<String>) -> EffectFinding {
+        EffectFinding::Null(key.into(), reason.into())
+    }
+}
+
+/// The finding on an effect, by the first row of a table that names it and holds.
+macro_rules! findings {
+    ($effect:expr; $($($of:ident)|+ $(if $holds:expr)? => $finding:ident($($words:expr),+);)+) => {
+        match $effect { $($(Effect::$of)|+ $(if $holds)? => EffectFinding::$finding($($words),+),)+ }
+    };
+}
+pub(super) use findings;
+
+/// Reasons of those warnings whose keys the file states.
+pub(super) fn stated(
+    warnings: impl IntoIterator<Item = (String, String)>,
+    key_lines: &KeyLines,
+) -> impl Iterator<Item = Reason> {
+    let stated = warnings.into_iter().filter(|(key, _)| key_lines.has(key));
+    stated.map(|(key, message)| Reason::of(key, message, key_lines))
+}
+
 /// A decision for each effect.
 pub(super) struct Decisions(pub Vec<Decision>);
 

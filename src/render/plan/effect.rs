@@ -4,66 +4,49 @@ use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 
-/// An effect of light transport or of classified shading.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Effect {
-    /// Surfaces around or inside the volume.
-    Surfaces,
-    /// Absorption by the volume.
-    Absorption,
-    /// Emission by the volume.
-    Emission,
-    /// Light scattered or reflected once between its source and the eye.
-    SingleScattering,
-    /// Light scattered or reflected more than once.
-    MultipleScattering,
-    /// Attenuation by the volume between a light and a point.
-    MediumShadow,
-    /// Occlusion by a surface between a light and a point.
-    SurfaceShadow,
-    /// Shading by the gradient of the field.
-    GradientShading,
-    /// A heterogeneous density or field.
-    Heterogeneity,
-    /// Coefficients that differ between red, green and blue.
-    ChromaticCoefficients,
-    /// An anisotropic phase function.
-    AnisotropicPhase,
+/// Declares [`Effect`], each with its name.
+macro_rules! effects {
+    ($($(#[$doc:meta])* $effect:ident = $name:literal,)+) => {
+        /// An effect of light transport or of classified shading.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Effect { $($(#[$doc])* $effect,)+ }
+
+        impl Effect {
+            /// All effects, in the order in which plans list them.
+            pub const ALL: [Effect; [$($name),+].len()] = [$(Effect::$effect),+];
+
+            /// The name used on the command line and in JSON.
+            pub fn name(self) -> &'static str {
+                match self { $(Effect::$effect => $name,)+ }
+            }
+        }
+    };
 }
 
-impl Effect {
-    /// All effects, in the order in which plans list them.
-    pub const ALL: [Effect; 11] = [
-        Effect::Surfaces,
-        Effect::Absorption,
-        Effect::Emission,
-        Effect::SingleScattering,
-        Effect::MultipleScattering,
-        Effect::MediumShadow,
-        Effect::SurfaceShadow,
-        Effect::GradientShading,
-        Effect::Heterogeneity,
-        Effect::ChromaticCoefficients,
-        Effect::AnisotropicPhase,
-    ];
-
-    /// The name used on the command line and in JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Effect::Surfaces => "surfaces",
-            Effect::Absorption => "absorption",
-            Effect::Emission => "emission",
-            Effect::SingleScattering => "single-scattering",
-            Effect::MultipleScattering => "multiple-scattering",
-            Effect::MediumShadow => "medium-shadow",
-            Effect::SurfaceShadow => "surface-shadow",
-            Effect::GradientShading => "gradient-shading",
-            Effect::Heterogeneity => "heterogeneity",
-            Effect::ChromaticCoefficients => "chromatic-coefficients",
-            Effect::AnisotropicPhase => "anisotropic-phase",
-        }
-    }
+effects! {
+    /// Surfaces around or inside the volume.
+    Surfaces = "surfaces",
+    /// Absorption by the volume.
+    Absorption = "absorption",
+    /// Emission by the volume.
+    Emission = "emission",
+    /// Light scattered or reflected once between its source and the eye.
+    SingleScattering = "single-scattering",
+    /// Light scattered or reflected more than once.
+    MultipleScattering = "multiple-scattering",
+    /// Attenuation by the volume between a light and a point.
+    MediumShadow = "medium-shadow",
+    /// Occlusion by a surface between a light and a point.
+    SurfaceShadow = "surface-shadow",
+    /// Shading by the gradient of the field.
+    GradientShading = "gradient-shading",
+    /// A heterogeneous density or field.
+    Heterogeneity = "heterogeneity",
+    /// Coefficients that differ between red, green and blue.
+    ChromaticCoefficients = "chromatic-coefficients",
+    /// An anisotropic phase function.
+    AnisotropicPhase = "anisotropic-phase",
 }
 
 impl fmt::Display for Effect {

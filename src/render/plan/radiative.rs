@@ -5,9 +5,7 @@ mod findings;
 mod walks;
 mod warnings;
 
-use super::{
-    Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, RadiativeFeatures, Reason,
-};
+use super::{Decisions, Effect, Estimator, Kernel, Method, Plan, RadiativeFeatures, Reason};
 use crate::scene::{Panel, Radiative, Scattering};
 use contents::{Contents, DENSITY, SCATTERING};
 
@@ -62,84 +60,62 @@ impl<'s> Contents<'s> {
     /// The cheapest kernel that is exact, with the reason. Forced effects do not count: the path
     /// tracer samples the whole pixel, not its centre.
     fn kernel(&self, features: RadiativeFeatures, scatters: bool) -> (Kernel<'s>, Reason) {
-        let because = |field: String, reason: &str| Reason::of(field, reason, self.key_lines);
         let scene = self.scene;
         let line_of_sight = Kernel::LineOfSight {
             scene,
             features,
             scatters,
         };
-        if !self.is_scattered() {
-            let scattering = match self.no_scattering() {
-                EffectFinding::Null(field, _) if !self.scatters() => field,
-                _ => SCATTERING.to_owned(),
-            };
-            return match self.heterogeneous.first() {
-                Some(&index) if !self.integrable => (
-                    Kernel::PathTracer {
-                        scene,
-                        features,
-                        max_order: Some(0),
-                    },
-                    because(
-                        self.key_of(index, DENSITY),
+        let path_tracer = |max_order| Kernel::PathTracer {
+            scene,
+            features,
+            max_order,
+        };
+        let asked = SCATTERING.to_owned();
+        let (kernel, key, reason) = match (scene.scattering, self.heterogeneous.first()) {
+            (_, Some(&index)) if !self.is_scattered() => {
+                let key = self.key_of(index, DENSITY);
+                match self.emission_is_integrated() {
+                    _ if !self.integrable => (
+                        path_tracer(Some(0)),
+                        key,
                         "no scattering, but noise has no integral along a line: it is tracked",
                     ),
-                ),
-                Some(&index) if self.emission_is_integrated() => (
-                    line_of_sight,
-                    because(
-                        self.key_of(index, DENSITY),
+                    true => (
+                        line_of_sight,
+                        key,
                         "no scattering, and emission is integrated where its medium overlaps \
                          another and one of them is heterogeneous",
                     ),
-                ),
-                Some(&index) => (
-                    line_of_sight,
-                    because(
-                        self.key_of(index, DENSITY),
+                    false => (
+                        line_of_sight,
+                        key,
                         "no scattering, and every density has an integral along a line",
                     ),
-                ),
-                None => (
-                    line_of_sight,
-                    because(
-                        scattering,
-                        "no scattering, and media are homogeneous along each segment of a line",
-                    ),
-                ),
-            };
-        }
-        let asked = because;
-        match self.scene.scattering {
-            Scattering::Multiple(max_order) => (
-                Kernel::PathTracer {
-                    scene,
-                    features,
-                    max_order,
+                }
+            }
+            (_, None) if !self.is_scattered() => (
+                line_of_sight,
+                match self.scatters() {
+                    true => asked,
+                    false => self.no_scattering().0,
                 },
-                asked(
-                    SCATTERING.to_owned(),
-                    "multiple scattering is an integral over paths of any length",
-                ),
+                "no scattering, and media are homogeneous along each segment of a line",
+            ),
+            (Scattering::Multiple(max_order), _) => (
+                path_tracer(max_order),
+                asked,
+                "multiple scattering is an integral over paths of any length",
             ),
             _ if self.is_one_integral() => (
                 line_of_sight,
-                asked(
-                    SCATTERING.to_owned(),
-                    "single scattering from point, spot and directional lights is one integral \
-                     along the line of sight",
-                ),
+                asked,
+                "single scattering from point, spot and directional lights is one integral \
+                 along the line of sight",
             ),
-            _ => (
-                Kernel::PathTracer {
-                    scene,
-                    features,
-                    max_order: Some(1),
-                },
-                asked(SCATTERING.to_owned(), self.why_no_integral()),
-            ),
-        }
+            _ => (path_tracer(Some(1)), asked, self.why_no_integral()),
+        };
+        (kernel, Reason::of(key, reason, self.key_lines))
     }
 
     /// The reason why single scattering is more than one integral along the line of sight.

@@ -3,8 +3,10 @@
 //! One kernel for samples and one for the integral: only what a scene does not have or ask
 //! for is left out.
 
-use super::EffectFinding::{Absent, NotAsked};
-use super::classified::{PHONG, SHADOW, VOLUME, early_termination, matters, without_effect};
+use super::classified::{
+    NO_PHASE, NO_SCATTERING, ONE_OPACITY, PHONG, SHADOW, VOLUME, early_termination, without_effect,
+};
+use super::decision::findings;
 use super::{Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, Reason};
 use crate::scene::{Classified, KeyLines, Panel};
 
@@ -16,20 +18,22 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let key_lines = &panel.key_lines;
     let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
     let objects = scene.counted_objects();
-    let (kernel, method, reason) = if scene.is_continuous() {
-        let reason = "are integrated along each ray, without samples".to_owned();
-        (Kernel::Integral(scene), Method::Quadrature, reason)
-    } else if scene.is_merged() {
-        let reason = "are merged along each ray, their samples each one step apart".to_owned();
-        (Kernel::Several(scene), Method::RayCasting, reason)
-    } else if scene.conventions.common_steps && scene.volume_count() > 1 {
-        let (_, step) = scene.common_box_and_step();
-        let reason =
-            format!("are sampled by common steps of {step}, the shortest, one over the next");
-        (Kernel::Conventional(scene), Method::RayCasting, reason)
-    } else {
-        let reason = "are composited along each ray by other conventions".to_owned();
-        (Kernel::Conventional(scene), Method::RayCasting, reason)
+    let is_common = scene.conventions.common_steps && scene.volume_count() > 1;
+    let reason = match () {
+        _ if scene.is_continuous() => "are integrated along each ray, without samples".to_owned(),
+        _ if scene.is_merged() => {
+            "are merged along each ray, their samples each one step apart".to_owned()
+        }
+        _ if is_common => {
+            let (_, step) = scene.common_box_and_step();
+            format!("are sampled by common steps of {step}, the shortest, one over the next")
+        }
+        _ => "are composited along each ray by other conventions".to_owned(),
+    };
+    let (kernel, method) = match () {
+        _ if scene.is_continuous() => (Kernel::Integral(scene), Method::Quadrature),
+        _ if scene.is_merged() => (Kernel::Several(scene), Method::RayCasting),
+        _ => (Kernel::Conventional(scene), Method::RayCasting),
     };
     Plan {
         panel,
@@ -56,28 +60,22 @@ pub(super) fn idle_clips(scene: &Classified, key_lines: &KeyLines) -> impl Itera
 }
 
 fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
-    let surfaces = &scene.objects.surfaces;
-    match effect {
-        Effect::Surfaces if surfaces.is_empty() => Absent("the scene has no surfaces"),
-        Effect::Surfaces => matters(SURFACE, "surfaces end rays"),
-        Effect::Absorption => matters(VOLUME, "volumes absorb light"),
-        Effect::Emission => matters(VOLUME, "volumes have colours"),
-        Effect::SingleScattering | Effect::MultipleScattering => {
-            Absent("the classified model has no scattering; shading replaces it")
-        }
-        Effect::SurfaceShadow if surfaces.is_empty() => Absent("the scene has no surfaces"),
-        Effect::MediumShadow | Effect::SurfaceShadow if scene.shadow.is_none() => NotAsked(SHADOW),
-        Effect::MediumShadow => matters(SHADOW, "volumes attenuate light"),
-        Effect::SurfaceShadow => matters(SHADOW, "surfaces block light"),
-        Effect::GradientShading => {
-            let own = scene.objects.volumes.iter().map(|volume| &volume.phong);
-            match own.chain([&scene.phong]).flatten().next() {
-                Some(_) => matters(PHONG, "a volume is shaded by its gradient"),
-                None => NotAsked(PHONG),
-            }
-        }
-        Effect::Heterogeneity => matters(VOLUME, "values of volumes are looked up"),
-        Effect::ChromaticCoefficients => Absent("opacity is the same for all colours"),
-        Effect::AnisotropicPhase => Absent("the classified model has no phase function"),
+    let has_surfaces = !scene.objects.surfaces.is_empty();
+    let others = scene.objects.volumes.iter().map(|volume| volume.phong);
+    let is_shaded = others.chain([scene.phong]).any(|phong| phong.is_some());
+    findings! { effect;
+        Surfaces | SurfaceShadow if !has_surfaces => Absent("the scene has no surfaces");
+        Surfaces => matters(SURFACE, "surfaces end rays");
+        Absorption => matters(VOLUME, "volumes absorb light");
+        Emission => matters(VOLUME, "volumes have colours");
+        SingleScattering | MultipleScattering => Absent(NO_SCATTERING);
+        MediumShadow | SurfaceShadow if scene.shadow.is_none() => NotAsked(SHADOW);
+        MediumShadow => matters(SHADOW, "volumes attenuate light");
+        SurfaceShadow => matters(SHADOW, "surfaces block light");
+        GradientShading if is_shaded => matters(PHONG, "a volume is shaded by its gradient");
+        GradientShading => NotAsked(PHONG);
+        Heterogeneity => matters(VOLUME, "values of volumes are looked up");
+        ChromaticCoefficients => Absent(ONE_OPACITY);
+        AnisotropicPhase => Absent(NO_PHASE);
     }
 }

@@ -1,54 +1,10 @@
-//! Conventions with several choices.
+//! Conventions with several choices, and mistakes beside them.
 
 use crate::scene::SceneResult;
 use crate::scene::reader::{Reader, Value};
 use crate::scene::record::Choice;
 use toml::Spanned;
 use toml::de::DeValue;
-
-choice! {
-    /// Composition of several volumes.
-    pub enum Composition {
-        /// Extinctions add; colours are their mean weighted by extinction.
-        Merged = "merged",
-        /// One volume as a whole in front of the next, in the order in which a ray enters their boxes.
-        NearestBox = "nearest-box",
-        /// Each volume as a whole in front of those before it in the scene.
-        LastInFront = "last-in-front",
-        /// Opacities add, up to 1, in place of extinctions.
-        AddedOpacities = "added-opacities",
-        /// Colours are their mean without weights.
-        MeanColours = "mean-colours",
-    }
-}
-
-choice! {
-    /// Depth of surfaces among volumes.
-    pub enum SurfaceDepth {
-        /// Where they stand.
-        True = "true",
-        /// Behind all volumes.
-        Behind = "behind",
-        /// In front of all volumes.
-        InFront = "in-front",
-        /// Cut where a ray has entered the box of a volume.
-        Box = "box",
-    }
-}
-
-choice! {
-    /// Shadows among several volumes and surfaces.
-    pub enum ObjectShadows {
-        /// All volumes and surfaces shadow all.
-        All = "all",
-        /// Volumes cast shadows as if they were not clipped.
-        Unclipped = "unclipped",
-        /// None of surfaces.
-        NoneOfSurfaces = "none-of-surfaces",
-        /// None of volumes on surfaces.
-        NoneOnSurfaces = "none-on-surfaces",
-    }
-}
 
 choice! {
     /// Numbers in which values are stored.
@@ -107,18 +63,6 @@ choice! {
 }
 
 choice! {
-    /// Place at which values are looked up.
-    pub enum Lookup {
-        /// The place of the sample.
-        Exact = "exact",
-        /// Half a spacing on along each axis.
-        HalfOn = "half-on",
-        /// Half a spacing back along each axis.
-        HalfBack = "half-back",
-    }
-}
-
-choice! {
     /// Space in which the gradient is normalised.
     pub enum NormalSpace {
         /// The world.
@@ -127,18 +71,6 @@ choice! {
         Box = "box",
         /// The axes of the eye, then the map of the volume, transposed, then that stretch: the reverse order.
         EyeBox = "eye-box",
-    }
-}
-
-choice! {
-    /// Map of the gradients of a volume that a map places in the world.
-    pub enum NormalTransform {
-        /// The inverse transpose, as gradients are mapped.
-        Gradient = "gradient",
-        /// The map itself, as vectors are mapped.
-        Vector = "vector",
-        /// None: gradients stay in the coordinates of the volume.
-        None = "none",
     }
 }
 
@@ -199,5 +131,70 @@ choice! {
         U15 = "u15",
         /// 8 bits for [0, 1]; values outside are clamped.
         U8 = "u8",
+    }
+}
+
+/// A mistake of ray casters that no edit of a scene amounts to, or a choice that no file states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The first step of a ray has this length, in steps: one of those that `first_step_jitter` draws.
+    FirstStep(f64),
+    /// Values are looked up half a spacing on along each axis.
+    LookedUpOn,
+    /// Values are looked up half a spacing back along each axis.
+    LookedUpBack,
+    /// The volume is stored in bricks with so many nodes to an edge, without layers of their neighbours.
+    BricksWithoutNeighbours(u32),
+    /// Steps are counted anew at the faces of bricks with so many cells to an edge.
+    StepsFromBricks(u32),
+    /// A ray has so many steps at most.
+    MostSteps(u32),
+    /// A ray begins where its line enters the volume behind the eye.
+    BeginsBehindEye,
+    /// Colours are added, not composited.
+    ColoursAdded,
+    /// Gradients are mapped into the world as vectors are.
+    GradientsAsVectors,
+    /// Gradients stay in the coordinates of the volume.
+    GradientsUnmapped,
+    /// A volume lies as a whole in front of the next, in the order in which a ray enters their boxes.
+    NearestBoxInFront,
+    /// A volume lies as a whole in front of those before it in the scene.
+    LastInFront,
+    /// Opacities of volumes add, up to 1, in place of extinctions.
+    OpacitiesAdded,
+    /// Colours of volumes are their mean without weights.
+    ColoursUnweighted,
+    /// Surfaces lie behind all volumes.
+    SurfacesBehind,
+    /// Surfaces lie in front of all volumes.
+    SurfacesInFront,
+    /// Surfaces are cut where a ray has entered the box of a volume.
+    SurfacesCutByBoxes,
+    /// Volumes cast shadows as if they were not clipped.
+    ShadowsUnclipped,
+    /// Surfaces cast no shadow.
+    NoShadowOfSurfaces,
+    /// Volumes cast no shadow on surfaces.
+    NoShadowOnSurfaces,
+}
+
+impl Fault {
+    /// It is about several objects, which are merged.
+    pub(crate) fn is_of_merged_objects(self) -> bool {
+        use Fault::*;
+        matches!(
+            self,
+            NearestBoxInFront
+                | LastInFront
+                | OpacitiesAdded
+                | ColoursUnweighted
+                | SurfacesBehind
+                | SurfacesInFront
+                | SurfacesCutByBoxes
+                | ShadowsUnclipped
+                | NoShadowOfSurfaces
+                | NoShadowOnSurfaces
+        )
     }
 }

@@ -32,22 +32,15 @@ impl Conventions {
                 "with `jitter` the place of the first sample is random: leave one of them out";
             "unstated_first_sample" if self.unstated_first_sample && (self.is_jittered() || reader.has("first_sample")),
                 "`first_sample`, `jitter` and `first_step_jitter` state it: leave one of them out";
-            "first_step" if self.first_step_jitter,
-                "with `first_step_jitter` the length of the first step is random: leave one of them out";
             "first_step_jitter" if self.first_step_jitter && self.jitter,
                 "`jitter` makes the samples of a ray random already: leave one of them out";
-            "first_step" if fitted && self.first_step != 1.0, FITTED;
             "first_step_jitter" if fitted && self.first_step_jitter, FITTED;
             "last_step" if fitted && self.last_step != LastStep::Exact, FITTED;
             "last_sample" if self.last_sample_on_face && self.last_step != LastStep::Exact,
                 "the last step does not end with the ray: leave `last_step` out";
             "step_opacity" if self.nominal_opacity && self.has_stated_steps(),
                 "steps are of the length stated: give `step_length` or `fitted_steps`";
-            "ray_start" if self.starts_behind_eye && self.near_plane > 0.0,
-                "rays begin at the near plane: leave `near_plane` or `ray_start` out";
             "box" if self.voxel_box && self.cell_centred, BOX_OF_NODES;
-            "volume_steps" if self.common_steps && self.is_of_merged_objects(),
-                "`composition`, `surface_depth` and `object_shadows` are of volumes with steps of their own: leave them or `volume_steps` out";
             "volume_boxes" if self.voxel_boxes && !self.common_steps,
                 "only several volumes, sampled by common steps, have other faces: give `volume_steps = \"common\"`, or leave it out";
             "volume_boxes" if self.voxel_boxes && self.cell_centred, BOX_OF_NODES;

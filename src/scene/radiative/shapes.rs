@@ -64,43 +64,26 @@ pub(in crate::scene) const SURFACE_KEYS: [Key; 7] = joined(&[
 pub(in crate::scene) const ONE_SHAPE: Rule =
     Rule::ExactlyOne("shape", &["rectangle", "sphere", "box", "mesh"]);
 
-/// A shape where its own keys put it.
-enum BaseShape {
-    Sphere(Sphere),
-    Box(Aabb),
-    Rectangle(Rectangle),
-    Mesh(Arc<Mesh>),
-}
-
-impl BaseShape {
-    /// The key that holds it.
-    fn key(&self) -> &'static str {
-        match self {
-            BaseShape::Sphere(_) => "sphere",
-            BaseShape::Box(_) => "box",
-            BaseShape::Rectangle(_) => "rectangle",
-            BaseShape::Mesh(_) => "mesh",
-        }
+/// The one shape of a table, where its own keys put it, and its key. A mesh that is `solid` must be closed.
+fn base_shape(
+    reader: &Reader,
+    files: &mut Files,
+    solid: bool,
+) -> SceneResult<(&'static str, Shape)> {
+    if let Some(sphere) = reader.table_as("sphere", read_sphere)? {
+        return Ok(("sphere", Shape::Sphere(sphere)));
     }
-
-    /// The one shape of the four that the table holds, as its format declares. A mesh that is `solid`
-    /// must be closed.
-    fn read(reader: &Reader, files: &mut Files, solid: bool) -> SceneResult<BaseShape> {
-        if let Some(sphere) = reader.table("sphere")? {
-            return read_sphere(&sphere).map(BaseShape::Sphere);
-        }
-        if let Some(cuboid) = reader.table("box")? {
-            return read_box(&cuboid).map(BaseShape::Box);
-        }
-        if let Some(rectangle) = reader.table("rectangle")? {
-            return read_rectangle(&rectangle).map(BaseShape::Rectangle);
-        }
-        let mesh = reader.table("mesh")?.expect("one of the shapes");
-        if solid {
-            files.closed_mesh(&mesh)?;
-        }
-        files.mesh(&mesh).map(BaseShape::Mesh)
+    if let Some(cuboid) = reader.table_as("box", read_box)? {
+        return Ok(("box", Shape::Box(cuboid)));
     }
+    if let Some(rectangle) = reader.table_as("rectangle", read_rectangle)? {
+        return Ok(("rectangle", Shape::Rectangle(rectangle)));
+    }
+    let mesh = reader.table("mesh")?.expect("one of the shapes");
+    if solid {
+        files.closed_mesh(&mesh)?;
+    }
+    Ok(("mesh", Shape::Mesh(files.mesh(&mesh)?)))
 }
 
 fn read_sphere(reader: &Reader) -> SceneResult<Sphere> {
@@ -131,9 +114,9 @@ pub(in crate::scene) fn shape(
     files: &mut Files,
     solid: bool,
 ) -> SceneResult<Shape> {
-    let form = BaseShape::read(reader, files, solid)?;
+    let (key, form) = base_shape(reader, files, solid)?;
     let transform = ShapeTransform::read(reader)?;
-    if let BaseShape::Box(cuboid) = &form {
+    if let Shape::Box(cuboid) = &form {
         let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
         if flat > 1 {
             let message = "the box is a line or a point: no ray can meet it";
@@ -144,24 +127,20 @@ pub(in crate::scene) fn shape(
             return Err(flat_box(reader, "glass"));
         }
     }
-    let key = form.key();
+    let before = form.bounds();
     let shape = match (form, transform.to_world) {
-        (BaseShape::Sphere(sphere), None) => Shape::Sphere(sphere),
-        (BaseShape::Box(cuboid), None) => Shape::Box(cuboid),
-        (BaseShape::Rectangle(rectangle), None) => Shape::Rectangle(rectangle),
-        (BaseShape::Mesh(mesh), None) => Shape::Mesh(mesh),
-        (BaseShape::Sphere(sphere), Some(to_world)) => {
-            Shape::PlacedSphere(at(reader, key, sphere, to_world)?)
+        (form, None) => form,
+        (Shape::Rectangle(rectangle), Some(map)) => {
+            Shape::Rectangle(moved(reader, &rectangle, &map)?)
         }
-        (BaseShape::Box(cuboid), Some(to_world)) => {
-            Shape::PlacedBox(at(reader, key, cuboid, to_world)?)
-        }
-        (BaseShape::Rectangle(rectangle), Some(to_world)) => {
-            Shape::Rectangle(moved(reader, &rectangle, &to_world)?)
-        }
-        (BaseShape::Mesh(mesh), Some(to_world)) => {
-            Shape::PlacedMesh(at(reader, key, mesh, to_world)?)
-        }
+        (Shape::Sphere(sphere), Some(map)) => Shape::PlacedSphere(Placed::new(sphere, map)),
+        (Shape::Box(cuboid), Some(map)) => Shape::PlacedBox(Placed::new(cuboid, map)),
+        (Shape::Mesh(mesh), Some(map)) => Shape::PlacedMesh(Placed::new(mesh, map)),
+        _ => unreachable!("not placed yet"),
+    };
+    let shape = match transform.to_world {
+        Some(_) if key != "rectangle" => placed(reader, key, &before, shape)?,
+        _ => shape,
     };
     check_size(reader, key, &shape.bounds())?;
     Ok(shape)
@@ -169,12 +148,11 @@ pub(in crate::scene) fn shape(
 
 /// The shape of a surface that emits.
 pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Luminous> {
-    let form = BaseShape::read(reader, files, false)?;
+    let (key, form) = base_shape(reader, files, false)?;
     let transform = ShapeTransform::read(reader)?;
-    let key = form.key();
     let shape = match (form, &transform.to_world) {
-        (BaseShape::Sphere(sphere), None) => Luminous::Sphere(sphere),
-        (BaseShape::Sphere(sphere), Some(to_world)) => {
+        (Shape::Sphere(sphere), None) => Luminous::Sphere(sphere),
+        (Shape::Sphere(sphere), Some(to_world)) => {
             let Some(factor) = transform.uniform_scale() else {
                 return Err(reader.mistake(
                     "scale",
@@ -186,11 +164,11 @@ pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Lumino
             let sphere = Sphere::new(centre, sphere.radius() * factor);
             Luminous::Sphere(reader.accepted_at("sphere", sphere)?)
         }
-        (BaseShape::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
-        (BaseShape::Rectangle(rectangle), Some(to_world)) => {
+        (Shape::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
+        (Shape::Rectangle(rectangle), Some(to_world)) => {
             Luminous::Rectangle(moved(reader, &rectangle, to_world)?)
         }
-        (BaseShape::Box(cuboid), transform) => {
+        (Shape::Box(cuboid), transform) => {
             if cuboid.size().cmpeq(DVec3::ZERO).any() {
                 return Err(flat_box(reader, "a light in the shape of a box"));
             }
@@ -200,11 +178,12 @@ pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Lumino
             });
             Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
         }
-        (BaseShape::Mesh(mesh), None) => Luminous::Mesh(mesh),
-        (BaseShape::Mesh(mesh), Some(to_world)) => {
+        (Shape::Mesh(mesh), None) => Luminous::Mesh(mesh),
+        (Shape::Mesh(mesh), Some(to_world)) => {
             let mesh = mesh.transformed(to_world);
             Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
         }
+        _ => unreachable!("not placed yet"),
     };
     let area = shape.area();
     if area > 0.0 && area.is_finite() {
@@ -232,10 +211,9 @@ pub(super) fn space(
     files: &mut Files,
     own: Option<Aabb>,
 ) -> SceneResult<Option<MediumSpace>> {
-    let own_place = if let Some(sphere) = reader.table("sphere")? {
-        Boundary::Sphere(read_sphere(&sphere)?)
-    } else if let Some(table) = reader.table("box")? {
-        let cuboid = read_box(&table)?;
+    let own_place = if let Some(sphere) = reader.table_as("sphere", read_sphere)? {
+        Boundary::Sphere(sphere)
+    } else if let Some(cuboid) = reader.table_as("box", read_box)? {
         if cuboid.size().cmpeq(DVec3::ZERO).any() {
             return Err(flat_box(reader, "a medium"));
         }
@@ -293,17 +271,6 @@ fn flat_box(reader: &Reader, what: &str) -> Box<SceneError> {
     let help =
         "give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`";
     reader.mistake("box", message, help)
-}
-
-/// `shape` where `to_world` takes it, if there is still something of it.
-fn at<S: Surface>(
-    reader: &Reader,
-    key: &str,
-    shape: S,
-    to_world: Transform,
-) -> SceneResult<Placed<S>> {
-    let before = shape.bounds();
-    placed(reader, key, &before, Placed::new(shape, to_world))
 }
 
 /// `moved`, if there is still something of the shape, whose bounds were `before`, where it went.

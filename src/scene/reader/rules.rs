@@ -10,28 +10,25 @@ impl Reader<'_, '_> {
         let given = |keys: &[&'static str]| -> Vec<&'static str> {
             keys.iter().copied().filter(|key| self.has(key)).collect()
         };
+        let table = self.table_name();
         match *rule {
             Rule::ExactlyOne(what, keys) | Rule::AtMostOne(what, keys) => {
                 let found = given(keys);
                 let needed = matches!(rule, Rule::ExactlyOne(..));
                 if found.is_empty() && needed {
-                    let message = format!("{} has no {what}", self.table_name());
                     let help = format!("give one of {}", self.named(keys));
                     // In a whole file no place is more wrong than another.
                     let span = (!self.path.is_empty()).then(|| self.span.clone());
+                    let message = format!("{table} has no {what}");
                     return Err(self.document.error(span, message, Some(help)));
                 }
                 let Some(last) = self.last(&found).filter(|_| found.len() > 1) else {
                     return Ok(());
                 };
-                let message = format!(
-                    "{} has more than one {what}: {}",
-                    self.table_name(),
-                    self.named(&found)
-                );
+                let found = self.named(&found);
                 let amount = if needed { "exactly" } else { "at most" };
-                let help = format!("keep {amount} one of {}", self.named(&found));
-                Err(self.mistake(last, message, help))
+                let message = format!("{table} has more than one {what}: {found}");
+                Err(self.mistake(last, message, format!("keep {amount} one of {found}")))
             }
             Rule::Apart([lefts, rights]) => {
                 let (left, right) = (given(lefts), given(rights));
@@ -39,34 +36,21 @@ impl Reader<'_, '_> {
                     return Ok(());
                 }
                 let last = self.last(&[left.as_slice(), &right].concat());
-                let message = format!(
-                    "{} mixes {} with {}",
-                    self.table_name(),
-                    self.named(&left),
-                    self.named(&right)
-                );
-                let comma = if lefts.len() + rights.len() > 2 {
-                    ","
-                } else {
-                    ""
-                };
+                let (left, right) = (self.named(&left), self.named(&right));
+                let comma = ["", ","][usize::from(lefts.len() + rights.len() > 2)];
                 let [lefts, rights] = [lefts, rights].map(|keys| self.joined(keys));
+                let message = format!("{table} mixes {left} with {right}");
                 let help = format!("give either {lefts}{comma} or {rights}");
                 Err(self.mistake(last.expect("two are given"), message, help))
             }
             Rule::Together(keys) => {
-                let found = given(keys);
                 let missing = keys.iter().copied().find(|key| !self.has(key));
-                match (found.first(), missing) {
-                    (Some(here), Some(missing)) => {
-                        let message =
-                            format!("{} gives `{here}` without `{missing}`", self.table_name());
-                        let doc = self.declared(missing).doc;
-                        let help = format!("give `{missing}` too: {doc}");
-                        Err(self.mistake(here, message, help))
-                    }
-                    _ => Ok(()),
-                }
+                let (Some(here), Some(missing)) = (self.first_of(keys), missing) else {
+                    return Ok(());
+                };
+                let message = format!("{table} gives `{here}` without `{missing}`");
+                let help = format!("give `{missing}` too: {}", self.declared(missing).doc);
+                Err(self.mistake(here, message, help))
             }
         }
     }

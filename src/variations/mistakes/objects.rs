@@ -1,16 +1,16 @@
 //! Mistakes in classified scenes of several volumes, surfaces and clips.
 
 use super::{Edit, Mistake, set};
-use crate::scene::{Classified, Composition, Kept, ObjectShadows, SurfaceDepth};
+use crate::scene::{Classified, Fault, Kept};
 
 pub(super) const MISTAKES: &[Mistake] = mistakes! {
-    "last-drawn-in-front" => Classified(|scene| composed(scene, Composition::LastInFront)),
+    "last-drawn-in-front" => Classified(|scene| composed(scene, Fault::LastInFront)),
         "each volume lies as a whole in front of those before it in the scene: where volumes overlap, sample all of them along the ray, and add their extinctions";
-    "volumes-by-nearest-box" => Classified(|scene| composed(scene, Composition::NearestBox)),
+    "volumes-by-nearest-box" => Classified(|scene| composed(scene, Fault::NearestBoxInFront)),
         "volumes are composited one after the other, that whose box is entered first in front: where they overlap, sample all of them along the ray, and add their extinctions";
-    "opacities-of-volumes-added" => Classified(|scene| composed(scene, Composition::AddedOpacities)),
+    "opacities-of-volumes-added" => Classified(|scene| composed(scene, Fault::OpacitiesAdded)),
         "where volumes overlap, their opacities are added: it is extinctions that add, so opacities are 1 - (1 - a)(1 - b)";
-    "colours-of-volumes-unweighted" => Classified(|scene| composed(scene, Composition::MeanColours)),
+    "colours-of-volumes-unweighted" => Classified(|scene| composed(scene, Fault::ColoursUnweighted)),
         "where volumes overlap, the mean of their colours has no weights: weigh each by its extinction";
     "step-of-first-volume" => Classified(|scene| {
         let step = scene.step;
@@ -42,18 +42,18 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         })
     }),
         "colours and opacities are those of the second number: it gives the factor of opacities alone";
-    "surfaces-behind-volumes" => Classified(|scene| placed(scene, SurfaceDepth::Behind)),
+    "surfaces-behind-volumes" => Classified(|scene| placed(scene, Fault::SurfacesBehind)),
         "surfaces lie behind all volumes: a ray ends at the nearest surface, and what is behind it is not sampled";
-    "surfaces-in-front-of-volumes" => Classified(|scene| placed(scene, SurfaceDepth::InFront)),
+    "surfaces-in-front-of-volumes" => Classified(|scene| placed(scene, Fault::SurfacesInFront)),
         "surfaces hide the volumes before them: what a ray passes on its way to a surface lies in front of it";
-    "surfaces-cut-by-boxes" => Classified(|scene| placed(scene, SurfaceDepth::Box)),
+    "surfaces-cut-by-boxes" => Classified(|scene| placed(scene, Fault::SurfacesCutByBoxes)),
         "surfaces within or behind the box of a volume are missing: a volume that is drawn first must leave no depth at the faces of its box, where nothing may be";
     "surfaces-cast-no-shadow" => Classified(|scene| {
-        !scene.objects.surfaces.is_empty() && shadowed(scene, ObjectShadows::NoneOfSurfaces)
+        !scene.objects.surfaces.is_empty() && shadowed(scene, Fault::NoShadowOfSurfaces)
     }),
         "surfaces cast no shadow: the light does not reach what is behind them";
     "no-shadow-on-surfaces" => Classified(|scene| {
-        !scene.objects.surfaces.is_empty() && shadowed(scene, ObjectShadows::NoneOnSurfaces)
+        !scene.objects.surfaces.is_empty() && shadowed(scene, Fault::NoShadowOnSurfaces)
     }),
         "volumes cast no shadow on surfaces: what a surface reflects is dimmed by the volumes on the way of the light";
     "clips-ignored" => Classified(|scene| {
@@ -74,19 +74,19 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "the wrong side of a clip plane is left: the normal points to what is kept";
     "clipped-parts-cast-shadows" => Classified(|scene| {
-        !scene.objects.clips.is_empty() && shadowed(scene, ObjectShadows::Unclipped)
+        !scene.objects.clips.is_empty() && shadowed(scene, Fault::ShadowsUnclipped)
     }),
         "what is clipped away still casts a shadow: rays towards the light are cut by clips, too";
 };
 
-fn composed(scene: &mut Classified, composition: Composition) -> bool {
-    !scene.objects.volumes.is_empty() && set(&mut scene.conventions.composition, composition)
+fn composed(scene: &mut Classified, fault: Fault) -> bool {
+    !scene.objects.volumes.is_empty() && set(&mut scene.conventions.fault, Some(fault))
 }
 
-fn placed(scene: &mut Classified, depth: SurfaceDepth) -> bool {
-    !scene.objects.surfaces.is_empty() && set(&mut scene.conventions.surface_depth, depth)
+fn placed(scene: &mut Classified, fault: Fault) -> bool {
+    !scene.objects.surfaces.is_empty() && set(&mut scene.conventions.fault, Some(fault))
 }
 
-fn shadowed(scene: &mut Classified, shadows: ObjectShadows) -> bool {
-    scene.shadow.is_some() && set(&mut scene.conventions.object_shadows, shadows)
+fn shadowed(scene: &mut Classified, fault: Fault) -> bool {
+    scene.shadow.is_some() && set(&mut scene.conventions.fault, Some(fault))
 }

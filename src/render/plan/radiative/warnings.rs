@@ -1,5 +1,6 @@
 //! Warnings on a scene of surfaces, media and lights.
 
+use super::super::decision::stated;
 use super::super::{Decisions, Effect, Reason, State};
 use super::contents::*;
 use super::walks;
@@ -22,11 +23,7 @@ impl Contents<'_> {
             self.inverted_emitters(),
             self.ineffective_lights(),
         ];
-        let stated = warnings.into_iter().flatten();
-        let stated = stated.filter(|(key, _)| self.key_lines.has(key));
-        stated
-            .map(|(key, message)| Reason::of(key, message, self.key_lines))
-            .collect()
+        stated(warnings.into_iter().flatten(), self.key_lines).collect()
     }
 
     fn ineffective_scattering(&self, decisions: &Decisions) -> Vec<Warning> {
