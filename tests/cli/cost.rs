@@ -81,7 +81,7 @@ fn forget_times(value: &mut Value) {
 fn tables_and_a_page() {
     let folder = folder();
     let run = folder.volref("cost cloud.scene.toml --runs 2 --report out/page");
-    run.prints(0, &["for an error of 0.1 %: "]);
+    run.prints(0, "for an error of 0.1 %: ");
     let page = folder.text("out/page/index.html");
     assert!(page.contains("<svg"), "plots");
     let names: Vec<String> = folder.files().into_keys().collect();
@@ -116,7 +116,7 @@ fn a_scene_without_a_parameter() {
 fn a_budget_that_is_too_small() {
     let folder = folder();
     let run = folder.volref("cost cloud.scene.toml --budget 0.000001");
-    run.prints(0, &["the budget was used up"]);
+    run.prints(0, "the budget was used up");
 }
 
 #[test]
@@ -192,5 +192,5 @@ fn a_case_has_its_name_everywhere() {
         .unwrap();
     let words = shell_words::split(command).unwrap();
     let words: Vec<&str> = words.iter().skip(1).map(String::as_str).collect();
-    folder.volref(&words).expect(0, &[]);
+    folder.volref(&words).expect(0, "");
 }

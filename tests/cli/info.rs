@@ -128,14 +128,7 @@ fn negative_values_and_values_that_are_not_finite() {
     folder.write("odd.vol", bytes);
     let run = folder.volref("info odd.vol");
     // The 24 values add up to 1476; 0 has become −5, and 11 and 12 do not count: 1448/22.
-    run.prints(
-        0,
-        &[
-            "values      -5 to 123, mean 65.81818",
-            "0 zero, 22 nonzero, 1 of them negative",
-            "not finite  2, first at voxel (1, 1, 0): NaN",
-        ],
-    );
+    run.prints(0, "values      -5 to 123, mean 65.81818 … 0 zero, 22 nonzero, 1 of them negative … not finite  2, first at voxel (1, 1, 0): NaN");
     let json = folder.volref("info odd.vol --json").json();
     assert_eq!(json["values"]["non_finite"], json!(2));
     assert_eq!(
@@ -170,10 +163,7 @@ fn json() {
 fn centring_can_be_asked_for() {
     let folder = with(&["grid.vol"]);
     let run = folder.volref("info grid.vol --centring cells");
-    assert_holds(
-        &run.stdout,
-        &["(-1, 2, 3) to (0.5, 4, 5), centred on cells"],
-    );
+    assert_holds(&run.stdout, "(-1, 2, 3) to (0.5, 4, 5), centred on cells");
 }
 
 #[test]
@@ -254,7 +244,7 @@ fn volumes_whose_header_or_text_says_something_else() {
     );
     folder.write("100%.raw", "123456");
     let run = folder.volref("info nan.nhdr");
-    run.prints(0, &["3 × 2 × 1, 6 in total"]);
+    run.prints(0, "3 × 2 × 1, 6 in total");
 }
 
 #[test]
@@ -510,7 +500,7 @@ fn files_that_are_something_else() {
     folder.write("slices/1.dcm", &dicom);
     folder
         .volref("info slices")
-        .expect(2, &["this is a directory", "dcm2niix"]);
+        .expect(2, "this is a directory … dcm2niix");
 }
 
 /// MetaImage and archives; what is behind gzip; names of Windows.
@@ -523,54 +513,36 @@ fn archives_headers_and_streams() {
         "xyz.npy",
         "gzip.nrrd",
     ]);
-    folder.volref("info packed.mhd").prints(
-        0,
-        &[
-            "packed.mhd: MetaImage",
-            "first node  (-1, 2, 3)",
-            "space       left-posterior-superior, as ITK takes it",
-            "stored      float32, little endian, zlib, 2 × 3 × 4 in other order",
-            "values      0 to 123, mean 61.5",
-        ],
-    );
-    folder.volref("info grid.npz").prints(
-        0,
-        &[
-            "4 × 3 × 2",
-            "axes        z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`",
-        ],
-    );
-    folder.volref("info xyz.npy").prints(0, &["2 × 3 × 4"]);
+    folder.volref("info packed.mhd").prints(0, "packed.mhd: MetaImage … first node  (-1, 2, 3) … space       left-posterior-superior, as ITK takes it … stored      float32, little endian, zlib, 2 × 3 × 4 in other order … values      0 to 123, mean 61.5");
+    folder.volref("info grid.npz").prints(0, "4 × 3 × 2 … axes        z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`");
+    folder.volref("info xyz.npy").prints(0, "2 × 3 × 4");
     folder
         .volref("info xyz.npy --axes xyz")
-        .prints(0, &["4 × 3 × 2"]);
+        .prints(0, "4 × 3 × 2");
     let mut padded = fixture("gzip.nrrd");
     padded.extend([0; 512]);
     folder.write("padded.nrrd", &padded);
     folder
         .volref("info padded.nrrd")
-        .prints(0, &["values      0 to 123"]);
+        .prints(0, "values      0 to 123");
     padded.extend(b"more");
     folder.write("padded.nrrd", &padded);
     folder
         .volref("info padded.nrrd")
-        .expect(2, &["zeros and then other bytes follow its end"]);
+        .expect(2, "zeros and then other bytes follow its end");
 
     let two = fixture("grid.npz");
     folder.write("cut.npz", &two[..two.len() - 30]);
     folder
         .volref("info cut.npz")
-        .expect(2, &["no readable NPZ file"]);
+        .expect(2, "no readable NPZ file");
     let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\ndata file: data\\a.raw\n";
     folder.write("windows.nhdr", header);
     folder.write("data/a.raw", "1");
     #[cfg(unix)]
     folder.volref("info windows.nhdr").expect(
         2,
-        &[
-            "backslashes separate folders on Windows alone",
-            "data/a.raw",
-        ],
+        "backslashes separate folders on Windows alone … data/a.raw",
     );
     folder.write(
         "escape.raw.toml",
@@ -582,10 +554,7 @@ fn archives_headers_and_streams() {
     folder.volref("plan scene.toml").expect(2, &[told]);
     folder.volref("info escape.raw.toml").expect(
         2,
-        &[
-            "escape.raw.toml:1:",
-            "a backslash in double quotes begins an escape",
-        ],
+        "escape.raw.toml:1: … a backslash in double quotes begins an escape",
     );
 }
 
@@ -599,13 +568,7 @@ fn values_that_32_bits_do_not_hold() {
     let whole = [16_777_216_i32, 16_777_217, -16_777_219];
     folder.write("int32.raw", whole.map(i32::to_le_bytes).concat());
     folder.write("int32.toml", raw("int32"));
-    folder.volref("info int32.toml").prints(
-        0,
-        &[
-            "values      -16777220 to 16777216, mean",
-            "float32     does not hold 2, first at voxel (1, 0, 0), counted as stored: 16777217 becomes 16777216",
-        ],
-    );
+    folder.volref("info int32.toml").prints(0, "values      -16777220 to 16777216, mean … float32     does not hold 2, first at voxel (1, 0, 0), counted as stored: 16777217 becomes 16777216");
     let json = folder.volref("info int32.toml --json").json();
     assert_eq!(
         json["stored"]["not_in_float32"],
@@ -617,74 +580,14 @@ fn values_that_32_bits_do_not_hold() {
         [0.1, 1e-300, 100.0].map(f64::to_le_bytes).concat(),
     );
     folder.write("float64.toml", raw("float64"));
-    folder.volref("info float64.toml").prints(
-        0,
-        &[
-            "values      0 to 100, mean",
-            "does not hold 1, first at voxel (1, 0, 0), counted as stored: ",
-        ],
-    );
+    folder.volref("info float64.toml").prints(0, "values      0 to 100, mean … does not hold 1, first at voxel (1, 0, 0), counted as stored: ");
     folder.write(
         "float64.raw",
         [0.1, 1e39, 100.0].map(f64::to_le_bytes).concat(),
     );
     folder
         .volref("info float64.toml")
-        .prints(0, &["not finite  1, first at voxel (1, 0, 0): inf"]);
-}
-
-#[test]
-fn space_and_units_of_nrrd() {
-    let folder = Folder::new();
-    for (more, shown) in [
-        (
-            "space: left-posterior-superior",
-            Some("left-posterior-superior"),
-        ),
-        ("space: RAST", Some("right-anterior-superior")),
-        ("space: 3D-left-handed-time", Some("3D-left-handed")),
-        ("units: \"mm\" \"mm\" \"\"", None),
-        (
-            "space: LPS\nspace units: \"mm\" \"mm\" \"mm\"",
-            Some("left-posterior-superior"),
-        ),
-    ] {
-        let header = "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 3 2 1\nencoding: raw";
-        folder.write("a.nrrd", format!("{header}\n{more}\n\n123456"));
-        let json = folder.volref("info a.nrrd --json").json();
-        assert_eq!(json["space"].as_str(), shown, "{more}");
-    }
-}
-
-/// The map of oblique axes, as rows; the lattice is in the coordinates of the file's axes.
-#[test]
-fn oblique_axes() {
-    let folder = Folder::new();
-    let text = "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 3 2 1\nencoding: raw\n\
-                space directions: (3,4,0) (4,-3,0) (0,0,1)\nspace origin: (7,0,0.5)\n\n123456";
-    folder.write("oblique.nrrd", text);
-    let run = folder.volref("info oblique.nrrd");
-    run.expect(0, &[]);
-    for line in [
-        "spacing     (5, 5, 1)",
-        "first node  (0, 0, 0)",
-        "to world    0.6, 0.8, 0, 7",
-        "            0.8, -0.6, 0, 0",
-        "            0, 0, 1, 0.5",
-    ] {
-        assert!(run.stdout.contains(line), "{line}: {}", run.stdout);
-    }
-    let json = folder.volref("info oblique.nrrd --json").json();
-    assert_eq!(
-        json["to_world"],
-        json!([
-            [0.6, 0.8, 0.0, 7.0],
-            [0.8, -0.6, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.5]
-        ])
-    );
-    let stored = folder.volref("info oblique.nrrd --as-stored --json");
-    assert!(stored.json()["to_world"].is_null());
+        .prints(0, "not finite  1, first at voxel (1, 0, 0): inf");
 }
 
 /// The volume of a scene: by a formula, and from a file; scenes without one say so.
@@ -734,11 +637,11 @@ fn a_scene() {
     folder.write("below.toml", below);
     folder
         .volref("render below.toml -o below.exr")
-        .expect(2, &["transfer_function.point"]);
+        .expect(2, "transfer_function.point");
     let run = folder.volref("info below.toml");
-    run.prints(0, &["3 × 2 × 2", "-1 to 1, mean 0", "4 of them negative"]);
+    run.prints(0, "3 × 2 × 2 … -1 to 1, mean 0 … 4 of them negative");
     folder.write("curve.toml", "[curve]\n");
     folder
         .volref("info curve.toml")
-        .expect(2, &["curve.toml has no classified volume"]);
+        .expect(2, "curve.toml has no classified volume");
 }

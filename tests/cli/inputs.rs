@@ -152,7 +152,7 @@ fn no_export_is_written_over_an_input() {
     if folder.files() != before || run.code == 0 {
         panic!("{} was overwritten: {}{}", written, run.stdout, run.stderr);
     }
-    run.expect(2, &["it is an input of this command"]);
+    run.expect(2, "it is an input of this command");
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn no_output_is_written_over_another() {
         "export curve.toml --to bundle -o out --json=out/curve.json",
     ] {
         let run = folder.volref(command);
-        run.expect(2, &["is the same file as another output"]);
+        run.expect(2, "is the same file as another output");
         assert!(folder.files() == before, "{command} changed a file");
     }
 }
@@ -205,10 +205,7 @@ fn an_input_is_known_by_every_name() {
     // A link to nowhere, and the file it stands for.
     std::os::unix::fs::symlink("c.exr", folder.path("link.json")).unwrap();
     let run = folder.volref("render curve.toml -o c.exr --json=link.json");
-    run.expect(
-        2,
-        &["link.json: it is the same file as another output, c.exr"],
-    );
+    run.expect(2, "link.json: it is the same file as another output, c.exr");
     // What is no file can be written twice.
     let run = folder.volref("verify smoke/plain --json=/dev/null --junit=/dev/null");
     assert_eq!(run.code, 0, "{}", run.stderr);

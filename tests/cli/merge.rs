@@ -201,7 +201,7 @@ fn what_is_missing_is_listed() {
     let suite = Folder::with_goldens();
     let folders = in_parts(&suite, 4, &["verify"]);
     let run = merged(&suite, &folders[1..], &[]);
-    run.prints(5, &["missing: 1 of 4 cases", "\n  plots/curve\n"]);
+    run.prints(5, "missing: 1 of 4 cases … \n  plots/curve\n");
 
     let results = suite.files();
     let is_result = |name: &&String| name.starts_with("part-2/") && name.ends_with(".result");
@@ -250,7 +250,7 @@ fn results_of_different_runs_are_refused_by_what_differs() {
     };
     let folders = [validate("1", "one"), validate("2", "two")];
     let run = merged(&suite, &folders, &[]);
-    run.expect(2, &["2 different runs", "seed differs", "--run ID"]);
+    run.expect(2, "2 different runs … seed differs … --run ID");
     let (one, _) = run
         .stderr
         .split_once("one/results/")
@@ -265,10 +265,8 @@ fn results_of_different_runs_are_refused_by_what_differs() {
         "width = 16",
         "width = 17",
     );
-    merged(&suite, &folders[..1], &[]).expect(
-        2,
-        &["another suite", "golden of plots/curve", "--suite DIR"],
-    );
+    merged(&suite, &folders[..1], &[])
+        .expect(2, "another suite … golden of plots/curve … --suite DIR");
 }
 
 /// The results of tests stand on one page, with the causes that each found.
@@ -317,18 +315,18 @@ fn named_runs_are_put_beside_each_other() {
     let page = suite.text("page/index.html").replace("&#x2f;", "/");
     assert!(both.iter().all(|name| page.contains(name)));
     let alone = ["validate", "--outputs=images", "--named=alone"];
-    suite.volref(&alone).expect(2, &["--results"]);
+    suite.volref(&alone).expect(2, "--results");
 }
 
 #[test]
 fn folders_without_anything_are_said_to_be_so() {
     let suite = Folder::with_goldens();
-    merged(&suite, &["golden".to_owned()], &[]).expect(5, &["neither results nor units"]);
-    merged(&suite, &["nowhere".to_owned()], &[]).expect(2, &["nowhere is not a folder"]);
-    merged(&suite, &["results/nowhere".to_owned()], &[]).expect(2, &["nowhere is not a folder"]);
+    merged(&suite, &["golden".to_owned()], &[]).expect(5, "neither results nor units");
+    merged(&suite, &["nowhere".to_owned()], &[]).expect(2, "nowhere is not a folder");
+    merged(&suite, &["results/nowhere".to_owned()], &[]).expect(2, "nowhere is not a folder");
     suite.write("taken", "");
     let run = suite.volref("verify --results taken");
-    run.expect(2, &["cannot create the folder taken"]);
+    run.expect(2, "cannot create the folder taken");
     let run = suite.volref("verify smoke --results kept");
     assert_eq!(run.code, 0);
     assert_eq!(merged(&suite, &["kept".to_owned()], &[]).code, 0);
@@ -432,10 +430,10 @@ fn units_of_something_else_are_refused() {
         assert!(!suite.path(".volref").exists());
     }
     let run = suite.volref("units --unit nothing");
-    run.expect(2, &["no unit \"nothing\""]);
+    run.expect(2, "no unit \"nothing\"");
     suite
         .volref("units --partition slice:3/3")
-        .expect(5, &["none of the 2 units"]);
+        .expect(5, "none of the 2 units");
 }
 
 /// Head and contents of a file that one process leaves for another.
@@ -684,7 +682,7 @@ fn two_cases_of_one_name_are_refused() {
     }
     suite
         .volref("list")
-        .expect(2, &["two cases are called smoke/?"]);
+        .expect(2, "two cases are called smoke/?");
 }
 
 /// A file that was cut off is computed again; one with other bits, from the same things, is a machine
@@ -727,7 +725,7 @@ fn damaged_units_are_not_used() {
     let kept = other.path("").display().to_string();
     suite
         .volref(&["merge", &kept])
-        .expect(1, &["other bits", "broken"]);
+        .expect(1, "other bits … broken");
 }
 
 /// The same request, and another image: which of two verdicts is right cannot be known.
@@ -764,7 +762,7 @@ fn verdicts_that_contradict_each_other_are_refused() {
         |folders: [&str; 2]| merged(&suite, &folders.map(str::to_owned), &["--explain", "0"]);
     assert_eq!(join(["one", "same"]).code, 0);
     for folders in [["one", "other"], ["other", "one"]] {
-        join(folders).expect(2, &["smoke/plain", "pass in one", "fail in other"]);
+        join(folders).expect(2, "smoke/plain … pass in one … fail in other");
     }
 }
 

@@ -588,30 +588,6 @@ fn the_students_mistakes_are_seen() {
     }
 }
 
-/// EXR, PFM and NPY are written by hand, the same numbers in each.
-#[test]
-fn the_student_writes_three_formats() {
-    if !python("the_student_writes_three_formats") {
-        return;
-    }
-    let scene = figure("figure-2");
-    let folder = tempfile::tempdir().unwrap();
-    let write = |output: &str| student(&scene, folder.path(), output, &[]);
-    let film = Film::from_exr(&write("image.exr")).unwrap();
-    let radiance = film.radiance().as_flattened();
-    let npy = write("image.npy");
-    // Magic, version 1.0, length of the header.
-    let header = 10 + usize::from(u16::from_le_bytes([npy[8], npy[9]]));
-    assert_eq!(floats(&npy[header..]), radiance);
-    let pfm = write("image.pfm");
-    let header = b"PF\n256 192\n-1.0\n";
-    assert!(pfm.starts_with(header));
-    let row = 256 * 3;
-    let rows = floats(&pfm[header.len()..]);
-    let from_top: Vec<f32> = rows.chunks(row).rev().flatten().copied().collect();
-    assert_eq!(from_top, radiance);
-}
-
 // --- The student's path tracer --------------------------------------------------------------------
 
 /// Verdicts of `validate` on the student's path tracer, with their numbers.
@@ -659,30 +635,6 @@ fn the_students_paths_pass_and_mistakes_do_not() {
     ] {
         assert!(results.contains(reason), "{results}");
     }
-}
-
-/// What renders classified volumes refuses media in words.
-#[test]
-fn the_student_refuses_media() {
-    if !python("the_student_refuses_media") {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let scene = Scene::load(&root().join("fixtures/scenes/fog/forward.toml")).unwrap();
-    bundle(&scene, "fog")
-        .unwrap()
-        .write_into(folder.path())
-        .unwrap();
-    let (done, said) = script(
-        "student.py",
-        &["fog.json", "image.exr"],
-        folder.path(),
-        None,
-    );
-    assert!(
-        !done && said.starts_with("refused: a panel that shows radiance"),
-        "{said}"
-    );
 }
 
 // --- Scripts of other renderers -----------------------------------------------------------------

@@ -31,7 +31,7 @@ fn plans_of_the_suite() {
         let folder = Folder::new();
         let mut command = folder.command(&["plan", name]);
         let run = Run::of(command.current_dir(root).output().unwrap());
-        run.expect(0, &[]);
+        run.expect(0, "");
         run.stdout
     };
     let families = entries(&root.join("fixtures/scenes"));
@@ -163,7 +163,7 @@ point = { position = [3, 3, 3], intensity = 1 }
 ";
     folder.write("idle.toml", scene);
     let run = folder.volref("plan idle.toml");
-    run.expect(0, &[]);
+    run.expect(0, "");
     let section = run
         .stdout
         .split("\n\n")
@@ -195,7 +195,7 @@ point = { position = [3, 3, 3], intensity = 1 }
     let quiet = quiet.split("[[radiative.medium]]\nsphere = { centre = [0, 0, 0], radius = 2 }");
     folder.write("quiet.toml", quiet.clone().next().unwrap());
     let run = folder.volref("plan quiet.toml");
-    run.expect(0, &[]);
+    run.expect(0, "");
     assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
 }
 
@@ -237,7 +237,7 @@ fn what_is_not_seen() {
     ] {
         folder.write("values.toml", grid.replace("{keys}", keys));
         let run = folder.volref("plan values.toml");
-        run.expect(0, &[]);
+        run.expect(0, "");
         assert_eq!(
             run.stdout.contains("warnings"),
             !warning.is_empty(),
@@ -245,7 +245,7 @@ fn what_is_not_seen() {
         );
         assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
         let run = folder.volref("render values.toml -o values.exr");
-        run.expect(0, &[]);
+        run.expect(0, "");
         assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
         assert_eq!(run.stdout.contains("black: no"), !note.is_empty(), "{keys}");
         assert!(run.stdout.contains(note), "{keys}: {}", run.stdout);
@@ -257,7 +257,7 @@ fn what_is_not_seen() {
         format!("{}{clips}", folder.text("scene.toml")),
     );
     let run = folder.volref("plan clips.toml");
-    run.expect(0, &[]);
+    run.expect(0, "");
     let idle = "this clip cuts nothing: all of its volumes is on the side that it keeps  (classified.clip[0]";
     assert_eq!(
         run.stdout.matches("cuts nothing").count(),
@@ -282,7 +282,7 @@ fn shadows_of_several_volumes() {
         let volumes = volume("0.25") + &volume(second);
         folder.write("two.toml", format!("[classified.shadow]\n{volumes}"));
         let run = folder.volref("plan two.toml");
-        run.expect(0, &[]);
+        run.expect(0, "");
         let line = format!("  classified.shadow.reference_step  {said}");
         assert!(run.stdout.contains(&line), "{}", run.stdout);
     }

@@ -126,12 +126,10 @@ fn depth_and_its_file() {
     let folder = Folder::with_scenes();
     let render =
         |more: &[&str]| folder.volref(&[&["render", "scene.toml", "-o", "a.exr"], more].concat());
-    render(&["--depth", "half"])
-        .expect(2, &["'--depth' takes its value after '=': '--depth=half'"]);
-    render(&["--json", "a.json"])
-        .expect(2, &["'--json' takes its value after '=': '--json=a.json'"]);
+    render(&["--depth", "half"]).expect(2, "'--depth' takes its value after '=': '--depth=half'");
+    render(&["--json", "a.json"]).expect(2, "'--json' takes its value after '=': '--json=a.json'");
     let other = render(&["--depth", "--bogus"]);
-    other.expect(2, &["--bogus"]);
+    other.expect(2, "--bogus");
     assert!(!other.stderr.contains("after '='"), "{}", other.stderr);
     let json = render(&["--json", "--depth=half"]).json();
     let expected = serde_json::json!({ "kind": "half", "file": "a.exr" });
@@ -195,7 +193,7 @@ fn as_many_samples_as_a_scene_may_have() {
         "--spp",
         "2147483648",
     ];
-    folder.volref(&most).expect(0, &[]);
+    folder.volref(&most).expect(0, "");
 }
 
 /// Found out before the work and not after it, and no other than `plan` has said.

@@ -45,7 +45,7 @@ fn a_daemon_does_not_outlive_its_renderers_time() {
     let run = Run::of(command.output().unwrap());
     run.prints(
         4,
-        &["did not end within 1 s and was ended, with all that it had started"],
+        "did not end within 1 s and was ended, with all that it had started",
     );
     assert!(!process(&folder, "pid").exists(), "the daemon is gone");
 }
@@ -171,7 +171,7 @@ fn with_ctest_only_measurements_are_elements() {
         Run::of(validate(&folder, &arguments).output().unwrap())
     };
     let run = of(&["smoke/plain", "smoke/nearest"]);
-    run.prints(4, &["&lt;CTestMeasurementFile"]);
+    run.prints(4, "&lt;CTestMeasurementFile");
     let (elements, words): (Vec<&str>, Vec<&str>) = run
         .stdout
         .lines()

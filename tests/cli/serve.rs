@@ -135,7 +135,7 @@ fn requests_hold_what_the_command_names() {
     // Of a curve there is no step.
     let arguments = ["plots/curve", "--serve", "sh renderer.sh {step}"];
     let run = folder.volref(&[&["validate"], &arguments[..]].concat());
-    run.prints(4, &["no classified volume"]);
+    run.prints(4, "no classified volume");
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn answers_that_nobody_asked_for() {
 
     let folder = with_renderer("echo '{\"image\":\"first\"}'", "right");
     let run = validate(&folder, &["smoke/plain"]);
-    run.prints(4, &["answered with the image first"]);
+    run.prints(4, "answered with the image first");
 
     // An answer at the end of all counts, with or without a newline.
     let last = "cp golden/$case.exr $output; printf '{\"image\":\"%s\"}' $output; exit";
@@ -282,7 +282,7 @@ fn a_case_that_cannot_be_said_can_be_skipped() {
         "case $case in plots/*) echo '{\"cannot\":\"say curves\"}';; *) right;; esac",
     );
     let run = validate(&folder, &["--only-present"]);
-    run.prints(0, &["3 cases: 3 passed"]);
+    run.prints(0, "3 cases: 3 passed");
 }
 
 /// 200 MB on each stream before an answer fill no memory, and answers without end neither.
@@ -435,7 +435,7 @@ fn usage() {
         );
     }
     let run = folder.volref("validate smoke/plain --serve /no/such/renderer");
-    run.prints(4, &["could not be started"]);
+    run.prints(4, "could not be started");
 }
 
 /// What cannot be said is missing under a profile, too, that says nothing of the scene.
@@ -447,7 +447,7 @@ fn what_cannot_be_said_needs_no_profile() {
         "while read -r line; do echo '{\"cannot\":\"several volumes\"}'; done",
     );
     let run = folder.volref("validate scenes/two-fogs --as=vispy --serve 'sh renderer.sh {scene}'");
-    run.expect(4, &[]);
+    run.expect(4, "");
     let said = "not rendered: several volumes";
     assert!(run.stdout.starts_with("missing"), "{}", run.stdout);
     assert!(run.stdout.contains(said), "{}", run.stdout);

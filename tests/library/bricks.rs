@@ -159,24 +159,6 @@ fn goldens_are_those_of_the_formula() {
     }
 }
 
-/// Counts of nodes at which bricks, atlases and indices of few bits go wrong.
-#[test]
-fn all_sizes_are_there() {
-    let mut sizes: Vec<usize> = Vec::new();
-    for case in family() {
-        let scene = case.load_scene().unwrap();
-        let volume = scene.panels[0].classified().unwrap();
-        sizes.extend(volume.grid.lattice().nodes());
-        assert!(scene.panels[0].inputs.is_empty() && !volume.is_continuous());
-        assert!(scene.width() * scene.height() <= 80 * 80);
-    }
-    for size in [
-        31, 32, 33, 63, 64, 65, 127, 128, 129, 255, 256, 257, 2049, 4097, 37, 19, 10,
-    ] {
-        assert!(sizes.contains(&size), "{size}");
-    }
-}
-
 /// The scene with its grid from `file`, and with the map of its volume.
 fn with_file(scene: &Path, file: &str, volume: &Classified) -> String {
     let mut table = table_of(scene);
@@ -240,23 +222,6 @@ fn grids_written_and_read_again_are_the_same() {
             }
         }
     }
-}
-
-/// The header of an NPY file has the sizes z, y, x, and the samples follow at a multiple of 64 bytes.
-#[test]
-fn arrays_are_stored_by_z_y_x() {
-    let scene = case("ramp-37-19-10").load_scene().unwrap();
-    let export = export(&scene, Format::Npy, "grid").unwrap();
-    let (_, bytes) = export
-        .files
-        .iter()
-        .find(|(name, _)| name == "grid.npy")
-        .unwrap();
-    let text = String::from_utf8_lossy(&bytes[10..128]);
-    assert!(text.contains("'shape': (10, 19, 37)"), "{text}");
-    assert_eq!(bytes.len(), 128 + 4 * 37 * 19 * 10);
-    let second = f32::from_le_bytes(bytes[132..136].try_into().unwrap());
-    assert_eq!(second, 17.0);
 }
 
 /// The verdict on an image of a case whose grid or conventions an edit has changed.
@@ -425,18 +390,4 @@ fn reversed_and_exchanged_axes_are_named() {
     };
     let said = named(case, verdict(case, edit).1);
     assert_eq!(said.as_deref(), Some("volume-transposed"));
-}
-
-/// A brick without a border within the volume changes nothing.
-#[test]
-fn bricks_as_large_as_the_volume_change_nothing() {
-    let scene = case("spots-of-8").load_scene().unwrap();
-    let right = rendered(&scene);
-    let wrong = rendered(&scene.with_volumes(|volume| {
-        volume.conventions.brick_values = Some(33);
-        volume.conventions.brick_steps = Some(33);
-    }));
-    assert_eq!(right, wrong);
-    let smaller = rendered(&scene.with_volumes(|volume| volume.conventions.brick_values = Some(8)));
-    assert_ne!(right, smaller);
 }

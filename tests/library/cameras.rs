@@ -4,7 +4,7 @@ use crate::ray_caster::scenes::hash;
 use glam::{DMat3, DVec3};
 use std::path::Path;
 use volref::film::{Depth, Film};
-use volref::geometry::{Camera, CameraError, Intrinsics};
+use volref::geometry::{Camera, Intrinsics};
 use volref::render::{Sampling, plans, render};
 use volref::scene::{Model, Scene};
 use volref::{conventions, reference};
@@ -107,28 +107,6 @@ fn a_matrix_says_what_eye_and_target_say() {
     for pixel in [[0, 0], [15, 11], [3, 8]] {
         let [a, b] = [&camera, &looking].map(|camera| camera.ray(pixel, SIZE));
         assert!((*a.direction - *b.direction).length() < 1e-14);
-    }
-}
-
-/// Digits are forgiven as far as four decimals are short of them; scales, mirrors and shears are not.
-#[test]
-fn a_matrix_that_is_no_motion_is_refused() {
-    let read = |rows| Camera::of_matrix(rows, INTRINSICS, SIZE);
-    for seed in 0..50 {
-        let right = rows(seed);
-        let short = right.map(|row| row.map(|x| (x * 1e4).round() / 1e4));
-        read(short).unwrap();
-        let scaled = right.map(|row| [row[0] * 1.001, row[1], row[2], row[3]]);
-        let mirrored = right.map(|row| [row[0], row[1], -row[2], row[3]]);
-        let sheared = right.map(|row| [row[0] + 0.001 * row[1], row[1], row[2], row[3]]);
-        let zero = right.map(|row| [row[0], 0.0, row[2], row[3]]);
-        for rows in [scaled, mirrored, sheared, zero] {
-            let rows = [rows[0], rows[1], rows[2], right[3]];
-            assert_eq!(read(rows), Err(CameraError::NotRigid));
-        }
-        let last = [0.0, 0.0, 1.0, 1.0];
-        let projective = [right[0], right[1], right[2], last];
-        assert_eq!(read(projective), Err(CameraError::LastRow(last)));
     }
 }
 

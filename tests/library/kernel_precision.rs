@@ -4,22 +4,17 @@
 //! Run with `--nocapture` to see the worst errors, which the documentation quotes.
 
 use crate::exact::functions::{angle, exp_m1, ln_1p, sin_cos};
-use crate::exact::shapes::{FACE, SECOND_ORDER, chord, line_in_box};
-use crate::exact::{Big, U, apart, big, grids, rounded};
+use crate::exact::shapes::SECOND_ORDER;
+use crate::exact::{Big, U, apart, big, rounded};
 
 use dashu_float::ops::SquareRoot;
-use glam::DVec3;
 use std::f64::consts::PI;
-use std::sync::Arc;
-use volref::geometry::{Aabb, Ray, Solid, Sphere};
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling::{
     Equiangular, free_flight, optical_distance, truncated_optical_distance,
 };
-use volref::math::{self, Sum, exp2};
+use volref::math::{self, exp2};
 use volref::optics::*;
-use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
-use volref::volume::{Centring, Grid, GridDensity, Interpolation, Lattice};
 
 /// A mistake that shows in one of 4000 inputs is missed by 20,000 of them once in 150 times; the
 /// inputs are the same in every run, and the nightly ones begin with these.
@@ -28,9 +23,6 @@ const INPUTS: u32 = if option_env!("VOLREF_NIGHTLY").is_some() {
 } else {
     20_000
 };
-
-/// Grids among which they are shared out.
-const GRIDS: u32 = 100;
 
 /// The worst error of a formula: in last places of the result, and against its bound.
 #[derive(Default)]
@@ -281,195 +273,6 @@ fn e6_free_flight() {
     optical.is_within_bounds("optical_distance");
     free.is_within_bounds("free_flight");
     truncated.is_within_bounds("truncated_optical_distance");
-}
-
-fn vector([x, y, z]: [f64; 3]) -> DVec3 {
-    2.0 * DVec3::new(x, y, z) - 1.0
-}
-
-/// A difference and a quotient: 2, whatever the angle.
-#[test]
-fn g_distances_to_the_faces_of_a_box() {
-    let (mut ends, mut hits) = (WorstRay::default(), 0);
-    for [a, b, c, d, e, f, g, h, i, size] in inputs(6) {
-        let min = vector([a, b, c]) * 4.0;
-        let edges = DVec3::new(
-            octaves(-20.0, 3.0, size),
-            0.1 + a * b,
-            octaves(-3.0, 3.0, d * e),
-        );
-        let shape = Aabb::new(min, min + edges).unwrap();
-        let target = shape.min + edges * DVec3::new(g, h, i);
-        let origin = vector([d, e, f]) * octaves(0.0, 20.0, size * g);
-        let ray = Ray::new(origin, target - origin).unwrap();
-        let (Some(found), Some([near, far])) = (shape.span(&ray), line_in_box(&shape, &ray)) else {
-            continue;
-        };
-        hits += 1;
-        ends.see_within(found.far, &far, FACE * rounded(&far).abs(), (shape, ray));
-        if found.near > 0.0 {
-            ends.see_within(found.near, &near, FACE * rounded(&near).abs(), (shape, ray));
-        }
-    }
-    ends.is_within_bounds("Aabb::span");
-    assert!(hits > INPUTS / 2);
-}
-
-/// By the bound of [`chord`]. It is in proportion to the distance of the centre, and grows where
-/// the ray grazes: rays that know less than a quarter of half their chord are left out.
-#[test]
-fn g10_chords_of_a_sphere() {
-    let (mut all, mut plain, mut seen) = (WorstRay::default(), WorstRay::default(), 0);
-    for [a, b, c, d, e, f, g, h, i, size] in inputs(7) {
-        let radius = octaves(-3.0, 3.0, i);
-        let sphere = Sphere::new(vector([a, b, c]) * 4.0, radius).unwrap();
-        let away = vector([d, e, f]) * radius * octaves(-1.0, 20.0, size * size);
-        let aim = sphere.centre() + vector([g, h, b]) * radius * 0.9;
-        let origin = sphere.centre() + away;
-        let Some(ray) = Ray::new(origin, aim - origin) else {
-            continue;
-        };
-        let Some(exact) = chord(&sphere, &ray) else {
-            continue;
-        };
-        if exact.error > exact.half / 4.0 {
-            continue;
-        }
-        for span in sphere.spans(&ray) {
-            seen += 1;
-            all.see_within(span.far, &exact.far, exact.error, (sphere, ray));
-            if span.near > 0.0 {
-                all.see_within(span.near, &exact.near, exact.error, (sphere, ray));
-            }
-            // From outside, near by and well inside the outline.
-            if span.near > 0.0 && away.length() < 8.0 * radius && exact.half > radius / 2.0 {
-                plain.see_within(span.far, &exact.far, exact.error, (sphere, ray));
-            }
-        }
-    }
-    all.is_within_bounds("Sphere::spans");
-    plain.is_within_bounds("Sphere::spans, the far end of a long chord from near by");
-    assert!(seen > INPUTS / 2);
-}
-
-/// A million layers against the product of what they let through.
-///
-/// With `n` layers of opacity `a`: what a layer adds, `a·(1 − A)`, is off by a product, and by what
-/// `1 − A` is: the error of `A`, which so shrinks by `1 − a` and never grows, and a rounding. Or,
-/// where the product itself is carried, by `2n` of it. The sum rounds once a layer, to a unit of at
-/// most 1. So `A` is off by at most `3n + 3` in units of `u`, absolutely; a colour by that times
-/// all the colours there are, behind whatever.
-#[test]
-fn a1_a_million_layers() {
-    const LAYERS: u32 = 1_000_000;
-    let stream = Stream::new(8, 0, 0);
-    for depth in [1e-3, 1.0, 30.0] {
-        let layer = |index: u32| {
-            let [u, v] = stream.pair(0, Purpose::PhaseDirection, index);
-            (2.0 * u * depth / f64::from(LAYERS), v)
-        };
-        let bound = f64::from(3 * LAYERS + 3) * U;
-        let (mut front, mut back) = (Layers::default(), Layers::default());
-        let mut through = big(1.0);
-        let (mut colour, mut colours) = (big(0.0), 0.0);
-        for index in 0..LAYERS {
-            let (opacity, tint) = layer(index);
-            let own = tint * opacity;
-            front = FrontToBack::add(front, DVec3::splat(own), opacity);
-            colour += big(own) * &through;
-            colours += own;
-            through *= big(1.0) - big(opacity);
-            let (opacity, tint) = layer(LAYERS - 1 - index);
-            back = BackToFront::add(back, DVec3::splat(tint * opacity), opacity);
-        }
-        let opacity = big(1.0) - through;
-        for (name, layers) in [("front to back", front), ("back to front", back)] {
-            let mut worst = WorstRay::default();
-            worst.see_within(layers.opacity, &opacity, bound, depth);
-            worst.is_within_bounds(&format!("opacity, {name}, depth {depth}"));
-            let mut worst = WorstRay::default();
-            worst.see_within(layers.colour.y, &colour, bound * colours, depth);
-            worst.is_within_bounds(&format!("colour, {name}, depth {depth}"));
-        }
-    }
-}
-
-/// By the bound of [`grids::integral_error`]: in proportion to the range of the values, and to the
-/// largest node coordinate on the way.
-#[test]
-fn d2_integrals_of_grids() {
-    let (mut trilinear, mut nearest) = (WorstRay::default(), WorstRay::default());
-    let mut density: Option<GridDensity> = None;
-    for (number, [a, b, c, d, e, f, g, h, i]) in (0..).zip(inputs(9)) {
-        let rays = INPUTS / GRIDS;
-        if number % rays == 0 {
-            let nodes = [a, b, c].map(|share| 1 + (5.0 * share) as usize);
-            let spacing = DVec3::new(d, e, f) * 3.0 + 0.01;
-            let lattice = Lattice::new(nodes, spacing, vector([g, h, i]) * 10.0).unwrap();
-            let centring = if a < 0.5 {
-                Centring::Nodes
-            } else {
-                Centring::Cells
-            };
-            let lattice = lattice.with_centring(centring).unwrap();
-            let stream = Stream::new(10, number, 0);
-            let values = (0..lattice.node_count() as u32)
-                .map(|node| stream.uniform(0, Purpose::PhaseDirection, node) as f32);
-            let grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
-            let smooth = number % (2 * rays) == 0;
-            let interpolation = if smooth {
-                Interpolation::Trilinear
-            } else {
-                Interpolation::Nearest
-            };
-            density = Some(GridDensity::new(grid, interpolation));
-        }
-        let density = density.as_ref().unwrap();
-        let bounds = density.bounds();
-        let (centre, size) = (bounds.centre(), bounds.size());
-        let origin = centre + vector([a, b, c]) * size * 2.0;
-        let target = centre + vector([d, e, f]) * size * 0.49;
-        let ray = Ray::new(origin, target - origin).unwrap();
-        let span = bounds.span(&ray).unwrap();
-        if span.length() == 0.0 {
-            continue;
-        }
-        let found = density.integral(ray.origin, *ray.direction, span, &mut 0);
-        let exact = grids::integral(density, ray.origin, *ray.direction, span);
-        let bound = grids::integral_error(density, ray.origin, *ray.direction, span);
-        let worst = match density.interpolation() {
-            Interpolation::Trilinear => &mut trilinear,
-            Interpolation::Nearest => &mut nearest,
-        };
-        worst.see_within(found, &exact, bound, (density.grid().lattice(), ray));
-    }
-    trilinear.is_within_bounds("GridDensity::integral, trilinear");
-    nearest.is_within_bounds("GridDensity::integral, nearest");
-}
-
-/// Every addition's own error is found exactly, and is at most `u` of a partial sum, which is at
-/// most all magnitudes M: the errors are up to `nuM` together, and adding them up rounds as often:
-/// `n²u²M`. The result rounds once.
-#[test]
-fn a3_compensated_sums() {
-    let mut worst = WorstRay::default();
-    for numbers in inputs::<16>(11) {
-        // Terms of 60 octaves, and after them all the same with the other sign but two.
-        let term =
-            |k: usize| (2.0 * numbers[k] - 1.0) * octaves(-30.0, 30.0, numbers[(k + 1) % 16]);
-        let terms = (0..16).map(term).chain((2..16).map(|k| -term(17 - k)));
-        let (mut sum, mut exact, mut magnitudes) = (Sum::default(), big(0.0), 0.0);
-        let mut count = 0.0;
-        for term in terms {
-            sum.add(term);
-            exact += big(term);
-            magnitudes += term.abs();
-            count += 1.0;
-        }
-        let bound = U * rounded(&exact).abs() + (count * U) * (count * U) * magnitudes;
-        worst.see_within(sum.value(), &exact, bound * SECOND_ORDER, numbers);
-    }
-    worst.is_within_bounds("Sum");
 }
 
 /// In units of `u`, for a light at distance D and a place at `t` from the foot, `w² = D² + t²`:

@@ -304,69 +304,6 @@ fn bounds_piece_by_piece() {
     assert!(spread > variance && thinned.lookups < residual.lookups);
 }
 
-/// Hard case D11: a bound that is none is counted; ratio tracking keeps its mean even so, with
-/// the variance of the same formula, and delta tracking does not.
-#[test]
-fn a_bound_that_is_too_small() {
-    let pieces = whole(0.0, 2.0);
-    let ratio = by_ratio(&smooth, &pieces, (Control::None, Small::Kept));
-    assert!(ratio.violations > 0);
-    let squared = along(|t| smooth(t) * smooth(t) / 2.0);
-    let variance = ratio_tracking_variance(DEPTH, squared);
-    assert!((variance - 0.043_18).abs() < 5e-6, "{variance}");
-    agrees("forced ratio", &ratio, TRANSMITTANCE, variance);
-
-    let delta = by_delta(&smooth, &pieces);
-    assert!(delta.violations > 0);
-    // Where the extinction is above the bound, the bound is what counts.
-    let counted = exp(-along(|t| smooth(t).min(2.0)));
-    // The catalogue's 0.0245 was sampled.
-    assert!((counted - 0.0245).abs() < 5e-4, "{counted}");
-    let off = (delta.estimates.mean() - counted).abs();
-    assert!(off <= 4.0 * delta.estimates.variance_of_mean().unwrap().sqrt());
-}
-
-/// Hard case D12: no null collision where the extinction is the bound, to one ulp.
-#[test]
-fn an_extinction_that_is_its_bound() {
-    for high in [1.0_f64, 1.5, 2.0_f64.next_down(), 1e-300, 1e300] {
-        for sigma in [high, high.next_down()] {
-            let pieces = [TrackedPiece {
-                near: 0.0,
-                far: 3.0 / high,
-                low: 0.0,
-                high,
-            }];
-            let found = by_delta(&|_| sigma, &pieces);
-            agrees("equal", &found, exp(-3.0), delta_tracking_variance(3.0));
-            let largest = 1.0 - f64::EPSILON / 2.0;
-            if sigma == high {
-                assert!(largest * high < sigma, "the last of all numbers is real");
-            }
-        }
-    }
-}
-
-/// Hard case D8: an edge in the density, at a depth that no rule of samples could know.
-#[test]
-fn an_edge() {
-    let edge = 0.731_415;
-    let sigma = |t: f64| if t > edge { 2.0 } else { 0.2 };
-    let depth = 0.2 * edge + 2.0 * (LENGTH - edge);
-    let pieces = whole(0.2, 2.0);
-    let delta = by_delta(&sigma, &pieces);
-    agrees(
-        "edge, delta",
-        &delta,
-        exp(-depth),
-        delta_tracking_variance(depth),
-    );
-    let ratio = by_ratio(&sigma, &pieces, (Control::None, Small::Kept));
-    let squared = 0.02 * edge + 2.0 * (LENGTH - edge);
-    let variance = ratio_tracking_variance(depth, squared);
-    agrees("edge, ratio", &ratio, exp(-depth), variance);
-}
-
 /// What `free_flight` knows of null collisions.
 #[test]
 fn known_answers() {

@@ -1,14 +1,12 @@
 //! Scenes of every set of effects: the code compiled for what they need against the code for
 //! everything.
 
-use crate::effects::scenes::{
-    Classified, Density, Light, Radiative, Shading, Turns, off_is_off, parsed, plan, rendered,
-};
+use crate::effects::scenes::{Classified, Radiative, Shading, off_is_off, parsed, plan, rendered};
 use std::collections::BTreeSet;
 use volref::film::Film;
 use volref::render::counters::Event;
 use volref::render::plan::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
-use volref::render::{Counters, Effect, Plan, State};
+use volref::render::{Counters, Effect, Plan};
 
 /// Everything on.
 const ALL_FEATURES: RadiativeFeatures = RadiativeFeatures {
@@ -81,67 +79,12 @@ fn media_surfaces_and_lights() {
         let (film, work) = rendered(&plan);
         same_bits(&what, &film, &general(&plan));
         off_is_off(&what, &plan, &work);
-        as_made(&made_of, &plan);
         kernels.insert(plan.kernel.to_string());
         lit += usize::from(film.radiance().iter().any(|pixel| *pixel != [0.0; 3]));
     }
     // Where there is nothing but an absorber and a lamp, all is black; most scenes are not.
     assert!(lit > 2000, "{lit}");
     assert!(kernels.len() > 50, "{}", kernels.len());
-}
-
-/// The plan is that of what the scene was made of, by the table in the documentation of plans.
-#[track_caller]
-fn as_made(made_of: &Radiative, plan: &Plan) {
-    let Radiative {
-        surfaces,
-        absorption,
-        scattering,
-        emission,
-        density,
-        chromatic,
-        anisotropic,
-        turns,
-        light,
-    } = *made_of;
-    let bright = !matches!(light, Light::None | Light::Dark);
-    let turned = (scattering || surfaces) && (bright || emission);
-    // Lights that rays are sent to; the environment is met.
-    let lights = matches!(light, Light::Point | Light::Area);
-    let surfaces = surfaces || matches!(light, Light::Dark | Light::Area);
-    let asked = turned && turns != Turns::Never;
-    let extinction = absorption || scattering;
-    let varies = matches!(density, Density::Grid | Density::Noise);
-    let on = |on: bool| if on { State::On } else { State::Elided };
-    let unless = |there: bool, asked: bool| match (there, asked) {
-        (false, _) => State::Elided,
-        (true, true) => State::On,
-        (true, false) => State::Omitted,
-    };
-    for (effect, state) in [
-        (Effect::Surfaces, on(surfaces)),
-        (Effect::Absorption, on(absorption)),
-        (Effect::Emission, on(emission)),
-        (
-            Effect::SingleScattering,
-            unless(turned, turns != Turns::Never),
-        ),
-        (
-            Effect::MultipleScattering,
-            unless(turned, turns == Turns::AnyNumber),
-        ),
-        (Effect::MediumShadow, on(asked && lights && extinction)),
-        (Effect::SurfaceShadow, on(asked && lights && surfaces)),
-        (Effect::GradientShading, State::Elided),
-        (Effect::Heterogeneity, on(varies)),
-        (Effect::ChromaticCoefficients, on(chromatic && extinction)),
-        (
-            Effect::AnisotropicPhase,
-            on(anisotropic && scattering && asked),
-        ),
-    ] {
-        assert_eq!(plan.state(effect), state, "{made_of:?}: {effect}");
-    }
 }
 
 #[test]

@@ -14,8 +14,6 @@ mod plan;
 mod points;
 mod scale;
 mod shadow;
-mod symmetry;
-mod threads;
 
 use crate::common;
 use proptest::prelude::ProptestConfig;

@@ -47,22 +47,6 @@ proptest! {
     #![proptest_config(config(512))]
 
     #[test]
-    fn forced_effects_change_no_bit(scene in scene()) {
-        let panel = scenes::panel(&scene, 4);
-        let (least, leanest) = scenes::rendered(&scene, 4);
-        for effects in forcible(&scene) {
-            let plan = Plan::forcing(&panel, &effects).unwrap();
-            prop_assert!(effects.iter().all(|&effect| plan.is_on(effect)));
-            let (film, work) = scenes::render_by(plan);
-            prop_assert_eq!(scenes::bits(&film), scenes::bits(&least), "{:?}", effects);
-            for event in Event::ALL {
-                let more = work[event] >= leanest[event];
-                prop_assert!(more, "{effects:?}: {work:?} {leanest:?}");
-            }
-        }
-    }
-
-    #[test]
     fn what_is_off_does_no_work(scene in scene()) {
         let panel = scenes::panel(&scene, 4);
         let plan = Plan::new(&panel);

@@ -8,7 +8,7 @@ use volref::geometry::{Camera, Ray};
 use volref::math;
 use volref::optics::{Appearance, TransferPoint, TransferPoints, over_length};
 use volref::render::plan::Kernel;
-use volref::render::{Effect, Event, Plan, State};
+use volref::render::{Event, Plan};
 use volref::scene::{Classified, Shadow};
 use volref::volume::{Interpolation, Lattice};
 
@@ -173,38 +173,6 @@ fn any_scene() -> impl Strategy<Value = Classified> {
 
 proptest! {
     #![proptest_config(config(256))]
-
-    /// Blocks are transparent only where every value between their nodes is.
-    #[test]
-    fn leaping_changes_no_bit(scene in any_scene()) {
-        let by = |leap: bool| {
-            let panel = scenes::panel(&scene, 5);
-            let mut plan = Plan::new(&panel);
-            if let Kernel::RayCaster { features, .. } = &mut plan.kernel {
-                features.skip_empty = leap;
-            }
-            let (film, work) = scenes::render_by(plan);
-            (scenes::bits(&film), work)
-        };
-        let ((bits, leaping), (same, walking)) = (by(true), by(false));
-        prop_assert_eq!(bits, same);
-        prop_assert!(leaping[Event::DensityLookup] <= walking[Event::DensityLookup]);
-    }
-
-    #[test]
-    fn forced_effects_change_no_bit(scene in any_scene()) {
-        let panel = scenes::panel(&scene, 4);
-        let plan = Plan::new(&panel);
-        let bits = scenes::bits(&scenes::render_by(plan.clone()).0);
-        for effect in Effect::ALL {
-            if plan.state(effect) == State::Elided
-                && let Ok(forced) = Plan::forcing(&panel, &[effect])
-            {
-                let (film, _) = scenes::render_by(forced);
-                prop_assert_eq!(scenes::bits(&film), bits.clone(), "{}", effect);
-            }
-        }
-    }
 
     /// Pictures are finite and not negative, or the scene says that they might not be.
     #[test]

@@ -418,54 +418,6 @@ fn names_are_only_text() {
     check_quiet(browser);
 }
 
-/// Pictures of the page in several states, in the folder of the temporary files.
-#[test]
-#[ignore = "for looking at"]
-fn take_screenshots() {
-    let save = |browser: &Browser, name: &str| {
-        let png = data_encoding::BASE64
-            .decode(browser.screenshot().as_bytes())
-            .unwrap();
-        let path = std::env::temp_dir().join(format!("volref-report-{name}.png"));
-        std::fs::write(&path, png).unwrap();
-        println!("{}", path.display());
-    };
-    let opened = open(samples::suite_html(), 1500, 1400).unwrap();
-    let browser = &opened.browser;
-    let show = |case: &str, keys: &str, name: &str| {
-        browser.press(&format!("/{case}{ENTER}"));
-        browser.wait_for(&format!(
-            "document.querySelector('article.open h2').textContent.includes('{case}')"
-        ));
-        wait_for_pictures(browser);
-        browser.press(&format!("{ESCAPE}{keys}"));
-        save(browser, name);
-        browser.run("const f = document.querySelector('#filter'); f.value = ''; f.dispatchEvent(new Event('input'))");
-    };
-    wait_for_pictures(browser);
-    save(browser, "first");
-    show(CHECKED, "6w0", "deterministic");
-    show(CHECKED, "s", "swipe");
-    show("fog/backward", "6w0", "stochastic");
-    show("fog/backward", "t5", "z-dark");
-    show("figures/figure-5", "6", "codes");
-    show("figures/figure-4", "6", "sizes");
-    show("gain-0.1", "2n", "nan");
-    show("cornell", "", "missing");
-    show("gain-0.6", "", "no-golden");
-    browser.press("?");
-    save(browser, "help");
-    drop(opened);
-    let opened = open(samples::suite_html(), 500, 1000).unwrap();
-    let browser = &opened.browser;
-    save(browser, "narrow-list");
-    browser.press(&format!("{DOWN}{ENTER}"));
-    wait_for_pictures(browser);
-    save(browser, "narrow-case");
-    browser.run("document.querySelector('#read-out').scrollIntoView()");
-    save(browser, "narrow-lower");
-}
-
 /// The page of costs complains of nothing, asks for nothing, is no wider than the window, and no
 /// text of its drawings is cut off.
 #[test]

@@ -191,13 +191,6 @@ impl Browser {
         let entries = self.command("se/log", json!({ "type": kind }));
         entries.as_array().unwrap().clone()
     }
-
-    /// The window as a PNG image in base 64.
-    pub fn screenshot(&self) -> String {
-        let path = format!("{}/screenshot", self.session);
-        let image = self.exchange("GET", &path, "").unwrap();
-        image.as_str().unwrap().to_owned()
-    }
 }
 
 impl Drop for Browser {
