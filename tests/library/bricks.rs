@@ -1,28 +1,22 @@
 //! The family `bricks`: goldens against the formula of their field, without a grid; files that hold the same grid; and
 //! what is said of renderers that store volumes in bricks and are wrong at their borders.
 
+use crate::common::suite::{film_of as rendered, golden_of, searched, validated};
 use crate::sampled::{composited, number, rays, span, table_of, vector};
 use glam::{DVec3, dvec3};
 use std::path::Path;
 use std::sync::Arc;
-use volref::compare::Picture;
 use volref::exchange::{Format, export};
 use volref::film::Film;
-use volref::judging::{Verdict, validate};
+use volref::judging::Verdict;
 use volref::math::{cos, sin};
-use volref::naming::{Predictions, Search, likeness};
-use volref::render::{Sampling, plans, render};
 use volref::scene::{Classified, Scene};
-use volref::suite::{Case, Output, Suite};
+use volref::suite::Case;
 use volref::variations::mistakes;
 use volref::volume::{Grid, Lattice};
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
 fn family() -> Vec<Case> {
-    let suite = Suite::open(root()).unwrap();
+    let suite = crate::common::suite::suite();
     let cases = suite.select(&["bricks".to_owned()]).unwrap();
     cases.into_iter().cloned().collect()
 }
@@ -31,17 +25,6 @@ fn case(name: &str) -> Case {
     let cases = family().into_iter();
     let name = format!("bricks/{name}");
     cases.clone().find(|case| case.name == name).unwrap()
-}
-
-fn rendered(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
-}
-
-fn golden(case: &Case) -> Film {
-    let file = root().join(format!("golden/{}.exr", case.name));
-    Film::from_exr(&std::fs::read(file).unwrap()).unwrap()
 }
 
 /// Three whole numbers.
@@ -132,7 +115,7 @@ fn goldens_are_those_of_the_formula() {
             }
             None => number(step),
         };
-        let (film, rays) = (golden(case), rays(&scene));
+        let (film, rays) = (golden_of(&case.name), rays(&scene));
         assert_eq!(rays.len(), film.radiance().len());
         let mut shown = 0;
         for (index, (&ray, found)) in rays.iter().zip(film.radiance()).enumerate() {
@@ -177,7 +160,7 @@ fn with_file(scene: &Path, file: &str, volume: &Classified) -> String {
 /// cells; where a map places the volume, that of the scene.
 #[test]
 fn grids_written_and_read_again_are_the_same() {
-    let suite = Suite::open(root()).unwrap();
+    let suite = crate::common::suite::suite();
     let folder = tempfile::tempdir().unwrap();
     for name in [
         "bricks/ramp-31-32-33",
@@ -227,13 +210,7 @@ fn grids_written_and_read_again_are_the_same() {
 /// The verdict on an image of a case whose grid or conventions an edit has changed.
 fn verdict(case: &Case, edit: impl FnMut(&mut Classified)) -> (Verdict, Film) {
     let wrong = rendered(&case.load_scene().unwrap().with_volumes(edit));
-    let picture = Picture::Radiance(wrong.clone());
-    let output = Output::Picture(Box::new(picture));
-    let suite = Suite::open(root()).unwrap();
-    (
-        validate(case, &suite.store(), output, None).result.verdict,
-        wrong,
-    )
+    (validated(case, wrong.clone()).result.verdict, wrong)
 }
 
 /// The grid with the value of each node from another one, or none.
@@ -283,21 +260,6 @@ fn reported_faults_are_caught() {
     }
 }
 
-/// The name that a search gives first.
-fn named(case: &Case, film: Film) -> Option<String> {
-    let suite = Suite::open(root()).unwrap();
-    let output = Output::Picture(Box::new(Picture::Radiance(film)));
-    let mut judged = vec![validate(case, &suite.store(), output, None)];
-    let search = Search {
-        budget: None,
-        predictions: &Predictions::default(),
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
-    likeness(&[case], &[], None, &mut judged, &search);
-    judged[0].result.looks_like.first().cloned()
-}
-
 /// Mistakes of bricks are named with the size of the brick.
 #[test]
 fn mistakes_of_bricks_are_named() {
@@ -314,7 +276,10 @@ fn mistakes_of_bricks_are_named() {
         let case = case(name);
         let scene = case.load_scene().unwrap();
         let wrong = mistakes::named(mistake).unwrap().in_scene(&scene).unwrap();
-        let said = named(&case, rendered(&wrong));
+        let said = searched(&case, rendered(&wrong))
+            .looks_like
+            .first()
+            .cloned();
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
 }
@@ -333,7 +298,7 @@ fn reversed_and_exchanged_axes_are_named() {
     };
     // array[x, y, z] of an array whose axes are z, y, x.
     let other_indices: Source = |[i, j, k], [nx, _, nz]| [k.min(nx - 1), j, i.min(nz - 1)];
-    let suite = Suite::open(root()).unwrap();
+    let suite = crate::common::suite::suite();
     for (name, source, mistake) in [
         ("scenes/turned", reversed_z, "volume-reversed-along-z"),
         ("scenes/oblique", reversed_x, "volume-reversed-along-x"),
@@ -371,7 +336,10 @@ fn reversed_and_exchanged_axes_are_named() {
             let nodes = volume.grid.lattice().nodes();
             with_nodes(volume, |node| Some(source(node, nodes)));
         };
-        let said = named(case, verdict(case, edit).1);
+        let said = searched(case, verdict(case, edit).1)
+            .looks_like
+            .first()
+            .cloned();
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
     // Coordinates of a texture in another order: the box stays, the counts of nodes are exchanged.
@@ -388,6 +356,9 @@ fn reversed_and_exchanged_axes_are_named() {
         });
         volume.grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
     };
-    let said = named(case, verdict(case, edit).1);
+    let said = searched(case, verdict(case, edit).1)
+        .looks_like
+        .first()
+        .cloned();
     assert_eq!(said.as_deref(), Some("volume-transposed"));
 }

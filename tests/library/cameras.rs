@@ -1,11 +1,12 @@
 //! Cameras by a matrix and intrinsics: their rays are those of the formula, and every renderer and export takes them.
 
+use crate::common::suite::film_of;
 use crate::ray_caster::scenes::hash;
 use glam::{DMat3, DVec3};
 use std::path::Path;
 use volref::film::{Depth, Film};
 use volref::geometry::{Camera, Intrinsics};
-use volref::render::{Sampling, plans, render};
+use volref::render::Sampling;
 use volref::scene::{Model, Scene};
 use volref::{conventions, reference};
 
@@ -128,9 +129,7 @@ fn scene(rest: &str) -> Scene {
 }
 
 fn by_both(scene: &Scene) -> [Film; 2] {
-    let fast = render(&plans(scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film;
+    let fast = film_of(scene);
     [
         fast,
         reference::render(scene, Sampling::default(), &[true]).unwrap(),

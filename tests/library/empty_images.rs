@@ -1,30 +1,16 @@
 //! Images in which nothing, or all but nothing, was drawn, and explanations of faint ones.
 
+use crate::common::suite::{case_of as case, film_of as film, suite};
 use std::path::Path;
 use volref::compare::Picture;
 use volref::conventions::{CATALOGUE, Profile, under};
 use volref::film::{Bits, Film};
 use volref::judging::{Judged, Verdict, validate};
 use volref::naming::{ConventionSearch, Predictions, Search, likeness};
-use volref::render::{Sampling, plans, render};
 use volref::scene::Scene;
-use volref::suite::{Case, Output, Suite};
+use volref::suite::{Case, Output};
 
 const WORK: f64 = 10.0;
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
-fn case(name: &str) -> Case {
-    suite().select(&[name.to_owned()]).unwrap()[0].clone()
-}
-
-fn film(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
-}
 
 fn output(picture: Picture) -> Output {
     Output::Picture(Box::new(picture))

@@ -1,6 +1,7 @@
 //! Formulas for whole images: scenes that they refuse, and volref's renderings held to them.
 
-use std::path::{Path, PathBuf};
+use crate::common::suite::suite;
+use std::path::PathBuf;
 use volref::compare::Picture;
 use volref::film::Film;
 use volref::judging::{Verdict, validate};
@@ -8,11 +9,7 @@ use volref::known_answers::{CATALOGUE, Footprint, Formula};
 use volref::math::Moments;
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::Scene;
-use volref::suite::{Answer, Case, Golden, Output, Suite};
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
+use volref::suite::{Answer, Case, Golden, Output};
 
 fn cases() -> Vec<Case> {
     let cases = suite().cases().to_vec();

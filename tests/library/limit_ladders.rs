@@ -1,12 +1,12 @@
 //! Images with smaller and smaller steps in the family `limit`: rules of first order pass, conventions
 //! are found and judged, and images that do not converge are told what they do.
 
+use crate::common::suite::film_of as rendered;
 use volref::compare::Picture;
 use volref::conventions::Profile;
 use volref::film::Film;
 use volref::judging::{Judged, Verdict, validate};
 use volref::naming::ConventionSearch;
-use volref::render::{Sampling, plans, render};
 use volref::scene::{Conventions, LastStep, Scene};
 use volref::suite::{Case, Output, Suite};
 
@@ -209,11 +209,6 @@ fn profiles_that_volref_brings() {
     let darker = Film::new(film.width(), film.height(), darker);
     let result = judged_one(&suite, case, of_eight_bits(&darker)).result;
     assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
-}
-
-fn rendered(scene: &Scene) -> Film {
-    let rendering = render(&plans(scene), Sampling::default(), &|| ());
-    rendering.unwrap().film
 }
 
 fn judged_one(suite: &Suite, case: &Case, image: Film) -> Judged {

@@ -430,7 +430,7 @@ fn work_of_an_integral() {
 /// The goldens of the family state how well they are known.
 #[test]
 fn goldens_of_the_family_are_known_to_a_millionth() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let cases = suite.select(&["limit".to_owned()]).unwrap();
     assert!(cases.len() >= 14);
     for case in cases {

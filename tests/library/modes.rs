@@ -4,6 +4,7 @@
 //! at thousands of places of a ray, with a bound on what lies between two of them. The sampled ones are those of
 //! `src/reference`, to the bit (`reference.rs`).
 
+use crate::common::suite::film_of;
 use crate::ray_caster::scenes::{PHONG, hash, plain, sampled};
 use glam::{DMat3, DVec3};
 use std::path::Path;
@@ -17,13 +18,13 @@ use volref::naming::{Predictions, Search, likeness};
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::reference;
 use volref::render::classified::modes::ExactField;
-use volref::render::{Event, Sampling, plans, render, render_counted};
+use volref::render::{Event, Sampling, plans, render_counted};
 use volref::scene::{
     Classified, Clip, Conventions, Isosurface, Isosurfaces, Kept, LastStep, Mode, Panel, Projected,
     Projection, Scene, Window,
 };
 use volref::sensitivity::number;
-use volref::suite::{Output, Suite};
+use volref::suite::Output;
 use volref::variations::mistakes;
 use volref::volume::{Cell, Centring, Grid, Lattice, NodeLine};
 
@@ -74,9 +75,7 @@ fn panel(scene: Classified, side: usize) -> Panel {
 
 fn image(scene: &Classified, side: usize) -> Film {
     let scene = Scene::of(panel(scene.clone(), side));
-    render(&plans(&scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
+    film_of(&scene)
 }
 
 /// Numbers in [−1, 1], with as many zeros.
@@ -715,9 +714,7 @@ fn numbers_of_a_mode() {
         if let Ok(number) = found {
             let more = number.changed(&scene, 0.5).unwrap();
             let [less, more] = [&scene, &more].map(|scene| {
-                let film = render(&plans(scene), Sampling::default(), &|| ())
-                    .unwrap()
-                    .film;
+                let film = film_of(scene);
                 film.radiance()
                     .iter()
                     .map(|pixel| f64::from(pixel[0]))
@@ -732,7 +729,7 @@ fn numbers_of_a_mode() {
 /// the same image.
 #[test]
 fn mistakes_of_the_family_are_named() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let mut unnamed = Vec::new();
     let mut named = 0;
     for case in suite.select(&["scenes".to_owned()]).unwrap() {
@@ -743,9 +740,7 @@ fn mistakes_of_the_family_are_named() {
         for name in &case.mistakes {
             let mistake = mistakes::named(name).unwrap();
             let wrong = mistake.in_scene(&scene).unwrap();
-            let film = render(&plans(&wrong), Sampling::default(), &|| ())
-                .unwrap()
-                .film;
+            let film = film_of(&wrong);
             let output = Output::Picture(Box::new(Picture::Radiance(film)));
             let mut judged = vec![validate(case, &suite.store(), output, None)];
             let verdict = judged[0].result.verdict;

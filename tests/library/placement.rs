@@ -4,6 +4,7 @@
 //! between its faces by Cramer's rule, distances and directions are of the world from the start.
 //! Its field is linear, so that it has a closed form between and at the nodes.
 
+use crate::common::suite::film_of as rendered;
 use glam::{DMat3, DVec3};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,7 +13,7 @@ use volref::film::Film;
 use volref::geometry::{Direction, Ray, Transform};
 use volref::math::{exp_m1, ln_1p, powu};
 use volref::reference;
-use volref::render::{Sampling, plans, render};
+use volref::render::Sampling;
 use volref::scene::{Classified, Scene};
 use volref::variations::mistakes;
 use volref::volume::{LoadOptions, Orientation, load_hashed};
@@ -104,12 +105,6 @@ fn scene_of(folder: &Path, volume: &str, more: &str, view: &str) -> Scene {
 
 fn volume(scene: &Scene) -> &Classified {
     scene.panels[0].classified().unwrap()
-}
-
-fn rendered(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| {})
-        .unwrap()
-        .film
 }
 
 /// The fast, the plain and the counted caster, which agree to the bit.

@@ -1,18 +1,14 @@
 //! Images of 8 bits: of right ones none is rejected, whatever the case, and faults beyond the rounding are.
 
-use std::path::Path;
+use crate::common::suite::film_with;
+use crate::common::suite::{silent, suite};
 use volref::compare::Picture;
 use volref::compare::flip::SrgbImage;
 use volref::film::{Bits, Encoding, Film, Origin, Quantisation};
 use volref::judging::{CaseResult, Verdict, declared, validate};
 use volref::math;
-use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Length, Panel, Scene};
 use volref::suite::{Case, Golden, Output, Suite};
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
 
 /// The roundings of 8 bits that renderers have, at the exposure of a case.
 fn roundings(exposure: f64) -> [Quantisation; 2] {
@@ -22,11 +18,6 @@ fn roundings(exposure: f64) -> [Quantisation; 2] {
         origin: Origin::Declared,
         blended: false,
     })
-}
-
-/// `film` as a file holds it that says nothing of its rounding.
-fn silent(film: &Film) -> Film {
-    Film::new(film.width(), film.height(), film.radiance().to_vec())
 }
 
 fn scaled(film: &Film, factor: f64) -> Film {
@@ -61,11 +52,7 @@ fn golden(suite: &Suite, case: &Case) -> Film {
 
 /// The picture of a case with `samples` per pixel, and seeds of its own.
 fn rendered(scene: &Scene, samples: u32) -> Film {
-    let sampling = Sampling {
-        samples: Some(samples),
-        seed: Seed::Given(scene.seed().unwrap_or(0) ^ 0x38_6269_7473),
-    };
-    render(&plans(scene), sampling, &|| ()).unwrap().film
+    film_with(scene, samples, scene.seed().unwrap_or(0) ^ 0x38_6269_7473)
 }
 
 /// The scene of a case without a step, with its step times `factor` and samples at `first` in each.

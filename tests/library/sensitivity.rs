@@ -1,6 +1,7 @@
 //! Derivatives of images by the numbers of their scenes: against closed forms, quadrature and laws.
 
 use crate::common::quadrature::integral;
+use crate::common::suite::film_of as image;
 use glam::DVec3;
 use std::path::Path;
 use volref::film::Film;
@@ -34,12 +35,6 @@ fn derivative_by(scene: &Scene, name: &str, differences: &Differences) -> Deriva
     derivative(scene, &number, differences, &|| false)
         .unwrap()
         .unwrap()
-}
-
-fn image(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
 }
 
 /// Every channel of every pixel of `found` is what `expected` makes of that of the image, within

@@ -4,6 +4,7 @@
 //! generated scenes the fast caster, which streams a merge of steps and adds optical depths, is compared
 //! with the plain one, which lists all pieces and multiplies transparencies.
 
+use crate::common::suite::film_of as fast;
 use crate::effects::scenes::off_is_off;
 use glam::{DMat3, DVec3};
 use std::path::Path;
@@ -66,11 +67,6 @@ fn scene_of(folder: &Path, classified: &str) -> Scene {
 
 fn parsed(folder: &Path, text: &str) -> Scene {
     Scene::parse(text, &folder.join("scene.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
-fn fast(scene: &Scene) -> Film {
-    let rendered = render(&plans(scene), Sampling::default(), &|| {});
-    rendered.unwrap().film
 }
 
 fn plain(scene: &Scene) -> Film {

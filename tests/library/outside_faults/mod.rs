@@ -9,6 +9,8 @@ mod faults;
 mod images;
 mod verdict;
 
+use crate::common::suite::film_with;
+use crate::common::suite::suite;
 use faults::{Edit, Fault, Kind, faults};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,15 +25,10 @@ use volref::geometry::Camera;
 use volref::judging::{CaseResult, Judged, Verdict, validate};
 use volref::math;
 use volref::naming::{ConventionSearch, Predictions, Search, likeness};
-use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Model, Scattering, Scene};
 use volref::sensitivity::number;
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
 
 fn case_of<'a>(suite: &'a Suite, name: &str) -> &'a Case {
     suite.select(&[name.to_owned()]).unwrap()[0]
@@ -115,11 +112,7 @@ fn rendered(scene: &Scene, samples: u32) -> Film {
 }
 
 fn rendered_with(scene: &Scene, samples: u32, seed: u64) -> Film {
-    let sampling = Sampling {
-        samples: Some(samples),
-        seed: Seed::Given(seed),
-    };
-    render(&plans(scene), sampling, &|| ()).unwrap().film
+    film_with(scene, samples, seed)
 }
 
 /// The scene with `fault`; `None` where a number or a mistake has no occasion.

@@ -11,8 +11,7 @@ use volref::math::{Moments, exp};
 use volref::optics::{Density, Field, Homogeneous, Material, Sides};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
-    Blob, ConstantDensity, ExponentialLayer, Grid, GridDensity, Interpolation,
-    Lattice,
+    Blob, ConstantDensity, ExponentialLayer, Grid, GridDensity, Interpolation, Lattice,
 };
 
 /// Standard errors near 0.5 %.
