@@ -1,6 +1,6 @@
 //! `volref accept`
 
-use crate::folder::{CURVE, Folder, ROOM, Run, assert_shown, scene};
+use crate::folder::{CURVE, Folder, assert_shown, scene};
 
 #[test]
 fn new_goldens() {
@@ -261,20 +261,6 @@ fn a_manifest_is_written_for_a_scene_without_one() {
     assert_eq!(suite.text("fixtures/cases/own/curve.toml"), before);
 }
 
-/// A scene with random numbers is stochastic, with samples for its golden by default.
-#[test]
-fn a_manifest_of_a_sampled_scene() {
-    let suite = Folder::with_suite();
-    let file = "fixtures/scenes/fog/room.toml";
-    suite.write(file, ROOM.replace("= 256", "= 16"));
-    let run = suite.volref(&["accept", file, "--reason", "first"]);
-    assert_eq!(run.code, 0, "{}", run.stderr);
-    let manifest: toml::Table = suite.text("fixtures/cases/fog/room.toml").parse().unwrap();
-    assert_eq!(manifest["class"].as_str(), Some("stochastic"));
-    assert_eq!(manifest["converged_samples"].as_integer(), Some(1024));
-    assert_eq!(suite.volref("verify fog").code, 0);
-}
-
 /// Nothing is written where a manifest, the reason or another filter would be wrong.
 #[test]
 fn manifests_that_are_not_written() {
@@ -328,21 +314,6 @@ fn accepted_images_as_a_page() {
     assert_eq!(pictures(&page, "smoke&#x2f;plain"), [true; 3]);
 }
 
-/// A stale case shows its old golden, the image of its scene now, and their difference.
-#[test]
-fn a_stale_case_as_a_page() {
-    let suite = Folder::with_goldens();
-    suite.edit(
-        "fixtures/scenes/smoke/plain.toml",
-        "0.2 voxels",
-        "0.3 voxels",
-    );
-    let run = suite.volref("verify smoke/plain --report page");
-    run.prints(3, "stale … report: page/index.html");
-    let page = suite.text("page/index.html");
-    assert_eq!(pictures(&page, "smoke&#x2f;plain"), [true; 3]);
-}
-
 /// Whether the page has a golden, a test image and a difference for a case.
 fn pictures(page: &str, case: &str) -> [bool; 3] {
     let (_, article) = page.split_once(&format!("<article id=\"{case}\"")).unwrap();
@@ -351,35 +322,4 @@ fn pictures(page: &str, case: &str) -> [bool; 3] {
     let packed: serde_json::Value =
         serde_json::from_str(packed.split_once("</script>").unwrap().0).unwrap();
     ["golden", "test", "difference"].map(|name| !packed[name].is_null())
-}
-
-/// The lock of the goldens is never committed: the folder that an accept makes hides it; one of the user's stays as it is.
-#[test]
-fn the_lock_is_hidden_from_version_control() {
-    let suite = Folder::with_suite();
-    std::fs::create_dir(suite.path("golden")).unwrap();
-    suite.accept_all();
-    assert!(!suite.path("golden/.gitignore").exists());
-    assert_eq!(Folder::with_goldens().text("golden/.gitignore"), "/.lock\n");
-}
-
-/// The commands of a message name the suite where it is not that of the current folder.
-#[test]
-fn suggested_commands_name_the_suite() {
-    let folder = Folder::with_suite();
-    let parent = Folder::new();
-    let place = parent.path("my suite");
-    std::fs::rename(folder.path("fixtures"), parent.path("fixtures")).unwrap();
-    std::fs::create_dir(&place).unwrap();
-    std::fs::rename(parent.path("fixtures"), place.join("fixtures")).unwrap();
-    let accept = "volref accept plots/curve --suite 'my suite' --reason ...";
-    let run = parent.volref("verify curve --suite 'my suite' --report page");
-    run.prints(3, &[accept]);
-    let mut command = parent.command("verify curve --report page");
-    let run = Run::of(command.env("VOLREF_SUITE", "my suite").output().unwrap());
-    run.prints(3, &[accept]);
-    let again = "volref verify plots&#x2f;curve --suite &#x27;my suite&#x27;";
-    crate::folder::assert_holds(&parent.text("page/index.html"), &[again]);
-    let run = parent.volref("verify curvy --suite 'my suite'");
-    run.expect(5, "`volref list --suite 'my suite'` shows all cases");
 }

@@ -144,27 +144,6 @@ fn grids() {
     }
 }
 
-/// A sheet, a rod: unusual, and no mistake.
-#[test]
-fn grids_of_one_voxel_thickness_work() {
-    for nodes in [[4, 4, 1], [1, 4, 4], [4, 1, 4], [1, 1, 4]] {
-        let folder = Folder::new();
-        let count = nodes.iter().product::<i32>() as usize;
-        folder.write("grid.bin", grid(nodes, [1.0; 3], &vec![1.0; count]));
-        for camera in [
-            "",
-            "camera = { eye = [2, 3, -4], target = [0.5, 0.5, 0.5] }\n",
-        ] {
-            let scene = "film = { width = 8, height = 8 }\n[classified]\n\
-                         volume = { file = \"grid.bin\" }\nphong = {}\n\
-                         shadow = { reference_step = \"0.05 voxels\" }\n";
-            folder.write("scene.toml", camera.to_owned() + scene);
-            let run = folder.volref("render scene.toml -o image.exr");
-            assert_eq!(run.code, 0, "{nodes:?}: {}", run.stderr);
-        }
-    }
-}
-
 #[test]
 fn no_such_volume() {
     let folder = Folder::with_scenes();

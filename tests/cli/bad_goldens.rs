@@ -302,22 +302,6 @@ fn a_folder_in_the_place_of_a_golden() {
     assert_eq!(suite.files(), before);
 }
 
-/// What no crash leaves behind: only a hand can have done this, so a hand must mend it.
-#[test]
-fn a_garbled_journal() {
-    let suite = Folder::with_goldens();
-    suite.write("golden/accept.journal", "garbage");
-    let before = suite.files();
-    let run = suite.volref("verify smoke/plain");
-    run.prints(3, "accept.journal, line 1");
-    let run = suite.volref("accept smoke/plain --reason r");
-    run.expect(
-        3,
-        "accept.journal, line 1 … restore the goldens from version control",
-    );
-    assert_eq!(suite.files(), before);
-}
-
 #[test]
 fn one_bad_golden_does_not_hide_the_other_cases() {
     let suite = Folder::with_goldens();
@@ -356,21 +340,6 @@ fn another_exposure_makes_the_preview_stale_and_can_be_accepted() {
         run.stderr
     );
     assert_eq!(suite.volref("verify").code, 0);
-}
-
-#[test]
-fn reports_are_not_written_over_goldens_or_cases() {
-    let suite = Folder::with_goldens();
-    let before = suite.files();
-    for (option, path) in [
-        ("--json", "golden/smoke/plain.exr"),
-        ("--junit", "golden/smoke/new.xml"),
-    ] {
-        let option = format!("{option}={path}");
-        let run = suite.volref(&["verify", &option]);
-        run.expect(2, "is in the folder of the goldens");
-    }
-    assert_eq!(suite.files(), before);
 }
 
 const SENSITIVITIES: &str = "golden/sensitivities/fog/room.exr";

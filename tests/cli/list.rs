@@ -144,14 +144,6 @@ fn json() {
     "#);
 }
 
-#[test]
-fn json_in_a_file_beside_the_text() {
-    let suite = Folder::with_suite();
-    let run = suite.volref("list plots --json=cases.json");
-    assert!(run.stdout.starts_with("plots/curve"), "{}", run.stdout);
-    assert!(suite.text("cases.json").contains("volref/list/1"));
-}
-
 /// Every mistake that a verdict may name, without a suite.
 #[test]
 fn mistakes() {

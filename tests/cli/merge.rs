@@ -6,9 +6,7 @@ use flate2::write::DeflateEncoder;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Write;
-use std::time::{Duration, Instant};
 use volref::film::{Film, LayeredFilm};
-use volref::runs::ResultFolder;
 
 /// Judges each of `parts` parts of a suite in a folder of results of its own, and returns these.
 fn in_parts(suite: &Folder, parts: usize, command: &[&str]) -> Vec<String> {
@@ -641,32 +639,6 @@ fn what_unpacks_to_too_much_is_not_unpacked() {
         suite.write(name, crafted);
         let run = merged(&suite, &["kept".to_owned()], &[]);
         run.prints(5, &[words]);
-    }
-}
-
-/// In an hour, if each of them takes time in proportion to all.
-#[test]
-fn time_is_in_proportion_to_the_number_of_cases() {
-    const CASES: usize = 300_000;
-    let suite = Folder::with_goldens();
-    let version = ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
-    for command in ["verify", "validate", "selftest"] {
-        let run = volref::runs::Run {
-            command: command.to_owned(),
-            settings: BTreeMap::from([version.clone()]),
-            cases: (0..CASES)
-                .map(|case| (format!("many/case-{case}"), String::new()))
-                .collect(),
-            is_everything: false,
-        };
-        ResultFolder::open(suite.path(command)).begin(&run).unwrap();
-        let start = Instant::now();
-        let run = merged(&suite, &[command.to_owned()], &[]);
-        assert_eq!(run.code, 5, "{}", run.stderr);
-        let words = format!("missing: {CASES} of {CASES} cases");
-        assert!(run.stdout.contains(&words), "{}", &run.stdout[..400]);
-        let took = start.elapsed();
-        assert!(took < Duration::from_secs(60), "{command}: {took:?}");
     }
 }
 

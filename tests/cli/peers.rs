@@ -566,28 +566,6 @@ fn the_student_projects() {
     }
 }
 
-/// Every other mistake that the script offers makes an image that fails.
-#[test]
-fn the_students_mistakes_are_seen() {
-    if !python("the_students_mistakes_are_seen") {
-        return;
-    }
-    let scene = small("figure-3");
-    let right = film(&scene);
-    assert!(deterministic(&right, &student_film(&scene, &[])).passed);
-    for mistake in [
-        "nearest",
-        "half-voxel",
-        "no-opacity-correction",
-        "inward-normal",
-        "upside-down",
-        "gamma",
-    ] {
-        let judgement = deterministic(&right, &student_film(&scene, &["--mistake", mistake]));
-        assert!(!judgement.passed, "{mistake}: {}", judgement.reason);
-    }
-}
-
 // --- The student's path tracer --------------------------------------------------------------------
 
 /// Verdicts of `validate` on the student's path tracer, with their numbers.
@@ -743,33 +721,5 @@ fn the_script_for_pbrt_says_what_it_lacks() {
     assert!(
         !done && said.contains("which is no program; how pbrt is built is in"),
         "{said}"
-    );
-}
-
-/// The table of ray casters counts the cases that a renderer has words for, and names those that do not pass.
-#[test]
-fn the_table_of_ray_casters_leaves_out_what_was_refused() {
-    if !python("the_table_of_ray_casters_leaves_out_what_was_refused") {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let case = |name: &str, verdict: &str, reason: &str| serde_json::json!({ "name": name, "verdict": verdict, "reason": reason });
-    let results = serde_json::json!({ "cases": [
-        case("sampled/thin", "pass", "0 of 4096 pixels differ"),
-        case("sampled/cells", "fail", "11 of 4096 pixels differ"),
-        case("sampled/slope", "error", "the renderer failed; refused: parallel rays only"),
-    ] });
-    let results_of_one = folder.path().join("tutorial");
-    std::fs::create_dir(&results_of_one).unwrap();
-    std::fs::write(results_of_one.join("results.json"), results.to_string()).unwrap();
-    let mut run = Command::new("python3");
-    run.arg(root().join("scripts/peers/ray_casters.py"));
-    run.args(["--table", "--results", ".", "tutorial"]);
-    let output = run.current_dir(folder.path()).output().unwrap();
-    let table = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        table.ends_with("| `--as tutorial` | 2 | 1 | 0 | `sampled/cells` |\n"),
-        "{table}{}",
-        String::from_utf8_lossy(&output.stderr)
     );
 }

@@ -208,19 +208,3 @@ fn renderers_are_told_the_exposure() {
             .contains("\"exposure\": 1.5")
     );
 }
-
-/// The first error of a renderer that crashes is quoted, however much it prints after that.
-#[test]
-fn a_crash_is_quoted_by_its_first_error() {
-    let folder = Folder::with_goldens();
-    let script = "echo loading; echo 'ERROR: no GPU found' >&2; \
-                  for i in 1 2 3 4 5; do echo \"thread $i ended\" >&2; done; exit 3";
-    folder.write("renderer.sh", script);
-    let command = "sh renderer.sh {output}";
-    let run = folder.volref(&["validate", CASE, "--run", command]);
-    assert_eq!(run.code, 4);
-    for said in ["its first error:", "ERROR: no GPU found", "thread 5 ended"] {
-        assert!(run.stdout.contains(said), "{}", run.stdout);
-    }
-    assert!(!run.stdout.contains("thread 2 ended"), "{}", run.stdout);
-}

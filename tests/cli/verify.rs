@@ -275,19 +275,3 @@ fn a_scene_that_no_longer_loads_is_bad_input() {
     4 cases: 3 passed, 1 error
     ");
 }
-
-#[test]
-fn causes_that_meet() {
-    let suite = Folder::with_goldens();
-    // A mismatch in three cases, then a golden that is damaged, then bad input.
-    suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    assert_eq!(suite.volref("verify").code, 1);
-    suite.remove("golden/plots/curve.png");
-    assert_eq!(suite.volref("verify").code, 3);
-    suite.edit(
-        "fixtures/scenes/smoke/plain.toml",
-        "width = 12",
-        "width = 0",
-    );
-    assert_eq!(suite.volref("verify").code, 2);
-}

@@ -214,62 +214,6 @@ fn each_model_of_light_is_read_by_itself() {
     assert!(seen[0] > 8 && seen[1] > 15, "{seen:?}");
 }
 
-#[test]
-fn circles_are_found_through_every_kind_of_import() {
-    let found = |texts: &[(&str, &str)]| {
-        let files = Files::of(texts.iter().copied());
-        let groups = circles(&files.imports());
-        let groups = groups.iter().map(|group| group.join(" "));
-        groups.collect::<Vec<_>>().join("; ")
-    };
-    let module = (
-        "a/mod.rs",
-        "mod b;\nmod c;\npub use b::B;\npub use c::{C, D as E};",
-    );
-    let b = |code| ("a/b.rs", code);
-    let c = |code| ("a/c.rs", code);
-    let both = "a/b.rs a/c.rs";
-    // By the parent's re-exports, by modules, in a list, renamed, without an import at all.
-    for code in [
-        "use super::C;\nfn f(c: C) {}",
-        "use crate::a::{C as Other};\nfn f(c: Other) {}",
-        "use super::c::{self, D};\nfn f(d: D) {}",
-        "use crate::a::c;\nfn f() { c::g() }",
-        "use super::E;\nfn f(e: E) {}",
-        "use super::c::*;",
-        "fn f() { super::c::g() }",
-        "fn f(c: crate::a::C) {}",
-    ] {
-        let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;\nstruct D;");
-        assert_eq!(found(&[module, b(code), back]), both, "{code}");
-        // One of the two arrows alone is no circle.
-        assert_eq!(
-            found(&[module, b(code), c("struct C;\nstruct D;\nfn g() {}")]),
-            ""
-        );
-    }
-    let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;");
-    // Comments, strings and tests name what they like; and other crates have modules, too.
-    for code in [
-        "// use super::C;\nstruct B;",
-        "fn f() -> &'static str { \"super::C\" }",
-        "struct B;\n#[cfg(test)]\nmod tests {\n    use super::super::C;\n}",
-        "use other::c::C;\nfn f(c: C) {}",
-    ] {
-        assert_eq!(found(&[module, b(code), back]), "", "{code}");
-    }
-    // Three files; and a child that uses what its parent defines is no circle.
-    let d = ("a/d.rs", "use super::b::B;\nfn f(b: B) {}\nstruct D;");
-    let chain = c("use super::d::D;\nstruct C;\nfn g(d: D) {}");
-    let b = b("use super::C;\nstruct B;\nfn f(c: C) {}");
-    assert_eq!(found(&[module, b, chain, d]), "a/b.rs a/c.rs a/d.rs");
-    let parent = ("a.rs", "mod b;\nuse b::B;\nstruct A(B);");
-    assert_eq!(
-        found(&[parent, ("a/b.rs", "use super::A;\nfn f(a: A) {}")]),
-        ""
-    );
-}
-
 /// Ways to open a file that ask neither what it is nor how long.
 const UNASKED: [&str; 6] = [
     "File::open(",

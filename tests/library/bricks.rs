@@ -224,42 +224,6 @@ fn with_nodes(volume: &mut Classified, of: impl Fn([usize; 3]) -> Option<[usize;
     volume.grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
 }
 
-/// Faults of public reports, each made in a grid: the case fails.
-#[test]
-fn reported_faults_are_caught() {
-    type Fault = fn([usize; 3]) -> Option<[usize; 3]>;
-    let faults: [(&str, &str, Fault); 7] = [
-        // Strips from cells counted in too few bits.
-        ("strips", "ramp-63-64-65", |[i, j, k]| Some([i & 31, j, k])),
-        ("strips", "bands-129-127-31", |[i, j, k]| {
-            Some([i, j & 63, k])
-        }),
-        // Gaps: nothing between two bricks.
-        ("gaps", "ramp-31-32-33", |node| {
-            (node[0] % 16 != 15).then_some(node)
-        }),
-        ("gaps", "spots-of-32", |node| {
-            (node[0] % 32 != 0).then_some(node)
-        }),
-        // Empty space that is skipped with a voxel in it.
-        ("skipped", "spots-of-8", |node| {
-            (node != [16, 16, 16]).then_some(node)
-        }),
-        // Beyond 4096 nodes the first ones are read again, or the last one.
-        ("4096", "end-of-4097", |[i, j, k]| Some([i, j % 4096, k])),
-        ("2048", "end-of-2049", |[i, j, k]| Some([i.min(2047), j, k])),
-    ];
-    for (fault, name, edit) in faults {
-        let (verdict, _) = verdict(&case(name), |volume| with_nodes(volume, edit));
-        assert_eq!(verdict, Verdict::Fail, "{fault} in {name}");
-    }
-    // Samples counted from each brick, of a size that no mistake has.
-    for name in ["spots-of-16", "spots-of-32"] {
-        let edit = |volume: &mut Classified| volume.conventions.brick_steps = Some(24);
-        assert_eq!(verdict(&case(name), edit).0, Verdict::Fail, "{name}");
-    }
-}
-
 /// Mistakes of bricks are named with the size of the brick.
 #[test]
 fn mistakes_of_bricks_are_named() {

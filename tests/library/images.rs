@@ -3,7 +3,7 @@
 use crate::common;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
-use volref::compare::{Conditions, Deterministic, Picture, PictureError, judge};
+use volref::compare::{Conditions, Deterministic, Picture, judge};
 use volref::film::{Film, FilmError, FilmFormat};
 use volref::suite::{Found, OutputError, Outputs};
 
@@ -426,50 +426,6 @@ fn headers_of_pfm() {
     ");
 }
 
-/// Where only the other byte order makes sense, the verdict says so, and speaks of no division.
-#[test]
-fn byte_orders_of_pfm() {
-    let colours = [0.0, 0.5, 0.123_456_79, 3.7e-5, 812.25, 1.0];
-    let subnormal = f32::from_bits(7);
-    for (values, is_named) in [
-        (&colours[..], true),
-        // Without NaN in either order.
-        (&[0.5, 1.0], true),
-        (&[0.1, f32::NAN], false),
-        (&[0.1, f32::INFINITY], false),
-        (&[0.1, 1e20], false),
-        (&[0.1, subnormal], false),
-        (&[0.0, 0.0], false),
-    ] {
-        let golden = Film::new(values.len(), 1, vec![[1.0; 3]; values.len()]);
-        for (scale, bytes) in [
-            ("1", f32::to_le_bytes as fn(f32) -> [u8; 4]),
-            ("-1", f32::to_be_bytes),
-        ] {
-            let header = format!("Pf\n{} 1\n", values.len()).into_bytes();
-            let data: Vec<u8> = values.iter().copied().flat_map(bytes).collect();
-            let read = |scale: &str| {
-                let bytes = [&header[..], format!("{scale}\n").as_bytes(), &data].concat();
-                Film::from_pfm(&bytes).unwrap()
-            };
-            let swapped = read(scale);
-            assert_eq!(swapped.is_swapped(), is_named, "{values:?} {scale}");
-            let right = read(if scale == "1" { "-1" } else { "1" });
-            assert!(!right.is_swapped(), "{values:?}");
-            let pictures = [&golden, &swapped].map(|film| Picture::Radiance(film.clone()));
-            let [golden, test] = pictures;
-            let reason = judge(&Deterministic, &golden, &test, &Conditions::default());
-            let reason = reason.unwrap().reason;
-            let end = format!(
-                "; the test image has values of ordinary size only in the other byte order than its \
-                 scale {scale} states: a negative scale is little-endian, a positive one big-endian"
-            );
-            assert_eq!(reason.ends_with(&end), is_named, "{reason}");
-            assert!(!is_named || !reason.contains("division"), "{reason}");
-        }
-    }
-}
-
 /// A list of pixels is read as a grey image, of another size than the golden.
 #[test]
 fn lists_of_pixels() {
@@ -548,29 +504,6 @@ fn a_file_that_is_not_what_its_name_says() {
     assert!(Picture::read(&capitals).is_ok());
 }
 
-/// To open a pipe without a writer, or to read a device to its end, takes for ever.
-#[cfg(unix)]
-#[test]
-fn what_is_no_file_is_not_opened() {
-    let folder = tempfile::tempdir().unwrap();
-    let pipe = folder.path().join("pipe.exr");
-    let status = std::process::Command::new("mkfifo").arg(&pipe).status();
-    assert!(status.unwrap().success());
-    let device = folder.path().join("device.npy");
-    std::os::unix::fs::symlink("/dev/zero", &device).unwrap();
-    let subfolder = folder.path().join("folder.png");
-    std::fs::create_dir(&subfolder).unwrap();
-    for path in [pipe, device, subfolder] {
-        let error = Picture::read(&path).unwrap_err();
-        assert!(matches!(error, PictureError::NotAFile { .. }), "{error}");
-    }
-    let sparse = folder.path().join("sparse.pfm");
-    let file = std::fs::File::create(&sparse).unwrap();
-    file.set_len(Picture::MOST_BYTES + 1).unwrap();
-    let error = Picture::read(&sparse).unwrap_err();
-    assert!(matches!(error, PictureError::TooLong { .. }), "{error}");
-}
-
 /// An image of constant colour, and of constant noise if there is a count.
 fn constant(value: f32, noise: Option<(f32, u32)>) -> Film {
     let pixels = |value: f32| vec![[value, 2.0 * value, 4.0 * value]; 6];
@@ -580,51 +513,6 @@ fn constant(value: f32, noise: Option<(f32, u32)>) -> Film {
         }
         None => Film::new(3, 2, pixels(value)),
     }
-}
-
-/// All numbers here are exact in eight bits.
-#[test]
-fn replicates_have_their_spread() {
-    let values = [1.0, 2.0, 6.0];
-    let pooled = Film::from_replicates(&values.map(|value| constant(value, None))).unwrap();
-    assert_eq!(pooled.radiance(), constant(3.0, None).radiance());
-    // Deviations −2, −1 and 3: 14 in squares, over 2 for the variance and over 3 for the mean.
-    let noise = pooled.noise().unwrap();
-    assert_eq!(noise.samples(), 3);
-    for (c, scale) in [1.0, 4.0, 16.0].into_iter().enumerate() {
-        let exact = 14.0 / 6.0 * scale;
-        assert!((noise.variance()[4][c] - exact).abs() <= exact / 256.0);
-    }
-}
-
-#[test]
-fn replicates_with_noise_become_one_image_of_all_samples() {
-    // Two samples 0 and 2, and two samples 4 and 6: of all the mean is 3 and the variance of the
-    // mean 20/3/4; in the second channel values are twice and variances four times that.
-    let of = |low: f32, high: f32| {
-        let mean = (low + high) / 2.0;
-        let variance = [1.0, 4.0, 16.0].map(|scale| (high - low) * (high - low) / 4.0 * scale);
-        let colours = constant(mean, None).radiance().to_vec();
-        Film::with_noise(3, 2, colours, vec![variance; 6], 2)
-    };
-    let pooled = Film::from_replicates(&[of(0.0, 2.0), of(4.0, 6.0)]).unwrap();
-    assert_eq!(pooled.radiance(), constant(3.0, None).radiance());
-    let noise = pooled.noise().unwrap();
-    assert_eq!(noise.samples(), 4);
-    for (c, scale) in [1.0, 4.0, 16.0].into_iter().enumerate() {
-        let exact = 20.0 / 12.0 * scale;
-        assert!((noise.variance()[0][c] - exact).abs() <= exact / 256.0);
-    }
-    // Where one states nothing, nothing that another states is used.
-    let mixed = [constant(1.0, Some((0.25, 64))), constant(3.0, None)];
-    assert_eq!(
-        Film::from_replicates(&mixed)
-            .unwrap()
-            .noise()
-            .unwrap()
-            .samples(),
-        2
-    );
 }
 
 #[test]

@@ -580,42 +580,6 @@ fn files_stand_where_their_headers_put_them() {
     }
 }
 
-/// An oblique, left-handed `sform`, whose numbers have 32 bits.
-#[test]
-fn an_oblique_nifti_stands_where_its_header_puts_it() {
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/volumes/formats");
-    let mut bytes = std::fs::read(fixtures.join("grid.nii")).unwrap();
-    let rows: [[f32; 4]; 3] = [
-        [0.5, -0.25, 0.0, -1.0],
-        [0.25, 0.5, 0.125, 2.0],
-        [0.0, 0.5, -2.0, 3.0],
-    ];
-    for (index, number) in rows.as_flattened().iter().enumerate() {
-        bytes[280 + 4 * index..][..4].copy_from_slice(&number.to_be_bytes());
-    }
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("ramp.nii"), &bytes).unwrap();
-    let text = "[classified]\n[classified.volume]\nfile = \"ramp.nii\"\n";
-    let scene = Scene::parse(text, &folder.path().join("scene.toml")).unwrap();
-    let lattice = volume(&scene).grid.lattice();
-    let to_world = volume(&scene).to_world.unwrap();
-    assert!(to_world.mirrors());
-    for index in 0..lattice.node_count() {
-        let node = lattice.node(index);
-        let place = to_world.point(lattice.position(node));
-        let [i, j, k] = node.map(|n| n as f64);
-        let right = rows.map(|row| {
-            let [x, y, z, o] = row.map(f64::from);
-            x * i + y * j + z * k + o
-        });
-        assert!(place.distance(right.into()) < 1e-14, "{node:?}: {place}");
-    }
-    // As stored: the lengths of the steps, without a map.
-    let stored = format!("{text}orientation = \"as-stored\"\n");
-    let stored = Scene::parse(&stored, &folder.path().join("scene.toml")).unwrap();
-    assert!(volume(&stored).to_world.is_none());
-}
-
 /// What the file says comes first, what the scene says second.
 #[test]
 fn the_map_of_the_scene_follows_that_of_the_file() {

@@ -197,53 +197,6 @@ fn derivatives_scale_as_their_numbers() {
     }
 }
 
-/// A scene of each family: differences with the step, half and a quarter of it agree, as a
-/// derivative does and a jump does not.
-#[test]
-fn differences_of_three_sizes_agree() {
-    for (name, number, samples) in [
-        ("figures/figure-3", "density", 1),
-        ("fog/rate-0.1", "reflectance", 512),
-        ("fog/rate-0.1", "camera.view", 512),
-        ("smoke/cornell", "density", 512),
-        ("smoke/cornell", "reflectance", 512),
-        ("procedural/coloured", "light", 512),
-        ("fog/isotropic", "light", 512),
-    ] {
-        let scene = scene(name, [12, 12]);
-        let step = volref::sensitivity::number(&scene, number).unwrap().step;
-        let of = [1.0, 0.5, 0.25].map(|factor| {
-            let found = derivative_by(&scene, number, &differences(samples, Some(factor * step)));
-            let count = (3 * 144) as f64;
-            let sum = |values: &[[f32; 3]]| -> f64 {
-                values
-                    .as_flattened()
-                    .iter()
-                    .map(|&value| f64::from(value))
-                    .sum()
-            };
-            let mean = sum(found.film.radiance()) / count;
-            // The channels may share all their noise.
-            let error = (3.0 * sum(found.film.noise().unwrap().variance())).sqrt() / count;
-            (mean, error)
-        });
-        for (mean, error) in &of[..2] {
-            let (last, of_last) = of[2];
-            let noise = (error * error + of_last * of_last).sqrt();
-            // The square of a step of a tenth is a hundredth of what it changes by.
-            let apart = (mean - last).abs();
-            assert!(
-                apart <= 4.0 * noise + 0.02 * last.abs(),
-                "{name} {number}: {of:?}"
-            );
-        }
-        assert!(
-            of[0].0.abs() > 4.0 * of[0].1,
-            "{name} {number}: nothing is seen: {of:?}"
-        );
-    }
-}
-
 /// Derivatives by the place of a volume are the differences of images whose map is another one.
 #[test]
 fn a_placed_volume_is_moved_turned_and_stretched() {

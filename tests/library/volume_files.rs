@@ -236,50 +236,6 @@ fn data_elsewhere_are_read_only_when_asked_for() {
     }
 }
 
-/// A link is no way round: where it leads counts. The folder itself may be reached by one.
-#[cfg(unix)]
-#[test]
-fn links_to_data_elsewhere_are_followed_only_when_asked_for() {
-    use std::os::unix::fs::symlink;
-    let folder = folder("links_to_data");
-    for name in ["below", "store"] {
-        fs::create_dir(folder.join(name)).unwrap();
-    }
-    fs::write(folder.join("store/samples.raw"), [1, 2, 3, 4]).unwrap();
-    let text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nencoding: raw\ndata file: \
-                samples.raw\n";
-    fs::write(folder.join("below/header.nhdr"), text).unwrap();
-    fs::write(folder.join("store/header.nhdr"), text).unwrap();
-    symlink("../store/samples.raw", folder.join("below/samples.raw")).unwrap();
-    let linked = folder.join("below/header.nhdr");
-    let message = load(&linked, &LoadOptions::default())
-        .unwrap_err()
-        .to_string();
-    let real = folder.join("store/samples.raw").canonicalize().unwrap();
-    assert!(
-        message.contains(&format!(": its data are in {real:?}, outside its folder, ")),
-        "{message}"
-    );
-    let anywhere = LoadOptions {
-        detached_anywhere: true,
-        ..LoadOptions::default()
-    };
-    let inside = LoadOptions::default();
-    assert_eq!(load(&linked, &anywhere).unwrap().range(), (1.0, 4.0));
-    // Header and data of one folder, both reached by links, or the folder itself.
-    fs::remove_file(&linked).unwrap();
-    symlink("../store/header.nhdr", &linked).unwrap();
-    assert_eq!(load(&linked, &inside).unwrap().range(), (1.0, 4.0));
-    symlink("store", folder.join("alias")).unwrap();
-    let alias = folder.join("alias/header.nhdr");
-    assert_eq!(load(&alias, &inside).unwrap().range(), (1.0, 4.0));
-    // A folder of links below.
-    symlink("../store", folder.join("below/deep")).unwrap();
-    let header = folder.join("below/deep.nhdr");
-    fs::write(&header, text.replace("samples.raw", "deep/samples.raw")).unwrap();
-    assert!(load(&header, &inside).is_err());
-}
-
 // Volume files in scenes.
 
 /// The scene of this volume, in a folder with the small volumes.

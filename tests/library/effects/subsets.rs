@@ -4,9 +4,8 @@
 use crate::effects::scenes::{Classified, Radiative, Shading, off_is_off, parsed, plan, rendered};
 use std::collections::BTreeSet;
 use volref::film::Film;
-use volref::render::counters::Event;
 use volref::render::plan::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
-use volref::render::{Counters, Effect, Plan};
+use volref::render::{Counters, Plan};
 
 /// Everything on.
 const ALL_FEATURES: RadiativeFeatures = RadiativeFeatures {
@@ -118,55 +117,4 @@ fn classified_volumes() {
         kernels.insert(plan.kernel.to_string());
     }
     assert_eq!(kernels.len(), 54);
-}
-
-/// Each effect with a coefficient of 0, forced: the same bits, and more of its own work, where
-/// there is anything on which to do it.
-#[test]
-fn forced_null_effects_do_their_own_work() {
-    use Effect::*;
-    let radiative = Radiative::all().map(|made_of| made_of.text());
-    let classified = Classified::all().map(|made_of| made_of.text());
-    // Surfaces that are not there are not met, and what is not turned once is not turned again: of
-    // those, only the instructions tell (scripts/instructions.sh). So they do of forced heterogeneity:
-    // a grid of one value is a homogeneous medium to every kernel.
-    assert_eq!(
-        that_work_when_forced(radiative),
-        [
-            Absorption,
-            Emission,
-            SingleScattering,
-            MediumShadow,
-            ChromaticCoefficients,
-            AnisotropicPhase
-        ]
-        .into()
-    );
-    // Every volume here has some opacity: absorption and emission are never null.
-    assert_eq!(
-        that_work_when_forced(classified),
-        [GradientShading, Heterogeneity].into()
-    );
-}
-
-/// The effects that do more of their own work in some scene when they are forced there.
-fn that_work_when_forced(texts: impl Iterator<Item = String>) -> BTreeSet<Effect> {
-    let mut seen = BTreeSet::new();
-    for text in texts {
-        let scene = parsed(&text);
-        let (film, work) = rendered(&plan(&scene));
-        for effect in Plan::null_effects(&scene.panels[0]) {
-            let forced = Plan::forcing(&scene.panels[0], &[effect]).unwrap();
-            let more = same_bits(&text, &film, &forced);
-            off_is_off(&text, &forced, &more);
-            for event in Event::ALL {
-                assert!(more[event] >= work[event], "{effect}: {more:?}\n{text}");
-            }
-            let mut own = Event::ALL.into_iter();
-            if own.any(|event| event.effects().contains(&effect) && more[event] > work[event]) {
-                seen.insert(effect);
-            }
-        }
-    }
-    seen
 }

@@ -3,7 +3,6 @@
 
 pub mod scenes;
 
-mod convergence;
 mod empty_space;
 mod extremes;
 mod known_answers;

@@ -38,39 +38,6 @@ fn two_halves_in_one_place() {
     same("two halves", &a, &b);
 }
 
-/// Two layers that overlap are three that touch.
-#[test]
-fn layers_that_overlap() {
-    let layer = |from: f64, to: f64, medium| {
-        within(
-            cuboid(DVec3::new(-1.0, -1.0, from), DVec3::new(1.0, 1.0, to)),
-            medium,
-        )
-    };
-    let (thin, dense) = (grey(0.5, 0.9, 0.4), grey(1.5, 0.9, 0.4));
-    let overlapping = lit(vec![layer(-1.0, 0.3, thin), layer(-0.2, 1.0, dense)]);
-    let touching = lit(vec![
-        layer(-1.0, -0.2, thin),
-        layer(-0.2, 0.3, grey(2.0, 0.9, 0.4)),
-        layer(0.3, 1.0, dense),
-    ]);
-    let ray = into_the_middle();
-    // Depths to a few roundings; the integral adds as many as it has pieces.
-    close(
-        straight(&overlapping, &ray),
-        straight(&touching, &ray),
-        16.0,
-    );
-    close(
-        by_quadrature(&overlapping, &ray),
-        by_quadrature(&touching, &ray),
-        64.0,
-    );
-    let [a, ..] = sampled(&overlapping, None, (63, SAMPLES), |_| ray);
-    let [b, ..] = sampled(&touching, None, (64, SAMPLES), |_| ray);
-    same("layers", &a, &b);
-}
-
 /// Where phase functions differ, each has the share of its scattering.
 #[test]
 fn phase_functions_in_proportion() {
@@ -144,26 +111,6 @@ fn mixed_phases_under_two_kinds_of_sky() {
             &b[channel],
         );
     }
-}
-
-/// What only absorbs is never sampled; mixed into what scatters it is. The same light.
-#[test]
-fn an_absorber_within_what_scatters() {
-    let apart = lit(vec![
-        within(cube(), grey(1.2, 1.0, 0.5)),
-        within(cube(), grey(0.8, 0.0, 0.0)),
-    ]);
-    let together = lit(vec![within(cube(), grey(2.0, 0.6, 0.5))]);
-    let ray = into_the_middle();
-    close(straight(&apart, &ray), straight(&together, &ray), 16.0);
-    close(
-        by_quadrature(&apart, &ray),
-        by_quadrature(&together, &ray),
-        64.0,
-    );
-    let [a, ..] = sampled(&apart, None, (68, SAMPLES), |_| ray);
-    let [b, ..] = sampled(&together, None, (69, SAMPLES), |_| ray);
-    same("an absorber apart", &a, &b);
 }
 
 /// Each channel of a coloured medium is a grey medium.
