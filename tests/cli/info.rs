@@ -303,135 +303,43 @@ fn refusals_name_the_remedy() {
     folder.write("gzip.toml", raw("").replace("six.raw", "packed.raw"));
     folder.write("plain.toml", raw("encoding = \"gzip\""));
     folder.write("header.toml", raw("").replace("six.raw", "long.raw"));
-    let convert = "write the volume as one .nii or .nrrd, as by `nibabel.save`";
-    for (file, parts) in [
-        (
-            "units.nrrd",
-            [
-                "units.nrrd:6: `units` differ",
-                "write all positions in one unit",
-            ],
-        ),
-        (
-            "space.nrrd",
-            ["space.nrrd:7: `space units` differ", "in one unit"],
-        ),
-        (
-            "endian.nrrd",
-            ["has no field `endian`", "add `endian: little`"],
-        ),
-        (
-            "dimension.nrrd",
-            ["has no field `dimension`", "add `dimension: 3`"],
-        ),
-        (
-            "four.nrrd",
-            [
-                "has 4 axes",
-                "`unu slice -a 3 -p 0 -i all.nrrd -o one.nrrd`",
-            ],
-        ),
-        (
-            "colour.nrrd",
-            [
-                "`unu slice -a 0 -p 0 -i all.nrrd",
-                "`numpy.take(data, 0, axis=0)`",
-            ],
-        ),
-        (
-            "kinds.nrrd",
-            [
-                "`kinds` has 2 values, and the file 3 axes",
-                "give one for each axis",
-            ],
-        ),
-        (
-            "away.nrrd",
-            ["`detached_anywhere = true`", "`--detached-anywhere`"],
-        ),
-        (
-            "two.nii",
-            ["this is NIfTI-2", "`nibabel.Nifti1Image.from_image`"],
-        ),
-        ("pair.nii", [".hdr and .img", "`nibabel.save`"]),
-        ("plane.nii", ["`dim[0]` is 2", "`data[:, :, None]`"]),
-        (
-            "plain.nii.gz",
-            ["begins like a NIfTI-1 file", "so that it ends in .nii"],
-        ),
-        (
-            "packed.nii",
-            [
-                "begins like a file compressed by gzip",
-                "so that it ends in .nii.gz",
-            ],
-        ),
-        (
-            "text.nii",
-            ["begins like an NRRD file", "so that it ends in .nrrd"],
-        ),
-        (
-            "nifti.nrrd",
-            ["begins like a NIfTI-1 file", "so that it ends in .nii"],
-        ),
-        (
-            "meta.nrrd",
-            ["begins like a MetaImage", "so that it ends in .mha"],
-        ),
-        (
-            "nodes.toml",
-            ["nodes.toml:3:9: ", "`nodes` must be three whole numbers"],
-        ),
-        (
-            "spacing.toml",
-            [
-                "spacing.toml:4:11: ",
-                "`spacing` must be one number or three",
-            ],
-        ),
-        (
-            "negative.toml",
-            ["negative.toml:4:16: ", "a whole number, not negative"],
-        ),
-        (
-            "unknown.toml",
-            ["unknown.toml:4:1: unknown field", "did you mean `spacing`?"],
-        ),
-        ("gzip.toml", ["begin like gzip", "`encoding = \"gzip\"`"]),
-        (
-            "plain.toml",
-            ["do not begin like gzip", "leave out `encoding`"],
-        ),
-        (
-            "header.toml",
-            ["but 12 bytes follow it", "`header_bytes = 6`"],
-        ),
-        (
-            "elsewhere.toml",
-            ["elsewhere.toml:4:1: ", "beside `file` in the scene"],
-        ),
-        ("plane.nrrd", ["has 2 axes", "`sizes: 64 64 1`"]),
-        ("fast.nrrd", ["has 4 axes", "axis=0"]),
-        (
-            "scan.raw.gz",
-            ["unsupported file extension", "`encoding = \"gzip\"`"],
-        ),
-        ("scan.img", [".img: unsupported file extension", convert]),
-        (
-            "scan.raw",
-            [
-                "unsupported file extension",
-                "describe the samples by a .toml",
-            ],
-        ),
-        ("scan.npy", ["no readable NPY file", "numpy.save"]),
-        ("scan.nrrd.gz", ["unsupported file extension", "`gunzip`"]),
-        (
-            "scan.ply",
-            ["unsupported file extension", "a line `v x y z`"],
-        ),
-    ] {
-        folder.volref(&["info", file]).expect(2, &parts);
+    for line in "\
+units.nrrd | units.nrrd:6: `units` differ … write all positions in one unit
+space.nrrd | space.nrrd:7: `space units` differ … in one unit
+endian.nrrd | has no field `endian` … add `endian: little`
+dimension.nrrd | has no field `dimension` … add `dimension: 3`
+four.nrrd | has 4 axes … `unu slice -a 3 -p 0 -i all.nrrd -o one.nrrd`
+colour.nrrd | `unu slice -a 0 -p 0 -i all.nrrd … `numpy.take(data, 0, axis=0)`
+kinds.nrrd | `kinds` has 2 values, and the file 3 axes … give one for each axis
+away.nrrd | `detached_anywhere = true` … `--detached-anywhere`
+two.nii | this is NIfTI-2 … `nibabel.Nifti1Image.from_image`
+pair.nii | .hdr and .img … `nibabel.save`
+plane.nii | `dim[0]` is 2 … `data[:, :, None]`
+plain.nii.gz | begins like a NIfTI-1 file … so that it ends in .nii
+packed.nii | begins like a file compressed by gzip … so that it ends in .nii.gz
+text.nii | begins like an NRRD file … so that it ends in .nrrd
+nifti.nrrd | begins like a NIfTI-1 file … so that it ends in .nii
+meta.nrrd | begins like a MetaImage … so that it ends in .mha
+nodes.toml | nodes.toml:3:9:  … `nodes` must be three whole numbers
+spacing.toml | spacing.toml:4:11:  … `spacing` must be one number or three
+negative.toml | negative.toml:4:16:  … a whole number, not negative
+unknown.toml | unknown.toml:4:1: unknown field … did you mean `spacing`?
+gzip.toml | begin like gzip … `encoding = \"gzip\"`
+plain.toml | do not begin like gzip … leave out `encoding`
+header.toml | but 12 bytes follow it … `header_bytes = 6`
+elsewhere.toml | elsewhere.toml:4:1:  … beside `file` in the scene
+plane.nrrd | has 2 axes … `sizes: 64 64 1`
+fast.nrrd | has 4 axes … axis=0
+scan.raw.gz | unsupported file extension … `encoding = \"gzip\"`
+scan.img | .img: unsupported file extension … write the volume as one .nii or .nrrd, as by `nibabel.save`
+scan.raw | unsupported file extension … describe the samples by a .toml
+scan.npy | no readable NPY file … numpy.save
+scan.nrrd.gz | unsupported file extension … `gunzip`
+scan.ply | unsupported file extension … a line `v x y z`"
+        .lines()
+    {
+        let (file, parts) = line.split_once(" | ").unwrap();
+        folder.volref(&["info", file]).expect(2, parts);
     }
 }
 
