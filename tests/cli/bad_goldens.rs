@@ -89,56 +89,6 @@ fn images_that_cannot_be_read() {
     ");
 }
 
-/// A checkout without the content of Git LFS is told wherever a file is read, and so is the page of a server.
-#[test]
-fn what_stands_in_place_of_files() {
-    let suite = Folder::with_goldens();
-    suite.write("images/smoke/plain.exr", suite.read(EXR));
-    suite.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    suite.write(
-        "mesh.toml",
-        "[film]\nwidth = 4\nheight = 4\n[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 0]\n[radiative]\n\
-         scattering = \"single\"\nenvironment = [1, 1, 1]\n[[radiative.surface]]\nmesh = { file = \"mesh.obj\" }\n\
-         diffuse = { reflectance = 0.5 }\n",
-    );
-    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
-    let page = "<!DOCTYPE html>\n<html>404 Not Found</html>\n";
-    for (contents, told) in [
-        (
-            pointer,
-            "this is a pointer of Git LFS, not the file: run `git lfs pull` (in GitHub Actions: `lfs: true`)",
-        ),
-        (
-            page,
-            "this is a web page, not the file: download the file again",
-        ),
-    ] {
-        for (file, command) in [
-            (EXR, "verify smoke/plain"),
-            (PNG, "verify smoke/plain"),
-            (TOML, "verify smoke/plain"),
-            ("fixtures/scenes/smoke/plain.toml", "verify smoke/plain"),
-            ("fixtures/cases/smoke/plain.toml", "verify smoke/plain"),
-            ("fixtures/volumes/cloud.obj", "verify smoke/plain"),
-            (
-                "images/smoke/plain.exr",
-                "validate smoke/plain --outputs images",
-            ),
-            ("mesh.obj", "plan mesh.toml"),
-            ("mesh.toml", "plan mesh.toml"),
-        ] {
-            let whole = suite.read(file);
-            suite.write(file, contents);
-            let run = suite.volref(command);
-            assert_ne!(run.code, 0, "{file}");
-            let words = format!("{} {}", run.stdout, run.message());
-            let said = words.split_whitespace().collect::<Vec<_>>().join(" ");
-            assert!(said.contains(told), "{file}: {said}");
-            suite.write(file, whole);
-        }
-    }
-}
-
 #[test]
 fn images_that_were_changed() {
     let shown = said(&[

@@ -1,6 +1,6 @@
 //! Scenes with mistakes: what, where, and how to mend it.
 
-use crate::folder::{Folder, assert_shown};
+use crate::folder::{Folder, assert_holds, assert_shown};
 
 /// The scene of [`Folder::with_scenes`] after one edit, and what is said about it.
 fn after(old: &str, new: &str) -> String {
@@ -747,73 +747,27 @@ fn a_file_of_panels() {
 /// Maps that place no volume, each with its line, and a remedy.
 #[test]
 fn impossible_placements() {
-    let singular = "[[1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]]";
-    for (keys, line, pieces) in [
-        (
-            "transform = [[1, 0, 0, 0], [0, 1, 0, 0]]".to_owned(),
-            14,
-            ["`transform` must be three rows of four numbers", "help"],
-        ),
-        (
-            "transform = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]".to_owned(),
-            14,
-            ["`transform` must be three rows of four numbers", "help"],
-        ),
-        (
-            "transform = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]".to_owned(),
-            14,
-            ["`transform` must be finite, got nan", "help"],
-        ),
-        (
-            format!("transform = {singular}"),
-            14,
-            ["maps space onto a plane", "three independent columns"],
-        ),
-        (
-            "transform = [[1e-9, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]".to_owned(),
-            14,
-            ["has the condition 1.0e9", "stretch and shear less"],
-        ),
-        (
-            "scale = [1, 1, 1e-12]".to_owned(),
-            14,
-            ["has the condition 1.0e12", "stretch and shear less"],
-        ),
-        (
-            "translate = [1, 0, 0]\nscale = 2".to_owned(),
-            15,
-            ["`scale` must be three numbers", "help"],
-        ),
-        (
-            "translate = [1.7e308, 0, 0]\nscale = [1e308, 1e308, 1e308]".to_owned(),
-            15,
-            ["out of the range of numbers", "numbers near 1"],
-        ),
-        (
-            "scale = [1, 0, 1]".to_owned(),
-            14,
-            ["flattens the object", "factor other than 0"],
-        ),
-        (
-            "rotate = { axis = [0, 0, 0], angle = 1 }".to_owned(),
-            14,
-            ["an axis other than the zero vector", "help"],
-        ),
-        (
-            "translate = [0, 0, 0]\ntransform = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]"
-                .to_owned(),
-            15,
-            [
-                "[classified.volume] mixes `transform` with `translate`",
-                "give either `transform`, or `scale`, `rotate`, `translate`",
-            ],
-        ),
-    ] {
+    for row in "\
+14 | transform = [[1, 0, 0, 0], [0, 1, 0, 0]] | `transform` must be three rows of four numbers … help
+14 | transform = [[1, 0, 0], [0, 1, 0], [0, 0, 1]] | `transform` must be three rows of four numbers … help
+14 | transform = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] | `transform` must be finite, got nan … help
+14 | transform = [[1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]] | maps space onto a plane … three independent columns
+14 | transform = [[1e-9, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] | has the condition 1.0e9 … stretch and shear less
+14 | scale = [1, 1, 1e-12] | has the condition 1.0e12 … stretch and shear less
+15 | translate = [1, 0, 0]; scale = 2 | `scale` must be three numbers … help
+15 | translate = [1.7e308, 0, 0]; scale = [1e308, 1e308, 1e308] | out of the range of numbers … numbers near 1
+14 | scale = [1, 0, 1] | flattens the object … factor other than 0
+14 | rotate = { axis = [0, 0, 0], angle = 1 } | an axis other than the zero vector … help
+15 | translate = [0, 0, 0]; transform = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] | [classified.volume] mixes `transform` with `translate` … give either `transform`, or `scale`, `rotate`, `translate`"
+        .lines()
+    {
+        let [line, keys, parts] = row.split(" | ").collect::<Vec<_>>()[..] else {
+            panic!("{row}");
+        };
+        let keys = keys.replace("; ", "\n");
         let said = after("padding = 1", &format!("padding = 1\n{keys}"));
         assert!(said.starts_with(&format!("scene.toml:{line}:")), "{said}");
-        for piece in pieces {
-            assert!(said.contains(piece), "{piece}: {said}");
-        }
+        assert_holds(&said, parts);
     }
 }
 

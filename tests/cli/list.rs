@@ -320,60 +320,6 @@ fn a_closed_pipe_is_no_error() {
 }
 
 #[test]
-fn help() {
-    assert_shown!(Folder::new().volref("--help").shown(), @r"
-    exit code 0
-    --- stdout
-    A reference renderer for volumes, and a golden-image harness that tests other volume renderers
-    against it
-
-    For example, in any folder:
-      volref list
-      volref validate core --run 'my-renderer {scene} {output}' --report report
-      volref render figures/figure-3 -o figure-3.png
-
-    Usage: volref <COMMAND>
-
-    My renderer: are its images right?
-      list         List the families of the suite and its core set, or cases
-      validate     Judge the images of another renderer, and name its mistakes
-      compare      Compare two images
-      export       Write a scene for another renderer
-      gallery      Make one page of many renderers, judged case by case
-
-    My data: how does it look, and what does that cost?
-      render       Render a scene, or a volume file, to an image
-      info         Show the contents of a volume file: position, storage, values
-      plan         Show how a scene is rendered: effects and why, kernel, defaults
-      cost         Measure what accuracy costs: error against lookups and time
-      sensitivity  Differentiate the image of a scene by one of its parameters
-
-    My goldens: do they still hold?
-      verify       Render the suite and compare it with the goldens, bit for bit
-      accept       Render cases and accept the images as new goldens
-
-    Also
-      units        List the work units of goldens, or compute some of them
-      merge        Join what several machines computed: results, units of goldens
-      selftest     Check that the suite rejects known mistakes and no correct image
-      suite        Show the suite within this program, or write a copy of it
-      schema       Print the JSON Schema of scenes, cases or profiles, for editors
-      completions  Print a shell completion script
-      man          Print the manual page of volref or of a command, for `man -l -`
-      help         Print this message or the help of the given subcommand(s)
-
-    Options:
-      -h, --help     Print help
-      -V, --version  Print version
-
-    Exit codes: 0 all images compared and passed; 1 mismatch; 2 wrong usage or bad input; 3 golden
-    missing, stale or tampered with; 4 image of the other renderer missing or unreadable, or the
-    renderer crashed or timed out; 5 nothing compared, or inconclusive; 6 self-test failed. If several
-    apply, volref returns the first in the order 2, 3, 6, 1, 4, 5.
-    ");
-}
-
-#[test]
 fn version() {
     let run = Folder::new().volref("--version");
     assert_eq!(

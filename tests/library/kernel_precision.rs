@@ -10,9 +10,7 @@ use crate::exact::{Big, U, apart, big, rounded};
 use dashu_float::ops::SquareRoot;
 use std::f64::consts::PI;
 use volref::math::rng::{Purpose, Stream};
-use volref::math::sampling::{
-    Equiangular, free_flight, optical_distance, truncated_optical_distance,
-};
+use volref::math::sampling::{free_flight, optical_distance, truncated_optical_distance};
 use volref::math::{self, exp2};
 use volref::optics::*;
 
@@ -273,62 +271,4 @@ fn e6_free_flight() {
     optical.is_within_bounds("optical_distance");
     free.is_within_bounds("free_flight");
     truncated.is_within_bounds("truncated_optical_distance");
-}
-
-/// In units of `u`, for a light at distance D and a place at `t` from the foot, `w² = D² + t²`:
-///
-/// - Angle: the cross product is off by 2, relatively; the dot product by 2 of the product of the
-///   sides at most, so that the angle moves by `2 sin θ` for either: 4 of itself, no more. The arc
-///   tangent is within 2 of that of a quotient, subtracted from π in places: 4. So 8.
-/// - Place, at the angle `φ = uθ`: that is off by 9, and moves the place by `φw²/D`. The products
-///   of the numerator move it by 3w, their sum by `|t|`; those of the denominator, with the slope,
-///   by `4|t|w/D`, their sum by `|t|`; the quotient by `|t|`. All of these are at most `w²/D`:
-///   `(9φ + 10) w²/D`. Turned back from an end that is infinite: the angle 4 and a product, then
-///   sine, cosine, product and quotient: `(5φ + 6) w²/D`.
-/// - Density: the angle 8; squares and sum, product, quotient 4: 12.
-#[test]
-fn s8_equiangular_sampling() {
-    let (mut angles, mut places) = (WorstRay::default(), WorstRay::default());
-    let (mut far_places, mut densities) = (WorstRay::default(), WorstRay::default());
-    for [a, b, c, drawn, kind] in inputs(12) {
-        let distance = octaves(-20.0, 10.0, a);
-        let near = (4.0 * b - 2.0) * octaves(-5.0, 5.0, kind);
-        let length = octaves(-10.0, 10.0, c);
-        let u = share(drawn, kind);
-        let endless = Equiangular::new(distance, near, f64::INFINITY).unwrap();
-        let ended = Equiangular::new(distance, near, near + length).unwrap();
-        let far = near + length;
-        let (d, n, f) = (big(distance), big(near), big(far));
-        let whole = angle(&(&d * (&f - &n)), &(&d * &d + &n * &f));
-        angles.see(ended.angle(), &whole, 8.0, (distance, near, far));
-
-        // The place at an angle, from the direction of the near end.
-        let at = |turn: &Big, n: &Big| {
-            let [sine, cosine] = sin_cos(turn);
-            let t = &d * (n * &cosine + &d * &sine) / (&d * &cosine - n * &sine);
-            let square = rounded(&((&d * &d + &t * &t) / &d));
-            (t, square)
-        };
-        let turn = big(u) * &whole;
-        let (t, square) = at(&turn, &n);
-        let bound = (9.0 * rounded(&turn) + 10.0) * square * U * SECOND_ORDER;
-        let found = ended.sample(u);
-        places.see_within(found, &t, bound, (distance, near, far, u));
-
-        // The infinite end is a right angle and the foot away.
-        let turn = (big(1.0) - big(u)) * angle(&d, &n);
-        let [sine, cosine] = sin_cos(&turn);
-        let t = &d * cosine / sine;
-        let square = rounded(&((&d * &d + &t * &t) / &d));
-        let bound = (5.0 * rounded(&turn) + 6.0) * square * U * SECOND_ORDER;
-        far_places.see_within(endless.sample(u), &t, bound, (distance, near, u));
-
-        let t = big(found);
-        let density = &d / (whole * (&d * &d + &t * &t));
-        densities.see(ended.pdf(found), &density, 12.0, (distance, near, far, u));
-    }
-    angles.is_within_bounds("Equiangular::angle");
-    places.is_within_bounds("Equiangular::place");
-    far_places.is_within_bounds("Equiangular::place, endless");
-    densities.is_within_bounds("Equiangular::pdf");
 }

@@ -116,55 +116,6 @@ fn a_dense_front() {
     }
 }
 
-/// Scenes of all kinds, made integrals: no numbers but radiances come out, and a bound with each image.
-#[test]
-fn generated_scenes() {
-    use crate::any_scene::scenes::written;
-    use volref::geometry::Camera;
-    use volref::math::rng::philox4x32_10;
-    let folder = tempfile::tempdir().unwrap();
-    let mut done = 0;
-    for number in 0..3000 {
-        let list: Vec<u32> = (0..200)
-            .map(|i| philox4x32_10([i, number, 1, 0], [9, 0])[0])
-            .collect();
-        let written = written(&list);
-        if !written.text.contains("[classified]") {
-            continue;
-        }
-        for (name, bytes) in &written.files {
-            std::fs::write(folder.path().join(name), bytes).unwrap();
-        }
-        let Ok(mut scene) = Scene::parse(&written.text, &folder.path().join("scene.toml")) else {
-            continue;
-        };
-        scene.panels.truncate(1);
-        (scene.panels[0].width, scene.panels[0].height) = (3, 3);
-        let classified = classified(&mut scene);
-        classified.continuous = true;
-        (classified.phong, classified.shadow) = (None, None);
-        if number % 2 == 0 {
-            let camera = classified.camera;
-            let target = camera.eye() + *camera.forward();
-            let height = classified.grid.lattice().bounds().size().max_element();
-            classified.camera =
-                Camera::orthographic(camera.eye(), target, *camera.upright(), height)
-                    .unwrap_or(camera);
-        }
-        match render(&plans(&scene), Sampling::default(), &|| ()) {
-            Ok(rendering) => {
-                let most = classified_of(&scene).brightest() * (1.0 + 1e-6);
-                let mut values = rendering.film.radiance().iter().flatten();
-                assert!(values.all(|&value| f64::from(value) <= most));
-                assert!(rendering.error_bound.is_none_or(|bound| bound >= 0.0));
-                done += 1;
-            }
-            Err(error) => panic!("{error}\n{}", written.text),
-        }
-    }
-    assert!(done > 100, "{done}");
-}
-
 /// Opacity rises to 1, where the extinction is infinite: light still gets there, and no farther if
 /// there is more of it.
 #[test]
@@ -214,10 +165,6 @@ fn family() -> Vec<(String, Scene)> {
     scenes.sort_by(|a, b| a.0.cmp(&b.0));
     assert!(scenes.len() >= 14);
     scenes
-}
-
-fn classified_of(scene: &Scene) -> &Classified {
-    scene.panels[0].classified().expect("a classified volume")
 }
 
 fn classified(scene: &mut Scene) -> &mut Classified {

@@ -6,7 +6,6 @@ use std::path::Path;
 use std::sync::Arc;
 use volref::geometry::{Boundary, Direction, Emitter, Luminous, Ray, Shape, Solid, Surface};
 use volref::optics::{Asymmetry, Draine, Droplets, Light, Material, Phase, Sides};
-use volref::render::{Effect, Plan};
 use volref::scene::format::json_schema;
 use volref::scene::{Model, Radiative, SCENE, Scattering, Scene, SceneError};
 
@@ -568,22 +567,6 @@ fn phase_functions() {
     ");
 }
 
-/// The plan says which phase function scatters.
-#[test]
-fn the_plan_names_the_phase_function() {
-    let text = edited(&[(COEFFICIENTS, &format!("{COEFFICIENTS}\ndraine = {{}}"))]);
-    let scene = parse(&text).unwrap();
-    let plan = Plan::new(&scene.panels[0]);
-    let mut decisions = plan.decisions.iter();
-    let decision = decisions.find(|decision| decision.effect == Effect::AnisotropicPhase);
-    let reason = &decision.unwrap().why;
-    assert_eq!(
-        reason.reason,
-        "a scattering medium has the phase function Rayleigh"
-    );
-    assert_eq!(reason.field.as_deref(), Some("radiative.medium[0].draine"));
-}
-
 #[test]
 fn densities_that_are_none() {
     let with = |text: &str| said_about(&edited(&[(BOX, &format!("{BOX}\n{text}"))]));
@@ -1054,93 +1037,4 @@ fn the_schema_knows_which_keys_exclude_each_other() {
     // A scene may leave its model to its panels.
     assert!(schema_accepts("[[panel]]\n[panel.curve]\n"));
     parse("[[panel]]\n[panel.curve]\n").unwrap();
-}
-
-/// A table of the schema, and the steps from the root of a scene to it: names of tables, and
-/// numbers into lists.
-fn tables<'s>(path: &str, schema: &'s Value, found: &mut Vec<(String, &'s Value)>) {
-    if let Some(properties) = schema["properties"].as_object() {
-        found.push((path.to_owned(), schema));
-        for (name, property) in properties {
-            let below = format!("{path}/{name}");
-            tables(&below, property, found);
-            tables(&format!("{below}/0"), &property["items"], found);
-        }
-    }
-}
-
-/// The reader knows no key that the schema does not have, and takes every default that the
-/// schema states.
-#[test]
-fn schema_and_reader_agree_on_keys_and_defaults() {
-    let schema = json_schema("scene", &SCENE);
-    let mut found = Vec::new();
-    tables("", &schema["properties"]["radiative"], &mut found);
-    assert!(found.len() >= 15, "only {} tables", found.len());
-    let mut checked = 0;
-    for (path, table) in found {
-        // A scene that holds the table: entries of lists that have none of their own are made
-        // from the base, where only one shape and one material may stand.
-        let mut base = as_json(BASE);
-        let steps: Vec<&str> = path.split('/').filter(|step| !step.is_empty()).collect();
-        if let ["surface" | "medium" | "light", "0", key, ..] = steps[..] {
-            let entry = base["radiative"][steps[0]][0].as_object_mut().unwrap();
-            if key == "procedural" {
-                // It brings coefficients of its own.
-                entry.retain(|name, _| !name.starts_with("sigma"));
-            }
-            let rivals: &[&[&str]] = &[
-                &["rectangle", "sphere", "box", "mesh"],
-                &["diffuse", "mirror", "glass", "emitter"],
-                &["point", "spot", "directional"],
-            ];
-            for group in rivals.iter().filter(|group| group.contains(&key)) {
-                entry.retain(|name, _| name == key || !group.contains(&name.as_str()));
-            }
-        }
-        let read = |key: &str, value: &Value| {
-            let mut root = base.clone();
-            let mut place = &mut root["radiative"];
-            for step in &steps {
-                place = match step.parse::<usize>() {
-                    Ok(index) => &mut place[index],
-                    Err(_) => &mut place[*step],
-                };
-                if place.is_null() {
-                    *place = serde_json::json!({});
-                }
-            }
-            // Keys that must be there are filled with something before the one in question.
-            for needed in table["required"].as_array().into_iter().flatten() {
-                let name = needed.as_str().unwrap();
-                let property = &table["properties"][name];
-                if place[name].is_null() {
-                    place[name] = match (&property["type"], &property["anyOf"]) {
-                        (Value::String(kind), _) if kind == "array" => serde_json::json!([1, 2, 3]),
-                        (Value::String(kind), _) if kind == "string" => {
-                            serde_json::json!("../../meshes/gem.obj")
-                        }
-                        _ => serde_json::json!(1),
-                    };
-                }
-            }
-            place[key] = value.clone();
-            let text = toml::to_string(&toml::Value::try_from(&root).unwrap()).unwrap();
-            parse(&text)
-        };
-        let error = read("no_such_key", &serde_json::json!(1)).unwrap_err();
-        assert!(
-            error.message().starts_with("unknown key `no_such_key`"),
-            "{path}: {error}"
-        );
-        for (key, property) in table["properties"].as_object().unwrap() {
-            if let Some(default) = property.get("default") {
-                if let Err(error) = read(key, default) {
-                    panic!("{path}/{key} = {default}: {error}");
-                }
-                checked += 1;
-            }
-        }
-    }
-    assert!(checked >= 7, "only {checked} defaults in the schema");
 }

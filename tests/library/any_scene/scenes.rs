@@ -66,12 +66,12 @@ target = ⟨3l f -1 1⟩
 ⟨formula-look⟩⟦2|reference_length = ⟨length 0.5 2⟩
 ⟧⟦2|colormap = "⟦heat¦grey¦display-grey¦bone¦white¦viridis¦magma¦inferno¦plasma¦turbo⟧"
 ⟧⟨body⟩⟦⟨of-samples⟩⟦2|shadow = { ⟦2|step = ⟨length 0.25 2⟩, ⟧reference_step = ⟨length 0.01 2⟩ }
-⟧¦⟨of-samples⟩¦⟨numbers⟩⟧volume = { ⟨place⟩⟦⟨volume u⟩¦⟨volume u⟩¦⟨volume u⟩¦⟨formula⟩⟧ }
+⟧¦⟨of-samples⟩¦⟨integral⟩¦⟨numbers⟩⟧volume = { ⟨place⟩⟦⟨volume u⟩¦⟨volume u⟩¦⟨volume u⟩¦⟨formula⟩⟧ }
 % of-points
 [transfer_function]
 ⟦2|reference_length = ⟨length 0.5 2⟩
 ⟧⟨points⟩⟨body⟩⟦⟨of-samples⟩⟦2|shadow = { ⟦2|step = ⟨length 0.25 2⟩, ⟧⟦2|reference_step = ⟨length 0.01 2⟩⟧ }
-⟧¦⟨of-samples⟩¦⟨numbers⟩⟧volume = { ⟨place⟩⟦⟨volume s⟩¦⟨volume s⟩¦⟨volume s⟩¦⟨formula⟩⟧ }
+⟧¦⟨of-samples⟩¦⟨integral⟩¦⟨numbers⟩⟧volume = { ⟨place⟩⟦⟨volume s⟩¦⟨volume s⟩¦⟨volume s⟩¦⟨formula⟩⟧ }
 % body
 ⟦2|[camera]
 ⟦2|⟨eye⟩⟧⟦2|⟨target⟩⟧⟨look⟩⟧[classified]
@@ -86,6 +86,9 @@ target = ⟨3l f -1 1⟩
 % of-samples
 ⟦2|compositing = "⟦front-to-back¦back-to-front⟧"
 ⟧⟨phong⟩
+% integral
+compositing = "continuous"
+
 % numbers
 ⟦2|compositing = "⟦front-to-back¦continuous⟧"
 ⟧⟦mode = "⟦maximum¦minimum¦mean¦sum⟧"

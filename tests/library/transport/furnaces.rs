@@ -213,35 +213,6 @@ fn s4_media_of_every_shape() {
     }
 }
 
-/// White surfaces in fog. Seen from outside only: from within a closed white one no path leaves.
-#[test]
-fn s4_white_surfaces_in_fog() {
-    let white = Material::Diffuse(DVec3::ONE);
-    let mirror = Material::Mirror(DVec3::ONE);
-    let shapes = [
-        Shape::Sphere(Sphere::new(DVec3::ZERO, 0.8).unwrap()),
-        Shape::Box(Aabb::new(DVec3::splat(-0.6), DVec3::splat(0.6)).unwrap()),
-        Shape::Rectangle(plane(0.1, 0.9)),
-        Shape::Mesh(Arc::new(mesh("gem").mesh().clone())),
-    ];
-    for shape in shapes {
-        for material in [white, mirror] {
-            let scene = Radiative {
-                objects: vec![object(shape.clone(), material)],
-                media: vec![within(ball(DVec3::ZERO, 2.0), grey(1.0, 1.0, 0.5))],
-                environment: DVec3::ONE,
-                ..empty()
-            };
-            let outside = |random: &Stream| {
-                let from = sampling::sphere(random.pair(0, Purpose::Camera, 0));
-                let to = sampling::sphere(random.pair(0, Purpose::Camera, 1)) * 0.5;
-                ray(from * 1.5, to - from * 1.5)
-            };
-            every_path_returns_one(&format!("{shape:?}"), &scene, outside);
-        }
-    }
-}
-
 /// The enclosure as a surface that emits, which paths both meet and connect to.
 #[test]
 fn s4_an_enclosure_that_emits() {
