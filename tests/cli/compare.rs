@@ -244,23 +244,6 @@ fn a_heat_map_is_bright_where_the_images_differ() {
     assert!(codes.iter().all(|code| *code == codes[0]));
 }
 
-/// Images of two sizes have no difference to draw; the verdict is the same as without.
-#[test]
-fn no_heat_map_of_two_sizes() {
-    let folder = images();
-    let before = folder.files();
-    let run = folder.volref("compare right.exr small.exr --heatmap map.png");
-    assert_shown!(run.shown(), @r"
-    exit code 1
-    --- stdout
-    fail  (deterministic gate)
-    size differs: the reference has 16 × 8 pixels, the test image 8 × 8; render it at 16 × 8
-
-    no heat map: the images differ in size
-    ");
-    assert_eq!(folder.files(), before);
-}
-
 /// The page of a pair, of radiance or of codes.
 #[test]
 fn a_pair_as_a_page() {
@@ -279,24 +262,4 @@ fn a_pair_as_a_page() {
     let run = folder.volref("compare right.exr nan.exr --report page");
     assert_eq!(run.code, 1);
     crate::folder::assert_holds(&folder.text("page/index.html"), &["NaN or infinity in 1"]);
-}
-
-/// Verdicts have their colours where the environment asks for them, and none in a pipe.
-#[test]
-fn verdicts_in_colour() {
-    let folder = images();
-    let run = |arguments: &str, variables: &[&str]| {
-        let mut command = folder.command(arguments);
-        variables.iter().for_each(|name| {
-            command.env(name, "1");
-        });
-        crate::folder::Run::of(command.output().unwrap()).stdout
-    };
-    let [right, hot] = ["right", "hot"].map(|name| format!("compare right.exr {name}.exr"));
-    let force = "CLICOLOR_FORCE";
-    assert!(run(&right, &[force]).starts_with("\u{1b}[32mpass\u{1b}[0m  (det"));
-    assert!(run(&hot, &[force]).starts_with("\u{1b}[31mfail\u{1b}[0m  (det"));
-    assert!(run(&hot, &[]).starts_with("fail  (det"));
-    assert!(run(&hot, &[force, "NO_COLOR"]).starts_with("fail  (det"));
-    assert!(!run(&format!("{hot} --json"), &[force]).contains('\u{1b}'));
 }

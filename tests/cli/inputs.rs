@@ -211,25 +211,6 @@ fn an_input_is_known_by_every_name() {
     assert_eq!(run.code, 0, "{}", run.stderr);
 }
 
-/// What was written by an earlier run of the same command may be written again.
-#[test]
-fn outputs_may_be_written_again() {
-    let folder = folder();
-    std::fs::create_dir(folder.path("out")).unwrap();
-    for command in [
-        "render curve.toml -o c.exr --json=c.json",
-        "verify smoke/plain --json=out/v.json --junit out/v.xml --report out",
-        "validate smoke/plain --outputs images --json=out/v.json --report out",
-        "export scene.toml --to bundle -o out --json=out/e.json",
-        "plan apart.toml --json=out/p.json",
-    ] {
-        for _ in 0..2 {
-            let run = folder.volref(command);
-            assert_eq!(run.code, 0, "{command}: {}{}", run.stdout, run.stderr);
-        }
-    }
-}
-
 /// Named pipes and endless devices in the place of files: an error in words, at once.
 #[cfg(target_os = "linux")]
 #[test]

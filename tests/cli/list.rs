@@ -352,24 +352,6 @@ fn usage_mistakes() {
     }
 }
 
-/// Nothing that a pipe or a file receives is coloured.
-#[test]
-fn no_colour_in_a_pipe() {
-    let folder = Folder::with_scenes();
-    for arguments in [
-        &["plan", "none.toml"][..],
-        &["--help"],
-        &["lst"],
-        &["plan", "scene.toml"],
-    ] {
-        let run = folder.volref(arguments);
-        assert!(
-            !(run.stdout + &run.stderr).contains('\u{1b}'),
-            "{arguments:?}"
-        );
-    }
-}
-
 #[test]
 fn completions_and_manual_pages_know_every_command() {
     let folder = Folder::new();

@@ -164,35 +164,6 @@ fn rays_follow_from_the_bundle() {
 }
 
 #[test]
-fn a_bundle_says_only_what_applies() {
-    let points = "point = [{ value = 0.2, colour = [1, 0.5, 0], opacity = 0.25 }]\n[classified]";
-    let scene = figure_with(
-        "figure-1",
-        &[
-            ("[classified]", points),
-            ("[classified.phong]", "[classified.shadow]"),
-            (
-                "ambient = 0.1\ndiffuse = 1.0\nspecular = 1.0\nshininess = 32",
-                "",
-            ),
-        ],
-    );
-    let bundle = description(&bundle(&scene, "table").unwrap());
-    let panel = &bundle["panels"][0];
-    assert_eq!(panel["phong"], Value::Null);
-    assert_eq!(panel["gradient"], Value::Null);
-    assert_eq!(
-        panel["transfer_function"]["points"],
-        serde_json::json!([{ "value": 0.2, "opacity": 0.25, "colour": [1.0, 0.5, 0.0] }])
-    );
-    let radiance = panel["radiance"].as_str().unwrap();
-    assert_eq!(
-        radiance,
-        "a sample of value d emits L = colour(d) * v, ambient light and highlight included"
-    );
-}
-
-#[test]
 fn other_conventions_are_refused_by_name() {
     let conventions = "[classified.conventions]\nlast_step = \"whole\"\n[classified.phong]";
     let scene = figure_with("figure-1", &[("[classified.phong]", conventions)]);

@@ -268,26 +268,6 @@ fn what_is_not_seen() {
     assert!(run.stdout.contains(idle), "{}", run.stdout);
 }
 
-/// Each of several volumes has a reference step of its own.
-#[test]
-fn shadows_of_several_volumes() {
-    let folder = Folder::with_scenes();
-    let volume = |length: &str| {
-        format!(
-            "[[classified.volume]]\nfile = \"cloud.obj\"\n[classified.volume.transfer_function]\n\
-             reference_length = {length}\npoint = [{{ value = 0, colour = 1, opacity = 0.5 }}]\n"
-        )
-    };
-    for (second, said) in [("0.25", "0.25  "), ("0.5", "0.25, 0.5, volume by volume  ")] {
-        let volumes = volume("0.25") + &volume(second);
-        folder.write("two.toml", format!("[classified.shadow]\n{volumes}"));
-        let run = folder.volref("plan two.toml");
-        run.expect(0, "");
-        let line = format!("  classified.shadow.reference_step  {said}");
-        assert!(run.stdout.contains(&line), "{}", run.stdout);
-    }
-}
-
 /// Nothing ends a path between white walls: said before the work, which would take a minute and fail.
 #[test]
 fn a_white_enclosure() {
@@ -393,23 +373,5 @@ fn force_of_what_is_omitted_or_absent() {
         let run = folder.volref(&["plan", scene, "--force", effect]);
         run.expect(2, &[effect, "would change the picture", reason]);
         assert_eq!(run.stdout, "");
-    }
-}
-
-/// Work under conventions is counted, too.
-#[test]
-fn counters_under_conventions() {
-    let folder = Folder::with_scenes();
-    let shading = "[classified.phong]\n[classified.conventions]\nlast_step = \"whole\"\n";
-    let scene = crate::folder::scene(shading).replace("../../volumes/", "");
-    folder.write("other.toml", scene);
-    let json = folder.volref("plan other.toml --counters --json");
-    let panel = &json.json()["panels"][0];
-    let kernel =
-        "ray caster: trilinear, front to back, Phong, no shadow, every sample, other conventions";
-    assert_eq!(panel["kernel"], kernel);
-    let counters = panel["counters"].as_object().unwrap();
-    for event in ["density_lookups", "gradient_lookups", "gradients_computed"] {
-        assert!(counters[event].as_u64().unwrap() > 0, "{event}");
     }
 }

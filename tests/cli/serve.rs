@@ -367,39 +367,6 @@ fn renderers_end_with_volref() {
     }
 }
 
-/// Further looks are asked of the program that is there.
-#[test]
-fn noise_is_decided_by_the_same_program() {
-    let keys = "converged_samples = 8192\nresolution = 0.9\nmean_resolution = 0.03";
-    let folder = Folder::with_room(keys);
-    folder.accept_all();
-    let number =
-        |key: &str| format!("$(printf %s \"$line\" | sed 's/.*\"{key}\":\\([0-9]*\\).*/\\1/')");
-    let draw = format!(
-        "{} render fixtures/scenes/fog/room.toml -o $output --spp {} --seed {} && echo \"{{\\\"image\\\":\\\"$output\\\"}}\"",
-        env!("CARGO_BIN_EXE_volref"),
-        number("spp"),
-        number("seed"),
-    );
-    folder.write("renderer.sh", renderer("", &draw));
-    let arguments = [
-        "validate",
-        "--serve",
-        "sh renderer.sh {spp} {seed}",
-        "--spp",
-        "16",
-        "--explain=0",
-        "--json",
-    ];
-    let open = folder.volref(&arguments);
-    assert_eq!(open.code, 5, "{}{}", open.stdout, open.stderr);
-    folder.remove("started");
-    let run = folder.volref(&[&arguments[..], &["--decide"]].concat());
-    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
-    assert!(run.stdout.contains(" looks, "), "{}", run.stdout);
-    assert_eq!(started(&folder), 1);
-}
-
 #[test]
 fn usage() {
     let folder = Folder::with_goldens();

@@ -28,28 +28,6 @@ fn a_suite_that_passes() {
     assert_eq!(suite.files(), before, "verify writes nothing");
 }
 
-#[test]
-fn filters_choose_and_the_suite_may_be_elsewhere() {
-    let suite = Folder::with_goldens();
-    let elsewhere = Folder::new();
-    let there = suite.path("");
-    let run = elsewhere.volref(&[
-        "verify",
-        "curve",
-        "*/near*",
-        "--suite",
-        there.to_str().unwrap(),
-    ]);
-    assert_shown!(run.shown(), @r"
-    exit code 0
-    --- stdout
-    plots  1 of 1 pass [seconds]
-    smoke  1 of 1 pass [seconds]
-
-    2 cases: 2 passed
-    ");
-}
-
 /// The contract, to the letter: other programs read this.
 #[test]
 fn json_has_the_promised_keys() {

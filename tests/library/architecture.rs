@@ -332,57 +332,6 @@ fn rendering_code(text: &str) -> String {
     code
 }
 
-/// Names of the public functions that `code` defines.
-fn public_functions(code: &str) -> impl Iterator<Item = &str> {
-    let plain = code.split("pub fn ").skip(1);
-    let definitions = plain.chain(code.split("pub const fn ").skip(1));
-    definitions.filter_map(|rest| rest.split(['(', '<']).next())
-}
-
-/// Whether `code` names `function` other than by defining it.
-fn names(code: &str, function: &str) -> bool {
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
-    code.match_indices(function).any(|(at, _)| {
-        let (before, after) = (&code[..at], &code[at + function.len()..]);
-        !before.ends_with("fn ") && !before.ends_with(is_part) && !after.starts_with(is_part)
-    })
-}
-
-/// Functions that compute nothing: a test observes by them what has been made.
-const OBSERVED: &[(&str, &str)] = &[("optics/density.rs", "bytes_of_blocks")];
-
-/// Known answers and hard cases ask the functions that render: one that only they named would
-/// prove nothing about an image.
-#[test]
-fn no_function_of_optics_and_sampling_is_there_for_tests_alone() {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let files = rust_files(&source).into_iter().filter_map(|path| {
-        let relative = path.strip_prefix(&source).unwrap().display().to_string();
-        let relative = relative.replace('\\', "/");
-        let tests = relative.contains("/tests/") || relative.ends_with("tests.rs");
-        let code = rendering_code(&std::fs::read_to_string(&path).unwrap());
-        (!tests).then_some((relative, code))
-    });
-    let files: Vec<_> = files.collect();
-    let held = |file: &str| file.starts_with("optics/") || file.starts_with("math/sampling/");
-    let mut checked = 0;
-    let mut unused = Vec::new();
-    for (file, code) in files.iter().filter(|(file, _)| held(file)) {
-        for function in public_functions(code) {
-            checked += 1;
-            let observed = OBSERVED.contains(&(file.as_str(), function));
-            if !observed && !files.iter().any(|(_, code)| names(code, function)) {
-                unused.push(format!("{file}: {function}"));
-            }
-        }
-    }
-    assert!(checked > 60, "{checked}");
-    assert_eq!(unused, Vec::<String>::new());
-    let code = rendering_code("pub use a::{\nf};\npub fn f() {} // f\n#[cfg(test)] f()");
-    assert_eq!(public_functions(&code).collect::<Vec<_>>(), ["f"]);
-    assert!(!names(&code, "f") && names("g(f())", "f"));
-}
-
 /// A number drawn beside the sampler would be missing in the counters.
 #[test]
 fn the_sampler_alone_draws_random_numbers() {

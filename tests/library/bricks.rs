@@ -4,13 +4,11 @@
 use crate::common::suite::{film_of as rendered, golden_of, searched, validated};
 use crate::sampled::{composited, number, rays, span, table_of, vector};
 use glam::{DVec3, dvec3};
-use std::path::Path;
 use std::sync::Arc;
-use volref::exchange::{Format, export};
 use volref::film::Film;
 use volref::judging::Verdict;
 use volref::math::{cos, sin};
-use volref::scene::{Classified, Scene};
+use volref::scene::Classified;
 use volref::suite::Case;
 use volref::variations::mistakes;
 use volref::volume::{Grid, Lattice};
@@ -139,71 +137,6 @@ fn goldens_are_those_of_the_formula() {
             assert!(error < 1e-6, "{name}, pixel {index}: {right} and {found:?}");
         }
         assert!(8 * shown > rays.len(), "{}: {shown} pixels", case.name);
-    }
-}
-
-/// The scene with its grid from `file`, and with the map of its volume.
-fn with_file(scene: &Path, file: &str, volume: &Classified) -> String {
-    let mut table = table_of(scene);
-    let mut keys = toml::Table::new();
-    keys.insert("file".into(), file.into());
-    if let Some(map) = volume.to_world {
-        let rows = map.rows().map(|row| toml::Value::from(row.to_vec()));
-        keys.insert("transform".into(), rows.to_vec().into());
-    }
-    let classified = table["classified"].as_table_mut().unwrap();
-    classified.insert("volume".into(), keys.into());
-    toml::to_string(&table).unwrap()
-}
-
-/// A grid that is written and read again gives the same picture to the bit, of a formula and of files, of nodes and of
-/// cells; where a map places the volume, that of the scene.
-#[test]
-fn grids_written_and_read_again_are_the_same() {
-    let suite = crate::common::suite::suite();
-    let folder = tempfile::tempdir().unwrap();
-    for name in [
-        "bricks/ramp-31-32-33",
-        "bricks/ramp-37-19-10",
-        "bricks/spots-of-8",
-        "bricks/end-of-4097",
-        "sampled/slope",
-        "scenes/turned",
-    ] {
-        let case = suite.select(&[name.to_owned()]).unwrap()[0];
-        let mut scene = case.load_scene().unwrap();
-        let in_cells = name == "bricks/spots-of-8";
-        if in_cells {
-            scene = scene.with_volumes(|volume| {
-                let lattice = volume
-                    .grid
-                    .lattice()
-                    .with_centring(volref::volume::Centring::Cells);
-                let values = volume.grid.values().to_vec();
-                volume.grid = Arc::new(Grid::new(lattice.unwrap(), values).unwrap());
-            });
-        }
-        let right = rendered(&scene);
-        let volume = scene.panels[0].classified().unwrap();
-        for format in [Format::Raw, Format::Nrrd, Format::Npy] {
-            let export = export(&scene, format, "grid").unwrap();
-            export.write_into(folder.path()).unwrap();
-            let text = with_file(&case.scene, &export.main, volume);
-            let again = Scene::parse(&text, &folder.path().join("scene.toml")).unwrap();
-            let read = again.panels[0].classified().unwrap();
-            assert_eq!(read.grid, volume.grid, "{name} {format}");
-            let found = rendered(&again);
-            if volume.to_world.is_none() {
-                assert_eq!(found, right, "{name} {format}");
-            } else {
-                // Rows of a rotation are inverted anew: 1e-15 of a position is less than a rounding of a pixel.
-                let most = (0..right.radiance().len()).map(|pixel| {
-                    let [a, b] = [&found, &right].map(|film| film.radiance()[pixel]);
-                    (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max)
-                });
-                assert!(most.fold(0.0, f32::max) < 1e-5, "{name} {format}");
-            }
-        }
     }
 }
 

@@ -1,7 +1,6 @@
 //! Conventions of other ray casters.
 
 use crate::common::suite::film_of as film;
-use crate::effects::scenes::{off_is_off, plan, rendered};
 use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::ops::Range;
@@ -19,7 +18,6 @@ use volref::judging::{Verdict, validate};
 use volref::math::{pow, tan};
 use volref::naming::{Agreement, ConventionSearch};
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
-use volref::render::plans;
 use volref::scene::format::{Key, Kind};
 use volref::scene::{
     CONVENTIONS, Classified, Compositing, Composition, Conventions, LastStep, Model, Precision,
@@ -684,54 +682,6 @@ fn opaque_scene(conventions: &str) -> Scene {
     );
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     Scene::parse(&text, &root.join("fixtures/scenes/hard/scene.toml")).unwrap()
-}
-
-/// Work under conventions is counted as without.
-#[test]
-fn work_under_conventions_is_counted() {
-    use volref::render::{Counters, Event};
-    let counted = |scene: &Scene| -> Counters {
-        let plan = plan(scene);
-        let (_, work) = rendered(&plan);
-        off_is_off("opaque", &plan, &work);
-        work
-    };
-    let fast = counted(&opaque_scene(""));
-    let with = |line: &str| counted(&opaque_scene(&format!("[classified.conventions]\n{line}")));
-    assert!(fast[Event::DensityLookup] > 0 && fast[Event::GradientLookup] > 0);
-    // Other numbers, the same work.
-    assert_eq!(with("precision = 'f32'"), fast);
-    let samples = fast[Event::EmissionTerm];
-    let without_nodes = with("gradient = 'interpolant'");
-    assert_eq!(without_nodes[Event::GradientLookup], 0);
-    assert_eq!(without_nodes[Event::GradientComputed], 0);
-    let lookups = fast[Event::DensityLookup] + 6 * samples;
-    assert_eq!(without_nodes[Event::DensityLookup], lookups);
-    assert_eq!(with("jitter = true")[Event::RandomDraw], 64);
-    // Nothing is left out as null that a convention may make something of.
-    let mut transparent = opaque_scene("[classified.conventions]\ntable_size = 2");
-    assert!(
-        plans(&transparent)[0]
-            .kernel
-            .to_string()
-            .ends_with(", other conventions")
-    );
-    let Model::Classified(classified) = &mut transparent.panels[0].model else {
-        panic!("a classified scene");
-    };
-    let point = |value: f64, opacity: f64| TransferPoint {
-        value,
-        opacity,
-        colour: DVec3::ONE,
-    };
-    let points = vec![point(-1.0, 0.5), point(-0.5, 0.0), point(2.0, 0.0)];
-    classified.transfer_function.appearance =
-        Appearance::Points(TransferPoints::new(points).unwrap());
-    let lit = |scene: &Scene| film(scene).radiance().iter().any(|pixel| pixel[0] > 0.0);
-    assert!(
-        lit(&transparent),
-        "between two entries nothing is transparent"
-    );
 }
 
 /// A table of conventions in a scene: read, with its contradictions refused where they stand.

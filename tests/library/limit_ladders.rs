@@ -148,29 +148,3 @@ fn faint_samples_that_are_dropped() {
         under.reason
     );
 }
-
-/// Five conventions at once, as a renderer for graphics cards has them, behind one image in 8 bits.
-#[test]
-fn five_conventions_in_eight_bits() {
-    let (suite, cases) = cases("limit/full-to-the-border");
-    let scene = cases[0].load_scene().unwrap();
-    let images = ladder(&scene, |it| {
-        it.first_sample = 1.0;
-        it.last_step = LastStep::Whole;
-        it.voxel_box = true;
-        it.linear_opacity = true;
-        (it.table_size, it.texture_place) = (Some(256), true);
-    });
-    let images: Vec<Film> = images.iter().map(of_eight_bits).collect();
-    let found = judged(&suite, &cases[0], &images, None).result;
-    assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
-    let profile = Profile::parse(&found.profile.unwrap(), "mine.toml").unwrap();
-    let under = judged(&suite, &cases[0], &images, Some(&profile)).result;
-    assert_eq!(under.verdict, Verdict::Pass, "{}", under.reason);
-}
-
-fn of_eight_bits(film: &Film) -> Film {
-    let round = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() / 255.0;
-    let pixels = film.radiance().iter().map(|pixel| pixel.map(round));
-    Film::new(film.width(), film.height(), pixels.collect())
-}

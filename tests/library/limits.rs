@@ -204,51 +204,6 @@ fn rendered(scene: &Scene) -> (Film, Option<f64>) {
     (rendering.film, rendering.error_bound)
 }
 
-/// Root mean square of the difference.
-fn distance(a: &Film, b: &Film) -> f64 {
-    let pairs = a
-        .radiance()
-        .iter()
-        .flatten()
-        .zip(b.radiance().iter().flatten());
-    let squares = pairs.map(|(&a, &b)| f64::from(a - b) * f64::from(a - b));
-    (squares.sum::<f64>() / (3 * a.radiance().len()) as f64).sqrt()
-}
-
-/// The samples of the ray caster converge to the integral: with half the step a quarter of the error
-/// is left, about, and by Richardson's extrapolation less again.
-#[test]
-fn samples_converge_to_the_integral() {
-    for (name, mut scene) in family() {
-        let size = 16;
-        (scene.panels[0].width, scene.panels[0].height) = (size, size);
-        let (limit, bound) = rendered(&scene);
-        assert!(bound.is_some_and(|bound| bound < 1e-7), "{name}: {bound:?}");
-        let mut sampled = scene.clone();
-        classified(&mut sampled).sample();
-        classified(&mut sampled).step *= 0.5;
-        let errors = [1.0, 0.5, 0.5].map(|factor| {
-            classified(&mut sampled).step *= factor;
-            distance(&limit, &rendered(&sampled).0)
-        });
-        let brightest = limit
-            .radiance()
-            .iter()
-            .flatten()
-            .fold(0.0_f32, |a, &b| a.max(b));
-        // Beyond the second step of the narrow table of the shell the samples still miss parts of it.
-        assert!(
-            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1],
-            "{name}: {errors:?}"
-        );
-        assert!(
-            errors[2] < 2e-3 * f64::from(brightest),
-            "{name}: {errors:?}"
-        );
-        println!("{name}: {errors:?}");
-    }
-}
-
 /// The goldens of the family state how well they are known.
 #[test]
 fn goldens_of_the_family_are_known_to_a_millionth() {

@@ -580,36 +580,6 @@ fn files_stand_where_their_headers_put_them() {
     }
 }
 
-/// What the file says comes first, what the scene says second.
-#[test]
-fn the_map_of_the_scene_follows_that_of_the_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let header = "space dimension: 3\nspace directions: (0.2,0.15,0) (-0.3,0.4,0) (0,0,0.5)\nspace origin: (-0.25,1,-0.5)";
-    std::fs::write(folder.path().join("ramp.nrrd"), nrrd(header, ramp(CHANGES))).unwrap();
-    let linear = DMat3::from_cols(
-        DVec3::new(0.8, 0.6, 0.0),
-        DVec3::new(-0.6, 0.8, 0.0),
-        DVec3::Z,
-    );
-    // The file turns about its first sample, which is where the upright file has it.
-    let offset = FIRST - linear * FIRST;
-    let file = Transform::from_matrix(linear, offset).unwrap();
-    for rows in MAPS {
-        let scene = Transform::from_rows(rows).unwrap();
-        let both = file.then(&scene).rows();
-        let (map, light, eye) = placed(rows);
-        let scene = scene_of(folder.path(), &map, &format!("{light}\n{LIT}"), &eye);
-        let (worst, seen) = off(
-            &by_all(&scene),
-            volume(&scene),
-            CHANGES,
-            both,
-            volume(&scene).step,
-        );
-        assert!(worst < ROUNDING && seen >= 5, "{worst:e} {seen}: {rows:?}");
-    }
-}
-
 #[test]
 fn mistakes_of_placement() {
     let folder = hills();

@@ -38,21 +38,6 @@ fn course_grid(nodes: [i32; 3], value: f32) -> Vec<u8> {
     counts.chain(numbers.flat_map(f32::to_le_bytes)).collect()
 }
 
-#[test]
-fn clouds_and_grids_load() {
-    let folder = folder("clouds_and_grids_load");
-    let cloud = folder.join("two.OBJ");
-    fs::write(&cloud, "v 0 0 0\nv 1 0 0 0.5\n").unwrap();
-    let grid = load(&cloud, &SPLATTING.into()).unwrap();
-    assert_eq!(grid.lattice().nodes(), [4, 3, 3]);
-    assert_eq!(grid.range(), (0.0, 1.0));
-    let course = folder.join("course.bin");
-    fs::write(&course, course_grid([3, 2, 1], 2.5)).unwrap();
-    let grid = load(&course, &SPLATTING.into()).unwrap();
-    assert_eq!(grid.lattice().nodes(), [3, 2, 1]);
-    assert_eq!(grid.range(), (2.5, 2.5));
-}
-
 /// The files have holes instead of bytes: reading them would take minutes.
 #[cfg(unix)]
 #[test]
@@ -133,47 +118,6 @@ fn all_formats_give_the_same_grid() {
     let course = load(&fixture("grid.bin"), &LoadOptions::default()).unwrap();
     assert_eq!(course.values(), expected.values());
     assert_eq!(course.lattice().nodes(), [4, 3, 2]);
-}
-
-#[test]
-fn the_hash_of_every_file_is_told() {
-    for (name, others) in [
-        ("grid.bin", &[][..]),
-        ("grid.vol", &[]),
-        ("gzip.nrrd", &[]),
-        ("grid.nii.gz", &[]),
-        ("detached.nhdr", &["detached.raw"]),
-        ("packed.mhd", &["packed.zraw"]),
-        ("grid.npz", &[]),
-        ("bare.raw.toml", &["bare.raw"]),
-    ] {
-        let loaded = load_hashed(&fixture(name), &LoadOptions::default()).unwrap();
-        let expected: Vec<FileRead> = [name]
-            .iter()
-            .chain(others)
-            .map(|name| FileRead {
-                path: fixture(name),
-                hash: blake3::hash(&fs::read(fixture(name)).unwrap())
-                    .to_hex()
-                    .to_string(),
-            })
-            .collect();
-        assert_eq!(loaded.files, expected);
-    }
-}
-
-#[test]
-fn centring_moves_the_nodes_of_a_box_and_the_box_of_nodes() {
-    let cells = LoadOptions {
-        centring: Some(Centring::Cells),
-        ..LoadOptions::default()
-    };
-    let vol = load(&fixture("grid.vol"), &cells).unwrap();
-    assert_eq!(vol.lattice().bounds().min, DVec3::new(-1.0, 2.0, 3.0));
-    assert_eq!(vol.lattice().first().x, -1.0 + 1.5 / 8.0);
-    let nrrd = load(&fixture("raw.nrrd"), &cells).unwrap();
-    assert_eq!(nrrd.lattice().bounds().min, DVec3::new(-1.25, 1.5, 2.0));
-    assert_eq!(nrrd.lattice().first().x, -1.0);
 }
 
 #[test]

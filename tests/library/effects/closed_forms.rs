@@ -57,12 +57,6 @@ fn lattice() -> impl Strategy<Value = Lattice> {
     })
 }
 
-/// Every node another density, none of them 0.
-fn uneven(lattice: Lattice) -> Arc<Grid<f32>> {
-    let nodes = (0..lattice.node_count()).map(|index| 0.1 + 0.01 * index as f32);
-    Arc::new(Grid::new(lattice, nodes.collect()).unwrap())
-}
-
 /// An eye around the middle of a box, near or inside, looking somewhere into it: no ray runs along
 /// an axis or through an edge but by a chance of none.
 fn camera(bounds: Aabb, [x, y, z]: [f64; 3], target: [f64; 3]) -> Camera {
@@ -78,78 +72,8 @@ fn camera(bounds: Aabb, [x, y, z]: [f64; 3], target: [f64; 3]) -> Camera {
     Camera::new(eye, target, up, 0.9).unwrap()
 }
 
-/// Planes between cells, `first + i·spacing` for `i` in `1..cells`, that the ray through each pixel
-/// crosses within the box, and how many rays meet the box.
-fn planes_crossed(
-    camera: &Camera,
-    bounds: Aabb,
-    first: DVec3,
-    spacing: DVec3,
-    cells: [usize; 3],
-) -> [u64; 2] {
-    let mut planes = 0;
-    let mut rays = 0;
-    for pixel in 0..SIZE * SIZE {
-        let ray = camera.ray([pixel % SIZE, pixel / SIZE], [SIZE, SIZE]);
-        // By slabs, as anybody would write it down.
-        let to = |face: DVec3| (face - ray.origin) / *ray.direction;
-        let (a, b) = (to(bounds.min), to(bounds.max));
-        let near = a.min(b).max_element().max(0.0);
-        let far = a.max(b).min_element();
-        if near >= far {
-            continue;
-        }
-        rays += 1;
-        for axis in 0..3 {
-            for plane in 1..cells[axis] {
-                let face = first[axis] + plane as f64 * spacing[axis];
-                let t = (face - ray.origin[axis]) / ray.direction[axis];
-                planes += u64::from(near < t && t < far);
-            }
-        }
-    }
-    [planes, rays]
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
-
-    /// A ray that crosses `n` planes crosses `n + 1` cells, and looks twice into each, once for the
-    /// nearest node: twice that, if the medium emits too.
-    #[test]
-    fn an_absorbing_grid_takes_two_looks_a_cell(
-        lattice in lattice(),
-        eye in prop::array::uniform3(-1.3..1.3_f64),
-        target in prop::array::uniform3(0.05..0.95_f64),
-        nearest in any::<bool>(),
-        emits in any::<bool>(),
-    ) {
-        let bounds = lattice.bounds();
-        let camera = camera(bounds, eye, target);
-        let spacing = lattice.spacing();
-        let (interpolation, first, cells, looks) = match nearest {
-            // Each node has a cell around it.
-            true => (Interpolation::Nearest, bounds.min - 0.5 * spacing, lattice.nodes(), 1),
-            false => (
-                Interpolation::Trilinear,
-                bounds.min,
-                lattice.nodes().map(|nodes| nodes - 1),
-                2,
-            ),
-        };
-        let emission = if emits { 0.5 } else { 0.0 };
-        let scene = grid_scene(uneven(lattice), interpolation, (0.3, 0.0, emission), camera);
-        let plan = plan(&scene);
-        let (_, work) = rendered(&plan);
-        let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
-        let times = if emits { 2 } else { 1 };
-        prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
-        prop_assert_eq!(work, Counters::from([
-            (Event::DensityLookup, work[Event::DensityLookup]),
-            (Event::Attenuation, work[Event::Attenuation]),
-            (Event::EmissionTerm, if emits { rays } else { 0 }),
-        ]));
-    }
 
     /// However light is traced, nothing is looked up in what is the same everywhere.
     #[test]

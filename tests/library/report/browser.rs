@@ -54,12 +54,6 @@ impl Opened {
         let path = self.folder.path().join(PAGE);
         self.browser.open(&format!("file://{}", path.display()));
     }
-
-    /// Loads the page again in a window of another size, which takes less than another browser.
-    fn load_again(&self, width: u32, height: u32) {
-        self.browser.resize(width, height);
-        self.load();
-    }
 }
 
 /// Returns when the pictures of the open case are shown.
@@ -374,58 +368,4 @@ fn a_narrow_window_shows_the_list_or_the_case() {
     browser.run("document.querySelector('article.open .back').click()");
     browser.wait_for("document.querySelector('nav').checkVisibility()");
     check_quiet(browser);
-}
-
-/// The values under the pointer and what stands beside them do not run into one another, nor out of
-/// the window.
-#[test]
-fn the_read_out_keeps_clear_of_the_histogram() {
-    let Some(opened) = &open(samples::suite_html(), 1000, 1100) else {
-        return;
-    };
-    let browser = &opened.browser;
-    for width in [1000, 1400, 1900] {
-        opened.load_again(width, 1100);
-        wait_for_pictures(browser);
-        let boxes = browser.run(
-            "const bounds = ['#read-out', '.histogram'].map(name =>
-                 document.querySelector(name).getBoundingClientRect());
-             return bounds.flatMap(box => [box.left, box.top, box.right, box.bottom])",
-        );
-        let [.., right, bottom, left, top, outer, _] = numbers(&boxes)[..] else {
-            panic!("{boxes}")
-        };
-        assert!(right <= left || bottom <= top, "{width}: {boxes}");
-        assert!(right.max(outer) <= f64::from(width), "{width}: {boxes}");
-        check_quiet(browser);
-    }
-}
-
-/// The page of costs complains of nothing, asks for nothing, is no wider than the window, and no
-/// text of its drawings is cut off.
-#[test]
-fn the_cost_page_fits() {
-    let html = crate::report::cost::pages();
-    let Some(opened) = open(&html, 1280, 900) else {
-        return;
-    };
-    let browser = &opened.browser;
-    for width in [1280, 500] {
-        opened.load_again(width, 900);
-        browser.wait_for("document.querySelector('h1')");
-        let is_too_wide = "return document.documentElement.scrollWidth > innerWidth";
-        assert_eq!(browser.run(is_too_wide), false);
-        let cut_off = browser.run(
-            "return [...document.querySelectorAll('svg')].flatMap(svg => {
-                 const outer = svg.getBoundingClientRect();
-                 return [...svg.querySelectorAll('text')].filter(text => {
-                     const inner = text.getBoundingClientRect();
-                     return inner.left < outer.left || inner.right > outer.right + 1
-                         || inner.top < outer.top || inner.bottom > outer.bottom;
-                 }).map(text => text.textContent.trim());
-             })",
-        );
-        assert_eq!(cut_off.as_array().unwrap(), &Vec::<Value>::new());
-        check_quiet(browser);
-    }
 }

@@ -8,7 +8,7 @@ use volref::cost::order::{ExpectedOrder, order};
 use volref::cost::timing::{Machine, Times};
 use volref::cost::{Cost, Level, MeanWork, Parameter, Reference, Sweep};
 use volref::render::Event;
-use volref::report::{CostPage, cost_csv, cost_html, cost_json, cost_plot, cost_text};
+use volref::report::{cost_csv, cost_json, cost_plot, cost_text};
 
 fn machine() -> Machine {
     Machine {
@@ -105,19 +105,6 @@ pub fn extremes() -> Cost {
         sweeps: vec![odd, empty],
         ..Cost::default()
     }
-}
-
-pub fn page(costs: &[Cost]) -> String {
-    cost_html(&CostPage {
-        command: "volref cost fixtures/scenes/plume.toml --report cost",
-        costs,
-        machine: Some(&machine()),
-    })
-}
-
-/// A page that opens in a browser.
-pub fn pages() -> String {
-    page(&[sample(), extremes()])
 }
 
 #[test]

@@ -108,11 +108,6 @@ impl Browser {
         self.command("url", json!({ "url": url }));
     }
 
-    /// Makes the window as large as that; a page that is open is laid out anew.
-    pub fn resize(&self, width: u32, height: u32) {
-        self.command("window/rect", json!({ "width": width, "height": height }));
-    }
-
     /// What the body of a function returns.
     pub fn run(&self, script: &str) -> Value {
         self.command("execute/sync", json!({ "script": script, "args": [] }))

@@ -158,36 +158,6 @@ fn by_tracing_paths() {
     }
 }
 
-/// The camera in the middle of a slab: what lies behind it does not count.
-#[test]
-fn from_inside_a_medium() {
-    let (tau, albedo) = (3.0, 0.6);
-    let scene = Radiative {
-        lights: vec![shining(1.0, 0.0, DVec3::ONE)],
-        ..slab(tau, albedo, 0.0)
-    };
-    for height in [0.25, 0.5, 0.875] {
-        let above = tau * (1.0 - height);
-        let down = ray(DVec3::Z * height, DVec3::NEG_Z);
-        let up = ray(DVec3::Z * height, DVec3::Z);
-        // Light at depth s below the eye has passed `above + s`, and s again on its way back.
-        let below = (1.0 - volref::math::exp(-2.0 * tau * height)) / 2.0;
-        let exact = albedo / (4.0 * PI) * volref::math::exp(-above) * below;
-        let found = by_quadrature(&scene, &down).x;
-        assert!(
-            (found - exact).abs() <= 1e-14 * exact,
-            "{found:e} {exact:e}"
-        );
-        // Light from above the eye passes `above` in all, wherever it is turned.
-        let exact = albedo / (4.0 * PI) * volref::math::exp(-above) * above;
-        let found = by_quadrature(&scene, &up).x;
-        assert!(
-            (found - exact).abs() <= 1e-14 * exact,
-            "{found:e} {exact:e}"
-        );
-    }
-}
-
 /// However dense a slab is, what is lit of it is found: `E·ω/(4π(1 + 1))` straight back from an
 /// endless depth, lit from the eye's side.
 #[test]
