@@ -297,29 +297,3 @@ fn manifests_that_are_not_written() {
         .expect(2, "reason");
     assert_eq!(suite.files(), before);
 }
-
-/// The page shows each golden before and after.
-#[test]
-fn accepted_images_as_a_page() {
-    let suite = Folder::with_goldens();
-    suite.edit("fixtures/volumes/cloud.obj", "0.5 0.5 2", "0.5 0.5 3");
-    let run = suite.volref("accept smoke/plain curve --reason denser --report page");
-    run.prints(0, "report: page/index.html");
-    let page = suite.text("page/index.html");
-    crate::folder::assert_holds(
-        &page,
-        "Accepted: 1 replaced, 1 unchanged. … 16 of 120 pixels differ in colour … <article id=\"smoke&#x2f;plain\" … volref verify smoke&#x2f;plain",
-    );
-    // Old and new, and their difference.
-    assert_eq!(pictures(&page, "smoke&#x2f;plain"), [true; 3]);
-}
-
-/// Whether the page has a golden, a test image and a difference for a case.
-fn pictures(page: &str, case: &str) -> [bool; 3] {
-    let (_, article) = page.split_once(&format!("<article id=\"{case}\"")).unwrap();
-    let (article, _) = article.split_once("</article>").unwrap();
-    let (_, packed) = article.split_once("class=\"pictures\">").unwrap();
-    let packed: serde_json::Value =
-        serde_json::from_str(packed.split_once("</script>").unwrap().0).unwrap();
-    ["golden", "test", "difference"].map(|name| !packed[name].is_null())
-}

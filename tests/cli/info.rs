@@ -79,45 +79,6 @@ fn a_header_and_its_data() {
 }
 
 #[test]
-fn a_cloud() {
-    let folder = Folder::new();
-    folder.write("two.obj", "v 0 0 0\nv 1 0 0 0.5\n");
-    let run = folder.volref("info two.obj --resolution 4 --padding 1");
-    assert_shown!(run.shown(), @r"
-    exit code 0
-    --- stdout
-    two.obj: Wavefront point cloud
-
-    points      2
-    extent      (0, 0, 0) to (1, 0, 0)
-    nodes       4 × 3 × 3, 36 in total
-    spacing     1
-    first node  (-1, -1, -1)
-    box         (-1, -1, -1) to (2, 1, 1), centred on nodes
-    values      0 to 1, mean 0.04166667
-                34 zero, 2 nonzero
-
-    histogram, bars logarithmic
-           0 to 0.0625  34  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
-      0.0625 to  0.125   0
-       0.125 to 0.1875   0
-      0.1875 to   0.25   0
-        0.25 to 0.3125   0
-      0.3125 to  0.375   0
-       0.375 to 0.4375   0
-      0.4375 to    0.5   0
-         0.5 to 0.5625   1  ▇▇▇▇▇▇▇▇
-      0.5625 to  0.625   0
-       0.625 to 0.6875   0
-      0.6875 to   0.75   0
-        0.75 to 0.8125   0
-      0.8125 to  0.875   0
-       0.875 to 0.9375   0
-      0.9375 to      1   1  ▇▇▇▇▇▇▇▇
-    ");
-}
-
-#[test]
 fn json() {
     let folder = with(&["grid.nii", "detached.nhdr", "detached.raw"]);
     let json = folder.volref("info grid.nii --json").json();

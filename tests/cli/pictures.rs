@@ -1,7 +1,6 @@
 //! `volref render VOLUME`, and ranges of values.
 
 use crate::folder::{Folder, Run, assert_holds};
-use volref::film::Film;
 
 /// A ball in noise-free air, in values of CT: -1000 outside, 300 inside, 1200 in its middle.
 fn scan(folder: &Folder) {
@@ -73,27 +72,6 @@ fn a_saved_scene_renders_the_same_bits() {
             let hash = |name| folder.film(name).pixel_hash();
             assert_eq!(hash("x.exr"), hash("y.exr"), "{mode}");
         }
-    }
-}
-
-/// Without any option the ball is seen: neither black nor burnt, neither all opaque nor transparent.
-#[test]
-fn the_first_picture_shows_the_volume() {
-    let folder = with_scan();
-    for mode in MODES {
-        let run = render(&folder, &["--mode", mode]);
-        assert_eq!(run.code, 0, "{}", run.stderr);
-        if mode == "minimum" {
-            continue; // every ray begins in air
-        }
-        assert!(!run.stdout.contains("note:"), "{mode}: {}", run.stdout);
-        let film = folder.film("x.exr");
-        let brightest = film
-            .radiance()
-            .iter()
-            .flatten()
-            .fold(0.0_f32, |a, &b| a.max(b));
-        assert!((0.3..=1.5).contains(&brightest), "{mode}: {brightest}");
     }
 }
 
@@ -254,27 +232,6 @@ fn all_opaque_and_all_transparent_are_noted() {
     folder.write("s.toml", scene("10"));
     let run = folder.volref("render s.toml -o s.exr");
     assert!(!run.stdout.contains("the whole volume"), "{}", run.stdout);
-}
-
-/// A preview of a case has the exposure of its manifest.
-#[test]
-fn a_case_is_rendered_at_its_exposure() {
-    let folder = Folder::with_suite();
-    let manifest = folder.text("fixtures/cases/smoke/plain.toml") + "exposure = 1.5\n";
-    folder.write("fixtures/cases/smoke/plain.toml", manifest);
-    let codes = |name: &str| Film::codes_from_png(&folder.read(name)).unwrap().2;
-    folder
-        .volref("render smoke/plain -o case.png")
-        .prints(0, "");
-    let scene = "render fixtures/scenes/smoke/plain.toml -o scene.png --exposure 1.5";
-    folder.volref(scene).prints(0, "");
-    assert_eq!(codes("case.png"), codes("scene.png"));
-    folder.volref("render smoke/plain -o zero.png --exposure 0");
-    assert_ne!(codes("case.png"), codes("zero.png"));
-    folder.accept_all();
-    folder.write("images/smoke/plain.png", folder.read("case.png"));
-    let validate = folder.volref("validate smoke/plain --outputs images");
-    validate.prints(0, "pass");
 }
 
 #[test]

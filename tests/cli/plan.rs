@@ -1,9 +1,7 @@
 //! `volref plan`
 
 use crate::folder::{Folder, Run};
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 
 /// Plans kept as text, one for each kind of estimator.
 const WHOLE_PLANS: [&str; 5] = [
@@ -266,57 +264,6 @@ fn what_is_not_seen() {
         run.stdout
     );
     assert!(run.stdout.contains(idle), "{}", run.stdout);
-}
-
-/// Nothing ends a path between white walls: said before the work, which would take a minute and fail.
-#[test]
-fn a_white_enclosure() {
-    let folder = Folder::new();
-    let scene = |wall: f64, more: &str| {
-        format!(
-            "[film]\nwidth = 4\nheight = 4\n[camera]\neye = [0, 0.1, 0]\ntarget = [0, 0, 1]\n\
-             [radiative]\n{more}\n\
-             [[radiative.light]]\npoint = {{ position = [0.5, 0, 0], intensity = 1 }}\n\
-             [[radiative.surface]]\ndiffuse = {{ reflectance = [{wall}, 0.5, 0.5] }}\n\
-             sphere = {{ centre = [0, 0, 0], radius = 1 }}\n"
-        )
-    };
-    let white = scene(1.0, "");
-    let lamp = "[[radiative.surface]]\nemitter = { radiance = 1 }\n\
-                sphere = { centre = [0.3, 0.3, 0.3], radius = 0.2 }\n";
-    let fog = "[[radiative.medium]]\nsigma_a = 1\nsigma_s = 1\n";
-    let outside = white
-        .replace("[0, 0.1, 0]", "[0, 0.1, -5]")
-        .replace("[0.5, 0, 0]", "[0.5, 0, -5]");
-    let warned = |scene: &str| {
-        folder.write("white.toml", scene);
-        let run = folder.volref("plan white.toml");
-        assert_eq!(run.code, 0, "{}", run.stderr);
-        run.stdout
-            .contains("reflected between surfaces without end")
-    };
-    assert!(warned(&white));
-    assert!(warned(&scene(0.99999, "")));
-    assert!(warned(&scene(1.0, "max_bounces = 20000")));
-    for (what, scene) in [
-        ("walls that absorb", scene(0.9, "")),
-        ("few bounces", scene(1.0, "max_bounces = 100")),
-        ("a lamp, which is black", format!("{white}{lamp}")),
-        ("fog that absorbs", format!("{white}{fog}")),
-        ("from outside", outside),
-    ] {
-        assert!(!warned(&scene), "{what}");
-    }
-    // While it is rendered: in a pipe notes come after two seconds.
-    folder.write("white.toml", &white);
-    let mut command = folder.command("render white.toml -o white.exr");
-    let mut rendering = command.stderr(Stdio::piped()).spawn().unwrap();
-    let lines = BufReader::new(rendering.stderr.take().unwrap()).lines();
-    let note = "note: light is reflected between surfaces without end";
-    let is_said = lines.map_while(Result::ok).any(|line| line.contains(note));
-    rendering.kill().unwrap();
-    rendering.wait().unwrap();
-    assert!(is_said);
 }
 
 /// A scene of some bytes may hold a volume of gigabytes.

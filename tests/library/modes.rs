@@ -23,7 +23,6 @@ use volref::scene::{
     Classified, Clip, Conventions, Isosurface, Isosurfaces, Kept, LastStep, Mode, Panel, Projected,
     Projection, Scene, Window,
 };
-use volref::sensitivity::number;
 use volref::suite::Output;
 use volref::variations::mistakes;
 use volref::volume::{Cell, Centring, Grid, Lattice, NodeLine};
@@ -269,28 +268,6 @@ fn isosurfaces_are_the_roots_of_the_field() {
 fn plateaus() -> Arc<Grid<f32>> {
     let lattice = Lattice::new([5, 3, 3], DVec3::ONE, DVec3::ZERO).unwrap();
     sampled(lattice, |[i, _, _]| [0.0, 0.0, 1.0, 1.0, 0.0][i])
-}
-
-/// Values of nodes, flat cells and roots at faces: a side is left once and entered once.
-#[test]
-fn a_value_of_nodes_is_passed_once() {
-    let scene = exact(plateaus(), Mode::Composited);
-    let field_along = ExactField::new(&scene);
-    let passed = |value: f64, ray: &Ray| -> Vec<f64> {
-        let found = field_along.passed_along(&surfaces(&[value], 1.0), ray);
-        found.into_iter().map(|(t, _)| t - 2.0).collect()
-    };
-    for y in [0.5, 1.0, 1.5] {
-        let ray = Ray::new(DVec3::new(-2.0, y, 1.0), DVec3::X).unwrap();
-        let back = Ray::new(DVec3::new(6.0, y, 1.0), DVec3::NEG_X).unwrap();
-        assert_eq!(passed(0.5, &ray), [1.5, 3.5]);
-        assert_eq!(passed(1.0, &ray), [2.0, 3.0]);
-        assert_eq!(passed(1.0, &back), [1.0, 2.0]);
-        // Nothing is below the least value, and nothing above the largest is reached.
-        for value in [0.0, -1.0, 1.0 + f64::EPSILON, 7.0] {
-            assert_eq!(passed(value, &ray), [0.0; 0], "{value}");
-        }
-    }
 }
 
 /// A linear field, placed anywhere: along a ray it is a line, between its values at the two ends. Of values of 32 bits, up
@@ -699,30 +676,6 @@ fn modes_refuse_other_conventions() {
     let exact = format!("{maximum}\ncompositing = 'continuous'");
     let error = read(&exact, "last_step = 'whole'").unwrap_err().to_string();
     assert!(error.contains("no samples"), "{error}");
-}
-
-/// Numbers that can be off: an attenuation, and no opacity over a length.
-#[test]
-fn numbers_of_a_mode() {
-    for mode in modes() {
-        let is_attenuated = matches!(&mode, Mode::Projection(projection)
-            if matches!(projection.of, Projected::AttenuatedMaximum(_)));
-        let scene = Scene::of(panel(exact(noise(61, [4, 5, 3]), mode), 12));
-        assert!(number(&scene, "density").is_err());
-        let found = number(&scene, "attenuation");
-        assert_eq!(found.is_ok(), is_attenuated);
-        if let Ok(number) = found {
-            let more = number.changed(&scene, 0.5).unwrap();
-            let [less, more] = [&scene, &more].map(|scene| {
-                let film = film_of(scene);
-                film.radiance()
-                    .iter()
-                    .map(|pixel| f64::from(pixel[0]))
-                    .sum::<f64>()
-            });
-            assert!(more < 0.95 * less, "{more} {less}");
-        }
-    }
 }
 
 /// Mistakes that a case of the family lists: each fails there; what is said to explain it is that mistake, or one that makes

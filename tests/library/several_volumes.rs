@@ -5,16 +5,14 @@
 //! with the plain one, which lists all pieces and multiplies transparencies.
 
 use crate::common::suite::film_of as fast;
-use crate::effects::scenes::off_is_off;
 use glam::{DMat3, DVec3};
 use std::path::Path;
 use volref::film::Film;
 use volref::math::rng::philox4x32_10;
 use volref::math::{exp, exp_m1, ln_1p};
 use volref::reference;
-use volref::render::{Effect, Event, Sampling, State, plans, render, render_counted};
+use volref::render::{Sampling, plans, render};
 use volref::scene::Scene;
-use volref::sensitivity::number;
 use volref::variations::mistakes;
 
 const SIDE: usize = 8;
@@ -638,34 +636,6 @@ fn common_steps_show_one_volume_over_the_next() {
     }
 }
 
-/// A clip may be moved as long as something is left of each volume, and steps be shorter as long as a ray ends.
-#[test]
-fn numbers_change_as_far_as_a_scene_is_left() {
-    let folder = tempfile::tempdir().unwrap();
-    slab(folder.path(), "a.nrrd", -1.0, 1.0);
-    slab(folder.path(), "b.nrrd", -1.0, 0.5);
-    let (red, _) = look(RED, 0.3);
-    let text = format!(
-        "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n[[classified.volume]]\nfile = 'b.nrrd'\n{red}\n\
-         [[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
-    );
-    let scene = scene_of(folder.path(), &text);
-    let offset = number(&scene, "clip.offset").unwrap();
-    for (change, is_left) in [(-3.0, true), (0.4, true), (0.6, false), (5.0, false)] {
-        assert_eq!(
-            offset.changed(&scene, change).is_some(),
-            is_left,
-            "{change}"
-        );
-    }
-    // Nor is a step so short that rays would have more than 1e8 samples.
-    for name in ["step.1", "step.2"] {
-        let step = number(&scene, name).unwrap();
-        assert!(step.changed(&scene, -0.999).is_some());
-        assert!(step.changed(&scene, -1.0 + 1e-9).is_none());
-    }
-}
-
 /// Fog of one density before a wall, or before its own cut: samples at the ends of steps of 0.3, each for a whole one. As
 /// many as lie within, and one more behind the end, as long as the fog goes on there.
 #[test]
@@ -759,52 +729,6 @@ fn conventions_of_one_volume_among_surfaces() {
         let error = Scene::parse(&text, &folder.path().join("scene.toml")).unwrap_err();
         assert!(error.to_string().contains(message), "{error}");
     }
-}
-
-#[test]
-fn plans_say_what_is_merged_and_count_it() {
-    let folder = tempfile::tempdir().unwrap();
-    slab(folder.path(), "a.nrrd", -2.0, 0.0);
-    let (red, _) = look(RED, 0.3);
-    let text = format!(
-        "[classified.shadow]\n[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n\
-         [[classified.volume]]\nfile = 'a.nrrd'\ntranslate = [0, 0, 1]\n{red}\n\
-         [[classified.surface]]\ncolour = 1\nsphere = {{ centre = [0, 0, 0], radius = 0.5 }}\n"
-    );
-    let scene = scene_of(folder.path(), &text);
-    let plans = plans(&scene);
-    assert_eq!(
-        plans[0].kernel.to_string(),
-        "ray caster: 2 volumes, 1 surface, 0 clips merged"
-    );
-    for (effect, state) in [
-        (Effect::Surfaces, State::On),
-        (Effect::SurfaceShadow, State::On),
-        (Effect::MediumShadow, State::On),
-        (Effect::GradientShading, State::Omitted),
-        (Effect::AnisotropicPhase, State::Elided),
-    ] {
-        assert_eq!(plans[0].state(effect), state, "{effect}");
-    }
-    assert_eq!(plans[0].warnings, []);
-    // A transfer function that no volume has.
-    let text =
-        format!("[transfer_function]\n[classified]\n[classified.volume]\nfile = 'a.nrrd'\n{red}\n");
-    let unused = parsed(folder.path(), &text);
-    let warnings = &volref::render::plans(&unused)[0].warnings;
-    assert_eq!(warnings[0].field.as_deref(), Some("transfer_function"));
-    let work = render_counted(&plans, Sampling::default(), &|| {})
-        .unwrap()
-        .work[0];
-    for event in [
-        Event::DensityLookup,
-        Event::SurfaceTest,
-        Event::ShadowRay,
-        Event::Attenuation,
-    ] {
-        assert!(work[event] > 0, "{event:?}");
-    }
-    off_is_off("several volumes", &plans[0], &work);
 }
 
 /// Without samples the image of constant volumes, clips and a surface is the closed form, in any order; the opaque hide

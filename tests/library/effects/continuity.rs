@@ -145,34 +145,6 @@ fn heterogeneity_in_closed_form() {
     });
 }
 
-/// Of light turned once, by quadrature to 6e-10: of what the lamp sends, 3 over a distance above
-/// 0.5 squared, below 12, a part of cL is turned; the phase function and its slope in g are below
-/// 1 per steradian. Brighter than 8 is none of it.
-#[test]
-fn light_turned_once() {
-    let single = "scattering = 'single'";
-    fades_in("sigma_s", 48.0, |c| {
-        medium(single, &format!("sigma_s = {c:e}\nsigma_a = 0.5"), LAMP)
-    });
-    fades_in("g", 48.0, |c| {
-        medium(single, &format!("sigma_s = 1\ng = {c:e}"), LAMP)
-    });
-    fades_in("sigma_a", 48.0, |c| {
-        medium(single, &format!("sigma_s = 1\nsigma_a = {c:e}"), LAMP)
-    });
-    fades_in("intensity", 48.0, |c| {
-        let lamps = LAMP.to_owned()
-            + &LAMP
-                .replace("0.9", "-0.9")
-                .replace("= 3", &format!("= {c:e}"));
-        medium(single, "sigma_s = 1", &lamps)
-    });
-    fades_in("reflectance", 48.0, |c| {
-        let floor = FLOOR.replace("0.6 }", &format!("{c:e} }}"));
-        medium(single, "sigma_a = 0.5", &(floor + LAMP))
-    });
-}
-
 /// Path by path: the same random numbers, so each path changes by no more than the coefficient,
 /// times what it crosses and meets. The paths here are turned some ten times at most, and a turn
 /// multiplies a change by a distance over another: the slope is a bound on products of those.
