@@ -14,7 +14,8 @@
 #   TIMEOUT SECONDS for the renderer                       PROFILE FILE conventions to judge by: vtk, anari, a file
 #   PREFIX TEXT     of the names of tests [volref/]        SUITE DIR    in place of the suite within volref
 #   LABELS TEXT...  of the tests [volref]                  REPORTS DIR  a page for each case below DIR
-#   KNOWN FILE      known failures (volref validate --known): their tests pass until they are mended, worse or otherwise
+#   KNOWN FILE      known failures: their tests pass until they are mended, worse or otherwise. For the first file run
+#                   volref validate CASES --run 'COMMAND' --known FILE --known-update
 #   EXPLAIN SECONDS for finding the mistake behind a wrong image [10; 0 where the environment variable CI is set]
 #
 # Relative paths of PROFILE, KNOWN and SUITE begin at the current source folder, that of REPORTS at the current build folder.

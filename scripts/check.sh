@@ -74,7 +74,7 @@ else
     left_out "CMake, and Python with NumPy"
 fi
 
-step "parts and units by GNU parallel"
+step "parts by GNU parallel"
 if command -v parallel >/dev/null && command -v jq >/dev/null; then
     scripts/check-scale-out.sh
 else

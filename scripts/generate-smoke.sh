@@ -8,7 +8,7 @@ target=fixtures/volumes/smoke.obj
 
 generate() {
     # By the profile of the tests, which have built it already.
-    cargo run --quiet --example smoke-plume -- "$1"
+    cargo run --quiet --package volref-scripts --bin smoke-plume -- "$1"
 }
 
 case "${1-}" in

@@ -7,24 +7,20 @@
 //!
 //! ```sh
 //! valgrind --tool=callgrind --toggle-collect=instructions::counted \
-//!     target/release/examples/instructions --tasks 2
+//!     target/release/instructions --tasks 2
 //! callgrind_annotate callgrind.out.*
 //! ```
-
-mod by_hand;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::{env, fs};
 
-use glam::DVec3;
 use volref::cost::effects::{Variant, variants};
 use volref::cost::thumbnail;
 use volref::film::Film;
-use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::render::plan::Effect;
 use volref::render::{Counters, Event, Plan, Sampling, render, render_counted};
-use volref::scene::{Classified, Model, Panel, Radiative, Scene};
+use volref::scene::{Model, Panel, Scene};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -49,35 +45,6 @@ const PRICED: [(&str, usize); 4] = [
 /// Larger side of an image, and samples per pixel where it is sampled.
 const SIDE: usize = 32;
 const SAMPLES: u32 = 4;
-
-/// A box of the same matter everywhere, which glows.
-const GLOWING_BOX: &str = "
-[camera]
-eye = [0.3, 0.4, -4]
-target = [0, 0, 0]
-[radiative]
-environment = [0.2, 0.3, 0.5]
-[[radiative.medium]]
-box = { min = [-1, -1, -1], max = [1, 1, 1] }
-sigma_a = 0.8
-emission = [0.9, 0.5, 0.1]
-";
-
-/// A box of the same matter everywhere, which scatters light of the sun and the sky.
-const SCATTERING_BOX: &str = "
-[camera]
-eye = [0.3, 0.4, -4]
-target = [0, 0, 0]
-[radiative]
-max_bounces = 8
-environment = [0.2, 0.3, 0.5]
-[[radiative.light]]
-directional = { direction = [0.5, -1, 0.3], irradiance = [7, 6.3, 5.4] }
-[[radiative.medium]]
-box = { min = [-1, -1, -1], max = [1, 1, 1] }
-sigma_t = 2
-albedo = 0.9
-";
 
 // ---- What is counted ---------------------------------------------------------------------
 
@@ -220,89 +187,6 @@ impl Each {
     }
 }
 
-// ---- Kernels against loops written by hand --------------------------------------------------
-
-/// A picture, and a loop that makes the same one.
-struct Contest {
-    name: &'static str,
-    picture: Picture,
-    by_hand: fn(&Panel) -> Film,
-}
-
-fn classified(panel: &Panel) -> &Classified {
-    match &panel.model {
-        Model::Classified(scene) => scene,
-        _ => panic!("no classified volume"),
-    }
-}
-
-fn radiative(panel: &Panel) -> &Radiative {
-    match &panel.model {
-        Model::Radiative(scene) => scene,
-        _ => panic!("no radiative scene"),
-    }
-}
-
-fn size(panel: &Panel) -> by_hand::Size {
-    [panel.width, panel.height]
-}
-
-fn contests() -> Result<Vec<Contest>, Failure> {
-    let file = |name: &str, panel: usize, side: usize| -> Result<Picture, Failure> {
-        Ok(picture(&load(name)?.panels[panel], side, 1))
-    };
-    let text = |text: &str, side: usize| -> Result<Picture, Failure> {
-        let scene = Scene::parse(text, Path::new("text.toml"))?;
-        Ok(picture(&scene.panels[0], side, 16))
-    };
-    Ok(vec![
-        Contest {
-            name: "smoke in haze: trilinear, every sample",
-            picture: haze(&load("figures/figure-3")?.panels[0])?,
-            by_hand: |panel| by_hand::unshaded(classified(panel), size(panel)),
-        },
-        Contest {
-            name: "figure 5: Phong, volume shadow, leaps",
-            picture: file("figures/figure-5", 1, 64)?,
-            by_hand: |panel| by_hand::shaded_with_shadow(classified(panel), size(panel)),
-        },
-        Contest {
-            name: "grid that absorbs, cell by cell",
-            picture: file("procedural/absorbing-grid", 0, 64)?,
-            by_hand: |panel| by_hand::absorbing_grid(radiative(panel), size(panel)),
-        },
-        Contest {
-            name: "glowing box, closed form",
-            picture: text(GLOWING_BOX, 128)?,
-            by_hand: |panel| by_hand::glowing_box(radiative(panel), size(panel)),
-        },
-        Contest {
-            name: "scattering box, paths of up to 8 turns",
-            picture: text(SCATTERING_BOX, 32)?,
-            by_hand: |panel| by_hand::scattering_box(radiative(panel), size(panel)),
-        },
-    ])
-}
-
-/// The smoke of figure 3, unshaded, in a haze: no density is transparent, so nothing is leapt over.
-fn haze(panel: &Panel) -> Result<Picture, Failure> {
-    let point = |value, colour: [f64; 3], opacity| TransferPoint {
-        value,
-        colour: colour.into(),
-        opacity,
-    };
-    let points = vec![
-        point(0.0, [0.2, 0.3, 0.5], 0.01),
-        point(1.0, [0.9, 0.8, 0.7], 0.6),
-    ];
-    let mut model = classified(panel).clone();
-    model.phong = None;
-    model.transfer_function.appearance = Appearance::Points(TransferPoints::new(points)?);
-    model.background = DVec3::splat(0.5);
-    let scene = thumbnail::scene(panel, Model::Classified(Box::new(model)), 64);
-    Ok(picture_of(scene, 1))
-}
-
 // ---- Effects that are elided, and what that saves ----------------------------------------------
 
 /// A scene by its own plan, and with all elided effects forced.
@@ -408,18 +292,10 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Failure> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let contests = contests()?;
     let elisions = of_scenes(&ELIDING, elision)?;
     let prices = of_scenes(&PRICED, prices)?;
 
     let mut tasks = Tasks::default();
-    let contest_tasks: Vec<[Index; 2]> = contests
-        .iter()
-        .map(|contest| {
-            let by_hand = tasks.add(|| drop((contest.by_hand)(contest.picture.panel())));
-            [by_hand, tasks.add(|| drop(contest.picture.film()))]
-        })
-        .collect();
     let elision_tasks: Vec<[Each; 2]> = elisions
         .iter()
         .map(|it| [&it.own, &it.forced].map(|picture| tasks.add_picture(picture)))
@@ -442,33 +318,12 @@ fn run() -> Result<(), Failure> {
         return Ok(());
     }
 
-    for contest in &contests {
-        let by_hand = (contest.by_hand)(contest.picture.panel());
-        if by_hand.pixel_hash() != contest.picture.film().pixel_hash() {
-            return Err(format!("{}: other bits by hand", contest.name).into());
-        }
-    }
     for elision in &elisions {
         if elision.forced.film().pixel_hash() != elision.own.film().pixel_hash() {
             return Err(format!("{}: other bits with all effects", elision.name).into());
         }
     }
     let counts = instructions(tasks.0.len())?;
-
-    head(
-        "**The kernel that the plan picks against a loop written by hand**, whole images, same bits",
-        &["scene", "kernel", "by hand", "kernel", "kernel / by hand"],
-    );
-    for (contest, [by_hand, kernel]) in contests.iter().zip(contest_tasks) {
-        let [by_hand, kernel] = [counts[by_hand], counts[kernel]].map(|count| count as f64);
-        row(&[
-            contest.name.to_owned(),
-            contest.picture.plan().kernel.to_string(),
-            three_digits(by_hand),
-            three_digits(kernel),
-            format!("{:.4}", kernel / by_hand),
-        ]);
-    }
 
     head(
         "**Effects that were not simulated**, and what that saved; instructions per pixel",

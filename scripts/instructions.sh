@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# How many instructions the kernels take, counted by callgrind: the kernel that a plan picks against
-# a loop written by hand, what it saves to leave out what is null, and the price of each effect.
+# How many instructions it saves to leave out what is null, and the price of each effect, counted by callgrind.
 # Prints tables in Markdown, those of src/guide/speed.md (scripts/speed.py).
 #
 # Counts repeat from run to run, but for a few hundred instructions of the allocator: the last of
@@ -15,6 +14,6 @@ command -v valgrind >/dev/null || {
 }
 # Callgrind looks for a function by its name.
 export CARGO_PROFILE_RELEASE_STRIP=none
-cargo build --quiet --release --example instructions
-"${CARGO_TARGET_DIR:-target}/release/examples/instructions"
+cargo build --quiet --release --package volref-scripts
+"${CARGO_TARGET_DIR:-target}/release/instructions"
 printf '\n%s, %s, profile release\n' "$(rustc --version)" "$(valgrind --version)"

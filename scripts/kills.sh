@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Kills `accept`, `units --compute` and `merge` at random moments, in a suite of its own: whatever the moment, goldens
-# are all the old ones or all the new ones, the same command run again succeeds, and nothing is left behind.
+# Kills `accept` at random moments, in a suite of its own: whatever the moment, goldens are all the old ones or all the new
+# ones, the same command run again succeeds, and nothing is left behind.
 #
 #   scripts/kills.sh [KILLS]        100 by default; of the build under development, or of the one that VOLREF names
 set -euo pipefail
@@ -16,7 +16,7 @@ export VOLREF_CACHE=
 cd "$work"
 
 fail() {
-    printf 'kill %d, of %s: %s\n' "$round" "$what" "$*" >&2
+    printf 'kill %d: %s\n' "$round" "$*" >&2
     tail -n 20 "$work/log" >&2
     exit 1
 }
@@ -39,85 +39,43 @@ fixtures() { rm -rf suite/fixtures && cp -r "$1" suite/fixtures; }
 run() { "$volref" "$@" --suite suite >>log 2>&1; }
 all_files() { (cd suite && find . -not -type d -o -empty) | sort; }
 
-# The command and its arguments for each name; before it what it needs.
 accept=(accept '*' --reason 'a kill')
-units=(units --compute)
-merge=(merge parts)
-prepare() {
-    case $1 in
-    accept) ;;
-    # Not the units of goldens that are there already.
-    *) rm -rf suite/.volref ;;
-    esac
-}
-
-mkdir suite parts
-round=0 what=nothing
-for version in new old; do
-    fixtures $version
-    run "${units[@]}" || fail "no units"
-    mv suite/.volref units-$version
-done
-ln -s ../units-old parts/.volref
+mkdir suite
+round=0
+fixtures old
 run "${accept[@]}" || fail "no goldens"
 clean=$(all_files)
-run "${merge[@]}" || fail "no merge"
-joined=$(all_files)
-[ "$(grep -c '\.unit$' <<<"$joined")" = 8 ] || fail "not eight units"
-rm -rf suite/.volref
-
-declare -A longest
-for what in accept units merge; do
-    prepare $what
-    [ $what = accept ] && fixtures new
-    declare -n command=$what
-    start=$(date +%s%N)
-    run "${command[@]}" || fail "it does not run"
-    longest[$what]=$(($(date +%s%N) - start))
-    [ $what = accept ] && fixtures old && { run "${accept[@]}" || fail "not the old goldens"; }
-done
-rm -rf suite/.volref
+fixtures new
+start=$(date +%s%N)
+run "${accept[@]}" || fail "no new goldens"
+longest=$(($(date +%s%N) - start))
 
 killed=0
-before=old after=new
+before=new after=old
 for ((round = 1; round <= kills; round++)); do
-    names=(accept units merge)
-    what=${names[round % 3]}
-    declare -n command=$what
-    prepare $what
-    [ $what = accept ] && fixtures $after
+    fixtures $after
     : >log
     # A little longer than a whole run, in microseconds.
-    delay=$((longest[$what] / 1000 * (RANDOM % 1100 + 1) / 1000))
+    delay=$((longest / 1000 * (RANDOM % 1100 + 1) / 1000))
     code=0
     # The shell says of every kill that it happened.
     {
         timeout --signal=KILL "$(printf '%d.%06d' $((delay / 1000000)) $((delay % 1000000)))" \
-            "$volref" "${command[@]}" --suite suite >>log 2>&1
+            "$volref" "${accept[@]}" --suite suite >>log 2>&1
     } 2>/dev/null || code=$?
     case $code in
     137) killed=$((killed + 1)) ;;
     0) ;;
     *) fail "it ended by itself with exit code $code" ;;
     esac
-    if [ $what = accept ]; then
-        if ! run verify; then
-            fixtures $before
-            run verify || fail "the goldens are neither the old ones nor the new ones"
-            fixtures $after
-        fi
-        run "${accept[@]}" || fail "accept does not succeed afterwards"
-        [ "$(all_files)" = "$clean" ] || fail "left behind: $(diff <(all_files) <(echo "$clean"))"
-        [ $before = old ] && before=new after=old || { before=old after=new; }
-        rm parts/.volref && ln -s ../units-$before parts/.volref
-    else
-        run "${command[@]}" || fail "it does not succeed afterwards"
-        # The units of another scene have other names.
-        hidden='s/[0-9a-f]\{64\}/ID/'
-        [ "$(all_files | sed "$hidden")" = "$(sed "$hidden" <<<"$joined")" ] ||
-            fail "left behind: $(diff <(all_files) <(echo "$joined"))"
-        rm -rf suite/.volref
+    if ! run verify; then
+        fixtures $before
+        run verify || fail "the goldens are neither the old ones nor the new ones"
+        fixtures $after
     fi
+    run "${accept[@]}" || fail "accept does not succeed afterwards"
+    [ "$(all_files)" = "$clean" ] || fail "left behind: $(diff <(all_files) <(echo "$clean"))"
+    [ $before = old ] && before=new after=old || { before=old after=new; }
     run verify || fail "the goldens do not verify afterwards"
 done
 echo "$kills runs, $killed of them killed: nothing wrong, and nothing left behind"

@@ -45,7 +45,7 @@ campaign "a million inputs broken at random, others every day" env VOLREF_MUTANT
     1000000 "$(date +%Y%m%d)"
 campaign "light transport at four times the samples, decisions on five times the suites" env VOLREF_NIGHTLY=1 \
     cargo test --release --test library -- transport:: decide::
-campaign "300 kills of accept, units and merge" scripts/kills.sh 300
+campaign "300 kills of accept" scripts/kills.sh 300
 campaign "many samples of every known answer" cargo test --release --test library known_answer_images:: -- \
     --ignored --nocapture
 campaign "formulas to their last bits, on five times the inputs" env VOLREF_NIGHTLY=1 cargo test --release --test library \

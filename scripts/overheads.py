@@ -4,13 +4,11 @@
     overheads.py [--runs R] [--cases N]
 
 Medians of R runs by turns, and their range; seconds of the wall clock. `student.py` draws eight cases, started for each image
-(`--run`) and once for all (`--serve`). A golden is made by one process on all cores, and by processes of one core that compute
-its units. N small cases are verified in ten parts, and their results merged. Takes some minutes; needs NumPy and a release
-build, or the program that $VOLREF names.
+(`--run`) and once for all (`--serve`). N small cases are verified in ten parts, and their results merged. Takes some minutes;
+needs NumPy and a release build, or the program that $VOLREF names.
 """
 
 import argparse
-import json
 import os
 import shutil
 import statistics
@@ -18,16 +16,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 VOLREF = os.environ.get("VOLREF", str(ROOT / "target/release/volref"))
-CORES = len(os.sched_getaffinity(0))
 STUDENT = "python3 scripts/peers/student.py"
 DRAWN = ["figures/figure-1", "figures/figure-2", "figures/figure-3", "figures/figure-4",
          "scenes/maximum", "scenes/maximum-exact", "scenes/mean", "scenes/minimum-exact"]
-GOLDEN = "hard/s10-coloured-furnace"
 SCENE = """[film]
 width = 8
 height = 8
@@ -75,28 +70,6 @@ def calls(runs):
     return [(f"`{kind}`", seconds[kind]) for kind in kinds]
 
 
-def goldens(folder, runs):
-    """Seconds in which a golden is made, by its whole image and by its units."""
-    volref(folder, "suite", "--extract", "suite")
-    suite = folder / "suite"
-    whole, units_alone, of_units = [], [], []
-    for _ in range(runs):
-        for by_units in (False, True):
-            shutil.rmtree(suite / ".volref", ignore_errors=True)
-            for kept in suite.glob(f"golden/{GOLDEN}.*"):
-                kept.unlink()
-            if by_units:
-                units = json.loads(volref(suite, "units", GOLDEN, "--json")[1])["units"]
-                before = time.perf_counter()
-                with ThreadPoolExecutor(CORES) as pool:
-                    compute = ["units", GOLDEN, "--compute", "--threads", "1", "--unit"]
-                    list(pool.map(lambda unit: volref(suite, *compute, unit["id"]), units))
-                units_alone.append(time.perf_counter() - before)
-            (of_units if by_units else whole).append(volref(suite, "accept", GOLDEN, "--reason", "measured")[0])
-    return [("`accept` in one process", whole), (f"its units, {CORES} processes of one core", units_alone),
-            ("`accept` of the units", of_units)]
-
-
 def parts(folder, runs, count):
     """Seconds of one part of many cases in which there is one case, of ten parts, and of their merge."""
     scenes, manifests = folder / "many/fixtures/scenes/many", folder / "many/fixtures/cases/many"
@@ -126,8 +99,8 @@ def main():
     options = parser.parse_args()
     table(["eight cases, drawn by `student.py`", "s"], calls(options.runs))
     with tempfile.TemporaryDirectory() as folder:
-        rows = goldens(Path(folder), options.runs) + parts(Path(folder), options.runs, options.cases)
-        print(f"\nThe golden is that of `{GOLDEN}`, the cases have 8 × 8 pixels.\n")
+        rows = parts(Path(folder), options.runs, options.cases)
+        print("\nThe cases have 8 × 8 pixels.\n")
         table(["work divided", "s"], rows)
 
 

@@ -67,7 +67,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--volref-known",
         metavar="FILE",
         help="known failures, as of volref validate --known: a listed failure is an expected one, and a mended, worse or "
-        "other one fails [default: volref_known of the ini file, from the folder of that file]",
+        "other one fails. The first file: volref validate --outputs DIR --only-present --known FILE --known-update, with the "
+        "DIR of --volref-outputs [default: volref_known of the ini file, from the folder of that file]",
     )
     parser.addini("volref_known", "file of known failures, from the folder of this file")
     group.addoption("--volref-suite", metavar="DIR", help="suite to judge by, in place of the one within volref")
@@ -261,11 +262,11 @@ def volref_check(request: pytest.FixtureRequest) -> Callable[..., volref.Result]
         if known.get("status") == "known":
             link = f" ({known['link']})" if known.get("link") else ""
             pytest.xfail(f"{known['reason']}{link}")
-        if known.get("change"):
-            pytest.fail(f"{known['status']}: {known['change']}\n{result}")
-        if result.passed or (allow_inconclusive and result.verdict == "inconclusive"):
+        is_accepted = result.passed or (allow_inconclusive and result.verdict == "inconclusive")
+        if is_accepted and not known:
             return result
-        lines = [str(result)]
+        lines = [f"{known['status']}: {known['change']}"] if known else []
+        lines.append(str(result))
         if result.verdict == "inconclusive":
             lines.append(INCONCLUSIVE)
         if page:

@@ -2,25 +2,25 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::page::{PageOf, ReportPage};
+use super::page::ReportPage;
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::compare::{Exact, Picture};
 use crate::film::Film;
-use crate::judging::{CaseFinding, CaseResult, Cause, Evidence, JudgedWith, Verdict};
+use crate::judging::{CaseResult, Cause, Evidence, Verdict};
 use crate::naming::Likenesses;
+use crate::report::Page;
 use crate::runs;
-use crate::runs::{AcceptError, AcceptRequest, Change, UnitFolder};
+use crate::runs::{AcceptError, AcceptRequest, Change, KeptRenderings};
 use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
 use serde_json::json;
 use std::path::Path;
-use std::time::Instant;
 
 /// Render cases and accept the images as new goldens
 ///
-/// Look at the images before and after. All cases are accepted, or none. Finished units of stochastic cases (see volref units) are kept
-/// in .volref until all goldens are written, so an interrupted run continues where it stopped.
+/// Look at the images before and after. All cases are accepted, or none. Finished renderings of stochastic cases are kept
+/// in .volref until all goldens are written: the same command, run again after an interruption, continues there.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out. A scene
@@ -70,7 +70,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
     let bar = progress::work();
-    let kept = UnitFolder::open(suite.cache_folder());
+    let kept = KeptRenderings::open(suite.cache_folder());
     let store = suite.store();
     // Before they are replaced.
     let old: Vec<Option<Film>> = match arguments.page.is_asked() {
@@ -119,15 +119,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         let (results, evidence): (Vec<_>, Vec<_>) = shown
             .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
             .unzip();
-        let page = PageOf {
-            command: "accept",
+        let nothing_searched = Likenesses::default();
+        let page = Page {
             headline: &headline(&said),
-            results: &results,
-            evidence: &evidence,
-            found: &Likenesses::default(),
-            judged_with: &JudgedWith::default(),
+            ..Page::of("accept", &results, &evidence, &nothing_searched)
         };
-        arguments.page.write(&page, &mut text)?;
+        arguments.page.write(page, &mut text)?;
     }
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)
@@ -195,8 +192,8 @@ impl Arguments {
         (word, detail): &(&str, String),
     ) -> (CaseResult, Evidence) {
         let reason = format!("{word}: {detail}");
-        let finding = CaseFinding::new(Verdict::Pass, Cause::None, reason);
-        let mut result = finding.result(&case.name, case.class(), &Exact, Instant::now());
+        let finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
+        let mut result = finding.of_case(&case.name, case.class(), &Exact);
         let note = "the golden shown is the one before this accept; the test image is the one accepted now";
         result.notes.push(note.to_owned());
         let evidence = Evidence {

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::command_line::command_line;
 use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
-use super::page::{PageOf, ReportPage};
+use super::page::ReportPage;
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
     Conditions, Exact, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
@@ -12,9 +12,9 @@ use crate::compare::{
 };
 use crate::film::{Bits, Film, FilmFormat};
 use crate::judging::measured::decoded;
-use crate::judging::{CaseFinding, CaseResult, Evidence, JudgedWith, radiance};
+use crate::judging::{CaseResult, Evidence, radiance};
 use crate::naming::Likenesses;
-use crate::report;
+use crate::report::{self, Page};
 use crate::suite::MEAN_RESOLUTION;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -123,8 +123,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         }
     }
     let mut result = CaseResult {
-        family: String::new(),
-        ..CaseFinding::from(judgement).result(&arguments.test.to_string_lossy(), "", gate, start)
+        name: arguments.test.to_string_lossy().into_owned(),
+        gate,
+        seconds: start.elapsed().as_secs_f64(),
+        ..CaseResult::from(judgement)
     };
     let film = test.radiance();
     let hidden = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
@@ -162,15 +164,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let exit = result.cause.into();
     let json = report::results_json("compare", std::slice::from_ref(&result));
     let evidence = arguments.evidence(reference, test);
-    let page = PageOf {
-        command: "compare",
-        headline: "",
-        results: &[result],
-        evidence: &[evidence],
-        found: &Likenesses::default(),
-        judged_with: &JudgedWith::default(),
-    };
-    arguments.page.write(&page, &mut text)?;
+    let (results, evidence, found) = ([result], [evidence], Likenesses::default());
+    let page = Page::of("compare", &results, &evidence, &found);
+    arguments.page.write(page, &mut text)?;
     let text = arguments.json.instead_of(text, &json)?;
     Ok(Outcome { text, exit })
 }

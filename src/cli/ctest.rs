@@ -8,9 +8,9 @@ use super::compare::heatmap;
 use super::failure::{Failure, bad_input};
 use super::output;
 use crate::compare::Picture;
+use crate::files::visible::xml_text;
 use crate::film::Film;
 use crate::judging::Judged;
-use crate::report::xml_text;
 use std::path::{Path, PathBuf};
 
 /// Names by which CDash lays the pictures of a test over each other, with a slider, and shows their difference.

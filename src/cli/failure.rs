@@ -1,8 +1,10 @@
 //! Errors with exit codes.
 
+use crate::files::visible::visible;
 use crate::judging::{CaseResult, Cause};
 use crate::scene::{SceneError, shortened};
-use miette::{MietteHandlerOpts, Report};
+use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, Report, ReportHandler, SourceCode};
+use std::fmt;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
@@ -111,19 +113,48 @@ impl From<Box<SceneError>> for Failure {
     }
 }
 
-/// Colours and line width of the terminal; in a pipe plain text, each message on one line, so that
-/// other programs find path, line and column together.
-pub fn draw_errors_for_the_terminal() {
-    let terminal = std::io::stderr().is_terminal();
-    let _ = miette::set_hook(Box::new(move |_| {
-        let options = MietteHandlerOpts::new().unicode(true).width(100);
-        let options = if terminal {
-            options
-        } else {
-            options.color(false).wrap_lines(false)
-        };
-        Box::new(options.build())
-    }));
+/// A message for drawing. Its control characters are made visible before: afterwards the escape codes in the name of a
+/// file cannot be told from those that colour the message.
+pub struct Drawn<'d>(&'d dyn Diagnostic);
+
+impl Drawn<'_> {
+    pub fn of(failure: &Failure) -> Drawn<'_> {
+        Drawn(failure.report.as_ref())
+    }
+}
+
+impl fmt::Debug for Drawn<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut options = MietteHandlerOpts::new().unicode(true).width(100);
+        // In a pipe plain text, each message on one line: other programs find path, line and column together.
+        if !std::io::stderr().is_terminal() {
+            options = options.color(false).wrap_lines(false);
+        }
+        options.build().debug(self, to)
+    }
+}
+
+impl fmt::Display for Drawn<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(&visible(&self.0.to_string()))
+    }
+}
+
+impl std::error::Error for Drawn<'_> {}
+
+impl Diagnostic for Drawn<'_> {
+    fn help(&self) -> Option<Box<dyn fmt::Display + '_>> {
+        let help = visible(&self.0.help()?.to_string());
+        Some(Box::new(help))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.0.source_code()
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        self.0.labels()
+    }
 }
 
 /// The exit code of these results.

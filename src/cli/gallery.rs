@@ -30,7 +30,7 @@ const LAYOUT: &str = "Each DIR is the run of one renderer, and holds results.jso
 #[derive(Debug, clap::Args)]
 #[command(after_help = LAYOUT)]
 pub struct Arguments {
-    /// Folders of the renderers, in the order of the columns
+    /// Folders of the renderers; the page lists them in this order
     #[arg(value_name = "DIR", required = true)]
     folders: Vec<PathBuf>,
     /// Page to write: one HTML file, which loads nothing
@@ -83,6 +83,8 @@ struct RendererRun {
     bits: Option<Bits>,
     alpha: Option<Alpha>,
     known: Option<KnownFailures>,
+    /// Folder of the page.
+    page: PathBuf,
 }
 
 /// Runs the command.
@@ -92,7 +94,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[Some(&arguments.output)], &[])?;
     let folders = arguments.folders.iter();
     let runs: Vec<RendererRun> = folders
-        .map(|folder| RendererRun::read(folder, &suite))
+        .map(|folder| RendererRun::read(folder, &suite, &arguments.output))
         .collect::<Result<_, _>>()?;
     // Now that the inputs are known.
     output::check(&[Some(&arguments.output)], &[])?;
@@ -145,7 +147,7 @@ fn row(case: &Case, store: &Store, runs: &[RendererRun]) -> (GalleryRow, String)
 }
 
 impl RendererRun {
-    fn read(folder: &Path, suite: &Suite) -> Result<RendererRun, Failure> {
+    fn read(folder: &Path, suite: &Suite, page: &Path) -> Result<RendererRun, Failure> {
         let file = folder.join(RESULTS);
         if !file.exists() {
             let message = format!("there is no {}", file.display());
@@ -212,6 +214,7 @@ impl RendererRun {
             outputs,
             profile: profile.transpose()?,
             known,
+            page: page.parent().map(Path::to_owned).unwrap_or_default(),
             bits: bits.transpose().map_err(in_file)?,
             alpha: alpha.transpose().map_err(in_file)?,
         })
@@ -237,6 +240,9 @@ impl RendererRun {
         let seconds = self.renderer.seconds.get(&case.name).copied();
         judged.evidence.rendering_seconds = seconds;
         judged.result.known = self.known.as_ref().and_then(|of| of.of(&judged.result));
+        if let Some(known) = &mut judged.result.known {
+            known.link.take_if(|link| !self.leads(link));
+        }
         Some(judged)
     }
 
@@ -264,6 +270,15 @@ impl RendererRun {
         judged
     }
 
+    /// True if the page may link to it: an address of the web, or a file beside the page.
+    fn leads(&self, link: &str) -> bool {
+        let (file, _) = link.split_once('#').unwrap_or((link, ""));
+        let is_web = ["https://", "http://"]
+            .iter()
+            .any(|begin| link.starts_with(begin));
+        is_web || (!file.is_empty() && self.page.join(file).exists())
+    }
+
     /// What the files of the run say otherwise than `judged`, in a line.
     fn change(&self, judged: &Judged) -> Option<String> {
         let result = &judged.result;
@@ -276,8 +291,8 @@ impl RendererRun {
                 result.name
             ));
         }
-        let change = result.known.as_ref()?.change.as_ref()?;
-        Some(format!("{name}: {change}\n"))
+        let known = result.known.as_ref().filter(|known| known.is_outdated())?;
+        Some(format!("{name}: {}\n", known.change.as_ref()?))
     }
 }
 

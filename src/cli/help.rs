@@ -17,7 +17,6 @@ const GROUPS: [(&str, &[&str]); 4] = [
     (
         "Also",
         &[
-            "units",
             "merge",
             "selftest",
             "suite",

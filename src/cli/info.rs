@@ -7,12 +7,15 @@ use super::suite::named_scene;
 use crate::files::regular_file;
 use crate::geometry::Transform;
 use crate::math::{Sum, ln};
+use crate::report::widest;
 use crate::scene::{Scene, SceneVolume};
 use crate::volume::{
-    AxisOrder, Centring, Content, Encoding, Endian, Grid, Layout, LoadOptions, Loaded, LostValues,
-    NonFinite, Orientation, Stored, load_hashed, volume_format, volume_formats,
+    AxisOrder, Centring, Content, Encoding, Endian, FileRead, Grid, Layout, LoadOptions,
+    LostValues, NonFinite, Orientation, Stored, load_hashed, volume_format, volume_formats,
 };
 use serde::Serialize;
+use serde_json::{Value, json};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -57,79 +60,6 @@ const BINS: usize = 16;
 /// Characters of the longest bar.
 const LONGEST_BAR: f64 = 40.0;
 
-#[derive(Serialize)]
-struct Info {
-    schema: &'static str,
-    file: String,
-    format: &'static str,
-    files: Vec<FileJson>,
-    nodes: [usize; 3],
-    spacing: [f64; 3],
-    first: [f64; 3],
-    min: [f64; 3],
-    max: [f64; 3],
-    centring: &'static str,
-    /// Rows of the map of the grid into the world, of oblique axes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    to_world: Option<[[f64; 4]; 3]>,
-    /// True if the file does not say which of its axes is x.
-    #[serde(skip)]
-    is_array: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    space: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cloud: Option<CloudJson>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stored: Option<StoredJson>,
-    values: ValueStatistics,
-}
-
-#[derive(Serialize)]
-struct FileJson {
-    path: String,
-    blake3: String,
-}
-
-#[derive(Serialize)]
-struct CloudJson {
-    points: usize,
-    min: [f64; 3],
-    max: [f64; 3],
-}
-
-#[derive(Serialize)]
-struct StoredJson {
-    sizes: [usize; 3],
-    r#type: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    endian: Option<&'static str>,
-    encoding: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scaling: Option<Scaling>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    not_in_float32: Option<LostJson>,
-}
-
-/// Stored values that 32 bits do not hold: their number, and the first.
-#[derive(Serialize)]
-struct LostJson {
-    count: usize,
-    /// Along the stored axes.
-    voxel: [usize; 3],
-    stored: f64,
-    value: f64,
-}
-
-/// Summary of the stored samples s, whose values are `slope·s + intercept`.
-#[derive(Serialize)]
-struct Scaling {
-    slope: f64,
-    intercept: f64,
-    min: f64,
-    max: f64,
-    mean: f64,
-}
-
 /// Statistics of the values of a grid; values that are not finite are only counted.
 #[derive(Serialize)]
 struct ValueStatistics {
@@ -141,12 +71,12 @@ struct ValueStatistics {
     negative: usize,
     non_finite: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
-    first_non_finite: Option<NonFiniteJson>,
+    first_non_finite: Option<FirstNonFinite>,
     histogram: Vec<Bin>,
 }
 
 #[derive(Serialize)]
-struct NonFiniteJson {
+struct FirstNonFinite {
     voxel: [usize; 3],
     value: String,
 }
@@ -163,9 +93,24 @@ struct Bin {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[&arguments.file])?;
     if let Some(file) = scene_file(&arguments.file) {
-        let info = of_scene(&Scene::load_volumes(&file)?, &arguments.file)?;
-        let text = describe(&info);
-        return arguments.json.instead_of(text, &info).map(Outcome::from);
+        let volumes = Scene::load_volumes(&file)?;
+        let volume = the_volume(&volumes, &arguments.file)?;
+        let facts = Facts::of(&Described {
+            given: &arguments.file,
+            format: match volume.inputs.is_empty() {
+                true => "formula of a scene",
+                false => "volume of a scene",
+            },
+            files: (volume.inputs.iter())
+                .map(|input| (input.name.clone(), input.hash.clone()))
+                .collect(),
+            grid: &volume.grid,
+            to_world: volume.to_world,
+            stored: None,
+            is_array: false,
+        });
+        let text = arguments.json.instead_of(facts.text, &facts.json);
+        return text.map(Outcome::from);
     }
     let mut options = LoadOptions {
         centring: arguments.centring.as_deref().map(|name| match name {
@@ -184,9 +129,19 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         options.orientation = Orientation::AsStored;
     }
     let loaded = load_hashed(&arguments.file, &options).map_err(bad_input)?;
-    let info = info(&arguments, &loaded);
-    let text = describe(&info);
-    arguments.json.instead_of(text, &info).map(Outcome::from)
+    let is_array = volume_format(&arguments.file).is_some_and(|it| it.content == Content::Array);
+    let file = |file: &FileRead| (file.path.display().to_string(), file.hash.clone());
+    let facts = Facts::of(&Described {
+        given: &arguments.file,
+        format: loaded.format,
+        files: loaded.files.iter().map(file).collect(),
+        grid: &loaded.grid,
+        to_world: loaded.to_world,
+        stored: Some(&loaded.stored),
+        is_array: is_array && arguments.axes.is_none(),
+    });
+    let text = arguments.json.instead_of(facts.text, &facts.json);
+    text.map(Outcome::from)
 }
 
 /// Longest text that is looked at for a scene.
@@ -211,9 +166,10 @@ fn scene_file(given: &Path) -> Option<PathBuf> {
 }
 
 /// The volume of a scene, of whose panels each shows one.
-fn of_scene(volumes: &[SceneVolume], given: &Path) -> Result<Info, Failure> {
+fn the_volume<'v>(volumes: &'v [SceneVolume], given: &Path) -> Result<&'v SceneVolume, Failure> {
     let is_one = |other| volumes.iter().all(|it| Arc::ptr_eq(&it.grid, other));
-    let Some(volume) = volumes.first().filter(|first| is_one(&first.grid)) else {
+    let first = volumes.first().filter(|first| is_one(&first.grid));
+    first.ok_or_else(|| {
         let count = if volumes.is_empty() {
             "no"
         } else {
@@ -221,131 +177,215 @@ fn of_scene(volumes: &[SceneVolume], given: &Path) -> Result<Info, Failure> {
         };
         let message = format!("{} has {count} classified volume", given.display());
         let help = "give the file of a volume, or a scene of one";
-        return Err(Failure::new(Exit::BadInput, message, Some(help)));
-    };
-    let files = volume.inputs.iter().map(|input| FileJson {
-        path: input.name.clone(),
-        blake3: input.hash.clone(),
-    });
-    let format = match volume.inputs.is_empty() {
-        true => "formula of a scene",
-        false => "volume of a scene",
-    };
-    let placed = placed(&volume.grid, volume.to_world, given, format);
-    let files = files.collect();
-    Ok(Info { files, ..placed })
+        Failure::new(Exit::BadInput, message, Some(help))
+    })
 }
 
-/// Facts of any grid.
-fn placed(
-    grid: &Grid<f32>,
-    to_world: Option<Transform>,
-    given: &Path,
+/// A volume to describe.
+struct Described<'d> {
+    given: &'d Path,
     format: &'static str,
-) -> Info {
-    let lattice = grid.lattice();
-    let bounds = lattice.bounds();
-    Info {
-        schema: "volref/info/1",
-        file: given.display().to_string(),
-        format,
-        files: Vec::new(),
-        nodes: lattice.nodes(),
-        spacing: lattice.spacing().to_array(),
-        first: lattice.first().to_array(),
-        min: bounds.min.to_array(),
-        max: bounds.max.to_array(),
-        centring: match lattice.centring() {
+    /// Paths and hashes.
+    files: Vec<(String, String)>,
+    grid: &'d Grid<f32>,
+    to_world: Option<Transform>,
+    /// What the file holds; `None` for a volume of a scene.
+    stored: Option<&'d Stored>,
+    /// True if the file does not say which of its axes is x.
+    is_array: bool,
+}
+
+/// Facts as a table of names and values, and as JSON.
+struct Facts {
+    text: String,
+    json: Value,
+}
+
+impl Facts {
+    fn row(&mut self, name: &str, value: impl Display) {
+        self.text.push_str(&format!("{name:<10}  {value}\n"));
+    }
+
+    fn of(it: &Described<'_>) -> Facts {
+        let file = |(path, hash): &(String, String)| json!({ "path": path, "blake3": hash });
+        let given = it.given.display();
+        let mut facts = Facts {
+            text: format!("{given}: {}\n\n", it.format),
+            json: json!({
+                "schema": "volref/info/1",
+                "file": given.to_string(),
+                "format": it.format,
+                "files": it.files.iter().map(file).collect::<Vec<_>>(),
+            }),
+        };
+        if let Some(Stored::Cloud { points, extent }) = it.stored {
+            let [min, max] = [extent.min, extent.max].map(|corner| corner.to_array());
+            facts.json["cloud"] = json!({ "points": points, "min": min, "max": max });
+            facts.row("points", points);
+            facts.row("extent", between(min, max));
+        }
+        facts.place(it);
+        let values = ValueStatistics::of(it.grid);
+        let lost = match it.stored {
+            Some(Stored::Samples { layout, lost }) => {
+                facts.stored(it.grid, layout, lost.as_ref(), &values);
+                lost.as_ref()
+            }
+            _ => None,
+        };
+        if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
+            facts.row("values", summary(min, max, mean));
+        }
+        let signs = format!("{} zero, {} nonzero", values.zeros, values.non_zeros);
+        facts.row(
+            "",
+            match values.negative {
+                0 => signs,
+                count => format!("{signs}, {count} of them negative"),
+            },
+        );
+        if let Some(LostValues {
+            count,
+            voxel: [i, j, k],
+            stored,
+        }) = lost
+        {
+            let value = f64::from(*stored as f32);
+            facts.row("float32", format!(
+                "does not hold {count}, first at voxel ({i}, {j}, {k}), counted as stored: {stored} becomes {value}"
+            ));
+        }
+        if let Some(FirstNonFinite {
+            voxel: [i, j, k],
+            value,
+        }) = &values.first_non_finite
+        {
+            let count = values.non_finite;
+            facts.row(
+                "not finite",
+                format!("{count}, first at voxel ({i}, {j}, {k}): {value}"),
+            );
+        }
+        if let Some((path, _)) = it.files.get(1) {
+            facts.row("data in", path);
+        }
+        facts.text.push_str(&plot(&values.histogram));
+        facts.json["values"] = json!(values);
+        facts
+    }
+
+    /// Position and size.
+    fn place(&mut self, it: &Described<'_>) {
+        let lattice = it.grid.lattice();
+        let [nx, ny, nz] = lattice.nodes();
+        self.json["nodes"] = json!([nx, ny, nz]);
+        self.row(
+            "nodes",
+            format!("{nx} × {ny} × {nz}, {} in total", nx * ny * nz),
+        );
+        if it.is_array {
+            let axes = "z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`";
+            self.row("axes", axes);
+        }
+        let spacing = lattice.spacing().to_array();
+        self.json["spacing"] = json!(spacing);
+        let is_cubic = spacing.iter().all(|of| *of == spacing[0]);
+        let words = if is_cubic {
+            digits(spacing[0])
+        } else {
+            vector(spacing)
+        };
+        self.row("spacing", words);
+        let first = lattice.first().to_array();
+        self.json["first"] = json!(first);
+        self.row("first node", vector(first));
+        let bounds = lattice.bounds();
+        let [min, max] = [bounds.min, bounds.max].map(|corner| corner.to_array());
+        let centring = match lattice.centring() {
             Centring::Nodes => NODES,
             Centring::Cells => CELLS,
-        },
-        to_world: to_world.map(|map| map.rows()),
-        is_array: false,
-        space: None,
-        cloud: None,
-        stored: None,
-        values: ValueStatistics::of(grid),
-    }
-}
-
-fn info(arguments: &Arguments, loaded: &Loaded) -> Info {
-    let placed = placed(
-        &loaded.grid,
-        loaded.to_world,
-        &arguments.file,
-        loaded.format,
-    );
-    let (cloud, stored, space) = match &loaded.stored {
-        Stored::Cloud { points, extent } => {
-            let cloud = CloudJson {
-                points: *points,
-                min: extent.min.to_array(),
-                max: extent.max.to_array(),
-            };
-            (Some(cloud), None, None)
-        }
-        Stored::Samples { layout, lost } => {
-            let stored = stored(layout, lost.as_ref(), &placed.values);
-            (None, Some(stored), layout.space)
-        }
-    };
-    let files = loaded.files.iter().map(|file| FileJson {
-        path: file.path.display().to_string(),
-        blake3: file.hash.clone(),
-    });
-    Info {
-        files: files.collect(),
-        is_array: volume_format(&arguments.file).is_some_and(|it| it.content == Content::Array)
-            && arguments.axes.is_none(),
-        space,
-        cloud,
-        stored,
-        ..placed
-    }
-}
-
-fn stored(layout: &Layout, lost: Option<&LostValues>, values: &ValueStatistics) -> StoredJson {
-    let scaling = layout.scaling.and_then(|(slope, intercept)| {
-        // Whole numbers come back exactly, but for the rounding of values to f32.
-        let sample = |value: f64| {
-            let sample = (value - intercept) / slope;
-            if layout.element.is_whole() {
-                sample.round()
-            } else {
-                sample
-            }
         };
-        let (one, other) = (sample(values.min?), sample(values.max?));
-        Some(Scaling {
-            slope,
-            intercept,
-            min: one.min(other),
-            max: one.max(other),
-            mean: (values.mean? - intercept) / slope,
-        })
-    });
-    let order = match layout.endian {
-        Endian::Little => "little",
-        Endian::Big => "big",
-    };
-    let binary = layout.encoding != Encoding::Text;
-    StoredJson {
-        sizes: layout.axes.sizes,
-        r#type: layout.element.name(),
-        endian: (binary && layout.element.bytes() > 1).then_some(order),
-        encoding: match layout.encoding {
+        self.json["min"] = json!(min);
+        self.json["max"] = json!(max);
+        self.json["centring"] = json!(centring);
+        self.row(
+            "box",
+            format!("{}, centred on {centring}", between(min, max)),
+        );
+        if let Some(rows) = it.to_world.map(|map| map.rows()) {
+            self.json["to_world"] = json!(rows);
+            for (name, numbers) in ["to world", "", ""].iter().zip(rows) {
+                self.row(name, numbers.map(digits).join(", "));
+            }
+        }
+    }
+
+    /// How samples are stored, whose `values` are `slope·s + intercept`.
+    fn stored(
+        &mut self,
+        grid: &Grid<f32>,
+        layout: &Layout,
+        lost: Option<&LostValues>,
+        values: &ValueStatistics,
+    ) {
+        if let Some(space) = layout.space {
+            self.json["space"] = json!(space);
+            self.row("space", space);
+        }
+        let ([a, b, c], element) = (layout.axes.sizes, layout.element);
+        let encoding = match layout.encoding {
             Encoding::Raw => "raw",
             Encoding::Gzip => "gzip",
             Encoding::Zlib => "zlib",
             Encoding::Text => "text",
-        },
-        scaling,
-        not_in_float32: lost.map(|lost| LostJson {
-            count: lost.count,
-            voxel: lost.voxel,
-            stored: lost.stored,
-            value: f64::from(lost.stored as f32),
-        }),
+        };
+        let mut json = json!({ "sizes": [a, b, c], "type": element.name(), "encoding": encoding });
+        let mut words = element.name().to_owned();
+        if layout.encoding != Encoding::Text && element.bytes() > 1 {
+            let endian = match layout.endian {
+                Endian::Little => "little",
+                Endian::Big => "big",
+            };
+            json["endian"] = json!(endian);
+            words.push_str(&format!(", {endian} endian"));
+        }
+        words.push_str(&format!(", {encoding}"));
+        if [a, b, c] != grid.lattice().nodes() {
+            words.push_str(&format!(", {a} × {b} × {c} in other order"));
+        }
+        self.row("stored", words);
+        if let (Some((slope, intercept)), Some(one), Some(other), Some(mean)) =
+            (layout.scaling, values.min, values.max, values.mean)
+        {
+            // Whole numbers come back exactly, but for the rounding of values to f32.
+            let sample = |value: f64| {
+                let sample = (value - intercept) / slope;
+                if element.is_whole() {
+                    sample.round()
+                } else {
+                    sample
+                }
+            };
+            let (one, other) = (sample(one), sample(other));
+            let (min, max, mean) = (one.min(other), one.max(other), (mean - intercept) / slope);
+            json["scaling"] = json!({
+                "slope": slope, "intercept": intercept, "min": min, "max": max, "mean": mean,
+            });
+            self.row("", summary(min, max, mean));
+            let plus = format!(" + {}", digits(intercept)).replace("+ -", "- ");
+            self.row("", format!("value = {} · stored{plus}", digits(slope)));
+        }
+        if let Some(LostValues {
+            count,
+            voxel,
+            stored,
+        }) = lost
+        {
+            let value = f64::from(*stored as f32);
+            json["not_in_float32"] =
+                json!({ "count": count, "voxel": voxel, "stored": stored, "value": value });
+        }
+        self.json["stored"] = json;
     }
 }
 
@@ -371,7 +411,7 @@ impl ValueStatistics {
             non_zeros: all - zeros,
             negative: count(|value| value < 0.0),
             non_finite: grid.values().len() - all,
-            first_non_finite: first.map(|index| NonFiniteJson {
+            first_non_finite: first.map(|index| FirstNonFinite {
                 voxel: grid.lattice().node(index),
                 value: grid.values()[index].to_string(),
             }),
@@ -404,97 +444,6 @@ fn histogram(values: impl Iterator<Item = f32>, low: f64, high: f64) -> Vec<Bin>
     counts.into_iter().enumerate().map(bin).collect()
 }
 
-fn describe(info: &Info) -> String {
-    let mut text = format!("{}: {}\n\n", info.file, info.format);
-    let mut row = |name: &str, value: String| text.push_str(&format!("{name:<10}  {value}\n"));
-    if let Some(cloud) = &info.cloud {
-        row("points", cloud.points.to_string());
-        row("extent", between(cloud.min, cloud.max));
-    }
-    let [nx, ny, nz] = info.nodes;
-    let count = nx * ny * nz;
-    row("nodes", format!("{nx} × {ny} × {nz}, {count} in total"));
-    if info.is_array {
-        row(
-            "axes",
-            "z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`".to_owned(),
-        );
-    }
-    let [x, y, z] = info.spacing;
-    let spacing = if x == y && y == z {
-        digits(x)
-    } else {
-        vector(info.spacing)
-    };
-    row("spacing", spacing);
-    row("first node", vector(info.first));
-    let bounds = between(info.min, info.max);
-    row("box", format!("{bounds}, centred on {}", info.centring));
-    for (index, numbers) in info.to_world.iter().flatten().enumerate() {
-        let name = if index == 0 { "to world" } else { "" };
-        row(name, numbers.map(digits).join(", "));
-    }
-    if let Some(space) = info.space {
-        row("space", space.to_owned());
-    }
-    if let Some(stored) = &info.stored {
-        let mut as_stored = stored.r#type.to_owned();
-        if let Some(endian) = stored.endian {
-            as_stored.push_str(&format!(", {endian} endian"));
-        }
-        as_stored.push_str(&format!(", {}", stored.encoding));
-        if stored.sizes != info.nodes {
-            let [a, b, c] = stored.sizes;
-            as_stored.push_str(&format!(", {a} × {b} × {c} in other order"));
-        }
-        row("stored", as_stored);
-        if let Some(scaling) = &stored.scaling {
-            row("", summary(scaling.min, scaling.max, scaling.mean));
-            let plus = format!(" + {}", digits(scaling.intercept)).replace("+ -", "- ");
-            row(
-                "",
-                format!("value = {} · stored{plus}", digits(scaling.slope)),
-            );
-        }
-    }
-    let values = &info.values;
-    if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
-        row("values", summary(min, max, mean));
-    }
-    let mut signs = format!("{} zero, {} nonzero", values.zeros, values.non_zeros);
-    if values.negative > 0 {
-        signs.push_str(&format!(", {} of them negative", values.negative));
-    }
-    row("", signs);
-    if let Some(lost) = info
-        .stored
-        .as_ref()
-        .and_then(|it| it.not_in_float32.as_ref())
-    {
-        let LostJson {
-            count,
-            voxel: [i, j, k],
-            stored,
-            value,
-        } = lost;
-        let first = format!("voxel ({i}, {j}, {k}), counted as stored: {stored} becomes {value}");
-        row(
-            "float32",
-            format!("does not hold {count}, first at {first}"),
-        );
-    }
-    if let Some(NonFiniteJson { voxel, value }) = &values.first_non_finite {
-        let ([i, j, k], count) = (voxel, values.non_finite);
-        let first = format!("{count}, first at voxel ({i}, {j}, {k}): {value}");
-        row("not finite", first);
-    }
-    if let Some(file) = info.files.get(1) {
-        row("data in", file.path.clone());
-    }
-    text.push_str(&plot(&values.histogram));
-    text
-}
-
 /// A bar for each bin. A dominant bin, such as the air around an object, would hide all others:
 /// then the bars are logarithmic.
 fn plot(bins: &[Bin]) -> String {
@@ -504,22 +453,15 @@ fn plot(bins: &[Bin]) -> String {
         return String::new();
     };
     let logarithmic = second.is_some_and(|&second| largest > 10 * second);
-    let size = |count: usize| {
-        if logarithmic {
-            ln(1.0 + count as f64)
-        } else {
-            count as f64
-        }
+    let size = |count: usize| match logarithmic {
+        true => ln(1.0 + count as f64),
+        false => count as f64,
     };
-    let edges = bins.iter().map(|bin| [short(bin.from), short(bin.to)]);
-    let widest = |side: usize| {
-        edges
-            .clone()
-            .map(|edge| edge[side].len())
-            .max()
-            .unwrap_or(0)
-    };
-    let (from_width, to_width) = (widest(0), widest(1));
+    let edges: Vec<[String; 2]> = bins
+        .iter()
+        .map(|bin| [bin.from, bin.to].map(short))
+        .collect();
+    let [from_width, to_width] = [0, 1].map(|side| widest(edges.iter().map(|edge| &edge[side])));
     let count_width = largest.to_string().len();
     let scale = if logarithmic {
         ", bars logarithmic"
@@ -527,15 +469,15 @@ fn plot(bins: &[Bin]) -> String {
         ""
     };
     let mut text = format!("\nhistogram{scale}\n");
-    for (bin, [from, to]) in bins.iter().zip(edges.clone()) {
-        let bar = LONGEST_BAR * size(bin.count) / size(largest);
+    for (Bin { count, .. }, [from, to]) in bins.iter().zip(&edges) {
         // A bin that is not empty has a bar.
-        let bar = if bin.count > 0 { bar.ceil() } else { 0.0 };
-        let line = format!(
-            "  {from:>from_width$} to {to:>to_width$}  {:>count_width$}  {}",
-            bin.count,
-            "▇".repeat(bar as usize)
-        );
+        let bar = match count {
+            0 => 0.0,
+            _ => (LONGEST_BAR * size(*count) / size(largest)).ceil(),
+        };
+        let bar = "▇".repeat(bar as usize);
+        let line =
+            format!("  {from:>from_width$} to {to:>to_width$}  {count:>count_width$}  {bar}");
         text.push_str(line.trim_end());
         text.push('\n');
     }

@@ -3,7 +3,7 @@
 use super::failure::{Exit, Failure, exit};
 use super::{is_in_ci, output};
 use crate::files::regular_file::{self, note_input};
-use crate::judging::{CaseResult, Judged, Known, KnownFailures, KnownStatus};
+use crate::judging::{CaseResult, Judged, KnownFailures, KnownStatus};
 use crate::scene::reader::Document;
 use crate::suite::Suite;
 use serde_json::{Value, json};
@@ -15,11 +15,13 @@ const MOST_BYTES: u64 = 1 << 22;
 /// The known failures of a renderer.
 #[derive(clap::Args, Debug)]
 pub struct KnownArgument {
-    /// Known failures: a TOML file with a table for each case or pattern, such as ["sampled/opaque"], and in it reason,
-    /// and if wanted verdict, cause, bound and link. They do not fail the run; one that is new, mended or worse does
+    /// Known failures: a TOML file with a table for each case or pattern, such as ["sampled/opaque"] or
+    /// ["sampled !sampled/opaque"], and in it reason, and if wanted verdict, cause, bound, share and link. They do not
+    /// fail the run; one that is new, mended or worse does
     #[arg(long, value_name = "FILE")]
     known: Option<PathBuf>,
-    /// Write new failures into the file of --known, without a reason, and take mended ones out
+    /// Make or update the file of --known: new failures come in, without a reason, and mended ones go out. The exit code
+    /// is 0 then, unless an image that cannot be listed is missing, undecided or without a valid golden
     #[arg(long, requires = "known")]
     known_update: bool,
 }
@@ -92,26 +94,23 @@ impl KnownFile<'_> {
         if !self.is_updated {
             return Ok(text);
         }
-        let is_changed = |known: &Known| known.status != KnownStatus::Known;
-        if !results
-            .iter()
-            .filter_map(|it| it.known.as_ref())
-            .any(is_changed)
-        {
+        let known = results.iter().filter_map(|it| it.known.as_ref());
+        if known.clone().all(|known| known.change.is_none()) {
             return Ok(text + "the file of known failures is as it was\n");
         }
         let path = self.path.display();
+        let is = if self.path.exists() {
+            "rewritten"
+        } else {
+            "written"
+        };
         output::write(self.path, self.known.updated(&results).as_bytes())?;
-        let news = results
-            .iter()
-            .filter(|it| has(it, KnownStatus::New))
-            .count();
-        let left = match news {
+        let left = match count(results.iter().copied(), KnownStatus::New) {
             0 => String::new(),
             1 => "; write the reason of the new entry".to_owned(),
-            _ => format!("; write the reasons of the {news} new entries"),
+            news => format!("; write the reasons of the {news} new entries"),
         };
-        Ok(text + &format!("{path} is rewritten{left}\n"))
+        Ok(text + &format!("{path} is {is}{left}\n"))
     }
 
     /// The exit code: after an update all failures that can be listed are.
@@ -130,43 +129,30 @@ impl KnownFile<'_> {
     /// A line of counts, and one for each result of which the file does not say what is so.
     fn in_words(&self, results: &[&CaseResult]) -> String {
         let counts =
-            KnownStatus::ALL.map(|status| (status, count(results.iter().copied(), status)));
+            KnownStatus::ALL.map(|(status, name)| (count(results.iter().copied(), status), name));
         let counts = counts.iter();
-        let counts = counts.filter(|(status, count)| *count > 0 || *status == KnownStatus::Known);
+        let counts = counts.filter(|(count, name)| *count > 0 || *name == "known");
         let counts: Vec<String> = counts
-            .map(|(status, count)| format!("{count} {}", status.name()))
+            .map(|(count, name)| format!("{count} {name}"))
             .collect();
         let mut text = format!("\nknown failures: {}\n", counts.join(", "));
-        for result in results {
-            match &result.known {
-                Some(known) if known.status == KnownStatus::New => {
-                    let verdict = result.verdict.name();
-                    text.push_str(&format!("{:<12}  {}: {verdict}\n", "new", result.name));
-                }
-                Some(Known {
-                    status,
-                    change: Some(change),
-                    ..
-                }) => text.push_str(&format!("{:<12}  {change}\n", status.name())),
-                _ => {}
+        for known in results.iter().filter_map(|result| result.known.as_ref()) {
+            if let Some(change) = &known.change {
+                text.push_str(&format!("{:<12}  {change}\n", known.status.name()));
             }
         }
         text
     }
 }
 
-fn has(result: &CaseResult, status: KnownStatus) -> bool {
-    let known = result.known.as_ref();
-    known.is_some_and(|known| known.status == status)
-}
-
 fn count<'r>(results: impl Iterator<Item = &'r CaseResult>, status: KnownStatus) -> usize {
-    results.filter(|result| has(result, status)).count()
+    let known = results.filter_map(|result| result.known.as_ref());
+    known.filter(|known| known.status == status).count()
 }
 
 /// Adds the counts to the `summary` of results as JSON.
 pub fn count_in(summary: &mut Value, results: &[CaseResult]) {
-    for status in KnownStatus::ALL {
-        summary[status.name()] = json!(count(results.iter(), status));
+    for (status, name) in KnownStatus::ALL {
+        summary[name] = json!(count(results.iter(), status));
     }
 }

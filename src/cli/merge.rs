@@ -1,34 +1,33 @@
 //! `volref merge DIR…`
 
+use super::Outcome;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::kept::NAME;
-use super::merged_runs::{NO_RESULT, cases_of, profile_of, side_by_side, without_result};
-use super::merged_units::joined_units;
 use super::output::check_not_golden;
 use super::results::{Findings, ResultFiles};
 use super::selftest::{self, SELF_TEST};
 use super::suite::{KEPT, Selection};
-use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
+use super::verdicts::PrintedVerdicts;
 use super::verify;
-use super::{Outcome, progress};
+use crate::compare::Exact;
+use crate::conventions::Profile;
+use crate::film::Film;
 use crate::judging;
 use crate::judging::{
-    CaseResult, CaseTrials, Judged, JudgedWith, SelfTest, SelfTestCases, Verdict,
+    CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, SelfTest, SelfTestCases, Verdict,
 };
 use crate::naming::Likenesses;
 use crate::report;
-use crate::runs::{KeptResult, RESULTS, ResultFolder, Run, UnitFolder};
-use crate::suite::{Case, Suite};
-use rayon::prelude::*;
-use serde_json::{Value, json};
+use crate::runs::{KeptResult, Part, RESULTS, ResultFolder, Run};
+use crate::suite::{Case, Golden, Suite};
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Join what several machines computed: results, units of goldens
+/// Join the results of several machines
 ///
-/// The results of verify, validate or selftest of all parts become one, with one exit code, as if one machine had judged all cases. Units
-/// are copied to .volref of the suite, where volref accept finds them. Missing parts are listed, exit code 5. Runs with
-/// names (volref validate --named) are put beside each other, with the causes that each found.
+/// The results of verify, validate or selftest of all parts become one, with one exit code, as if one machine had judged all
+/// cases. Missing parts are listed, exit code 5. Runs with names (volref validate --named) are put beside each other.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXIT_CODES)]
 pub struct Arguments {
@@ -44,8 +43,6 @@ pub struct Arguments {
     #[arg(long)]
     verbose: bool,
     #[command(flatten)]
-    explain: ExplainArgument,
-    #[command(flatten)]
     files: ResultFiles,
 }
 
@@ -55,75 +52,55 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let roots: Vec<PathBuf> = roots.collect::<Result<_, _>>()?;
     let folders: Vec<ResultFolder> = roots.iter().map(ResultFolder::open).collect();
     let runs = runs_of(&arguments, &folders)?;
-    if !runs.is_empty()
-        && runs
-            .values()
-            .all(|(run, _)| run.settings.contains_key(NAME))
-    {
-        let suite = arguments.selection.open()?;
-        arguments.files.check(&suite)?;
-        return side_by_side(&runs, &suite, &arguments.files);
-    }
-    let run = the_run(&runs)?;
-    let files = roots.iter().flat_map(|root| UnitFolder::open(root).files());
-    let files: Vec<PathBuf> = files.collect();
-    let has_units = !files.is_empty();
-    if run.is_none() && !has_units {
-        let message = "there are neither results nor units in these folders";
-        let help = "parts write them below .volref: volref verify --partition, volref validate --partition, \
-                    volref selftest --partition, volref units --compute";
-        return Err(Failure::new(Exit::Undecided, message, Some(help)));
-    }
-    let suite = if has_units {
-        arguments.selection.open_to_change()?
-    } else {
-        arguments.selection.open()?
-    };
+    let suite = arguments.selection.open()?;
     arguments.files.check(&suite)?;
     for root in &roots {
         check_not_golden(root, &suite)?;
     }
-    let units = has_units
-        .then(|| joined_units(&files, &suite, &arguments.selection))
-        .transpose()?;
-    let Some(run) = run else {
-        arguments.files.check_no_results()?;
-        let units = units.unwrap_or_default();
-        let value = json!({ "schema": "volref/merge/1", "units": units.json() });
-        return Ok(Outcome {
-            exit: units.exit(),
-            text: arguments.files.write_json(units.text(), &value)?,
-        });
-    };
-    let of_units = units.as_ref().map(|units| units.json());
-    let results = ResultsOfRun {
-        id: run.id(),
-        run,
-        folders,
-    };
-    let mut outcome = joined_results(&arguments, &suite, &results, of_units)?;
-    if let Some(units) = units {
-        if !arguments.files.prints_json() {
-            outcome.text.push_str(&format!("\n{}", units.text()));
-        }
-        outcome.exit = Exit::first_of([outcome.exit, units.exit()]);
+    match &runs[..] {
+        [of] if of.run.command == SELF_TEST => joined_self_test(&arguments, &suite, of),
+        _ => joined_results(&arguments, &suite, &runs),
     }
-    Ok(outcome)
 }
 
-/// A run, and the folders with results of it.
-struct ResultsOfRun {
-    run: Run,
+/// A run, and its parts, each with its folder.
+struct Parts<'f> {
     id: String,
-    folders: Vec<ResultFolder>,
+    run: Run,
+    parts: Vec<(Part, &'f ResultFolder)>,
+    /// Reason of a case without a result.
+    missing: String,
 }
 
-/// The folder of units and results: `folder` itself or one in it.
+impl<'f> Parts<'f> {
+    fn of(id: String, run: Run, folders: &'f [ResultFolder]) -> Parts<'f> {
+        let mut parts = Vec::new();
+        let mut missing = NO_RESULT.to_owned();
+        for folder in folders {
+            for part in folder.parts(&id) {
+                match part {
+                    Ok(part) => parts.push((part, folder)),
+                    Err(reason) => missing.push_str(&format!("; {reason}")),
+                }
+            }
+        }
+        Parts {
+            id,
+            run,
+            parts,
+            missing,
+        }
+    }
+
+    /// Its name among runs side by side.
+    fn name(&self) -> &str {
+        self.run.settings.get(NAME).map_or("", String::as_str)
+    }
+}
+
+/// The folder of results: `folder` itself or one in it.
 fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
-    let is_root = |root: &Path| {
-        let (units, results) = (UnitFolder::open(root), ResultFolder::open(root));
-        units.path().is_dir() || results.path().is_dir()
-    };
+    let is_root = |root: &Path| ResultFolder::open(root).path().is_dir();
     if is_root(folder) {
         return Ok(folder.to_owned());
     }
@@ -139,14 +116,16 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     {
         return Ok(root.to_owned());
     }
-    let folder = folder.display();
-    if !within.parent().is_some_and(Path::is_dir) {
-        return Err(bad_input(format!("{folder} is not a folder")));
+    if !folder.is_dir() {
+        return Err(bad_input(format!("{} is not a folder", folder.display())));
     }
-    let message = format!("{folder} has neither results nor units");
-    let help =
-        "give folders that parts wrote: .volref, that of --results, or a folder with a .volref";
-    Err(Failure::new(Exit::Undecided, message, Some(help)))
+    Err(no_results(&format!("{} has no results", folder.display())))
+}
+
+fn no_results(message: &str) -> Failure {
+    let help = "parts keep results below .volref, or in the folder that --results names: volref verify --partition, \
+                volref validate --partition, volref selftest --partition";
+    Failure::new(Exit::Undecided, message, Some(help))
 }
 
 fn damaged_run(reason: String) -> Failure {
@@ -154,15 +133,15 @@ fn damaged_run(reason: String) -> Failure {
     Failure::new(Exit::Undecided, reason, Some(help))
 }
 
-/// The runs with results, by their identifiers, each with a folder that holds results of it.
-fn runs_of(
+/// The runs whose results are to be joined: one, or several that have names.
+fn runs_of<'f>(
     arguments: &Arguments,
-    folders: &[ResultFolder],
-) -> Result<BTreeMap<String, (Run, ResultFolder)>, Failure> {
-    let mut runs: BTreeMap<String, (Run, ResultFolder)> = BTreeMap::new();
+    folders: &'f [ResultFolder],
+) -> Result<Vec<Parts<'f>>, Failure> {
+    let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
     for folder in folders {
         for (id, run) in folder.runs().map_err(damaged_run)? {
-            runs.entry(id).or_insert((run, folder.clone()));
+            runs.entry(id).or_insert((run, folder.path()));
         }
     }
     if let Some(id) = &arguments.run {
@@ -171,93 +150,106 @@ fn runs_of(
             return Err(bad_input(format!("there are no results of a run {id}")));
         }
     }
-    Ok(runs)
-}
-
-/// The run whose results are to be joined; `None` where there are only units.
-fn the_run(runs: &BTreeMap<String, (Run, ResultFolder)>) -> Result<Option<Run>, Failure> {
+    let has_name = |(run, _): &(Run, PathBuf)| run.settings.contains_key(NAME);
     let mut found = runs.values();
     match (found.next(), found.next()) {
-        (None, _) => Ok(None),
-        (Some((run, _)), None) => Ok(Some(run.clone())),
-        (Some((one, here)), Some((other, there))) => {
+        (None, _) => return Err(no_results("there are no results in these folders")),
+        (Some((one, here)), Some((other, there))) if !runs.values().all(has_name) => {
             let (what, [one_value, other_value]) = one.difference(other);
             let message = format!(
                 "these are results of {} different runs: {what} differs, {one_value} in {} and {other_value} in {}",
                 runs.len(),
-                here.path().join(one.id()).display(),
-                there.path().join(other.id()).display(),
+                here.join(one.id()).display(),
+                there.join(other.id()).display(),
             );
             let help = "remove the folders of the other runs, or name the one to join with --run ID, its folder's name";
-            Err(Failure::new(Exit::BadInput, message, Some(help)))
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
         }
+        _ => {}
     }
+    let runs = runs.into_iter();
+    Ok(runs
+        .map(|(id, (run, _))| Parts::of(id, run, folders))
+        .collect())
 }
 
-/// Results of all parts, in the order of the cases; a missing one is a result that says so.
+/// Results of all parts, in the order of the cases; a missing one is a result that says so. Causes are those that the
+/// parts found. A case that several runs judged has the name of its run behind its own.
 fn joined_results(
     arguments: &Arguments,
     suite: &Suite,
-    results: &ResultsOfRun,
-    units: Option<Value>,
+    runs: &[Parts<'_>],
 ) -> Result<Outcome, Failure> {
-    let run = &results.run;
-    let cases = cases_of(run, suite)?;
-    if run.command == SELF_TEST {
-        return joined_self_test(arguments, results, &cases);
-    }
-    let profile = profile_of(run)?;
-    let is_explained = run.command == "validate" && arguments.explain.seconds(false) > 0.0;
-    let wants_images = |result: &CaseResult| {
-        arguments.files.wants_evidence() || is_explained && result.verdict != Verdict::Missing
-    };
-    let joined = progress::during("joining", || {
-        let cases = run.cases.par_iter();
-        let found = cases.map(|(name, _)| of_case(name, results, &wants_images));
-        found.collect::<Result<Vec<KeptResult>, Failure>>()
-    })?;
-    let (mut judged, mut missing, mut skipped) = (Vec::new(), Vec::new(), Vec::new());
-    for ((name, _), found) in run.cases.iter().zip(joined) {
-        match found {
-            KeptResult::Judged(found) => judged.push(*found),
-            KeptResult::PassedOver => skipped.push((name.clone(), String::new())),
-            KeptResult::Damaged(reason) => missing.push((name, reason)),
-            KeptResult::Missing => missing.push((name, NO_RESULT.to_owned())),
+    let (mut found, mut missing, mut loosened) = (Vec::new(), Vec::new(), Vec::new());
+    for of in runs {
+        cases_of(&of.run, suite)?;
+        let profile = of.run.settings.get("profile");
+        let profile = profile.map(|text| Profile::parse(text, "the profile of the results"));
+        let profile = profile.transpose()?;
+        let mut of_cases = by_case(of)?;
+        let (mut results, mut skipped) = (Vec::new(), Vec::new());
+        for (name, _) in &of.run.cases {
+            match of_cases.remove(name.as_str()) {
+                Some(Some((_, kept, folder))) => {
+                    let judged = if arguments.files.wants_evidence() {
+                        with_images(kept, folder, &of.id, suite)
+                    } else {
+                        kept.clone().judged()
+                    };
+                    results.push(judged.result.clone());
+                    found.push((of.name(), judged));
+                }
+                Some(None) => skipped.push((name.clone(), String::new())),
+                None => missing.push((name, &of.missing)),
+            }
         }
+        let settings = &of.run.settings;
+        loosened.push(JudgedWith::of(
+            settings,
+            profile.as_ref(),
+            skipped,
+            &results,
+        ));
     }
-    let is_verified = run.command == "verify";
-    if is_verified && run.is_everything {
+    let mut judged = in_order(found, suite);
+    let is_verified = runs[0].run.command == "verify";
+    if is_verified && runs[0].run.is_everything {
         judged.extend(judging::without_case(suite)?);
     }
-    let found: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
-    let judged_with = JudgedWith::of(&run.settings, profile.as_ref(), skipped, &found);
-    let (found, text) = if is_verified {
-        let text = verify::in_words(&found, arguments.verbose, suite);
-        (Likenesses::default(), text)
+    let results: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
+    let (found, judged_with) = (
+        Likenesses::of_results(&results),
+        JudgedWith::of_runs(loosened),
+    );
+    let text = if is_verified {
+        verify::in_words(&results, arguments.verbose, suite)
     } else {
         let said = PrintedVerdicts {
             speaks: !arguments.files.prints_json(),
-            widest: report::widest(found.iter().map(|result| &result.name)),
+            widest: report::widest(results.iter().map(|result| &result.name)),
             folds_missing: !arguments.verbose,
             waits: false,
         };
-        found.iter().for_each(|result| said.verdict(result));
-        said.print(&(said.without_image(&found) + &report::summary_text(&found)));
+        results.iter().for_each(|result| said.verdict(result));
+        said.print(&(said.without_image(&results) + &report::summary_text(&results)));
         said.print(&report::judged_with_text(&judged_with));
-        CauseSearch::run(&arguments.explain, false, |search| {
-            search.mistakes(suite, &cases, profile.as_ref(), &mut judged)
-        })
+        report::likely_text(&found, false, 0.0)
     };
-    let text = text + &missing_text(&missing, run.cases.len());
-    let missing = missing.into_iter();
-    judged.extend(missing.map(|(name, reason)| without_result(name, suite.case(name), &reason)));
+    let all = runs.iter().map(|of| of.run.cases.len()).sum();
+    let text = text + &missing_text(&missing, all);
+    for (name, reason) in missing {
+        let mut without = without_result(name, suite.case(name), reason);
+        if arguments.files.wants_evidence() {
+            without.evidence.golden = golden_of(name, suite);
+        }
+        judged.push(without);
+    }
     let findings = Findings {
         command: if is_verified { "verify" } else { "validate" },
+        has_known: false,
         judged,
         found,
         judged_with,
-        has_known: false,
-        units,
         origin: None,
     };
     let exit = exit(&findings.results());
@@ -265,39 +257,130 @@ fn joined_results(
     Ok(Outcome { text, exit })
 }
 
+/// The golden of a case, for a page.
+fn golden_of(name: &str, suite: &Suite) -> Option<Film> {
+    let golden = Golden::read(&suite.store(), suite.case(name)?);
+    golden.ok().map(|golden| golden.film)
+}
+
+/// The result `kept` of a run in `folder` with its images. The verdict holds without them.
+fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suite) -> Judged {
+    let mut judged = kept.clone().judged();
+    judged.evidence.golden = golden_of(&judged.result.name, suite);
+    match folder.image(run, kept) {
+        Ok(image) => judged.evidence.test = image,
+        Err(reason) => judged
+            .result
+            .notes
+            .push(format!("its image is missing: {reason}")),
+    }
+    judged
+}
+
+/// Results of runs in the order of the suite, and by the names of runs; a case of several is named with its run.
+fn in_order(mut found: Vec<(&str, Judged)>, suite: &Suite) -> Vec<Judged> {
+    let cases = suite.cases().iter().enumerate();
+    let places: BTreeMap<&str, usize> = cases.map(|(at, case)| (&*case.name, at)).collect();
+    found.sort_by_cached_key(|(run, judged)| {
+        (places.get(&*judged.result.name).copied(), (*run).to_owned())
+    });
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for (_, judged) in &found {
+        *counts.entry(judged.result.name.clone()).or_default() += 1;
+    }
+    let named = found.into_iter().map(|(run, mut judged)| {
+        if counts[&judged.result.name] > 1 {
+            judged.result.name = format!("{} ({run})", judged.result.name);
+        }
+        judged
+    });
+    named.collect()
+}
+
+/// The result of a case, with its text by which one of several is chosen, and its folder; `None` of one that was passed
+/// over.
+type OfCase<'p> = Option<(String, &'p KeptResult, &'p ResultFolder)>;
+
+/// The result of each case that a part judged or passed over; where several agree, always the same one, whatever the order
+/// of the folders.
+///
+/// # Errors
+///
+/// If two have other verdicts.
+fn by_case<'p>(of: &'p Parts<'_>) -> Result<BTreeMap<&'p str, OfCase<'p>>, Failure> {
+    let mut of_cases: BTreeMap<&str, OfCase<'p>> = BTreeMap::new();
+    for (part, folder) in &of.parts {
+        for name in &part.cases {
+            of_cases.entry(name).or_default();
+        }
+        for result in &part.results {
+            let text = result.without_time();
+            let best = of_cases.entry(&*result.result.name).or_default();
+            if let Some((_, one, here)) = best
+                && one.result.verdict != result.result.verdict
+            {
+                return Err(contradiction([(one, here), (result, folder)]));
+            }
+            if best.as_ref().is_none_or(|(least, ..)| text < *least) {
+                *best = Some((text, result, folder));
+            }
+        }
+    }
+    Ok(of_cases)
+}
+
+/// The cases of `run`, if this program and this `suite` judged them.
+fn cases_of<'s>(run: &Run, suite: &'s Suite) -> Result<Vec<&'s Case>, Failure> {
+    let version = env!("CARGO_PKG_VERSION");
+    let theirs = run.settings.get("volref").map_or("unknown", String::as_str);
+    if theirs != version {
+        let message = format!("these are results of volref {theirs}, and this is volref {version}");
+        return Err(bad_input(message));
+    }
+    let mut cases = Vec::new();
+    for (name, hash) in &run.cases {
+        let case = suite.case(name);
+        if case.map(|case| suite.hash_of(case)).unwrap_or_default() != *hash {
+            let message = format!(
+                "the parts judged by another suite: the scene, manifest or golden of {name} is not the one here"
+            );
+            let help = "give the suite that they judged by with --suite DIR";
+            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+        }
+        cases.extend(case);
+    }
+    Ok(cases)
+}
+
 /// The self-test of all parts, as on one machine with all `cases`. Where parts are missing, a
 /// mistake that is not caught may be caught by one of them.
 fn joined_self_test(
     arguments: &Arguments,
-    results: &ResultsOfRun,
-    cases: &[&Case],
+    suite: &Suite,
+    of: &Parts<'_>,
 ) -> Result<Outcome, Failure> {
     arguments.files.check_no_results()?;
-    let run = &results.run;
+    let (run, cases) = (&of.run, cases_of(&of.run, suite)?);
+    let mut of_cases: BTreeMap<&str, (CaseTrials, &ResultFolder)> = BTreeMap::new();
+    for (part, folder) in &of.parts {
+        for trials in &part.trials {
+            let (name, trials) = (trials.case.as_str(), trials.clone());
+            let both = match of_cases.remove(name) {
+                None => (trials, *folder),
+                Some((one, here)) => {
+                    let both = one.with(trials);
+                    let both = both.ok_or_else(|| contradicting_self_tests(name, [here, folder]));
+                    (both?, here)
+                }
+            };
+            of_cases.insert(name, both);
+        }
+    }
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for (name, _) in &run.cases {
-        let mut of_case: Option<(CaseTrials, &ResultFolder)> = None;
-        let mut reason = NO_RESULT.to_owned();
-        for folder in &results.folders {
-            match folder.trials(&results.id, name) {
-                Err(damage) => reason = damage,
-                Ok(None) => {}
-                Ok(Some(trials)) => {
-                    of_case = match of_case {
-                        None => Some((trials, folder)),
-                        Some((one, here)) => {
-                            let both = one.with(trials);
-                            let both =
-                                both.ok_or_else(|| contradicting_self_tests(name, [here, folder]));
-                            Some((both?, here))
-                        }
-                    }
-                }
-            }
-        }
-        match of_case {
+        match of_cases.remove(name.as_str()) {
             Some((trials, _)) => found.push(trials),
-            None => missing.push((name, reason)),
+            None => missing.push((name, &of.missing)),
         }
     }
     let which = match (missing.is_empty(), run.is_everything) {
@@ -305,7 +388,7 @@ fn joined_self_test(
         (true, true) => SelfTestCases::Whole,
         (true, false) => SelfTestCases::Selected,
     };
-    let test = SelfTest::of(cases, &found, which);
+    let test = SelfTest::of(&cases, &found, which);
     let mut value = report::self_test_json(&test);
     if !missing.is_empty() {
         let names: Vec<&String> = missing.iter().map(|(name, _)| *name).collect();
@@ -327,53 +410,10 @@ fn contradicting_self_tests(name: &str, folders: [&ResultFolder; 2]) -> Failure 
     Failure::new(Exit::BadInput, message, Some(help))
 }
 
-/// The result of a case; where several agree, always the same one, whatever the order of the
-/// folders.
-///
-/// # Errors
-///
-/// If two have other verdicts.
-fn of_case(
-    name: &str,
-    results: &ResultsOfRun,
-    wants_images: &(dyn Fn(&CaseResult) -> bool + Sync),
-) -> Result<KeptResult, Failure> {
-    let mut best: Option<(Box<Judged>, &ResultFolder)> = None;
-    let mut other = KeptResult::Missing;
-    for folder in &results.folders {
-        match (folder.get(&results.id, name, wants_images), &other) {
-            (KeptResult::Judged(found), _) => {
-                if let Some((one, here)) = &best
-                    && one.result.verdict != found.result.verdict
-                {
-                    return Err(contradiction(name, [(one, here), (&found, folder)]));
-                }
-                if best
-                    .as_ref()
-                    .is_none_or(|(one, _)| without_time(&found) < without_time(one))
-                {
-                    best = Some((found, folder));
-                }
-            }
-            (KeptResult::Missing, _) | (KeptResult::PassedOver, KeptResult::Damaged(_)) => {}
-            (found, _) => other = found,
-        }
-    }
-    Ok(best.map_or(other, |(found, _)| KeptResult::Judged(found)))
-}
-
-/// Text of a result, without its time.
-fn without_time(judged: &Judged) -> String {
-    let result = CaseResult {
-        seconds: 0.0,
-        ..judged.result.clone()
-    };
-    serde_json::to_string(&result).unwrap_or_default()
-}
-
-fn contradiction(name: &str, found: [(&Judged, &ResultFolder); 2]) -> Failure {
-    let words = found.map(|(judged, folder)| {
-        let verdict = judged.result.verdict.name();
+fn contradiction(found: [(&KeptResult, &ResultFolder); 2]) -> Failure {
+    let name = &found[0].0.result.name;
+    let words = found.map(|(result, folder)| {
+        let verdict = result.result.verdict.name();
         format!("{verdict} in {}", folder.path().display())
     });
     let message = format!(
@@ -385,21 +425,30 @@ fn contradiction(name: &str, found: [(&Judged, &ResultFolder); 2]) -> Failure {
     Failure::new(Exit::BadInput, message, Some(help))
 }
 
-/// List of the cases without a result, with reasons other than [`NO_RESULT`].
-fn missing_text(missing: &[(&String, String)], all: usize) -> String {
-    if missing.is_empty() {
+/// Reason of a case without a result.
+const NO_RESULT: &str = "no result: its part was not run, did not end, or wrote elsewhere";
+
+/// List of the cases without a result, and the reasons.
+fn missing_text(missing: &[(&String, &String)], all: usize) -> String {
+    let Some((_, reason)) = missing.first() else {
         return String::new();
-    }
+    };
     let count = missing.len();
-    let mut text = format!(
-        "\nmissing: {count} of {all} cases; their parts were not run, did not end, or wrote elsewhere, if nothing \
-         else is said\n"
-    );
-    for (name, reason) in missing {
+    let mut text = format!("\nmissing: {count} of {all} cases: {reason}\n");
+    for (name, _) in missing {
         text.push_str(&format!("  {name}\n"));
-        if reason != NO_RESULT {
-            text.push_str(&format!("      {reason}\n"));
-        }
     }
     text
+}
+
+/// The verdict on a case without a result.
+fn without_result(name: &str, case: Option<&Case>, reason: &str) -> Judged {
+    let result = CaseResult::new(Verdict::Missing, Cause::Undecided, reason);
+    Judged {
+        result: match case {
+            Some(case) => result.of_case(name, case.class(), case.gate()),
+            None => result.of_case(name, "", &Exact),
+        },
+        evidence: case.map(Evidence::of).unwrap_or_default(),
+    }
 }

@@ -21,8 +21,6 @@ mod known;
 mod list;
 mod man;
 mod merge;
-mod merged_runs;
-mod merged_units;
 mod output;
 mod page;
 mod partition;
@@ -38,11 +36,9 @@ mod sensitivity;
 mod suite;
 mod suite_command;
 mod threads;
-mod units;
 mod validate;
 mod verdicts;
 mod verify;
-mod visible_report;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 use std::process::ExitCode;
@@ -77,7 +73,6 @@ enum Command {
     Cost(cost::Arguments),
     Export(export::Arguments),
     Accept(accept::Arguments),
-    Units(units::Arguments),
     Merge(merge::Arguments),
     Selftest(selftest::Arguments),
     Sensitivity(sensitivity::Arguments),
@@ -118,7 +113,6 @@ pub fn main(suite: SuiteFiles) -> ExitCode {
 }
 
 fn run() -> Exit {
-    failure::draw_errors_for_the_terminal();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -150,7 +144,6 @@ fn run() -> Exit {
         Command::Cost(arguments) => cost::run(arguments),
         Command::Export(arguments) => progress::during("exporting", || export::run(arguments)),
         Command::Accept(arguments) => accept::run(arguments),
-        Command::Units(arguments) => units::run(arguments),
         Command::Merge(arguments) => merge::run(arguments),
         Command::Selftest(arguments) => selftest::run(arguments),
         Command::Sensitivity(arguments) => sensitivity::run(arguments),

@@ -1,14 +1,13 @@
 //! Output of all commands. A reader may close the pipe early, and control characters in names, keys
 //! or the output of another renderer are never printed.
 
-use super::failure::{Exit, Failure, bad_input};
-use super::visible_report::visible_report;
+use super::failure::{Drawn, Exit, Failure, bad_input};
 use crate::files::atomic_file::{directory_of, file_behind, remedy, write_atomically};
 use crate::files::golden_mark;
 use crate::files::own_file;
 use crate::files::regular_file::{Identity, is_input, note_input};
+use crate::files::visible::{visible, visible_json};
 use crate::judging::Verdict;
-use crate::report::{visible, visible_json};
 use crate::suite::Suite;
 use anstream::{AutoStream, ColorChoice};
 use clap::Args;
@@ -135,8 +134,7 @@ pub fn print_error(failure: &Failure) {
 }
 
 fn write_to_stderr(failure: &Failure) {
-    let shown = visible_report(failure.report.as_ref());
-    let drawn = without_elements(format!("{shown:?}"));
+    let drawn = without_elements(format!("{:?}", Drawn::of(failure)));
     let _ = writeln!(io::stderr(), "{drawn}");
 }
 

@@ -3,9 +3,7 @@
 use super::command_line::command_line;
 use super::failure::Failure;
 use super::output::{self, check_not_golden};
-use crate::judging::{CaseResult, Evidence, JudgedWith};
-use crate::naming::Likenesses;
-use crate::report;
+use crate::report::{self, Page};
 use crate::suite::Suite;
 use std::path::{Path, PathBuf};
 
@@ -18,18 +16,6 @@ pub struct ReportPage {
     /// Write the report as one offline HTML page, DIR/index.html
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
-}
-
-/// What a page shows.
-pub struct PageOf<'p> {
-    /// `verify`, for one.
-    pub command: &'p str,
-    /// The result in a sentence; empty where the verdicts give it.
-    pub headline: &'p str,
-    pub results: &'p [CaseResult],
-    pub evidence: &'p [Evidence],
-    pub found: &'p Likenesses,
-    pub judged_with: &'p JudgedWith,
 }
 
 impl ReportPage {
@@ -53,21 +39,17 @@ impl ReportPage {
         output::check_own(&page)
     }
 
-    /// Writes the page if that was asked for, and says so in `text`.
-    pub fn write(&self, of: &PageOf<'_>, text: &mut String) -> Result<(), Failure> {
+    /// Writes the page of a command, its title, if that was asked for, and says so in `text`.
+    pub fn write(&self, page: Page<'_>, text: &mut String) -> Result<(), Failure> {
         let Some(folder) = &self.report else {
             return Ok(());
         };
-        let page = report::results_html(&report::Page {
-            title: &format!("volref {}", of.command),
+        let html = report::results_html(&Page {
+            title: &format!("volref {}", page.title),
             command: &command_line(),
-            headline: of.headline,
-            judged_with: &of.judged_with.in_words(),
-            results: of.results,
-            evidence: of.evidence,
-            found: of.found,
+            ..page
         });
-        let path = output::write_within(folder, Path::new(PAGE), page.as_bytes())?;
+        let path = output::write_within(folder, Path::new(PAGE), html.as_bytes())?;
         text.push_str(&format!("\nreport: {}\n", path.display()));
         Ok(())
     }

@@ -8,7 +8,7 @@ use std::str::FromStr;
 /// Part of the cases that a command runs.
 #[derive(clap::Args, Debug)]
 pub struct PartitionArgument {
-    /// Run one part of the cases, or units, after all filters: slice:M/N (every Nth case from the Mth),
+    /// Run one part of the cases, after all filters: slice:M/N (every Nth case from the Mth),
     /// hash:M/N (by name, whatever other cases there are), or auto (by the variables of a Slurm
     /// array, a Kubernetes Indexed Job, GitLab CI or Bazel). M is 1 to N
     #[arg(long, value_name = "PART")]

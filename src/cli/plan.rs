@@ -122,6 +122,70 @@ impl<'s> PanelJson<'s> {
             counters,
         }
     }
+
+    /// The same for people.
+    fn in_words(&self) -> String {
+        let mut text = format!("kernel     {}\n", self.kernel);
+        let Estimator { method, why } = self.estimator;
+        text.push_str(&format!("estimator  {method}: {why}\n"));
+        for volume in self.volume.iter().chain(&self.further_volumes) {
+            let ([nx, ny, nz], [x, y, z], [u, v, w]) = (volume.nodes, volume.min, volume.max);
+            text.push_str(&format!(
+            "volume     {nx} × {ny} × {nz} nodes, voxel size {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
+            volume.voxel
+        ));
+        }
+        if !self.warnings.is_empty() {
+            text.push_str("\nwarnings\n");
+            for warning in self.warnings {
+                text.push_str(&format!("  {}\n", warning));
+            }
+        }
+        text.push_str("\neffects\n");
+        for decision in self.effects {
+            text.push_str(&format!(
+                "  {:<7}  {:<22}  {}\n",
+                decision.state, decision.effect, decision.why
+            ));
+        }
+        if !self.approximations.is_empty() {
+            text.push_str("\napproximations requested\n");
+        }
+        for of in self.approximations {
+            let line = of
+                .line
+                .map_or(String::new(), |line| format!(", line {line}"));
+            text.push_str(&format!(
+                "  without {}: pixels are off by less than {:.3e}  ({}{line})\n",
+                of.without, of.bias, of.field
+            ));
+        }
+        text.push_str("\ndefaults filled in\n");
+        if self.defaults.is_empty() {
+            text.push_str("  none\n");
+        }
+        let widest = widest(self.defaults.iter().map(|default| default.key));
+        for DefaultJson { key, value, rule } in &self.defaults {
+            let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
+            text.push_str(&format!("  {key:<widest$}  {value}{rule}\n"));
+        }
+        if let Some(work) = &self.counters {
+            text.push('\n');
+            text.push_str(&describe_work(self.rays, work));
+        }
+        text.push_str("\nmemory besides the scene and the image\n");
+        if self.memory.is_empty() {
+            text.push_str("  none\n");
+        }
+        for Memory { what, bytes } in &self.memory {
+            text.push_str(&format!(
+                "  {:>10}  {what}\n",
+                HumanBytes(*bytes as u64).to_string()
+            ));
+        }
+        text.push('\n');
+        text
+    }
 }
 
 #[derive(Serialize)]
@@ -199,15 +263,16 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
             HumanBytes(volume_bytes)
         ));
     }
-    let mut panels = Vec::new();
-    for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
-        let panel = plan.panel;
+    let panels = plans.iter().zip(work);
+    let panels: Vec<PanelJson<'_>> = panels
+        .map(|(plan, work)| PanelJson::of(plan, work))
+        .collect();
+    for (index, panel) in panels.iter().enumerate() {
         if plans.len() > 1 {
-            let title = panel.title.as_deref().unwrap_or("untitled");
+            let title = panel.title.unwrap_or("untitled");
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
-        text.push_str(&describe(plan, work.as_ref()));
-        panels.push(PanelJson::of(plan, *work));
+        text.push_str(&panel.in_words());
     }
     let value = PlanJson {
         schema: "volref/plan/1",
@@ -246,71 +311,6 @@ fn defaults(panel: &Panel) -> impl Iterator<Item = DefaultJson<'_>> {
             rule,
         })
     })
-}
-
-fn describe(plan: &Plan<'_>, work: Option<&Counters>) -> String {
-    let panel = plan.panel;
-    let mut text = format!("kernel     {}\n", plan.kernel);
-    let Estimator { method, why } = &plan.estimator;
-    text.push_str(&format!("estimator  {method}: {why}\n"));
-    for volume in volumes(panel) {
-        let ([nx, ny, nz], [x, y, z], [u, v, w]) = (volume.nodes, volume.min, volume.max);
-        text.push_str(&format!(
-            "volume     {nx} × {ny} × {nz} nodes, voxel size {}, from ({x}, {y}, {z}) to ({u}, {v}, {w})\n",
-            volume.voxel
-        ));
-    }
-    if !plan.warnings.is_empty() {
-        text.push_str("\nwarnings\n");
-        for warning in &plan.warnings {
-            text.push_str(&format!("  {}\n", warning));
-        }
-    }
-    text.push_str("\neffects\n");
-    for decision in &plan.decisions {
-        text.push_str(&format!(
-            "  {:<7}  {:<22}  {}\n",
-            decision.state, decision.effect, decision.why
-        ));
-    }
-    if !plan.approximations.is_empty() {
-        text.push_str("\napproximations requested\n");
-    }
-    for of in &plan.approximations {
-        let line = of
-            .line
-            .map_or(String::new(), |line| format!(", line {line}"));
-        text.push_str(&format!(
-            "  without {}: pixels are off by less than {:.3e}  ({}{line})\n",
-            of.without, of.bias, of.field
-        ));
-    }
-    text.push_str("\ndefaults filled in\n");
-    if defaults(panel).next().is_none() {
-        text.push_str("  none\n");
-    }
-    let widest = widest(defaults(panel).map(|default| default.key));
-    for DefaultJson { key, value, rule } in defaults(panel) {
-        let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
-        text.push_str(&format!("  {key:<widest$}  {value}{rule}\n"));
-    }
-    if let Some(work) = work {
-        text.push('\n');
-        text.push_str(&describe_work(rays(plan), work));
-    }
-    text.push_str("\nmemory besides the scene and the image\n");
-    let memory = plan.memory();
-    if memory.is_empty() {
-        text.push_str("  none\n");
-    }
-    for Memory { what, bytes } in &memory {
-        text.push_str(&format!(
-            "  {:>10}  {what}\n",
-            HumanBytes(*bytes as u64).to_string()
-        ));
-    }
-    text.push('\n');
-    text
 }
 
 /// Rays from the eye.

@@ -2,23 +2,23 @@
 //! start; in a pipe a line from time to time, so that a log shows progress. All on stderr.
 
 use super::output::{number_of, printable};
+use crate::files::visible::visible;
 use crate::naming::SearchStep;
 use crate::render::Watch;
 use crate::render::plan::Reason;
-use crate::report::visible;
 use crate::runs::AcceptWatch;
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Redraw interval of a terminal.
 const FRAME: Duration = Duration::from_millis(100);
 
-/// Steps of the bar: more than a terminal has columns.
-const BAR_LENGTH: u64 = 1000;
+/// Length of the bar for each of the parts of the work, such as cases, which have steps of their own.
+const PART: u64 = 1 << 32;
 
 /// Time before the first line in a pipe: shorter work needs none.
 const FIRST_LINE: Duration = Duration::from_secs(2);
@@ -28,88 +28,40 @@ const LONGEST_SILENCE: Duration = Duration::from_secs(300);
 
 /// A progress display, until it is dropped or [finished](Bar::finish_and_clear).
 pub struct Bar {
-    shared: Arc<SharedBar>,
-    ticker: Option<JoinHandle<()>>,
-}
-
-struct SharedBar {
-    start: Instant,
-    /// The bar; hidden in a pipe.
+    /// Hidden in a pipe.
     bar: ProgressBar,
-    said: Mutex<ProgressText>,
-    changed: Condvar,
-    /// The parts of the work, such as cases.
-    parts: Counter,
-    /// Steps of the current part.
-    steps: Counter,
-}
-
-/// Text shown beside the progress.
-#[derive(Default)]
-struct ProgressText {
-    /// The current work.
-    message: String,
     /// Name of the parts, if their count is shown.
-    parts: Option<&'static str>,
-    /// Printed once, if the work takes long.
-    notes: Vec<String>,
-    ended: bool,
-}
-
-impl ProgressText {
-    fn of(message: &str) -> ProgressText {
-        ProgressText {
-            message: message.to_owned(),
-            ..ProgressText::default()
-        }
-    }
-}
-
-/// Steps done, of all; 0 if unknown.
-#[derive(Default)]
-struct Counter {
+    name: Option<&'static str>,
+    /// Position at which the current part begins; its steps, and those done.
+    part: AtomicU64,
+    steps: AtomicU64,
     done: AtomicU64,
-    all: AtomicU64,
-}
-
-impl Counter {
-    fn begin(&self, all: u64) {
-        self.done.store(0, Ordering::Relaxed);
-        self.all.store(all, Ordering::Relaxed);
-    }
-
-    fn get(&self) -> [u64; 2] {
-        let all = self.all.load(Ordering::Relaxed);
-        [self.done.load(Ordering::Relaxed).min(all), all]
-    }
+    /// Ends the thread that prints lines.
+    end: Option<Sender<()>>,
+    printing: Option<JoinHandle<()>>,
 }
 
 /// Progress of one image; `label` names the work. Notes are printed once the work takes long.
 pub fn image(label: &str, notes: &[&Reason]) -> Bar {
-    let said = ProgressText {
-        notes: notes.iter().map(ToString::to_string).collect(),
-        ..ProgressText::of(label)
-    };
-    Bar::begin(0, said)
+    let notes = notes.iter().map(ToString::to_string).collect();
+    Bar::begin(label, None, notes)
 }
 
 /// Progress of that many `parts`, which have this name.
 pub fn counted(name: &'static str, parts: usize) -> Bar {
-    let said = ProgressText {
-        parts: Some(name),
-        ..ProgressText::default()
-    };
-    Bar::begin(parts as u64, said)
+    let bar = Bar::begin("", Some(name), Vec::new());
+    bar.set_length(parts as u64 * PART);
+    bar
 }
 
 /// Progress of work whose amount is given later.
 pub fn work() -> Bar {
-    Bar::begin(0, ProgressText::default())
+    Bar::begin("", None, Vec::new())
 }
 
 /// Runs `work` without known parts, such as reading files.
 pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
-    let bar = Bar::begin(0, ProgressText::of(label));
+    let bar = Bar::begin(label, None, Vec::new());
     let result = work();
     bar.finish_and_clear();
     result
@@ -132,7 +84,7 @@ pub fn causes(announced: Option<(usize, f64)>) -> Bar {
              --explain SECONDS; 0 skips the search)"
         ));
     }
-    Bar::begin(0, ProgressText::of("looking for the mistake"))
+    Bar::begin("looking for the mistake", None, Vec::new())
 }
 
 /// Shows a step of the search for mistakes.
@@ -150,42 +102,63 @@ pub fn mistake(bar: &Bar, step: &SearchStep) {
 }
 
 impl Bar {
-    fn begin(parts: u64, said: ProgressText) -> Bar {
-        let bar = match std::io::stderr().is_terminal() {
+    fn begin(message: &str, name: Option<&'static str>, notes: Vec<String>) -> Bar {
+        let is_terminal = std::io::stderr().is_terminal();
+        let bar = match is_terminal {
             true => ProgressBar::no_length(),
             false => ProgressBar::hidden(),
         };
-        let shared = Arc::new(SharedBar {
-            start: Instant::now(),
-            bar,
-            said: Mutex::new(said),
-            changed: Condvar::new(),
-            parts: Counter::default(),
-            steps: Counter::default(),
-        });
-        shared.parts.begin(parts);
-        let ticking = shared.clone();
-        Bar {
-            ticker: Some(std::thread::spawn(move || ticking.tick())),
-            shared,
+        bar.set_style(style("{spinner} {wide_msg}"));
+        bar.set_message(message.to_owned());
+        if is_terminal {
+            bar.enable_steady_tick(FRAME);
         }
+        let (end, ended) = mpsc::channel();
+        let printed = bar.clone();
+        let printing = std::thread::spawn(move || print_lines(&printed, name, notes, &ended));
+        Bar {
+            bar,
+            name,
+            part: AtomicU64::new(0),
+            steps: AtomicU64::new(0),
+            done: AtomicU64::new(0),
+            end: Some(end),
+            printing: Some(printing),
+        }
+    }
+
+    /// Now the share done is known.
+    fn set_length(&self, length: u64) {
+        let name = self.name;
+        let facts = move |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            let [done, left] = facts(
+                [state.pos(), state.len().unwrap_or(0)],
+                name,
+                state.elapsed(),
+            );
+            let _ = text.write_str(&joined([&done, &left]));
+        };
+        let style = style("{spinner} [{bar:16}] {facts}, {wide_msg}");
+        self.bar.set_style(style.with_key("facts", facts));
+        self.bar.set_length(length);
     }
 
     /// Sets the current work, such as the name of a case.
     pub fn set_message(&self, message: impl Into<String>) {
-        self.shared.said().message = visible(&message.into());
-        self.shared.steps.begin(0);
+        self.bar.set_message(visible(&message.into()));
+        self.steps.store(0, Ordering::Relaxed);
     }
 
     /// Adds to the parts done.
     pub fn inc(&self, parts: u64) {
-        self.shared.steps.begin(0);
-        self.shared.parts.done.fetch_add(parts, Ordering::Relaxed);
+        self.steps.store(0, Ordering::Relaxed);
+        let part = self.part.fetch_add(parts * PART, Ordering::Relaxed);
+        self.bar.set_position(part + parts * PART);
     }
 
     /// Prints a line above the bar.
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
-        self.shared.bar.suspend(write)
+        self.bar.suspend(write)
     }
 
     /// Ends the display, and clears it on a terminal.
@@ -194,29 +167,33 @@ impl Bar {
 
 impl Drop for Bar {
     fn drop(&mut self) {
-        let Some(ticker) = self.ticker.take() else {
-            return;
-        };
-        self.shared.said().ended = true;
-        self.shared.changed.notify_all();
-        let _ = ticker.join();
-        self.shared.bar.finish_and_clear();
+        drop(self.end.take());
+        let _ = self.printing.take().map(JoinHandle::join);
+        self.bar.finish_and_clear();
     }
 }
 
 impl Watch for Bar {
     fn begin(&self, steps: u64) {
-        self.shared.steps.begin(steps);
+        if self.bar.length().is_none() {
+            self.set_length(PART);
+        }
+        self.done.store(0, Ordering::Relaxed);
+        self.steps.store(steps, Ordering::Relaxed);
     }
 
     fn step(&self) {
-        self.shared.steps.done.fetch_add(1, Ordering::Relaxed);
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        let steps = self.steps.load(Ordering::Relaxed).max(done);
+        let within = PART as f64 * (done as f64 / steps as f64);
+        let part = self.part.load(Ordering::Relaxed);
+        self.bar.set_position(part + within as u64);
     }
 }
 
 impl AcceptWatch for Bar {
     fn begin_all(&self, work: u64) {
-        self.shared.parts.begin(work);
+        self.set_length(work);
     }
 
     fn begin_case(&self, case: &str) {
@@ -224,83 +201,33 @@ impl AcceptWatch for Bar {
     }
 
     fn worked(&self, work: u64) {
-        self.shared.parts.done.fetch_add(work, Ordering::Relaxed);
+        self.bar.inc(work);
     }
 
     fn note(&self, text: &str) {
-        self.shared.line(text);
-    }
-}
-
-impl SharedBar {
-    fn said(&self) -> MutexGuard<'_, ProgressText> {
-        self.said.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Shows the progress until the work has ended.
-    fn tick(&self) {
-        let mut next = FIRST_LINE;
-        loop {
-            let wait = match self.bar.is_hidden() {
-                true => next.saturating_sub(self.start.elapsed()),
-                false => FRAME,
-            };
-            let said = self.said();
-            let ended = |said: &mut ProgressText| !said.ended;
-            let (said, _) = self
-                .changed
-                .wait_timeout_while(said, wait, ended)
-                .unwrap_or_else(PoisonError::into_inner);
-            if said.ended {
-                return;
-            }
-            drop(said);
-            let elapsed = self.start.elapsed();
-            if elapsed >= FIRST_LINE {
-                self.notes();
-            }
-            let done = share_done(self.parts.get(), self.steps.get());
-            let state = self.state(done, elapsed.as_secs_f64());
-            if !self.bar.is_hidden() {
-                self.bar.set_style(style(done.is_some()));
-                self.bar.set_length(BAR_LENGTH);
-                let position = done.unwrap_or(0.0) * BAR_LENGTH as f64;
-                self.bar.set_position(position as u64);
-                self.bar.set_message(state);
-                self.bar.tick();
-            } else if elapsed >= next {
-                self.line(&state);
-                next = next_line(elapsed);
-            }
-        }
-    }
-
-    fn state(&self, done: Option<f64>, elapsed: f64) -> String {
-        let said = self.said();
-        let parts = said.parts.map(|name| (name, self.parts.get()));
-        let beside_bar = !self.bar.is_hidden() && done.is_some();
-        state(&said.message, parts, done, elapsed, beside_bar)
-    }
-
-    fn notes(&self) {
-        let notes = std::mem::take(&mut self.said().notes);
-        notes
-            .iter()
-            .for_each(|note| self.line(&format!("note: {note}")));
-    }
-
-    fn line(&self, text: &str) {
         self.bar.suspend(|| note(text));
     }
 }
 
-/// Style of the display: a bar only if the share done is known.
-fn style(is_known: bool) -> ProgressStyle {
-    let template = if is_known {
-        "{spinner} [{bar:16}] {wide_msg}"
-    } else {
-        "{spinner} {wide_msg}"
-    };
+/// Prints the notes if the work takes long; in a pipe, lines with the progress besides.
+fn print_lines(bar: &ProgressBar, name: Option<&str>, notes: Vec<String>, ended: &Receiver<()>) {
+    let (mut next, mut notes) = (FIRST_LINE, notes.into_iter());
+    while let Err(RecvTimeoutError::Timeout) =
+        ended.recv_timeout(next.saturating_sub(bar.elapsed()))
+    {
+        notes
+            .by_ref()
+            .for_each(|text| bar.suspend(|| note(&format!("note: {text}"))));
+        let elapsed = bar.elapsed();
+        if bar.is_hidden() {
+            let progress = [bar.position(), bar.length().unwrap_or(0)];
+            note(&line(&bar.message(), progress, name, elapsed));
+        }
+        next = next_line(elapsed);
+    }
+}
+
+fn style(template: &str) -> ProgressStyle {
     let style = ProgressStyle::with_template(template).expect("a valid template");
     style.progress_chars("=> ")
 }
@@ -311,57 +238,34 @@ fn next_line(elapsed: Duration) -> Duration {
     (elapsed * 3).min(elapsed + LONGEST_SILENCE)
 }
 
-/// Share of the work that is done, from 0 to 1: that of the parts, of which one is under way and done in
-/// part. None where nothing is known.
-fn share_done([parts, all_parts]: [u64; 2], [steps, all_steps]: [u64; 2]) -> Option<f64> {
-    let within = (all_steps > 0).then(|| steps as f64 / all_steps as f64);
-    match all_parts {
-        0 => within,
-        _ => {
-            let parts = parts as f64 + within.unwrap_or(0.0);
-            Some((parts / all_parts as f64).min(1.0))
-        }
+/// The display as one line: the current work, its share done, time elapsed and left.
+fn line(message: &str, progress: [u64; 2], name: Option<&str>, elapsed: Duration) -> String {
+    let [done, left] = facts(progress, name, elapsed);
+    let so_far = format!("{} so far", HumanDuration(elapsed));
+    joined([message, &done, &so_far, &left])
+}
+
+fn joined<const N: usize>(facts: [&str; N]) -> String {
+    let facts = facts.into_iter().filter(|fact| !fact.is_empty());
+    facts.collect::<Vec<_>>().join(", ")
+}
+
+/// The share done, position and length, in words, and the time left, extrapolated; empty where nothing is known.
+fn facts([done, all]: [u64; 2], name: Option<&str>, elapsed: Duration) -> [String; 2] {
+    if all == 0 {
+        return Default::default();
     }
-}
-
-/// Seconds left, extrapolated from the share done; none before anything is done.
-fn left(done: Option<f64>, elapsed: f64) -> Option<f64> {
-    let share = done.filter(|share| *share > 0.0)?;
-    Some(elapsed * (1.0 - share) / share)
-}
-
-/// The display as one line: the current work, its share done, time elapsed and left. Beside a bar
-/// the parts that may be cut off come last, and the time elapsed is left out.
-fn state(
-    message: &str,
-    parts: Option<(&str, [u64; 2])>,
-    done: Option<f64>,
-    elapsed: f64,
-    beside_bar: bool,
-) -> String {
-    let amount = match (parts, done) {
-        (Some((name, [done, all])), _) => format!("{done} of {all} {name} done"),
-        (None, Some(done)) => format!("{} done", percent(done)),
-        (None, None) => String::new(),
+    let share = (done as f64 / all as f64).min(1.0);
+    let left = elapsed.as_secs_f64() * (1.0 - share) / share;
+    let left = Duration::try_from_secs_f64(left).map(HumanDuration);
+    let amount = match name {
+        Some(name) => format!("{} of {} {name} done", done / PART, all / PART),
+        None => format!("{} done", percent(share)),
     };
-    let so_far = format!("{} so far", duration(elapsed));
-    let left = left(done, elapsed);
-    let left = left.map_or(String::new(), |left| {
-        format!("about {} left", duration(left))
-    });
-    let message = message.to_owned();
-    let facts = if beside_bar {
-        vec![amount, left, message]
-    } else {
-        vec![message, amount, so_far, left]
-    };
-    let facts: Vec<String> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
-    facts.join(", ")
-}
-
-fn duration(seconds: f64) -> HumanDuration {
-    let duration = Duration::try_from_secs_f64(seconds.max(0.0));
-    HumanDuration(duration.unwrap_or(Duration::MAX))
+    [
+        amount,
+        left.map_or(String::new(), |left| format!("about {left} left")),
+    ]
 }
 
 /// Whole percents, or two digits of less than one.
@@ -379,47 +283,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_left_follows_from_what_is_done() {
-        // A quarter in 30 seconds leaves 90.
-        assert_eq!(left(Some(0.25), 30.0), Some(90.0));
-        assert_eq!(left(Some(0.0), 5.0), None);
-        assert_eq!(left(None, 5.0), None);
-        assert_eq!(left(Some(1.0), 5.0), Some(0.0));
-    }
-
-    #[test]
-    fn a_part_under_way_counts_in_part() {
-        assert_eq!(share_done([3, 8], [10, 20]), Some(0.4375));
-        assert_eq!(share_done([3, 8], [0, 0]), Some(0.375));
-        assert_eq!(share_done([0, 0], [10, 20]), Some(0.5));
-        assert_eq!(share_done([0, 0], [0, 0]), None);
-        assert_eq!(share_done([8, 8], [20, 20]), Some(1.0));
-    }
-
-    #[test]
     fn lines_say_what_how_far_and_how_long() {
+        let seconds = Duration::from_secs;
         assert_eq!(
-            state("rendering", None, Some(0.125), 30.0, false),
+            line("rendering", [1, 8], None, seconds(30)),
             "rendering, 12 % done, 30 seconds so far, about 4 minutes left"
         );
         assert_eq!(
-            state("rendering", None, Some(0.0002), 30.0, false),
+            line("rendering", [2, 10_000], None, seconds(30)),
             "rendering, 0.02 % done, 30 seconds so far, about 2 days left"
         );
-        let cases = Some(("cases", [49, 194]));
+        // A part under way counts in part.
+        let cases = [49 * PART - PART / 2, 194 * PART];
         assert_eq!(
-            state("fog/forward", cases, Some(0.25), 20.0, false),
-            "fog/forward, 49 of 194 cases done, 20 seconds so far, about 60 seconds left"
+            line("fog/forward", cases, Some("cases"), seconds(20)),
+            "fog/forward, 48 of 194 cases done, 20 seconds so far, about 60 seconds left"
         );
         assert_eq!(
-            state("fog/forward", cases, Some(0.25), 20.0, true),
-            "49 of 194 cases done, about 60 seconds left, fog/forward"
+            line("fog/forward", [0, PART], None, seconds(2)),
+            "fog/forward, 0 % done, 2 seconds so far"
         );
-        assert_eq!(
-            state("fog/forward: sweep", None, None, 2.0, false),
-            "fog/forward: sweep, 2 seconds so far"
-        );
-        assert_eq!(state("", None, None, 2.0, false), "2 seconds so far");
+        assert_eq!(line("", [0, 0], None, seconds(2)), "2 seconds so far");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::failure::{Exit, Failure, bad_input};
 use super::output::{self, Json};
 use super::picture::Picture;
 use super::suite::{NamedScene, named_scene};
+use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Depth, Film, FilmFormat};
 use crate::math;
@@ -40,9 +41,8 @@ pub struct Arguments {
     /// lists them); may be repeated
     #[arg(long, value_name = "NAME=CHANGE", allow_hyphen_values = true, value_parser = change)]
     change: Vec<(String, f64)>,
-    /// Threads to use; the image is the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Exposure of a .png, in stops: radiance is multiplied by 2^STOPS [default: that of the case, else 0]
     #[arg(
         long,
@@ -101,10 +101,10 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let is_sampled = plans
         .iter()
         .any(|plan| plan.is_sampled() || arguments.reference && is_radiative(plan));
-    let film = with_threads(arguments.threads, || {
-        arguments.rendered(&scene, &plans, sampling)
-    })?
-    .map_err(bad_input)?;
+    let film = arguments
+        .threads
+        .run(|| arguments.rendered(&scene, &plans, sampling))?
+        .map_err(bad_input)?;
     let film = match arguments.depth {
         Some(depth) => film.with_depth(arguments.depths(&scene, depth)?),
         None => film,
@@ -425,19 +425,4 @@ fn set_step(scene: &mut Scene, step: Length) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-/// Runs `work` on that many threads, or on all cores.
-pub fn with_threads<T: Send>(
-    threads: Option<u16>,
-    work: impl FnOnce() -> T + Send,
-) -> Result<T, Failure> {
-    let Some(threads) = threads else {
-        return Ok(work());
-    };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.into())
-        .build()
-        .map(|pool| pool.install(work))
-        .map_err(|error| bad_input(format!("--threads: {error}")))
 }

@@ -3,10 +3,10 @@
 use super::failure::{Exit, Failure};
 use super::known::count_in;
 use super::output::{self, Json, check_not_golden};
-use super::page::{PageOf, ReportPage};
+use super::page::ReportPage;
 use crate::judging::{CaseResult, Judged, JudgedWith};
 use crate::naming::Likenesses;
-use crate::report;
+use crate::report::{self, Page};
 use crate::suite::Suite;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -35,8 +35,6 @@ pub struct Findings<'f> {
     pub judged_with: JudgedWith,
     /// True if the results are held against known failures.
     pub has_known: bool,
-    /// Units of goldens that were joined.
-    pub units: Option<Value>,
     /// Command, and how images were read.
     pub origin: Option<Value>,
 }
@@ -101,15 +99,11 @@ impl ResultFiles {
                 report::results_junit(&results, &findings.judged_with).as_bytes(),
             )?;
         }
-        let page = PageOf {
-            command: findings.command,
-            headline: "",
-            results: &results,
-            evidence: &evidence,
-            found: &findings.found,
-            judged_with: &findings.judged_with,
+        let page = Page {
+            judged_with: &findings.judged_with.in_words(),
+            ..Page::of(findings.command, &results, &evidence, &findings.found)
         };
-        self.report.write(&page, &mut text)?;
+        self.report.write(page, &mut text)?;
         let mut json = match findings.command {
             "validate" => {
                 let mut json = report::validation_json(&results, &findings.found.likely);
@@ -120,9 +114,6 @@ impl ResultFiles {
         };
         if findings.has_known {
             count_in(&mut json["summary"], &results);
-        }
-        if let Some(units) = &findings.units {
-            json["units"] = units.clone();
         }
         if let Some(origin) = &findings.origin {
             json["origin"] = origin.clone();

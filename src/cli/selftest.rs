@@ -1,7 +1,7 @@
 //! `volref selftest [FILTER…]`
 
 use super::failure::{Exit, Failure};
-use super::kept::{KeepArgument, keep_trials, run_of};
+use super::kept::{KeepArgument, keep, run_of, say_kept};
 use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
@@ -80,8 +80,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(folder) = folder {
         let (all, filters) = (all.into_iter(), &arguments.filters);
         let settings = [("quick".to_owned(), arguments.quick.to_string())].into();
-        let run = run_of(SELF_TEST, &suite, filters, all, [], settings);
-        keep_trials(&folder, &run, &found)?;
+        let run = run_of(SELF_TEST, &suite, filters, all, settings);
+        let part: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
+        say_kept(&keep(&folder, &run, &part, &[], &found)?);
     }
     let test = SelfTest::of(&cases, &found, which);
     let value = report::self_test_json(&test);

@@ -2,8 +2,9 @@
 
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
-use super::render::{format_of, with_threads};
+use super::render::format_of;
 use super::suite::scene_file;
+use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
 use crate::math;
@@ -50,9 +51,8 @@ pub struct Arguments {
     /// keeps them in golden/sensitivities
     #[arg(long, conflicts_with = "of", requires = "output")]
     all: bool,
-    /// Threads to use; the image is the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     json: Json,
 }
@@ -94,12 +94,14 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         step: arguments.step,
     };
     let start = Instant::now();
-    let found = with_threads(arguments.threads, || {
-        progress::during("differentiating", || {
-            derivative(&scene, &number, &differences, &|| false)
-        })
-    })?
-    .map_err(|error| bad_input(error.to_string()))?;
+    let found = arguments
+        .threads
+        .run(|| {
+            progress::during("differentiating", || {
+                derivative(&scene, &number, &differences, &|| false)
+            })
+        })?
+        .map_err(|error| bad_input(error.to_string()))?;
     let Some(found) = found else {
         let step = arguments.step.unwrap_or(number.step);
         return Err(bad_input(format!(
@@ -250,18 +252,20 @@ fn listed(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
 fn of_all(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     let path = arguments.output.as_deref().expect("checked by the parser");
     let start = Instant::now();
-    let layered = with_threads(arguments.threads, || {
-        progress::during("differentiating", || {
-            sensitivities_of(
-                scene,
-                arguments.spp,
-                arguments.pairs,
-                SEED_OF_SUITE,
-                &|| false,
-            )
-        })
-    })?
-    .map_err(bad_input)?;
+    let layered = arguments
+        .threads
+        .run(|| {
+            progress::during("differentiating", || {
+                sensitivities_of(
+                    scene,
+                    arguments.spp,
+                    arguments.pairs,
+                    SEED_OF_SUITE,
+                    &|| false,
+                )
+            })
+        })?
+        .map_err(bad_input)?;
     output::write(path, &layered.to_exr().map_err(bad_input)?)?;
     let text = format!(
         "{}: derivatives by {} parameters in {:.0} s\n",

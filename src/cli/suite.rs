@@ -39,7 +39,7 @@ impl Selection {
         self.open()
     }
 
-    /// Folder for units and results of this suite: in the suite, or for the embedded one in the
+    /// Folder for results of this suite: in the suite, or for the embedded one in the
     /// current folder.
     pub fn kept_folder(&self, suite: &Suite) -> PathBuf {
         match self.is_embedded() {
@@ -72,7 +72,7 @@ impl Selection {
 /// The current folder.
 const HERE: &str = ".";
 
-/// Folder for units and results.
+/// Folder for results, and for renderings until they are accepted.
 pub const KEPT: &str = ".volref";
 
 /// The folder that the environment variable [`VOLREF_SUITE`](SUITE_VARIABLE) names.

@@ -1,6 +1,27 @@
-//! Number of rendering threads, from environment variables.
+//! Number of rendering threads, by an option or by environment variables.
 
 use super::failure::{Failure, bad_input};
+
+/// Option for the number of threads.
+#[derive(clap::Args, Debug)]
+pub struct Threads {
+    /// Threads to use; images are the same for any number [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// Runs `work` on that many threads.
+    pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+        let Some(threads) = self.threads else {
+            return Ok(work());
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        let pool = pool.build();
+        pool.map(|pool| pool.install(work))
+            .map_err(|error| bad_input(format!("--threads: {error}")))
+    }
+}
 
 /// Largest number of threads, as for `--threads`: more than machines have cores.
 const MOST: usize = 1024;

@@ -3,7 +3,7 @@
 use super::command_line::command_line;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::help::EXAMPLE_FIRST;
-use super::kept::{KeepArgument, NAME, keep, keep_again, run_of};
+use super::kept::{KeepArgument, NAME, keep, run_of, say_kept};
 use super::known::{KnownArgument, KnownFile};
 use super::output::check_not_golden;
 use super::partition::PartitionArgument;
@@ -191,11 +191,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
                 let accepted = arguments.accept_conventions;
                 search.conventions(&suite, &cases, &mut judged, accepted, &said);
             }
+            let passed_over = passed_over.into_iter().map(|(name, _)| name);
+            let part: Vec<String> = cases.iter().map(name).chain(passed_over).collect();
+            // Before the search, which somebody may end.
             if let Some((folder, run)) = &to_keep {
-                let passed_over = passed_over.into_iter().map(|(name, _)| name);
-                let part = cases.iter().map(name);
-                let part: Vec<String> = part.chain(passed_over).collect();
-                keep(folder, run, &part, &judged)?;
+                say_kept(&keep(folder, run, &part, &judged, &[])?);
             }
             if judged.is_empty() {
                 return Err(judge.nothing_compared());
@@ -211,8 +211,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             if let Some(known) = &judge.known {
                 text.push_str(&known.finish(&mut judged)?);
             }
-            if let Some((folder, run)) = to_keep.filter(|_| arguments.named.is_some()) {
-                keep_again(&folder, &run, &judged)?;
+            if let Some((folder, run)) = &to_keep {
+                keep(folder, run, &part, &judged, &[])?;
             }
             Ok((judged_with, (found, text)))
         })?;
@@ -229,7 +229,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         found,
         judged_with,
         has_known: judge.known.is_some(),
-        units: None,
         origin: Some(origin),
     };
     let results = findings.results();
@@ -416,7 +415,7 @@ impl Judge<'_> {
             let name = given.named.iter().cloned();
             settings.extend(name.map(|name| (NAME.to_owned(), name)));
             let cases = cases.iter().copied();
-            let run = run_of("validate", suite, &given.filters, cases, [], settings);
+            let run = run_of("validate", suite, &given.filters, cases, settings);
             (folder, run)
         }))
     }

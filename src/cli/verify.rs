@@ -1,11 +1,12 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{EXIT_CODES, Failure, exit};
-use super::kept::{KeepArgument, keep, run_of};
+use super::kept::{KeepArgument, keep, run_of, say_kept};
 use super::partition::PartitionArgument;
 use super::results::{Findings, ResultFiles};
 use super::suite::Selection;
-use super::{Outcome, output, progress, render};
+use super::threads::Threads;
+use super::{Outcome, output, progress};
 use crate::judging;
 use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
@@ -32,9 +33,8 @@ pub struct Arguments {
     verbose: bool,
     #[command(flatten)]
     files: ResultFiles,
-    /// Threads to use; the images are the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 /// Runs the command.
@@ -46,29 +46,22 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
     let to_keep = folder.map(|folder| {
         let all = cases.iter().copied();
-        let run = run_of(
-            "verify",
-            &suite,
-            &arguments.filters,
-            all,
-            [],
-            BTreeMap::new(),
-        );
+        let run = run_of("verify", &suite, &arguments.filters, all, BTreeMap::new());
         (folder, run)
     });
     let name = |case: &&Case| case.name.clone();
     arguments.partition.retain(&mut cases, "cases", name)?;
     let store = suite.store();
-    let mut judged = render::with_threads(arguments.threads, || {
+    let shows = to_keep.is_some() || arguments.files.wants_evidence();
+    let mut judged = arguments.threads.run(|| {
         let bar = progress::counted("cases", cases.len());
         let verified = cases.iter().map(|case| {
             bar.set_message(case.name.clone());
             let mut judged = judging::verify(case, &store, &bar);
-            if arguments.files.wants_evidence() && judged.result.cause == Cause::Golden {
-                judging::show_unjudged(case, &store, &mut judged.evidence, &bar);
-            }
-            if to_keep.is_none() && !arguments.files.wants_evidence() {
+            if !shows {
                 judged.evidence = Evidence::default();
+            } else if judged.result.cause == Cause::Golden {
+                judging::show_unjudged(case, &store, &mut judged.evidence, &bar);
             }
             bar.inc(1);
             judged
@@ -86,7 +79,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let kept = to_keep.map_or(Ok(()), |(folder, run)| {
         let part: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
-        keep(&folder, &run, &part, &judged)
+        keep(&folder, &run, &part, &judged, &[]).map(|place| say_kept(&place))
     });
     if arguments.filters.is_empty() && arguments.partition.is_first() {
         judged.extend(judging::without_case(&suite)?);
@@ -97,7 +90,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         found: Likenesses::default(),
         judged_with: JudgedWith::default(),
         has_known: false,
-        units: None,
         origin: None,
     };
     let results = findings.results();

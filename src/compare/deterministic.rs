@@ -21,7 +21,7 @@ pub(crate) const ABSOLUTE: f64 = 1e-3;
 pub(crate) const RELATIVE: f64 = 0.01;
 /// Share of pixels that may lie outside: rays that graze a voxel face and fall, by a rounding,
 /// on its other side.
-pub(super) const OUTLIERS: f64 = 2e-4;
+pub(crate) const OUTLIERS: f64 = 2e-4;
 /// The same share of a renderer in single precision. Over a hundred
 /// steps a node coordinate of a hundred gathers roundings of some 4·10⁻⁵; of thirty visible samples
 /// of a ray, each with three coordinates, one is on the other side of a face in six rays of a
@@ -35,6 +35,12 @@ const HARD_CAP_OF_SINGLE_PRECISION: f64 = 100.0;
 /// The mean of a channel may be off by this share of the tolerance of a pixel of that value.
 /// Roundings have both signs and average out; what is left at a tenth is systematic.
 pub(super) const BIAS: f64 = 0.1;
+
+/// Pixels that an image that agrees with this one in all but [`OUTLIERS`] cannot bring within the limit.
+pub(crate) const FAR_SHARE: Metric = (
+    "far_share",
+    "Pixels that are off by more than twice what they may be, as a fraction of all pixels.",
+);
 
 /// Where opacity is compared.
 pub(crate) const OUTLIERS_OF_OPACITY: Metric = (
@@ -63,6 +69,7 @@ impl Gate for Deterministic {
         &metrics! {
             "outlier_pixels" => "Pixels that are off by more than the tolerance.";
             "outlier_share" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
+            FAR_SHARE;
             "max_abs_error" => "Largest difference of any channel, in radiance.";
             "worst_in_tolerances" =>
                 "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above 20 the image fails.";
@@ -212,6 +219,8 @@ struct ColourDifference {
     count: usize,
     /// Number of pixels that are off by more than a tolerance.
     outside: usize,
+    /// Number of pixels that are off by more than two.
+    far: usize,
     /// Largest difference of a channel, in radiance.
     largest: f64,
     /// Column and row of the worst pixel.
@@ -227,7 +236,7 @@ struct ColourDifference {
 impl ColourDifference {
     fn between(golden: &Film, test: &Film) -> ColourDifference {
         let count = golden.radiance().len();
-        let (mut outside, mut largest, mut worst) = (0, 0.0_f64, (0, 0.0_f64));
+        let (mut outside, mut far, mut largest, mut worst) = (0, 0, 0.0_f64, (0, 0.0_f64));
         let mut sums = [Sum::default(); 3];
         let mut differences = [Sum::default(); 3];
         for (index, (golden, test)) in golden.radiance().iter().zip(test.radiance()).enumerate() {
@@ -240,6 +249,7 @@ impl ColourDifference {
                 differences[c].add(difference);
             }
             outside += usize::from(excess > 1.0);
+            far += usize::from(excess > 2.0);
             if excess > worst.1 {
                 worst = (index, excess);
             }
@@ -248,6 +258,7 @@ impl ColourDifference {
         ColourDifference {
             count,
             outside,
+            far,
             largest,
             worst_at: [worst.0 % golden.width(), worst.0 / golden.width()],
             worst: worst.1,
@@ -315,6 +326,7 @@ impl ColourDifference {
         vec![
             ("outlier_pixels", self.outside as f64),
             ("outlier_share", self.share()),
+            (FAR_SHARE.0, self.far as f64 / self.count as f64),
             ("max_abs_error", self.largest),
             ("worst_in_tolerances", self.worst),
             ("worst_column", self.worst_at[0] as f64),

@@ -21,8 +21,8 @@ pub struct Judgement {
     /// [bias](super::Conditions::promise): the verdict is *inconclusive*, and this would
     /// decide.
     pub undecided: Option<Undecided>,
-    /// The part of the reason that says no more than "as if".
-    pub as_if: Option<String>,
+    /// The reason without what says no more than "as if", where the reason says such a thing.
+    pub certain: Option<String>,
     /// Changes of numbers of the scene that fit the difference, the most significant first; for
     /// images that differ, where [sensitivities](super::Conditions::sensitivities) are known.
     pub changes: Vec<NumberChange>,
@@ -104,7 +104,7 @@ impl Judgement {
             metrics,
             reason,
             undecided: None,
-            as_if: None,
+            certain: None,
             changes: Vec::new(),
             detectable: Vec::new(),
             fit: None,
@@ -114,7 +114,9 @@ impl Judgement {
     /// With the changes that `film`, the image called `name`, underwent on reading.
     pub(crate) fn with_changes_of(mut self, name: &str, film: &Film) -> Judgement {
         for change in film.changes_on_reading() {
-            self.reason.push_str(&format!("; the {name} {change}"));
+            for reason in [&mut self.reason].into_iter().chain(&mut self.certain) {
+                reason.push_str(&format!("; the {name} {change}"));
+            }
         }
         self
     }

@@ -300,11 +300,8 @@ impl Black {
         let shown: Vec<usize> = (0..golden.len())
             .filter(|&i| golden[i] != [0.0; 3])
             .collect();
-        let black: Vec<usize> = shown
-            .iter()
-            .copied()
-            .filter(|&i| test[i] == [0.0; 3])
-            .collect();
+        let is_black = |&i: &usize| test[i] == [0.0; 3];
+        let black: Vec<usize> = shown.iter().copied().filter(is_black).collect();
         let squares = black
             .iter()
             .flat_map(|&i| (0..3).map(move |c| pixels.square(i, c)));

@@ -22,7 +22,7 @@
 //! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.
 
 use super::advice::Undecided;
-use super::deterministic::{BIAS, OUTLIERS, in_tolerances, tolerance};
+use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, in_tolerances, tolerance};
 use super::difference_scale::DifferenceScale;
 use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::judgement::Judgement;
@@ -93,6 +93,7 @@ impl Gate for Refinement {
                 "Mean of what a pixel may be off by because of the step, relative to the mean of the golden; above 0.02 nothing is decided.";
             "pixels_off_limit" => "Pixels whose interval does not hold the golden.";
             "share_off_limit" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
+            FAR_SHARE;
             "worst_off_limit" => "The distance of the worst pixel from the golden, in what it may be off by.";
             "worst_column" => "Column of the worst pixel, from the left, from 0.";
             "worst_row" => "Row of the worst pixel, from the top, from 0.";
@@ -352,7 +353,7 @@ impl Judged<'_> {
     fn judgement(&self, mut outcome: Outcome, steps: &str) -> Judgement {
         let golden = self.golden;
         let behind = behind_last_level(golden);
-        let (mut outside, mut worst) = (0_usize, (0, 0.0_f64));
+        let (mut outside, mut far, mut worst) = (0_usize, 0_usize, (0, 0.0_f64));
         // The nearest image that rounds to a quantised one.
         let nearest = self.image.nearest_to(golden);
         let pixels = golden.radiance().iter().zip(nearest.radiance());
@@ -365,6 +366,7 @@ impl Judged<'_> {
                 most.max((test - right).abs() / allowed)
             });
             outside += usize::from(excess > 1.0);
+            far += usize::from(excess > 2.0);
             if excess > worst.1 {
                 worst = (index, excess);
             }
@@ -386,6 +388,7 @@ impl Judged<'_> {
             ("error_allowed", widest),
             ("pixels_off_limit", outside as f64),
             ("share_off_limit", share),
+            (FAR_SHARE.0, far as f64 / count as f64),
             ("worst_off_limit", worst.1),
             ("worst_column", column as f64),
             ("worst_row", row as f64),
@@ -457,12 +460,9 @@ impl Outcome {
     }
 
     fn judgement(self, passed: bool, reason: String) -> Judgement {
-        let width = self
-            .metrics
-            .iter()
-            .find(|(name, _)| *name == "error_allowed");
-        let width = width.map_or(0.0, |&(_, width)| width);
         let mut judgement = Judgement::new(&Refinement, passed, reason, &self.metrics);
+        let width = judgement.metrics.get("error_allowed");
+        let width = width.copied().unwrap_or_default();
         if passed && width > WIDEST {
             let undecided = Undecided::Step(width);
             judgement.reason.push_str(&format!("; {undecided}"));

@@ -110,20 +110,20 @@ impl Profile {
         let root = document.parse()?;
         let log = RefCell::default();
         let reader = Reader::new(&document, &PROFILE, &root, &log)?;
-        let name = reader.text("name")?;
-        let early_termination = reader.optional_number("early_termination")?;
-        let bits = reader.optional_count("bits")?;
-        let encoding = reader.optional_text("encoding")?;
+        let name = reader.get("name")?;
+        let early_termination = reader.optional("early_termination")?;
+        let bits: Option<u32> = reader.get("bits")?;
+        let encoding: Option<String> = reader.get("encoding")?;
         if bits.is_none() && encoding.is_some() {
             let message = "an encoding is that of few bits: add `bits = 8`";
             return Err(reader.error("encoding", message));
         }
-        let blended = reader.flag("blended")?;
+        let blended = reader.get("blended")?;
         if bits.is_none() && blended {
             let message = "nothing is rounded before it is blended: add `bits = 8`";
             return Err(reader.error("blended", message));
         }
-        let alpha = reader.optional_text("alpha")?;
+        let alpha: Option<String> = reader.get("alpha")?;
         let encoding = encoding.map(|name| match name.as_str() {
             "srgb" => Encoding::Srgb,
             _ => Encoding::Linear,

@@ -1,12 +1,9 @@
-//! Sealed files, by which one process hands data to another: a hash of the rest, a line of JSON
-//! that describes the contents, and the contents. A truncated or changed file is not read.
+//! Folders in which one process leaves files for another, hidden from version control.
 
-use super::atomic_file::{WriteError, directory_of};
+use super::atomic_file::WriteError;
 use super::own_file;
 use super::own_file::FolderError;
 use super::{partial_file, regular_file};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// A file could not be kept.
@@ -42,31 +39,10 @@ impl KeepError {
     }
 }
 
-/// Largest file read, in bytes: 4 GiB, as of other images.
-const MOST_BYTES: u64 = regular_file::MOST_BYTES;
-
 impl From<FolderError> for KeepError {
     fn from(FolderError { folder, error }: FolderError) -> KeepError {
         KeepError::Folder { folder, error }
     }
-}
-
-/// Writes the file `inner` of the folder `root` with its header; returns its bytes. Another process
-/// may write the same file at once.
-pub(crate) fn write(
-    root: &Path,
-    inner: &Path,
-    head: &impl Serialize,
-    body: &[u8],
-) -> Result<u64, KeepError> {
-    let path = root.join(inner);
-    let head = serde_json::to_vec(head).map_err(|error| KeepError::encode(&path, error))?;
-    own_file::make_folder(root, directory_of(inner))?;
-    let rest = [&head[..], b"\n", body].concat();
-    let hash = blake3::hash(&rest).to_hex();
-    let bytes = [hash.as_bytes(), b"\n", &rest].concat();
-    own_file::write(&path, &bytes)?;
-    Ok(bytes.len() as u64)
 }
 
 /// The parent of `folder`, and its name, which must not be a link.
@@ -75,22 +51,6 @@ pub(crate) fn in_its_folder(folder: &Path) -> (&Path, &Path) {
         (Some(parent), Some(name)) => (parent, Path::new(name)),
         _ => (folder, Path::new("")),
     }
-}
-
-/// Kind and contents that a file states; the reason if it is not as it was written.
-pub(crate) fn read<H: DeserializeOwned>(path: &Path) -> Result<(H, Vec<u8>), String> {
-    let bytes = regular_file::read(path, MOST_BYTES).map_err(|error| error.to_string())?;
-    let damaged = || "it was cut off or changed".to_owned();
-    let line = |bytes: &[u8]| bytes.iter().position(|byte| *byte == b'\n');
-    let end = line(&bytes).ok_or_else(damaged)?;
-    let (hash, rest) = (&bytes[..end], &bytes[end + 1..]);
-    if blake3::hash(rest).to_hex().as_bytes() != hash {
-        return Err(damaged());
-    }
-    let end = line(rest).ok_or_else(damaged)?;
-    let head = serde_json::from_slice(&rest[..end]);
-    let head = head.map_err(|error| format!("another version of volref wrote it: {error}"))?;
-    Ok((head, rest[end + 1..].to_vec()))
 }
 
 /// Hides `folder` and its contents from version control.

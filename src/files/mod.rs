@@ -16,5 +16,6 @@ pub(crate) mod program_hash;
 pub(crate) mod proptest_failures;
 pub(crate) mod regular_file;
 pub(crate) mod temporary_folder;
+pub(crate) mod visible;
 
 pub use program_hash::program_hash;

@@ -44,14 +44,6 @@ pub enum FilmError {
         /// Bytes of the file.
         bytes: usize,
     },
-    /// More pixels than are expected.
-    #[error("the image claims {claimed} bytes of pixels, where at most {most} are expected")]
-    Beyond {
-        /// Bytes of all pixels, uncompressed.
-        claimed: u64,
-        /// Bytes expected at most.
-        most: u64,
-    },
     /// No colour channels.
     #[error(
         "no layer of the image has the channels R, G and B; there are: {found}; name those of linear \

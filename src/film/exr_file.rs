@@ -77,12 +77,7 @@ impl Film {
     /// B44 and B44A, windows that end before they begin, and files with a missing block of pixels in
     /// any part or resolution are refused. Values that are not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
-        Film::from_exr_within(bytes, u64::MAX)
-    }
-
-    /// As [`Film::from_exr`], of a file whose pixels, those of all its parts, take at most so many bytes.
-    pub(crate) fn from_exr_within(bytes: &[u8], most: u64) -> Result<Film, FilmError> {
-        let file = read_file_within(bytes, most)?;
+        let file = read_file(bytes)?;
         picture(&file, &main_layer(&file)?)
     }
 
@@ -180,15 +175,11 @@ fn has_infinite_halves(samples: &FlatSamples) -> bool {
 /// On some broken files the crate panics (chunks of another resolution than their table says, for
 /// one). In one of its own threads a panic would end the process, so it is to use none.
 pub(super) fn read_file(bytes: &[u8]) -> Result<ExrParts, FilmError> {
-    read_file_within(bytes, u64::MAX)
-}
-
-fn read_file_within(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
-    let parts = decoder::run(|| read_parts(bytes, most));
+    let parts = decoder::run(|| read_parts(bytes));
     parts.map_err(|stopped| FilmError::stopped("EXR", stopped))?
 }
 
-fn read_parts(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
+fn read_parts(bytes: &[u8]) -> Result<ExrParts, FilmError> {
     check_headers(bytes)?;
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
@@ -199,9 +190,6 @@ fn read_parts(bytes: &[u8], most: u64) -> Result<ExrParts, FilmError> {
         // PXR24 drops one byte of four before it deflates.
         let pixel = header.channels.bytes_per_pixel as u64 * 3 / 4;
         claimed = claimed.saturating_add((width * height) as u64 * pixel);
-    }
-    if claimed > most {
-        return Err(FilmError::Beyond { claimed, most });
     }
     check_claim(claimed, bytes.len())?;
     meta.headers.iter().try_for_each(check_part)?;

@@ -2,11 +2,12 @@
 
 use super::FilmError;
 use crate::files::file_kind::by_bytes;
+use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::path::Path;
 
 /// A format that images can be read from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FilmFormat {
     /// `.exr`: OpenEXR, linear radiance.
     Exr,

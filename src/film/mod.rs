@@ -9,7 +9,6 @@ mod exr_file;
 mod exr_layers;
 mod exr_meaning;
 mod format;
-pub(crate) mod kept_film;
 mod layered_file;
 mod noise;
 mod npy_file;
@@ -19,10 +18,8 @@ mod primaries;
 mod quantisation;
 mod reading;
 mod replicates;
-mod stored;
 
 use crate::math::Moments;
-use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 pub use alpha::Alpha;
@@ -42,8 +39,7 @@ pub const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Linear, scene-referred RGB radiance, top row first; with opacity for a volume, and with noise if
 /// the radiance is a mean of random samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "stored::StoredFilm")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: usize,
     height: usize,
@@ -51,14 +47,9 @@ pub struct Film {
     opacity: Option<Vec<f32>>,
     noise: Option<Noise>,
     samples: Option<u64>,
-    /// Not kept in files of volref but images.
-    #[serde(skip)]
     depth: Option<Vec<f32>>,
-    /// Not kept in files of volref: those are read as they are.
-    #[serde(skip)]
     reading: Reading,
     /// The rounding of its values, where it is read or declared.
-    #[serde(skip)]
     quantisation: Option<Quantisation>,
 }
 
@@ -206,14 +197,6 @@ impl Film {
             films.iter().map(move |film| (film, row_of(film)))
         });
         Film::of_pieces([width, films[0].height], rows)
-    }
-
-    /// The films below each other, from the top. All must have the same width, and all or none opacity.
-    /// The noise is kept if all have noise from the same number of samples.
-    pub(crate) fn below_each_other(films: &[Film]) -> Film {
-        let height = films.iter().map(|film| film.height).sum();
-        let whole = films.iter().map(|film| (film, 0..film.radiance.len()));
-        Film::of_pieces([films[0].width, height], whole)
     }
 
     /// An image of runs of pixels of others, in its own order: with opacity if all have one, with noise

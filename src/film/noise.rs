@@ -1,10 +1,8 @@
 //! The noise of a sampled image.
 
-use serde::{Deserialize, Serialize};
-
 /// The noise of an image whose pixels are means of random samples: the variance of those means, and
 /// the number of samples in each. Fewer than two samples have no variance.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
     pub(super) variance: Vec<[f32; 3]>,
     pub(super) samples: u32,
@@ -12,7 +10,7 @@ pub struct Noise {
 }
 
 /// Origin of variances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoiseOrigin {
     /// The spread of samples.
     Samples,

@@ -6,7 +6,6 @@
 
 use super::{CHANNELS, Film};
 use crate::math;
-use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt;
@@ -14,7 +13,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 /// Curve from linear light to codes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// In proportion.
     Linear,
@@ -174,7 +173,7 @@ impl NoCode {
 }
 
 /// Source of what is known about a quantisation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// Declared, and every value is a code.
     Declared,
@@ -187,7 +186,7 @@ pub enum Origin {
 }
 
 /// Rounding to 256 codes from black to a largest radiance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantisation {
     /// Curve of the codes.
     pub encoding: Encoding,
@@ -196,7 +195,6 @@ pub struct Quantisation {
     /// Source of this.
     pub origin: Origin,
     /// Values were blended from rounded colours and opacities.
-    #[serde(default)]
     pub blended: bool,
 }
 

@@ -48,7 +48,7 @@ pub(crate) use obj_text::{Skipped, Statements, Word};
 pub use placed::Placed;
 pub use ray::{Line, Ray, Span, length_of};
 pub use rectangle::Rectangle;
-pub use shape::{Boundary, ConvexBoundary, Luminous, Shape};
+pub use shape::{Boundary, Luminous, Shape};
 pub use shape_error::ShapeError;
 pub use sphere::Sphere;
 pub(crate) use surface::Convex;

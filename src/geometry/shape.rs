@@ -1,8 +1,8 @@
 //! Enums over the shapes of a scene.
 
-use super::forward::{forward, within};
+use super::forward::forward;
 use super::{
-    Aabb, ClosedMesh, Convex, Crossing, Emitter, EmitterExtent, EmitterPdf, Hit, Mesh, Placed, Ray,
+    Aabb, ClosedMesh, Crossing, Emitter, EmitterExtent, EmitterPdf, Hit, Mesh, Placed, Ray,
     Rectangle, Solid, Span, Sphere, Surface, SurfacePoint, Transform,
 };
 use glam::DVec3;
@@ -43,19 +43,6 @@ pub enum Boundary {
     PlacedBox(Placed<Aabb>),
     /// A closed mesh moved, turned or stretched.
     PlacedMesh(Placed<Arc<ClosedMesh>>),
-}
-
-/// A closed shape that is convex by its kind.
-#[derive(Clone, Copy, Debug)]
-pub enum ConvexBoundary<'s> {
-    /// A sphere.
-    Sphere(&'s Sphere),
-    /// A box along the axes.
-    Box(&'s Aabb),
-    /// A sphere moved, turned or stretched.
-    PlacedSphere(&'s Placed<Sphere>),
-    /// A box moved, turned or stretched.
-    PlacedBox(&'s Placed<Aabb>),
 }
 
 /// A shape that can emit light: one whose points can be chosen uniformly by area.
@@ -108,25 +95,6 @@ impl Boundary {
             Boundary::PlacedBox(bounds) => Boundary::PlacedBox(bounds.moved(by)),
             Boundary::PlacedMesh(mesh) => Boundary::PlacedMesh(mesh.moved(by)),
         }
-    }
-
-    /// The shape, if it is convex by its kind; a mesh may be anything.
-    pub fn convex(&self) -> Option<ConvexBoundary<'_>> {
-        match self {
-            Boundary::Sphere(sphere) => Some(ConvexBoundary::Sphere(sphere)),
-            Boundary::Box(bounds) => Some(ConvexBoundary::Box(bounds)),
-            Boundary::PlacedSphere(sphere) => Some(ConvexBoundary::PlacedSphere(sphere)),
-            Boundary::PlacedBox(bounds) => Some(ConvexBoundary::PlacedBox(bounds)),
-            Boundary::Mesh(_) | Boundary::PlacedMesh(_) => None,
-        }
-    }
-}
-
-impl ConvexBoundary<'_> {
-    /// The segment of `ray` inside, the only one in a convex shape.
-    pub fn span(&self, ray: &Ray) -> Option<Span> {
-        within!(self, (ConvexBoundary: Sphere | Box | PlacedSphere | PlacedBox),
-            shape => Convex::span(*shape, ray))
     }
 }
 

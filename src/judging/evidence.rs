@@ -19,8 +19,6 @@ pub struct Evidence {
     /// Images with the step of the scene, half of it, a quarter and so on, if there are several.
     #[serde(skip)]
     pub refined: Vec<Film>,
-    /// True if the case has no image, as rows of the catalogue of hard cases.
-    pub without_image: bool,
     /// Initial exposure of the images, in stops.
     pub exposure: f64,
     /// Document and figure that the case reproduces.

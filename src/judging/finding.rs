@@ -1,9 +1,7 @@
-//! The finding on a case, and the golden it is compared with.
+//! A result with its evidence, and the golden that a case is compared with.
 
 use super::{CaseResult, Cause, Evidence, Verdict};
-use crate::compare::{
-    Conditions, Detectable, FitMap, Gate, Judgement, NumberChange, Picture, Sensitivity,
-};
+use crate::compare::{Conditions, Judgement, Picture, Sensitivity};
 use crate::conventions::Profile;
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
@@ -13,7 +11,6 @@ use crate::suite::rendering::{ReferenceRenderer, Renderer, check_class};
 use crate::suite::sensitivities;
 use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// A result, and the images behind it.
 #[derive(Clone, Debug)]
@@ -38,97 +35,20 @@ impl Judged {
     }
 }
 
-/// The finding on a case, before time and names are added.
-#[derive(Debug)]
-pub(crate) struct CaseFinding {
-    /// Verdict.
-    pub verdict: Verdict,
-    /// Cause of the verdict.
-    pub cause: Cause,
-    /// Reason in words.
-    pub reason: String,
-    /// Notes beside the verdict.
-    pub notes: Vec<String>,
-    /// Numbers by name, all finite.
-    pub metrics: BTreeMap<String, f64>,
-    /// Changes of numbers of the scene that the difference looks like.
-    pub changes: Vec<NumberChange>,
-    /// Changes of these numbers that the images would have shown.
-    pub detectable: Vec<Detectable>,
-    /// The changes that fit best, as a picture.
-    pub fit: Option<Box<FitMap>>,
-    /// The part of the reason that says no more than "as if".
-    pub as_if: Option<String>,
-    /// The reason says the cause.
-    pub cause_is_said: bool,
-}
-
-impl CaseFinding {
-    /// A finding without numbers.
-    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> CaseFinding {
-        CaseFinding {
-            verdict,
-            cause,
-            reason: reason.into(),
-            notes: Vec::new(),
-            metrics: BTreeMap::new(),
-            changes: Vec::new(),
-            detectable: Vec::new(),
-            fit: None,
-            as_if: None,
-            cause_is_said: false,
-        }
-    }
-
-    /// The result of a case of this name and class, judged by `gate` since `start`.
-    pub fn result(
-        self,
-        name: &str,
-        class: &str,
-        gate: &'static dyn Gate,
-        start: Instant,
-    ) -> CaseResult {
-        CaseResult {
-            family: name.split('/').next().unwrap_or_default().to_owned(),
-            name: name.to_owned(),
-            class: class.to_owned(),
-            verdict: self.verdict,
-            metrics: self.metrics,
-            gate,
-            reason: self.reason,
-            notes: self.notes,
-            conventions: Vec::new(),
-            profile: None,
-            looks_like: Vec::new(),
-            difference: Vec::new(),
-            changes: self.changes,
-            detectable: self.detectable,
-            fit: self.fit,
-            as_if: self.as_if,
-            cause_is_said: self.cause_is_said,
-            search_ended: None,
-            known: None,
-            seconds: start.elapsed().as_secs_f64(),
-            work: BTreeMap::new(),
-            cause: self.cause,
-        }
-    }
-}
-
-impl From<Judgement> for CaseFinding {
-    fn from(judgement: Judgement) -> CaseFinding {
+impl From<Judgement> for CaseResult {
+    fn from(judgement: Judgement) -> CaseResult {
         let (verdict, cause) = match (judgement.passed, judgement.undecided) {
             (true, None) => (Verdict::Pass, Cause::None),
             (true, Some(_)) => (Verdict::Inconclusive, Cause::Undecided),
             (false, _) => (Verdict::Fail, Cause::Mismatch),
         };
-        CaseFinding {
+        CaseResult {
             metrics: judgement.metrics,
             changes: judgement.changes,
             detectable: judgement.detectable,
             fit: judgement.fit,
-            as_if: judgement.as_if,
-            ..CaseFinding::new(verdict, cause, judgement.reason)
+            certain: judgement.certain,
+            ..CaseResult::new(verdict, cause, judgement.reason)
         }
     }
 }
@@ -148,7 +68,7 @@ pub(crate) struct CheckedGolden {
 
 impl CheckedGolden {
     /// Loads scene and golden of `case`; an error in either is a finding.
-    pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseFinding> {
+    pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseResult> {
         CheckedGolden::load_for(&ReferenceRenderer, case, store)
     }
 
@@ -157,16 +77,16 @@ impl CheckedGolden {
         renderer: &dyn Renderer,
         case: &Case,
         store: &Store,
-    ) -> Result<CheckedGolden, CaseFinding> {
-        let bad_input = |reason| CaseFinding::new(Verdict::Error, Cause::BadInput, reason);
-        let bad_golden = |reason| CaseFinding::new(Verdict::Error, Cause::Golden, reason);
+    ) -> Result<CheckedGolden, CaseResult> {
+        let bad_input = |reason| CaseResult::new(Verdict::Error, Cause::BadInput, reason);
+        let bad_golden = |reason| CaseResult::new(Verdict::Error, Cause::Golden, reason);
         let scene = case
             .load_scene()
             .map_err(|error| bad_input(error.to_string()))?;
         check_class(renderer, case, &plans(&scene)).map_err(bad_input)?;
         let golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing(_) => {
-                CaseFinding::new(Verdict::Missing, Cause::Golden, error.to_string())
+                CaseResult::new(Verdict::Missing, Cause::Golden, error.to_string())
             }
             error => bad_golden(error.to_string()),
         })?;
@@ -189,12 +109,12 @@ impl CheckedGolden {
 
     /// Adds the kept sensitivities of a stochastic `case`, by which images of other renderers are
     /// judged.
-    pub fn with_sensitivities(mut self, case: &Case) -> Result<CheckedGolden, CaseFinding> {
+    pub fn with_sensitivities(mut self, case: &Case) -> Result<CheckedGolden, CaseResult> {
         let kept = self.golden.sensitivities.as_deref();
         if let Some(bytes) = kept.filter(|_| case.sampling.is_some()) {
             self.sensitivities = sensitivities::decoded(bytes, &self.scene).map_err(|fault| {
                 let reason = GoldenError::sensitivities(case, fault).to_string();
-                CaseFinding::new(Verdict::Error, Cause::Golden, reason)
+                CaseResult::new(Verdict::Error, Cause::Golden, reason)
             })?;
         }
         Ok(self)
@@ -202,8 +122,8 @@ impl CheckedGolden {
 
     /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged
     /// where there is no classified volume.
-    pub fn under(mut self, profile: &Profile) -> Result<CheckedGolden, CaseFinding> {
-        let failed = |reason| CaseFinding::new(Verdict::Error, Cause::BadInput, reason);
+    pub fn under(mut self, profile: &Profile) -> Result<CheckedGolden, CaseResult> {
+        let failed = |reason| CaseResult::new(Verdict::Error, Cause::BadInput, reason);
         let Some(scene) = profile.applied_to(&self.scene).map_err(failed)? else {
             return Ok(self);
         };
@@ -298,20 +218,15 @@ impl CheckedGolden {
             .plans()
             .iter()
             .map(|plan| {
-                plan.omitted()
-                    .into_iter()
-                    .map(word)
-                    .collect::<Vec<_>>()
-                    .join(", ")
+                let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
+                words.join(", ")
             })
             .collect();
         match &omitted[..] {
             [one] => one.clone(),
             panels => {
-                let said = panels
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, names)| !names.is_empty());
+                let said = panels.iter().enumerate();
+                let said = said.filter(|(_, names)| !names.is_empty());
                 let said: Vec<_> = said
                     .map(|(index, names)| format!("{names} in panel {}", index + 1))
                     .collect();

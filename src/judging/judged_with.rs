@@ -73,11 +73,7 @@ impl JudgedWith {
             let is_part = values.len() < runs.len();
             values.sort();
             values.dedup();
-            let part = if is_part || values.len() > 1 {
-                " in part"
-            } else {
-                ""
-            };
+            let part = ["", " in part"][usize::from(is_part || values.len() > 1)];
             (name, values.join(", ") + part)
         });
         all.settings = joined.collect();

@@ -22,24 +22,18 @@ pub enum KnownStatus {
 }
 
 impl KnownStatus {
-    /// All of them, in the order in which they are counted.
-    pub const ALL: [KnownStatus; 5] = [
-        KnownStatus::Known,
-        KnownStatus::New,
-        KnownStatus::Mended,
-        KnownStatus::Otherwise,
-        KnownStatus::Worse,
+    /// All of them, in the order in which they are counted, with the words used in JSON and on the terminal.
+    pub const ALL: [(KnownStatus, &str); 5] = [
+        (KnownStatus::Known, "known"),
+        (KnownStatus::New, "new"),
+        (KnownStatus::Mended, "mended"),
+        (KnownStatus::Otherwise, "otherwise"),
+        (KnownStatus::Worse, "worse"),
     ];
 
-    /// The word used in JSON and on the terminal.
+    /// The word for it.
     pub fn name(self) -> &'static str {
-        match self {
-            KnownStatus::Known => "known",
-            KnownStatus::New => "new",
-            KnownStatus::Mended => "mended",
-            KnownStatus::Otherwise => "otherwise",
-            KnownStatus::Worse => "worse",
-        }
+        KnownStatus::ALL[self as usize].1
     }
 }
 
@@ -71,13 +65,11 @@ impl Known {
     /// In one line, such as `known: rounds opacities (https://...)`, or what is to change.
     pub fn in_words(&self) -> String {
         let status = self.status.name();
-        let words = match (&self.change, &self.reason) {
-            (Some(change), _) => change,
-            (None, Some(reason)) => reason,
-            (None, None) => return "new: no known failure".to_owned(),
-        };
+        let is_known = self.status == KnownStatus::Known;
+        let words = if is_known { &self.reason } else { &self.change };
+        let words = words.as_deref().unwrap_or_default();
         match &self.link {
-            Some(link) if self.change.is_none() => format!("{status}: {words} ({link})"),
+            Some(link) if is_known => format!("{status}: {words} ({link})"),
             _ => format!("{status}: {words}"),
         }
     }

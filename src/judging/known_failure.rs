@@ -1,8 +1,11 @@
 //! How a result fails: what an entry of a file of known failures states of it.
 
 use super::{CaseResult, Cause, Verdict};
-use crate::compare::deterministic::HARD_CAP;
-use crate::compare::perceptual::MOST_P99;
+use crate::compare::deterministic::{FAR_SHARE, HARD_CAP, OUTLIERS};
+use crate::compare::perceptual::{MOST_MEAN, MOST_P99};
+use crate::conventions::{CATALOGUE, Profile};
+use crate::variations::mistakes;
+use toml_edit::Value;
 
 /// True of a result that is a fault of the renderer: its image differs or cannot be read, or the renderer failed. A
 /// missing or undecided image is none: it has not been judged.
@@ -12,16 +15,34 @@ pub(super) fn is_failure(result: &CaseResult) -> bool {
     differs || is_broken
 }
 
+/// Begin of the words that name a profile as the cause.
+pub(crate) const OF_PROFILE: &str = "has the conventions of the profile";
+
 /// Names of the causes that were found, and true if they were searched to the end or found. A search that was left out
 /// or ended early says nothing.
 pub(super) fn found_causes(result: &CaseResult) -> (Vec<&str>, bool) {
+    // Without the conventions that may stand in their place.
+    let first = |words: &'_ String| words.split(" (or ").next().map_or(0, str::len);
     let found = result.looks_like.iter().chain(&result.conventions);
-    let found: Vec<&str> = found.map(String::as_str).collect();
+    let found: Vec<&str> = found.map(|words| &words[..first(words)]).collect();
     let is_searched = !found.is_empty() || result.search_ended == Some(true);
     (found, is_searched)
 }
 
-/// The size of a difference.
+/// The names of mistakes and conventions, which causes have.
+pub(super) fn causes() -> impl Iterator<Item = &'static str> {
+    let mistakes = mistakes::catalogue().map(|mistake| mistake.name);
+    mistakes.chain(CATALOGUE.iter().map(|convention| convention.words))
+}
+
+/// True if a search may find the `cause`.
+pub(super) fn is_cause(cause: &str) -> bool {
+    let profile = cause.strip_prefix(OF_PROFILE).unwrap_or_default();
+    let is_named = |name| profile.trim_start().split(',').next() == Some(name);
+    causes().any(|known| known == cause) || Profile::shipped().any(is_named)
+}
+
+/// A size of a difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Size {
     /// The bound to write for it.
@@ -30,30 +51,40 @@ pub(super) struct Size {
     pub least: f64,
 }
 
+/// Keys that bound the sizes of a difference: that of the worst pixel, and how much of the image differs.
+pub(super) const BOUNDS: [&str; 2] = ["bound", "share"];
+
 /// Standard errors by which the mean of an image may be off by chance: by more once in 1.7 million images.
 const STANDARD_ERRORS: f64 = 5.0;
 
 impl Size {
-    /// The size by the metric of the gate; `None` where it was not measured.
+    /// The sizes under the keys [`BOUNDS`], by metrics of the gate; `None` where they were not measured. What was
+    /// measured of an image that conventions explain is left under these.
     ///
-    /// The margin is what the gate itself lets pass of this metric: an image that it takes for the same as the known
-    /// one may be off from the golden by so much more (triangle inequality).
-    pub fn of(result: &CaseResult) -> Option<Size> {
-        let (metric, margin) = match result.gate.name() {
-            "exact" => ("max_abs_error", 0.0),
-            "deterministic" => ("worst_in_tolerances", HARD_CAP),
-            // The pixel agrees within one width of its interval.
-            "refinement" => ("worst_off_limit", 1.0),
-            "perceptual" => ("flip_weighted_p99", MOST_P99),
-            "stochastic" => return Size::of_mean(result),
-            _ => return None,
+    /// The margin is what the gate itself lets pass: an image that it takes for the same as the known one may be off
+    /// from the golden by so much more (triangle inequality). It moves a pixel by at most one tolerance, but for a
+    /// share [`OUTLIERS`]: a pixel that is off by two was off by one, and was counted.
+    pub fn of(result: &CaseResult) -> [Option<Size>; 2] {
+        let size = |metric: &str, least: &str, margin: f64| {
+            let [size, least] = [metric, least].map(|name| result.metrics.get(name));
+            Some(Size {
+                bound: rounded_up(*size?),
+                least: least? - margin,
+            })
         };
-        let size = *result.metrics.get(metric)?;
-        let bound = rounded_up(size);
-        Some(Size {
-            bound,
-            least: size - margin,
-        })
+        let (worst, share, margin) = match result.gate.name() {
+            _ if result.verdict != Verdict::Fail => return [None; 2],
+            "stochastic" => return [Size::of_mean(result), None],
+            "perceptual" => {
+                let p99 = size("flip_weighted_p99", "flip_weighted_p99", MOST_P99);
+                return [p99, size("flip_mean", "flip_mean", MOST_MEAN)];
+            }
+            "deterministic" => ("worst_in_tolerances", "outlier_share", HARD_CAP),
+            // The pixel agrees within one width of its interval.
+            _ => ("worst_off_limit", "share_off_limit", 1.0),
+        };
+        let share = size(share, FAR_SHARE.0, OUTLIERS);
+        [size(worst, worst, margin), share]
     }
 
     /// The size of the largest difference of the mean of a channel, which does not grow with the number of samples.
@@ -89,25 +120,20 @@ fn rounded_up(size: f64) -> f64 {
     }
 }
 
-/// How a case fails, as it is written.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Failing {
-    pub verdict: &'static str,
-    /// The first cause that was found; `Some(None)` if none was, `None` if there was no search.
-    pub cause: Option<Option<String>>,
-    pub bound: Option<f64>,
-}
+/// What is written into an entry: keys with their values, `None` of one that is removed.
+pub(super) type Keys = Vec<(&'static str, Option<Value>)>;
 
-impl Failing {
-    pub fn of(result: &CaseResult) -> Failing {
-        let (found, is_searched) = found_causes(result);
-        let size = Size::of(result).filter(|_| result.verdict == Verdict::Fail);
-        Failing {
-            verdict: result.verdict.name(),
-            cause: is_searched.then(|| found.first().map(|name| (*name).to_owned())),
-            bound: size.map(|size| size.bound),
-        }
+/// How `result` fails, as it is written: the verdict, the first cause that was found, none if there was no search, and
+/// the sizes.
+pub(super) fn failing(result: &CaseResult) -> Keys {
+    let (found, is_searched) = found_causes(result);
+    let mut keys: Keys = vec![("verdict", Some(result.verdict.name().into()))];
+    if is_searched {
+        keys.push(("cause", found.first().map(|name| Value::from(*name))));
     }
+    let bounds = Size::of(result).map(|size| Some(Value::from(size?.bound)));
+    keys.extend(BOUNDS.into_iter().zip(bounds));
+    keys
 }
 
 #[cfg(test)]

@@ -1,27 +1,24 @@
 //! Files of known failures: read, held against results, and rewritten.
 
 use super::known::{Known, KnownStatus};
-use super::known_failure::{Failing, Size, found_causes, is_failure};
+use super::known_failure::{
+    BOUNDS, Keys, Size, causes, failing, found_causes, is_cause, is_failure,
+};
 use super::{CaseResult, Cause, Verdict};
+use crate::files::misspelling::nearest;
 use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::suite::{Suite, SuiteError};
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::Error as ValueError;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::DeValue;
 
-/// The verdicts that a failure may have.
-const VERDICTS: [Verdict; 5] = [
-    Verdict::Fail,
-    Verdict::Convention,
-    Verdict::Inconclusive,
-    Verdict::Missing,
-    Verdict::Error,
-];
-
-/// The declaration of a table of the file; its name is a case, or a pattern over cases.
+/// The declaration of a table of the file; its name is a case, or filters over cases.
 const ENTRY: Table = Table::new("A known failure.").keys(&[
     Key::optional("verdict", Kind::Choice(&["fail", "convention", "inconclusive", "missing", "error"]))
         .doc("Verdict on the image. If left out, fail."),
@@ -30,14 +27,16 @@ const ENTRY: Table = Table::new("A known failure.").keys(&[
     Key::optional("reason", Kind::Text)
         .doc("Why the failure is accepted for now, by a person. Required."),
     Key::optional("link", Kind::Text).doc("Where it is told, such as the address of an issue."),
-    Key::optional("bound", Kind::Number(Range::at_least(0.0)))
-        .doc("Largest size of the difference, by one metric of the gate: worst_in_tolerances, max_abs_error (exact), worst_off_limit (refinement), flip_weighted_p99 (perceptual), or the largest mean_difference of a channel with 5 standard errors (stochastic)."),
+    Key::optional(BOUNDS[0], Kind::Number(Range::NOT_NEGATIVE))
+        .doc("Largest size of the difference, by a metric of the gate: worst_in_tolerances, worst_off_limit (refinement), flip_weighted_p99 (perceptual), or the largest mean_difference of a channel with 5 standard errors (stochastic)."),
+    Key::optional(BOUNDS[1], Kind::Number(Range::NOT_NEGATIVE))
+        .doc("Largest share of the image that differs: outlier_share, share_off_limit (refinement), or flip_mean (perceptual)."),
 ]);
 
 /// A table of the file.
 #[derive(Clone, Debug)]
 struct Entry {
-    /// Case or pattern.
+    /// Filters, separated by blanks.
     name: String,
     /// Names of the cases that it matches.
     cases: Vec<String>,
@@ -45,7 +44,8 @@ struct Entry {
     cause: Option<String>,
     reason: String,
     link: Option<String>,
-    bound: Option<f64>,
+    /// Those of [`BOUNDS`].
+    bounds: [Option<f64>; 2],
     /// Line of the table.
     line: usize,
     /// Lines of its keys.
@@ -94,11 +94,7 @@ impl KnownFailures {
             let cases = cases_named(suite, text_of_name)
                 .map_err(|(message, help)| at_name(message, help))?;
             let line = line_at(text, name.span().start);
-            let entry = Entry {
-                line,
-                cases,
-                ..entry(&document, text_of_name, value)?
-            };
+            let entry = entry(&document, text_of_name, value, (line, cases))?;
             if entry.reason.trim().is_empty() && !may_lack_reasons {
                 let message = format!("the known failure {text_of_name:?} has no reason");
                 let help = "write in `reason` why the failure is accepted for now: --known-update leaves that to a person";
@@ -121,35 +117,27 @@ impl KnownFailures {
     /// What the file says of `result`; `None` of one that is neither listed nor a failure, and of one that was not
     /// judged.
     pub fn of(&self, result: &CaseResult) -> Option<Known> {
-        let Some(entry) = self.entry(&result.name) else {
-            return is_failure(result).then_some(Known {
-                status: KnownStatus::New,
-                reason: None,
-                link: None,
-                line: None,
-                change: None,
-            });
+        let entry = self.entry(&result.name);
+        let (status, change) = match entry {
+            Some(entry) => entry.status(result)?,
+            None if is_failure(result) => {
+                let (name, verdict) = (&result.name, result.verdict.name());
+                let keys = in_words(&failing(result));
+                let words = format!(
+                    "{name} is {verdict:?}: {MEND}, or write [{name:?}] and below it {keys}, reason = \"...\""
+                );
+                let line = self.text.lines().count() + 1;
+                (KnownStatus::New, Some((line, words)))
+            }
+            None => return None,
         };
-        let (status, change) = entry.status(result)?;
-        let change = change.map(|(line, words)| format!("{}:{line}: {words}", self.path));
         Some(Known {
             status,
-            reason: Some(entry.reason.clone()),
-            link: entry.link.clone(),
-            line: Some(entry.line),
-            change,
+            reason: entry.map(|entry| entry.reason.clone()),
+            link: entry.and_then(|entry| entry.link.clone()),
+            line: entry.map(|entry| entry.line),
+            change: change.map(|(line, words)| format!("{}:{line}: {words}", self.path)),
         })
-    }
-
-    /// A case with its result, where there is one, and what the file says of it.
-    fn listed<'r>(
-        &self,
-        case: &'r str,
-        results: &[&'r CaseResult],
-    ) -> (&'r str, Option<&'r CaseResult>, Option<KnownStatus>) {
-        let result = results.iter().find(|result| result.name == case).copied();
-        let known = result.and_then(|result| self.of(result));
-        (case, result, known.map(|known| known.status))
     }
 
     fn entry(&self, case: &str) -> Option<&Entry> {
@@ -157,32 +145,31 @@ impl KnownFailures {
         self.entries.iter().find(names)
     }
 
-    /// The text of the file with the new failures of `results` and without the mended ones.
+    /// The text of the file with the new failures of `results`, without the mended ones, and with sizes that were not
+    /// written. A case that changes is taken out of the filters of its entry, and nothing is said of cases without a
+    /// result.
     pub fn updated(&self, results: &[&CaseResult]) -> String {
         let mut rewriting = super::known_rewriting::Rewriting::of(&self.text);
         for entry in &self.entries {
-            let is_kept =
-                |status: Option<KnownStatus>| matches!(status, None | Some(KnownStatus::Known));
-            let cases: Vec<_> = entry
-                .cases
-                .iter()
-                .map(|case| self.listed(case, results))
-                .collect();
-            if cases.iter().all(|(.., status)| is_kept(*status)) {
+            let is_of_entry = |result: &&&CaseResult| entry.cases.contains(&result.name);
+            let of_entry = results.iter().filter(is_of_entry);
+            let changes = of_entry.filter_map(|result| Some((*result, entry.status(result)?)));
+            let (known, changed): (Vec<_>, Vec<_>) =
+                changes.partition(|(_, (status, _))| *status == KnownStatus::Known);
+            let sizes = entry.unwritten(known.into_iter().map(|(result, _)| result));
+            if changed.is_empty() && sizes.is_empty() {
                 continue;
             }
-            let left = cases.into_iter();
-            let left = left.filter(|(.., status)| *status != Some(KnownStatus::Mended));
-            let changed = |result: Option<&CaseResult>, status| match is_kept(status) {
-                true => None,
-                false => result.map(Failing::of),
-            };
-            let left = left.map(|(case, result, status)| (case, changed(result, status)));
-            rewriting.replace(&entry.name, &left.collect::<Vec<_>>());
+            let left = entry.without(changed.iter().map(|(result, _)| &*result.name));
+            let mut entries: Vec<_> = left.map(|name| (name, sizes)).into_iter().collect();
+            let failing_now = changed.iter();
+            let failing_now = failing_now.filter(|(_, (status, _))| *status != KnownStatus::Mended);
+            entries.extend(failing_now.map(|(result, _)| (result.name.clone(), failing(result))));
+            rewriting.replace(&entry.name, entries);
         }
         for result in results {
             if self.entry(&result.name).is_none() && is_failure(result) {
-                rewriting.add(&result.name, &Failing::of(result));
+                rewriting.add(&result.name, failing(result));
             }
         }
         rewriting.text()
@@ -190,6 +177,26 @@ impl KnownFailures {
 }
 
 impl Entry {
+    /// The name of the entry without the `cases`; `None` if none is left.
+    fn without<'c>(&self, cases: impl Iterator<Item = &'c str> + Clone) -> Option<String> {
+        let is_left = cases.clone().count() < self.cases.len();
+        let name = || cases.fold(self.name.clone(), |name, case| format!("{name} !{case}"));
+        is_left.then(name)
+    }
+
+    /// The largest sizes of known failures that the entry does not bound, and could.
+    fn unwritten<'r>(&self, results: impl Iterator<Item = &'r CaseResult>) -> Keys {
+        let sizes: Vec<_> = results.map(Size::of).collect();
+        let most = |key: usize| {
+            let of_key = sizes.iter().filter_map(|sizes| Some(sizes[key]?.bound));
+            of_key
+                .max_by(f64::total_cmp)
+                .filter(|_| self.bounds[key].is_none())
+        };
+        let keys = (0..2).filter_map(|key| Some((BOUNDS[key], Some(most(key)?.into()))));
+        keys.collect()
+    }
+
     /// What the entry says of the `result` of one of its cases, and the line to change, with what to write there.
     /// `None` of a result that was not judged.
     fn status(&self, result: &CaseResult) -> Option<(KnownStatus, Option<(usize, String)>)> {
@@ -197,58 +204,63 @@ impl Entry {
             return None;
         }
         let name = &result.name;
+        let change = |key: &str, words: String| {
+            let line = self.lines.get(key).copied().unwrap_or(self.line);
+            Some((line, format!("{name} {words}")))
+        };
         if result.cause == Cause::None {
-            let what = match self.cases.len() {
-                1 => format!("remove the entry [{:?}]", self.name),
-                _ => format!(
-                    "leave it out of the pattern {:?}, and give each of its other cases an entry",
-                    self.name
-                ),
+            let what = match self.without([&**name].into_iter()) {
+                None => format!("remove the entry [{:?}]", self.name),
+                Some(left) => format!("leave it out: write [{left:?}]"),
             };
-            let change = (self.line, format!("{name} passes: {what}"));
-            return Some((KnownStatus::Mended, Some(change)));
+            return Some((KnownStatus::Mended, change("", format!("passes: {what}"))));
         }
         let is_unjudged = matches!(result.verdict, Verdict::Missing | Verdict::Inconclusive);
         if is_unjudged && self.verdict != result.verdict {
             return None;
         }
-        let change = |key: &str, words: String| {
-            let line = self.lines.get(key).copied().unwrap_or(self.line);
-            Some((line, format!("{name} {words}")))
-        };
+        let otherwise =
+            |key: &str, words: String| Some((KnownStatus::Otherwise, change(key, words)));
         if !self.has_verdict_of(result) {
             let verdict = result.verdict.name();
-            let words = format!("is {verdict:?} now: write verdict = {verdict:?}");
-            return Some((KnownStatus::Otherwise, change("verdict", words)));
+            let words = format!("is {verdict:?} now: {MEND}, or write verdict = {verdict:?}");
+            return otherwise("verdict", words);
         }
         let (found, is_searched) = found_causes(result);
         if let Some(cause) = self.cause.as_deref().filter(|_| is_searched)
             && !found.contains(&cause)
         {
             let words = match found.first() {
-                Some(now) => format!("looks like {now:?} now: write cause = {now:?}"),
-                None => format!("does not look like {cause:?} now: remove `cause`"),
+                Some(now) => format!("looks like {now:?} now: {MEND}, or write cause = {now:?}"),
+                None => format!("does not look like {cause:?} now: {MEND}, or remove `cause`"),
             };
-            return Some((KnownStatus::Otherwise, change("cause", words)));
+            return otherwise("cause", words);
         }
-        // What was measured of an image that conventions explain is left under these.
-        let Some(bound) = self.bound.filter(|_| result.verdict == Verdict::Fail) else {
-            return Some((KnownStatus::Known, None));
-        };
-        match Size::of(result) {
-            None => {
-                let words = format!(
-                    "has a difference without a size now ({}): remove `bound`",
-                    result.reason
-                );
-                Some((KnownStatus::Otherwise, change("bound", words)))
+        for ((key, bound), size) in BOUNDS.into_iter().zip(self.bounds).zip(Size::of(result)) {
+            match (bound, size) {
+                (Some(_), None) if key == BOUNDS[0] && result.verdict == Verdict::Fail => {
+                    let reason = &result.reason;
+                    let words = format!(
+                        "has a difference without a size now ({reason}): {MEND}, or remove `bound` and `share`"
+                    );
+                    return otherwise(key, words);
+                }
+                (Some(bound), Some(size)) if size.least > bound => {
+                    let size = size.bound;
+                    let words =
+                        format!("is worse, beyond the margin: {MEND}, or write {key} = {size}");
+                    return Some((KnownStatus::Worse, change(key, words)));
+                }
+                _ => {}
             }
-            Some(size) if size.least > bound => {
-                let words = format!("is worse, beyond the margin: write bound = {}", size.bound);
-                Some((KnownStatus::Worse, change("bound", words)))
-            }
-            Some(_) => Some((KnownStatus::Known, None)),
         }
+        let unwritten = self.unwritten([result].into_iter());
+        let words = format!(
+            "has a size that the entry does not bound: write {}",
+            in_words(&unwritten)
+        );
+        let change = (!unwritten.is_empty()).then(|| change("", words)).flatten();
+        Some((KnownStatus::Known, change))
     }
 
     /// True if the result has the verdict of the entry. Only a search tells `convention` from `fail`: without one, or
@@ -263,16 +275,18 @@ impl Entry {
     }
 }
 
+/// The first of the two ways to end a failure.
+const MEND: &str = "mend the renderer";
+
 /// Names of the cases that an entry matches, or what is wrong with it and the remedy.
 fn cases_named(suite: &Suite, name: &str) -> Result<Vec<String>, (String, String)> {
-    if suite.case(name).is_some() {
-        return Ok(vec![name.to_owned()]);
+    let filters: Vec<String> = name.split_whitespace().map(str::to_owned).collect();
+    if filters.iter().all(|filter| filter.starts_with('!')) {
+        let message = format!("{name:?} names no case that fails");
+        let help = "begin with a case or pattern, such as \"sampled/* !sampled/opaque\"";
+        return Err((message, help.to_owned()));
     }
-    if name.starts_with('!') {
-        let message = format!("{name:?} excludes cases, and a known failure names them");
-        return Err((message, "write the cases that fail".to_owned()));
-    }
-    match suite.select(&[name.to_owned()]) {
+    match suite.select(&filters) {
         Ok(cases) => Ok(cases.into_iter().map(|case| case.name.clone()).collect()),
         Err(SuiteError::NoMatch { filter, help }) => {
             Err((format!("no case matches {filter:?}"), help))
@@ -284,11 +298,12 @@ fn cases_named(suite: &Suite, name: &str) -> Result<Vec<String>, (String, String
     }
 }
 
-/// The entry in `value`, but for its line and its cases.
+/// The entry in `value`, in this `line`, with its `cases`.
 fn entry<'s>(
     document: &Document<'s>,
     name: &str,
     value: &Spanned<DeValue<'s>>,
+    (line, cases): (usize, Vec<String>),
 ) -> SceneResult<Entry> {
     let log = RefCell::default();
     let reader = Reader::of_value(document, &ENTRY, value, format!("{name:?}"), &log)?;
@@ -297,21 +312,38 @@ fn entry<'s>(
         let help = format!("write [{name:?}], and below it reason = \"...\"");
         return Err(document.error(Some(value.span()), message, Some(help)));
     };
-    let verdict = reader.optional_text("verdict")?;
-    let verdict = VERDICTS
-        .into_iter()
-        .find(|known| verdict.as_deref() == Some(known.name()));
+    let cause = reader.get::<Option<String>>("cause")?;
+    if let Some(cause) = cause.as_deref().filter(|cause| !is_cause(cause)) {
+        let message = format!("{cause:?} is no mistake or convention that a search finds");
+        let meant = nearest(cause, causes()).map(|meant| format!("did you mean {meant:?}? "));
+        let meant = meant.unwrap_or_default();
+        let help = format!(
+            "{meant}`volref list --mistakes` shows the mistakes, a verdict the conventions"
+        );
+        return Err(reader.mistake("cause", message, help));
+    }
+    let verdict = reader.get::<Option<String>>("verdict")?;
+    let verdict = verdict.map_or(Ok(Verdict::Fail), |name| {
+        Verdict::deserialize(name.into_deserializer())
+    });
     Ok(Entry {
         name: name.to_owned(),
-        cases: Vec::new(),
-        verdict: verdict.unwrap_or(Verdict::Fail),
-        cause: reader.optional_text("cause")?,
-        reason: reader.optional_text("reason")?.unwrap_or_default(),
-        link: reader.optional_text("link")?,
-        bound: reader.optional_number("bound")?,
-        line: 0,
+        cases,
+        verdict: verdict.unwrap_or_else(|_: ValueError| Verdict::Fail),
+        cause,
+        reason: reader.get::<Option<String>>("reason")?.unwrap_or_default(),
+        link: reader.get("link")?,
+        bounds: [reader.get(BOUNDS[0])?, reader.get(BOUNDS[1])?],
+        line,
         lines: lines_of_keys(document.text, value),
     })
+}
+
+/// Keys as they are written.
+fn in_words(keys: &Keys) -> String {
+    let some = keys.iter();
+    let some = some.filter_map(|(key, value)| Some(format!("{key} = {}", value.as_ref()?)));
+    some.collect::<Vec<_>>().join(", ")
 }
 
 /// The lines of the keys of a table.

@@ -1,7 +1,7 @@
 //! A file of known failures with other entries: whatever else stands in it, such as comments, stays as it is.
 
-use super::known_failure::Failing;
-use toml_edit::{DocumentMut, Item, Table, TableLike, Value, value};
+use super::known_failure::Keys;
+use toml_edit::{DocumentMut, Item, Table, TableLike, value};
 
 /// What stands above the entries of a new file.
 const HEAD: &str = "\
@@ -31,33 +31,33 @@ impl Rewriting {
         }
     }
 
-    /// The entry `name` replaced, in its place, by one for each of `cases`, with what changes in it.
-    pub fn replace(&mut self, name: &str, cases: &[(&str, Option<Failing>)]) {
+    /// The entry `name` replaced, in its place, by `entries` with these names, with what changes in them.
+    pub fn replace(&mut self, name: &str, entries: Vec<(String, Keys)>) {
         let next = self.after(name);
         let Some(entry) = self.document.remove(name) else {
             return;
         };
-        if cases.is_empty() {
+        if entries.is_empty() {
             self.keep_head(&entry, next.as_deref());
         }
-        for (index, (case, failing)) in cases.iter().enumerate() {
+        for (index, (name, keys)) in entries.into_iter().enumerate() {
             let mut entry = entry.clone();
             // A comment stands once.
             if let Some(table) = entry.as_table_mut().filter(|_| index > 0) {
                 table.decor_mut().set_prefix("\n");
             }
-            if let (Some(table), Some(failing)) = (entry.as_table_like_mut(), failing) {
-                failing.write(table);
+            if let Some(table) = entry.as_table_like_mut() {
+                write(table, keys);
             }
-            self.document.insert(case, entry);
+            self.document.insert(&name, entry);
         }
     }
 
     /// A new entry for `case`, whose reason is left to a person.
-    pub fn add(&mut self, case: &str, failing: &Failing) {
+    pub fn add(&mut self, case: &str, keys: Keys) {
         let mut table = Table::new();
         table.set_position(Some(self.last));
-        failing.write(&mut table);
+        write(&mut table, keys);
         table.insert("reason", value(""));
         self.document.insert(case, Item::Table(table));
     }
@@ -105,25 +105,16 @@ impl Rewriting {
     }
 }
 
-impl Failing {
-    /// Writes it into an entry, whose reason and link stay.
-    fn write(&self, entry: &mut dyn TableLike) {
-        put(entry, "verdict", Some(self.verdict.into()));
-        if let Some(cause) = &self.cause {
-            put(entry, "cause", cause.as_deref().map(Value::from));
+/// Writes `keys` into an entry, whose reason and link stay, and comments beside keys that have a value.
+fn write(entry: &mut dyn TableLike, keys: Keys) {
+    for (key, new) in keys {
+        let Some(mut new) = new else {
+            entry.remove(key);
+            continue;
+        };
+        if let Some(old) = entry.get(key).and_then(Item::as_value) {
+            *new.decor_mut() = old.decor().clone();
         }
-        put(entry, "bound", self.bound.map(Value::from));
+        entry.insert(key, Item::Value(new));
     }
-}
-
-/// Sets a key, or removes it. A comment beside it stays.
-fn put(entry: &mut dyn TableLike, key: &str, new: Option<Value>) {
-    let Some(mut new) = new else {
-        entry.remove(key);
-        return;
-    };
-    if let Some(old) = entry.get(key).and_then(Item::as_value) {
-        *new.decor_mut() = old.decor().clone();
-    }
-    entry.insert(key, Item::Value(new));
 }

@@ -64,11 +64,8 @@ impl OpenCase<'_> {
     fn next(&self) -> Option<(f64, f64)> {
         let target = self.looks.samples_of_next(&self.judged.result)?;
         let film = radiance(self.judged)?;
-        let new = if states_noise(film) {
-            target - self.looks.samples()
-        } else {
-            target
-        };
+        let kept = states_noise(film).then(|| self.looks.samples());
+        let new = target - kept.unwrap_or_default();
         let [seconds, samples] = self.spent;
         Some((target, new * seconds / samples))
     }

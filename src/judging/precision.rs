@@ -35,10 +35,8 @@ pub(crate) fn before_background(output: Output, alpha: Option<Alpha>, case: &Cas
         // Said where the scene is judged.
         Err(_) => return output,
     };
-    let has_volume = scene
-        .panels
-        .iter()
-        .any(|panel| panel.classified().is_some());
+    let mut panels = scene.panels.iter();
+    let has_volume = panels.any(|panel| panel.classified().is_some());
     let has_none = |picture: &Picture| picture.radiance().and_then(Film::opacity).is_none();
     if has_volume && matches!(&output, Output::Picture(picture) if has_none(picture)) {
         return Output::Unusable(format!(

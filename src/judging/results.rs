@@ -1,7 +1,9 @@
 //! Results of cases.
 
 use super::known::{Known, KnownStatus};
-use crate::compare::{self, Detectable, FitMap, GATES, Gate, Metric, NumberChange, Refinement};
+use crate::compare::{
+    self, Detectable, Exact, FitMap, GATES, Gate, Metric, NumberChange, Refinement,
+};
 use crate::suite::OF_TOLERANCE;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -34,14 +36,16 @@ pub enum Verdict {
 impl Verdict {
     /// The word used in JSON and on the terminal.
     pub fn name(self) -> &'static str {
-        match self {
-            Verdict::Pass => "pass",
-            Verdict::Fail => "fail",
-            Verdict::Convention => "convention",
-            Verdict::Inconclusive => "inconclusive",
-            Verdict::Missing => "missing",
-            Verdict::Error => "error",
-        }
+        // In the order of the variants.
+        const NAMES: [&str; 6] = [
+            "pass",
+            "fail",
+            "convention",
+            "inconclusive",
+            "missing",
+            "error",
+        ];
+        NAMES[self as usize]
     }
 }
 
@@ -115,9 +119,9 @@ pub struct CaseResult {
     /// The changes that fit best, as a picture for a report.
     #[serde(skip)]
     pub fit: Option<Box<FitMap>>,
-    /// The part of the reason that says no more than "as if".
+    /// The reason without what says no more than "as if", where the reason says such a thing.
     #[serde(skip)]
-    pub as_if: Option<String>,
+    pub certain: Option<String>,
     /// The reason says the cause, such as codes read in another way or an image without anything drawn: none is looked for.
     #[serde(skip)]
     pub cause_is_said: bool,
@@ -138,6 +142,45 @@ pub struct CaseResult {
 }
 
 impl CaseResult {
+    /// A result without numbers, of no case yet.
+    pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> CaseResult {
+        CaseResult {
+            name: String::new(),
+            family: String::new(),
+            class: String::new(),
+            verdict,
+            metrics: BTreeMap::new(),
+            gate: &Exact,
+            reason: reason.into(),
+            notes: Vec::new(),
+            conventions: Vec::new(),
+            profile: None,
+            looks_like: Vec::new(),
+            difference: Vec::new(),
+            changes: Vec::new(),
+            detectable: Vec::new(),
+            fit: None,
+            certain: None,
+            cause_is_said: false,
+            search_ended: None,
+            seconds: 0.0,
+            work: BTreeMap::new(),
+            known: None,
+            cause,
+        }
+    }
+
+    /// This result as that of a case of this name and class, judged by `gate`.
+    pub(crate) fn of_case(self, name: &str, class: &str, gate: &'static dyn Gate) -> CaseResult {
+        CaseResult {
+            family: name.split('/').next().unwrap_or_default().to_owned(),
+            name: name.to_owned(),
+            class: class.to_owned(),
+            gate,
+            ..self
+        }
+    }
+
     /// The cause that counts for a run: none of a known failure, and a mismatch where the file of known failures is no
     /// longer right.
     pub fn counted_cause(&self) -> Cause {
@@ -150,18 +193,10 @@ impl CaseResult {
 
     /// Takes out of the reason what says no more than "as if", beside a finding.
     pub(crate) fn drop_as_if(&mut self) {
-        drop_as_if(&mut self.reason, &mut self.as_if);
+        if let Some(certain) = self.certain.take() {
+            self.reason = certain;
+        }
     }
-}
-
-/// Takes the part `as_if`, if there is one, out of a `reason`.
-pub(super) fn drop_as_if(reason: &mut String, as_if: &mut Option<String>) {
-    let Some(part) = as_if.take() else { return };
-    *reason = if reason.starts_with(&part) {
-        reason.replacen(&part, "the images differ beyond noise", 1)
-    } else {
-        reason.replacen(&format!("; {part}"), "", 1)
-    };
 }
 
 /// Number of cases by verdict.
@@ -185,10 +220,8 @@ impl Summary {
     /// Counts the verdicts of `results`.
     pub fn of(results: &[CaseResult]) -> Summary {
         let count = |verdict| {
-            results
-                .iter()
-                .filter(|result| result.verdict == verdict)
-                .count()
+            let such = results.iter().filter(|result| result.verdict == verdict);
+            such.count()
         };
         Summary {
             pass: count(Verdict::Pass),
@@ -219,33 +252,6 @@ pub fn metric_meaning(name: &str) -> &'static str {
     let mut of_suite = [OF_TOLERANCE, SAME_BITS].into_iter();
     let found = of_suite.find(|(known, _)| *known == name);
     let meaning = found.map(|(_, meaning)| meaning);
-    meaning
-        .or_else(|| compare::metric_meaning(name))
-        .unwrap_or("")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn as_if_is_dropped_wherever_it_stands() {
-        let part = "the difference is as if this were so: a; that leaves b";
-        for (reason, left) in [
-            (format!("too dark; {part}; more"), "too dark; more"),
-            (format!("too dark; {part}"), "too dark"),
-            (
-                format!("{part}; more"),
-                "the images differ beyond noise; more",
-            ),
-            (part.to_owned(), "the images differ beyond noise"),
-        ] {
-            let (mut reason, mut as_if) = (reason, Some(part.to_owned()));
-            drop_as_if(&mut reason, &mut as_if);
-            assert_eq!(reason, left);
-            // Once.
-            drop_as_if(&mut reason, &mut as_if);
-            assert_eq!(reason, left);
-        }
-    }
+    let meaning = meaning.or_else(|| compare::metric_meaning(name));
+    meaning.unwrap_or_default()
 }

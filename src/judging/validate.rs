@@ -2,11 +2,10 @@
 
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
-use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
+use super::finding::{CheckedGolden, MOST_CASES};
 use super::measured::{codes_in_words, is_another_exposure, measured};
 use super::nothing_drawn::{is_emptied, nothing_drawn};
 use super::precision::{before_background, known, known_radiance, other_readings};
-use super::results::drop_as_if;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
@@ -47,33 +46,27 @@ pub(crate) fn validate_at(
         Some(profile) if has_image => under(profile, case, checked, &output),
         _ => Ok(checked),
     });
-    let (finding, checked) = match (output, checked) {
-        (Output::Picture(picture), Ok(checked)) => {
-            let mut judged = validate_with(case, &checked, *picture);
-            judged.result.seconds = start.elapsed().as_secs_f64();
-            return judged;
-        }
+    let mut judged = match (output, checked) {
+        (Output::Picture(picture), Ok(checked)) => validate_with(case, &checked, *picture),
         (Output::Refined(images), Ok(checked)) if case.is_limit() => {
-            let mut judged = validate_refined(case, &checked, images);
-            judged.result.seconds = start.elapsed().as_secs_f64();
-            return judged;
+            validate_refined(case, &checked, images)
         }
         (Output::Refined(_), Ok(checked)) => {
             let reason = "there are images with several steps, and the scene of this case states its \
                           step: only cases of class limit are judged by several; keep one image";
-            weighed(Verdict::Error, reason.to_owned(), Ok(checked))
+            without_image(case, Verdict::Error, reason.to_owned(), Ok(checked))
         }
-        (Output::Picture(_) | Output::Refined(_), Err(finding)) => (finding, None),
-        (Output::Missing(reason), checked) => weighed(Verdict::Missing, reason, checked),
-        (Output::Unusable(reason), checked) => weighed(Verdict::Error, reason, checked),
-    };
-    Judged {
-        result: finding.result(&case.name, case.class(), case.gate(), start),
-        evidence: match checked {
-            Some(checked) => evidence(case, &checked),
-            None => Evidence::of(case),
+        (Output::Picture(_) | Output::Refined(_), Err(finding)) => Judged {
+            result: finding.of_case(&case.name, case.class(), case.gate()),
+            evidence: Evidence::of(case),
         },
-    }
+        (Output::Missing(reason), checked) => {
+            without_image(case, Verdict::Missing, reason, checked)
+        }
+        (Output::Unusable(reason), checked) => without_image(case, Verdict::Error, reason, checked),
+    };
+    judged.result.seconds = start.elapsed().as_secs_f64();
+    judged
 }
 
 /// `checked` under `profile`; refused where that leaves nothing of the scene to see, so that an empty `output` would pass.
@@ -82,7 +75,7 @@ fn under(
     case: &Case,
     checked: CheckedGolden,
     output: &Output,
-) -> Result<CheckedGolden, CaseFinding> {
+) -> Result<CheckedGolden, CaseResult> {
     let golden = checked.golden.film.clone();
     let checked = checked.under(profile)?;
     let picture = match output {
@@ -100,7 +93,7 @@ fn under(
          profile, or leave out the case",
         profile.name
     );
-    Err(CaseFinding::new(Verdict::Error, Cause::BadInput, reason))
+    Err(CaseResult::new(Verdict::Error, Cause::BadInput, reason))
 }
 
 /// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
@@ -134,28 +127,32 @@ pub(crate) fn add_right_declaration(
     result.cause_is_said = true;
 }
 
-/// Finding on a case without an image to judge: a fault of its golden or scene first, since that
+/// The verdict on a case without an image to judge: a fault of its golden or scene first, since that
 /// weighs more, then that of the other renderer.
-fn weighed(
+fn without_image(
+    case: &Case,
     verdict: Verdict,
     reason: String,
-    checked: Result<CheckedGolden, CaseFinding>,
-) -> (CaseFinding, Option<CheckedGolden>) {
-    match checked {
+    checked: Result<CheckedGolden, CaseResult>,
+) -> Judged {
+    let (finding, evidence) = match checked {
         Ok(checked) => (
-            CaseFinding::new(verdict, Cause::OtherRenderer, reason),
-            Some(checked),
+            CaseResult::new(verdict, Cause::OtherRenderer, reason),
+            evidence(case, &checked),
         ),
         Err(mut finding) => {
             finding.reason = format!("{}; {reason}", finding.reason);
-            (finding, None)
+            (finding, Evidence::of(case))
         }
+    };
+    Judged {
+        result: finding.of_case(&case.name, case.class(), case.gate()),
+        evidence,
     }
 }
 
 /// Judges `picture` as an image of `case`, whose golden is loaded.
 pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Picture) -> Judged {
-    let start = Instant::now();
     let picture = known(case, &checked.golden.film, picture);
     let profile = checked.profile.as_ref();
     let golden = profile.and_then(|_| random_samples::nearest(&checked.scene, &picture));
@@ -175,9 +172,8 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
     };
-    let (finding, notes) = with_what_is_asked(case, checked, &picture, finding);
-    let mut result = finding.result(&case.name, case.class(), gate, start);
-    result.notes.extend(notes);
+    let finding = with_what_is_asked(case, checked, &picture, finding);
+    let result = finding.of_case(&case.name, case.class(), gate);
     Judged {
         result: with_precision(result, &picture),
         evidence: Evidence {
@@ -187,31 +183,30 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     }
 }
 
-/// `finding` with the depth of `picture`, where the case asks for depth; and notes on results that are asked for
+/// `finding` with the depth of `picture`, where the case asks for depth; and with notes on results that are asked for
 /// and not there.
 fn with_what_is_asked(
     case: &Case,
     checked: &CheckedGolden,
     picture: &Picture,
-    mut finding: CaseFinding,
-) -> (CaseFinding, Vec<String>) {
+    mut finding: CaseResult,
+) -> CaseResult {
     let film = picture.radiance();
-    let mut notes = Vec::new();
     if case.opacity && film.and_then(Film::opacity).is_none() {
-        notes.push("the case asks for opacity as well, and the image has no fourth channel: colours alone were compared".to_owned());
+        finding.notes.push("the case asks for opacity as well, and the image has no fourth channel: colours alone were compared".to_owned());
     }
     let Some(asked) = case.depth else {
-        return (finding, notes);
+        return finding;
     };
     let Some((film, depth)) = film.and_then(|film| Some((film, film.depth()?))) else {
-        notes.push(format!(
+        finding.notes.push(format!(
             "the case asks for {asked} depth as well, and the image has none: write the channel Z of an .exr, or {}.depth.npy",
             case.name
         ));
-        return (finding, notes);
+        return finding;
     };
     if finding.verdict != Verdict::Pass {
-        return (finding, notes);
+        return finding;
     }
     let compared = DepthComparison {
         scene: &checked.scene,
@@ -222,36 +217,35 @@ fn with_what_is_asked(
     let right = match compared.right(asked) {
         Ok(right) => right,
         Err(reason) => {
-            let reason = String::from("depth cannot be judged: ") + &reason;
-            return (
-                CaseFinding::new(Verdict::Error, Cause::BadInput, reason),
-                notes,
-            );
+            let reason = format!("depth cannot be judged: {reason}");
+            return CaseResult {
+                notes: finding.notes,
+                ..CaseResult::new(Verdict::Error, Cause::BadInput, reason)
+            };
         }
     };
     let found = compared.of(&right, depth);
-    finding
-        .metrics
-        .insert(OUTLIERS_OF_DEPTH.0.to_owned(), found.outside as f64);
-    if !found.agrees() {
-        let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
-        if let Some(cause) = depth::cause(&compared, asked, (&right, depth)) {
-            reason.push_str(&format!("; it is {cause}"));
-        }
-        finding = CaseFinding {
-            metrics: finding.metrics,
-            // Nothing that is looked for moves depth alone.
-            cause_is_said: true,
-            ..CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
-        };
+    let outliers = OUTLIERS_OF_DEPTH.0.to_owned();
+    finding.metrics.insert(outliers, found.outside as f64);
+    if found.agrees() {
+        return finding;
     }
-    (finding, notes)
+    let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
+    if let Some(cause) = depth::cause(&compared, asked, (&right, depth)) {
+        reason.push_str(&format!("; it is {cause}"));
+    }
+    CaseResult {
+        metrics: finding.metrics,
+        notes: finding.notes,
+        // Nothing that is looked for moves depth alone.
+        cause_is_said: true,
+        ..CaseResult::new(Verdict::Fail, Cause::Mismatch, reason)
+    }
 }
 
 /// Judges images with the step of the scene of `case`, half of it, a quarter and so on: by the integral, or
 /// under a profile each by the right image with its step.
 fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) -> Judged {
-    let start = Instant::now();
     let images = images.into_iter();
     let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
     let images: Vec<Film> = images.collect();
@@ -270,7 +264,7 @@ fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) 
     };
     let seen = Picture::Radiance(seen.expect("three images or more").clone());
     let finding = with_words(case, checked, judgement, &seen, None);
-    let result = finding.result(&case.name, case.class(), gate, start);
+    let result = finding.of_case(&case.name, case.class(), gate);
     Judged {
         result: with_precision(result, &seen),
         evidence: Evidence {
@@ -348,18 +342,14 @@ fn judged(
     checked: &CheckedGolden,
     golden: &Picture,
     picture: &Picture,
-) -> CaseFinding {
+) -> CaseResult {
     let judgement = match judge(gate, golden, picture, &checked.conditions(case)) {
         Ok(judgement) => judgement,
         Err(error) => {
-            return CaseFinding::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
+            return CaseResult::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
         }
     };
-    let stops = if case.exposure.abs() == 1.0 {
-        "stop"
-    } else {
-        "stops"
-    };
+    let stops = ["stops", "stop"][usize::from(case.exposure.abs() == 1.0)];
     let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
     let exposure = gate.depends_on_exposure().then_some(exposure);
     with_words(case, checked, judgement, picture, exposure)
@@ -381,8 +371,8 @@ fn with_words(
     judgement: Judgement,
     picture: &Picture,
     mut exposure: Option<String>,
-) -> CaseFinding {
-    let mut finding = CaseFinding::from(judgement);
+) -> CaseResult {
+    let mut finding = CaseResult::from(judgement);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.
         let mut readings =
@@ -400,11 +390,11 @@ fn with_words(
             // No number of the scene is measured by what is not there, and nothing is searched.
             finding.reason = nothing;
             finding.cause_is_said = true;
-            (finding.changes, finding.as_if, exposure) = (Vec::new(), None, None);
+            (finding.changes, finding.certain, exposure) = (Vec::new(), None, None);
         } else {
             said.extend(right.map(|reading| reading.words));
             if !said.is_empty() {
-                drop_as_if(&mut finding.reason, &mut finding.as_if);
+                finding.drop_as_if();
             }
             said.push(finding.reason);
             finding.reason = said.join("; ");

@@ -1,6 +1,6 @@
 //! Comparison of volref's images with its own goldens.
 
-use super::finding::{CaseFinding, CheckedGolden, MOST_CASES};
+use super::finding::{CheckedGolden, MOST_CASES};
 use super::results::SAME_BITS;
 use super::truth::judge_by_truth;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict};
@@ -50,7 +50,7 @@ pub(crate) fn verify_with(
             Detail::Whole,
             progress,
         )
-        .map_err(|reason| CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason))?
+        .map_err(|reason| CaseResult::new(Verdict::Fail, Cause::Mismatch, reason))?
         .film;
         let mut finding = match (case.truth, quick) {
             (_, None) => compare(&checked, &film),
@@ -63,11 +63,7 @@ pub(crate) fn verify_with(
             // More random samples say more.
             let known = ("known answer".to_owned(), answer.to_string());
             evidence.provenance.push(known);
-            let sure = if quick.is_some() {
-                &checked.golden.film
-            } else {
-                &film
-            };
+            let sure = quick.map_or(&film, |_| &checked.golden.film);
             hold_to(answer, sure, &mut finding);
         }
         evidence.test = Some(Picture::Radiance(film));
@@ -80,7 +76,10 @@ pub(crate) fn verify_with(
         (None, None) => &Exact,
     };
     Judged {
-        result: finding.result(&case.name, case.class(), gate, start),
+        result: CaseResult {
+            seconds: start.elapsed().as_secs_f64(),
+            ..finding.of_case(&case.name, case.class(), gate)
+        },
         evidence,
     }
 }
@@ -114,7 +113,7 @@ pub(crate) fn show_unjudged(
 }
 
 /// Judges by the known answer, which outranks the golden.
-fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseFinding) {
+fn hold_to(answer: &Answer, film: &Film, finding: &mut CaseResult) {
     let margin = answer.margin(film);
     let share = margin.share();
     if share.is_finite() {
@@ -143,12 +142,8 @@ pub(crate) fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
     let unknown = names.into_iter().filter(|name| !suite.has_manifest(name));
     let reason =
         "this golden belongs to no case: restore the manifest, or remove the golden with it";
-    let finding = || CaseFinding::new(Verdict::Error, Cause::Golden, reason);
     let judged = |name: String| Judged {
-        result: CaseResult {
-            seconds: 0.0,
-            ..finding().result(&name, "", &Exact, Instant::now())
-        },
+        result: CaseResult::new(Verdict::Error, Cause::Golden, reason).of_case(&name, "", &Exact),
         evidence: Evidence::default(),
     };
     Ok(unknown.map(judged).collect())
@@ -159,14 +154,14 @@ pub(crate) fn judge_quick(converged: &Film, quick: &Film) -> Judgement {
     stochastic::judge(converged, quick, MOST_CASES).expect("both images state their noise")
 }
 
-fn compare(checked: &CheckedGolden, film: &Film) -> CaseFinding {
+fn compare(checked: &CheckedGolden, film: &Film) -> CaseResult {
     let golden = &checked.golden;
     if film.pixel_hash() == golden.provenance.pixels {
         let reason = format!(
             "the same bits as the golden ({})",
             short(&golden.provenance.pixels),
         );
-        let mut finding = CaseFinding::new(Verdict::Pass, Cause::None, reason);
+        let mut finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
         finding.notes.extend(checked.omissions());
         return finding;
     }
@@ -182,7 +177,7 @@ fn compare(checked: &CheckedGolden, film: &Film) -> CaseFinding {
         if tolerant.passed { "within" } else { "beyond" },
         moved_inputs(checked),
     );
-    let mut finding = CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason);
+    let mut finding = CaseResult::new(Verdict::Fail, Cause::Mismatch, reason);
     finding.notes.extend(checked.omissions());
     finding.metrics = tolerant.metrics;
     finding.metrics.extend(exact.metrics);
@@ -198,13 +193,10 @@ fn moved_inputs(checked: &CheckedGolden) -> String {
         .map(|(path, _)| path.as_str())
         .collect();
     if moved.is_empty() {
-        String::new()
-    } else {
-        format!(
-            "; input changed since the golden was made: {}",
-            moved.join(", ")
-        )
+        return String::new();
     }
+    let moved = moved.join(", ");
+    format!("; input changed since the golden was made: {moved}")
 }
 
 /// The rendering against the hash of its bits and against the answer, and the golden against the
@@ -215,10 +207,10 @@ fn compare_with_truth(
     checked: &CheckedGolden,
     quick: &Quick,
     film: &Film,
-) -> CaseFinding {
+) -> CaseResult {
     let known = match formula.image(&checked.scene, case.footprint()) {
         Ok(known) => known,
-        Err(reason) => return CaseFinding::new(Verdict::Error, Cause::BadInput, reason),
+        Err(reason) => return CaseResult::new(Verdict::Error, Cause::BadInput, reason),
     };
     let pixels = &checked.golden.provenance.pixels;
     let is_evaluated = known.film.pixel_hash() == *pixels;
@@ -241,15 +233,11 @@ fn compare_with_truth(
 
 /// Bits against the hash of the quick rendering, and noise against the converged image: a
 /// renderer that is wrong on purpose has the bits, one that was merely rearranged the noise.
-fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseFinding {
+fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseResult {
     let golden = &checked.golden;
     let judgement = judge_quick(&golden.film, film);
     let has_bits = film.pixel_hash() == quick.pixels;
-    let however = if has_bits == judgement.passed {
-        "and"
-    } else {
-        "but"
-    };
+    let however = ["but", "and"][usize::from(has_bits == judgement.passed)];
     let rendering = format!("the quick rendering of {} samples", quick.samples);
     let reason = format!(
         "{}, {however} against {} samples: {}",
@@ -282,14 +270,14 @@ fn pinned(
     has_bits: bool,
     mut reason: String,
     judgement: Judgement,
-) -> CaseFinding {
+) -> CaseResult {
     if !passed {
         reason.push_str(&moved_inputs(checked));
     }
     let mut finding = if passed {
-        CaseFinding::new(Verdict::Pass, Cause::None, reason)
+        CaseResult::new(Verdict::Pass, Cause::None, reason)
     } else {
-        CaseFinding::new(Verdict::Fail, Cause::Mismatch, reason)
+        CaseResult::new(Verdict::Fail, Cause::Mismatch, reason)
     };
     finding.notes.extend(checked.omissions());
     finding.metrics = judgement.metrics;

@@ -15,7 +15,7 @@ use super::likeness::{self, Predictions, Search, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
 use crate::conventions::{CATALOGUE, ConventionSet, Profile, STEP};
 use crate::film::Film;
-use crate::judging::{CaseResult, Cause, Judged, Verdict};
+use crate::judging::{CaseResult, Cause, Judged, OF_PROFILE, Verdict};
 use crate::scene::{Mode, Panel, Scene};
 use crate::suite::{Case, Store};
 use attempt::Attempt;
@@ -90,10 +90,7 @@ impl Explained {
 
 /// Replaces a mismatch by the verdict of the conventions of `profile`, which volref brings as `name`.
 fn explain_by_profile((name, profile): &NamedProfile, result: &mut CaseResult, accepted: bool) {
-    let words = format!(
-        "has the conventions of the profile {name}, {}",
-        profile.name
-    );
+    let words = format!("{OF_PROFILE} {name}, {}", profile.name);
     result.conventions = vec![words];
     result.profile = Some(profile.text.clone());
     set_verdict(
@@ -119,6 +116,7 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
     };
     let conventions = result.conventions.join("; ");
     result.reason = format!("differs by convention{size}: it {conventions}. {agreement}");
+    result.certain = None;
 }
 
 /// A search that reached the limit of its work.

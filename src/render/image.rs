@@ -10,11 +10,10 @@ use super::pixels::{Detail, Pixels};
 use super::plan::{Kernel, Plan};
 use super::progress::{Progress, steps_of};
 use super::radiative::faulty_paths;
-use super::radiative::kernels::{ByLineOfSight, ByPathTracing, with_features};
+use super::radiative::kernels;
 use super::radiative::path_tracer::PathFault;
 use crate::film::Film;
-use crate::scene::{Classified, Radiative, Sampling, TransportFault};
-use std::marker::PhantomData;
+use crate::scene::{Classified, Radiative, Sampling};
 
 /// A finished image.
 #[derive(Clone, Debug)]
@@ -158,7 +157,6 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, R
     }
     let film = Film::side_by_side(&films);
     let found = film.first_without_radiance();
-    let found = found.map(|([column, row], value)| ([column, row + job.detail.first_row()], value));
     match found {
         None => {
             let error_bound = error.map(|error| relative_to_brightest(error, &film));
@@ -221,7 +219,6 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
     let part = PanelPart {
         width: job.detail.columns(panel.width).len(),
         height: job.detail.rows(panel.height).len(),
-        first_row: job.detail.first_row(),
     };
     let mut error = None;
     let (film, work) = match plan.kernel {
@@ -267,14 +264,9 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             features,
             scatters,
         } => {
-            let by = ByLineOfSight {
-                scene,
-                features,
-                scattering: scatters,
-                pixels: &pixels,
-                work: PhantomData,
-            };
-            by.film(part)?
+            let (radiance, work) = kernels::integrate(scene, features, scatters, &pixels);
+            let radiance = part.without_faults(scene, part.finished(radiance)?)?;
+            (Film::new(part.width, part.height, radiance), work)
         }
         Kernel::PathTracer {
             scene,
@@ -282,45 +274,16 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             max_order,
         } => {
             let seed = job.sampling.seed_of(scene);
-            let by = ByPathTracing {
-                scene,
-                features,
-                max_order,
-                seed,
-                pixels: &pixels,
-                work: PhantomData,
+            let (moments, work) = match panel.fault {
+                None => kernels::trace(scene, features, max_order, seed, &pixels),
+                Some(fault) => faulty_paths::trace(scene, fault, seed, &pixels),
             };
-            by.film(panel.fault, part)?
+            let moments = part.without_faults(scene, part.finished(moments)?)?;
+            let size = [part.width, part.height];
+            (Film::of_moments(size, &moments, pixels.samples), work)
         }
     };
     Ok(PanelImage { film, work, error })
-}
-
-impl<W: Work> ByLineOfSight<'_, W> {
-    fn film(self, part: PanelPart) -> Result<(Film, W), RenderError> {
-        let scene = self.scene;
-        let (radiance, work) = with_features(self.features, self);
-        let radiance = part.without_faults(scene, part.finished(radiance)?)?;
-        Ok((Film::new(part.width, part.height, radiance), work))
-    }
-}
-
-impl<W: Work> ByPathTracing<'_, W> {
-    /// The film, by the faulty path tracer if a `fault` is asked for.
-    fn film(
-        self,
-        fault: Option<TransportFault>,
-        part: PanelPart,
-    ) -> Result<(Film, W), RenderError> {
-        let (scene, pixels) = (self.scene, self.pixels);
-        let (moments, work) = match fault {
-            None => with_features(self.features, self),
-            Some(fault) => faulty_paths::trace(scene, fault, self.seed, pixels),
-        };
-        let moments = part.without_faults(scene, part.finished(moments)?)?;
-        let size = [part.width, part.height];
-        Ok((Film::of_moments(size, &moments, pixels.samples), work))
-    }
 }
 
 /// Whether the scene has a light of unbounded radiance.
@@ -335,8 +298,6 @@ struct PanelPart {
     width: usize,
     /// Rows.
     height: usize,
-    /// From the top of the image.
-    first_row: usize,
 }
 
 impl PanelPart {
@@ -369,7 +330,7 @@ impl PanelPart {
             return Ok(pixels.into_iter().flatten().collect());
         };
         let column = index % self.width;
-        let row = self.first_row + index / self.width;
+        let row = index / self.width;
         Err(match fault {
             PathFault::Endless => RenderError::Endless { column, row },
             PathFault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
@@ -467,13 +428,8 @@ mod tests {
         }
     }
 
-    /// The rows from the sixth on.
     fn at(width: usize) -> PanelPart {
-        PanelPart {
-            height: 0,
-            width,
-            first_row: 5,
-        }
+        PanelPart { height: 0, width }
     }
 
     #[test]
@@ -484,7 +440,7 @@ mod tests {
         let expected = Err(RenderError::Majorant {
             violations: 42,
             column: 1,
-            row: 6,
+            row: 1,
         });
         assert_eq!(
             at(3).without_faults(&scene(vec![]), pixels.clone()),

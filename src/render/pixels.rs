@@ -11,14 +11,6 @@ use std::ops::Range;
 pub enum Detail {
     /// All.
     Whole,
-    /// In each panel the rows from the first up to the end, which is not one of them. Each pixel has the
-    /// same bits as in the whole image.
-    Rows {
-        /// From the top.
-        first: usize,
-        /// Beyond the last.
-        end: usize,
-    },
     /// In each panel every n-th column and row, the first n/2 from the edge. Each pixel has the
     /// same bits as in the whole image.
     Lattice(usize),
@@ -32,35 +24,23 @@ pub enum Detail {
 impl Detail {
     /// The columns out of `width` that are rendered, or that begin a block.
     pub fn columns(self, width: usize) -> StepBy<Range<usize>> {
-        match self {
-            Detail::Rows { .. } => Detail::Whole.columns(width),
-            _ => self.rows(width),
-        }
+        self.rows(width)
     }
 
     /// The rows out of `height` that are rendered, or that begin a block.
     pub fn rows(self, height: usize) -> StepBy<Range<usize>> {
         let (first, end, step) = match self {
             Detail::Whole => (0, height, 1),
-            Detail::Rows { first, end } => (first.min(height), end.min(height), 1),
             Detail::Lattice(every) => ((every / 2).min(height.saturating_sub(1)), height, every),
             Detail::Blocks(edge) => (0, height - height % edge, edge),
         };
         (first..end).step_by(step)
     }
 
-    /// The row of the whole image that is the first of the rendered ones.
-    pub(super) fn first_row(self) -> usize {
-        match self {
-            Detail::Rows { first, .. } => first,
-            _ => 0,
-        }
-    }
-
     /// Edge of what a pixel is a mean of, in pixels of the whole image.
     fn edge(self) -> f64 {
         match self {
-            Detail::Whole | Detail::Rows { .. } | Detail::Lattice(_) => 1.0,
+            Detail::Whole | Detail::Lattice(_) => 1.0,
             Detail::Blocks(edge) => edge as f64,
         }
     }

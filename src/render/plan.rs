@@ -1,7 +1,7 @@
 //! The effects that a scene needs, decided once per image.
 //!
 //! The [`Plan`] is the only way from a scene to a kernel. For each effect it says whether it is
-//! simulated and why; the kernel is compiled for exactly that. It is made from the values of the
+//! simulated and why; the kernel does exactly that. It is made from the values of the
 //! scene alone: an effect is *elided* where a value that is exactly 0, two values that are exactly
 //! equal, or the range of a grid prove that it changes no bit, and *omitted* where the scene does
 //! not ask for it, which makes another picture. There are no thresholds.

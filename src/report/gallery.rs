@@ -3,7 +3,7 @@
 mod cell;
 mod mark;
 
-use super::template::{blue_to_red, rendered};
+use super::template::{Template, blue_to_red, rendered};
 use crate::compare::Picture;
 use crate::film::Film;
 use crate::judging::{CaseResult, Judged};
@@ -54,6 +54,13 @@ pub(crate) struct GalleryRow {
     cells: Vec<Option<Cell>>,
 }
 
+impl GalleryRow {
+    fn mark(&self, renderer: usize) -> &'static Mark {
+        let cell = self.cells[renderer].as_ref();
+        cell.map_or(Mark::of(None), |cell| cell.mark)
+    }
+}
+
 /// Result of a renderer for a case, and its cell in a table.
 struct Cell {
     result: CaseResult,
@@ -81,15 +88,14 @@ pub(crate) fn gallery_row(case: &GalleryCase<'_>, judged: Vec<Option<Judged>>) -
     let scale = differences().map(Differences::scale).fold(1.0, f64::max);
     let cell = |(judged, image): (Option<Judged>, &Option<(_, Option<Differences>)>)| {
         let Judged { result, evidence } = judged?;
-        let mark = Mark::of(&result);
+        let mark = Mark::of(Some(&result));
         let film = evidence.test.as_ref().and_then(Picture::radiance);
         let golden = evidence.golden.as_ref();
         let known = result.known.as_ref();
         let shown = context! {
-            mark => mark.shown(),
             fault => fault(&result),
             known => known.and_then(|known| known.reason.as_ref()),
-            link => known.and_then(|known| known.link.as_deref()).map(link),
+            link => known.and_then(|known| known.link.as_ref()),
             bias => golden.and_then(|golden| bias(&result, golden, film, case.exposure)),
             seconds => evidence.rendering_seconds.map(in_words),
             reason => result.reason,
@@ -117,6 +123,12 @@ pub(crate) fn gallery_row(case: &GalleryCase<'_>, judged: Vec<Option<Judged>>) -
     }
 }
 
+const TEMPLATE: Template = Template {
+    blocks: include_str!("gallery/template.html"),
+    style: include_str!("gallery/page.css"),
+    script: include_str!("gallery/page.js"),
+};
+
 /// The page as a complete HTML file. It loads nothing else and works from `file://`. The rows are in the order of the
 /// `families`.
 pub(crate) fn gallery_html(
@@ -143,20 +155,25 @@ pub(crate) fn gallery_html(
     let groups = groups
         .into_iter()
         .filter(|(.., columns)| !columns.is_empty());
-    let groups = groups.map(|(id, title, columns)| page.group(id, title, &columns));
+    let groups: Vec<_> = groups.map(|group| (page.drawn(&group.2), group)).collect();
+    let marks = groups.iter().flat_map(|(rows, (.., columns))| {
+        let cells =
+            move |row: &&GalleryRow| columns.iter().map(|at| row.mark(*at)).collect::<Vec<_>>();
+        rows.iter().flat_map(cells)
+    });
+    let shown = groups
+        .iter()
+        .map(|(rows, (id, title, columns))| page.group(id, title, columns, rows));
     let renderer = |(at, of): (usize, &GalleryRenderer)| page.renderer(at, of);
     rendered(
-        include_str!("gallery/template.html"),
+        &TEMPLATE,
         context! {
-            version => env!("CARGO_PKG_VERSION"),
-            images => all.clone().filter(|cell| cell.mark.is_compared()).count(),
+            images => all.filter(|cell| cell.mark.is_compared()).count(),
             cases => rows.len(),
-            legend => legend(all.map(|cell| cell.mark)),
+            legend => legend(marks),
             renderers => renderers.iter().enumerate().map(renderer).collect::<Vec<_>>(),
-            groups => groups.collect::<Vec<_>>(),
+            groups => shown.collect::<Vec<_>>(),
             colours => colours.collect::<Vec<_>>().join(", "),
-            style => include_str!("gallery/page.css"),
-            script => include_str!("gallery/page.js"),
         },
     )
 }
@@ -190,7 +207,7 @@ impl Page<'_> {
             let cause = context! {
                 mark => cell.mark.shown(),
                 words => known.and_then(|known| known.reason.clone()),
-                link => known.and_then(|known| known.link.as_deref()).map(link),
+                link => known.and_then(|known| known.link.clone()),
             };
             let case = context! { name => row.name, address => address(of, row) };
             match causes.iter_mut().find(|(other, _)| *other == cause) {
@@ -215,13 +232,14 @@ impl Page<'_> {
         }
     }
 
-    /// Renderers that are asked the same cases, and those of which at least one has an image.
-    fn group(&self, id: &str, title: &str, columns: &[usize]) -> Value {
-        let is_drawn = |row: &&GalleryRow| {
-            let mut cells = columns.iter().filter_map(|at| row.cells[*at].as_ref());
-            cells.any(|cell| cell.mark.is_judged())
-        };
-        let rows: Vec<&GalleryRow> = self.rows.iter().filter(is_drawn).collect();
+    /// The rows of which at least one of the renderers has an image.
+    fn drawn(&self, renderers: &[usize]) -> Vec<&GalleryRow> {
+        let is_drawn = |row: &&GalleryRow| renderers.iter().any(|at| row.mark(*at).is_judged());
+        self.rows.iter().filter(is_drawn).collect()
+    }
+
+    /// Renderers that are asked the same cases, and the rows of these.
+    fn group(&self, id: &str, title: &str, columns: &[usize], rows: &[&GalleryRow]) -> Value {
         let of_family = |family: &Family<'_>| -> Vec<&str> {
             let names = rows.iter().map(|row| &*row.name);
             let is_of_family = |name: &&str| family.cases.iter().any(|case| case.name == *name);
@@ -241,7 +259,7 @@ impl Page<'_> {
                 let address = address(&self.renderers[*at], row);
                 let column = *at;
                 let shown = cell.map(|cell| cell.shown.clone()).unwrap_or_default();
-                context! { column => column, address => address, is_run => cell.is_some(), ..shown }
+                context! { column => column, address => address, mark => row.mark(*at).shown(), ..shown }
             };
             let cells: Vec<Value> = columns.iter().map(cell).collect();
             context! { cells => cells, is_first => begins.contains(&&*row.name), ..row.head.clone() }
@@ -260,14 +278,6 @@ impl Page<'_> {
 fn address(renderer: &GalleryRenderer, row: &GalleryRow) -> String {
     let name = format!("{}/{}", renderer.name, row.name);
     name.replace(char::is_whitespace, "-")
-}
-
-/// Where a cause is told: a link if it is an address of the web, else text.
-fn link(to: &str) -> Value {
-    let is_web = ["https://", "http://"]
-        .iter()
-        .any(|begin| to.starts_with(begin));
-    context! { to => to, is_web => is_web }
 }
 
 fn changes(result: &CaseResult) -> Vec<String> {

@@ -8,7 +8,7 @@ mod pictures;
 pub(super) mod pixels;
 pub(super) mod words;
 
-use super::template::rendered;
+use super::template::{Template, rendered};
 use crate::judging::{CaseResult, Evidence, Verdict};
 use crate::naming::Likenesses;
 use minijinja::{Value, context};
@@ -33,6 +33,32 @@ pub struct Page<'a> {
     pub found: &'a Likenesses,
 }
 
+impl<'a> Page<'a> {
+    /// The page of a command that is not said, with the headline of its verdicts.
+    pub fn of(
+        title: &'a str,
+        results: &'a [CaseResult],
+        evidence: &'a [Evidence],
+        found: &'a Likenesses,
+    ) -> Page<'a> {
+        Page {
+            title,
+            command: "",
+            headline: "",
+            judged_with: "",
+            results,
+            evidence,
+            found,
+        }
+    }
+}
+
+const TEMPLATE: Template = Template {
+    blocks: include_str!("html/template.html"),
+    style: include_str!("html/page.css"),
+    script: include_str!("html/page.js"),
+};
+
 /// The page as a complete HTML file. It loads nothing else and works from `file://`.
 pub fn results_html(page: &Page<'_>) -> String {
     let none = Evidence::default();
@@ -52,12 +78,11 @@ pub fn results_html(page: &Page<'_>) -> String {
     families.dedup();
     let overall = overall(page.results);
     rendered(
-        include_str!("html/template.html"),
+        &TEMPLATE,
         context! {
             title => page.title,
             command => page.command,
             judged_with => page.judged_with,
-            version => env!("CARGO_PKG_VERSION"),
             headline => match page.headline {
                 "" => words::headline(page.results, page.found),
                 given => given.to_owned(),
@@ -70,8 +95,6 @@ pub fn results_html(page: &Page<'_>) -> String {
             families,
             cases,
             palettes => palettes(),
-            style => include_str!("html/page.css"),
-            script => include_str!("html/page.js"),
         },
     )
 }

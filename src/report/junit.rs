@@ -1,6 +1,6 @@
 //! Results for build servers.
 
-use super::visible::xml_text;
+use crate::files::visible::xml_text;
 use crate::judging::{CaseResult, Cause, JudgedWith, Known, KnownStatus, Verdict, is_declared};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -121,34 +121,16 @@ fn test_case(result: &CaseResult) -> String {
 mod tests {
     use super::*;
     use crate::compare::Deterministic;
+    use crate::files::visible::visible;
     use crate::judging::Cause;
-    use crate::report::visible;
 
     /// A case whose every text is `text`.
     fn case(text: &str, verdict: Verdict) -> CaseResult {
         CaseResult {
-            name: text.to_owned(),
             family: text.to_owned(),
-            class: text.to_owned(),
-            verdict,
-            metrics: BTreeMap::new(),
-            gate: &Deterministic,
-            reason: text.to_owned(),
             notes: vec![text.to_owned()],
-            conventions: vec![],
-            profile: None,
-            changes: Vec::new(),
-            fit: None,
-            as_if: None,
-            cause_is_said: false,
-            search_ended: None,
-            known: None,
-            detectable: Vec::new(),
             looks_like: vec![text.to_owned()],
-            difference: Vec::new(),
-            seconds: 0.0,
-            work: BTreeMap::new(),
-            cause: Cause::None,
+            ..CaseResult::new(verdict, Cause::None, text).of_case(text, text, &Deterministic)
         }
     }
 

@@ -8,7 +8,6 @@ mod junit;
 mod self_test;
 mod template;
 mod terminal;
-mod visible;
 
 pub(crate) use cost::wrapped;
 pub use cost::{CostPage, cost_csv, cost_html, cost_json, cost_plot, cost_text};
@@ -21,5 +20,3 @@ pub(crate) use terminal::{
     families_text, judged_with_text, results_text, summary_text, without_image_text,
 };
 pub use terminal::{likely_text, verdict_text, widest};
-pub use visible::visible;
-pub(crate) use visible::{visible_char, visible_json, xml_text};

@@ -1,13 +1,31 @@
 //! Pages by templates, and images within them.
 
-use super::visible;
+use crate::files::visible::visible;
 use crate::film::Film;
-use minijinja::{Environment, Value};
+use minijinja::{Environment, Value, context};
 
-/// The page of a template and what it asks for. Text is escaped, and [`visible`].
-pub(super) fn rendered(template: &str, context: Value) -> String {
+/// A kind of page: blocks of the skeleton, a style and a script beside the common ones.
+pub(super) struct Template {
+    pub blocks: &'static str,
+    pub style: &'static str,
+    /// Empty for a page without one.
+    pub script: &'static str,
+}
+
+/// The page of a template and what it asks for, a complete HTML file. Text is escaped, and [`visible`].
+pub(super) fn rendered(template: &Template, context: Value) -> String {
+    let mut environment = Environment::new();
+    let page = environment.add_template("skeleton.html", include_str!("template/skeleton.html"));
+    let context = context! {
+        common => include_str!("template/common.css"),
+        style => template.style,
+        script => template.script,
+        version => env!("CARGO_PKG_VERSION"),
+        ..context
+    };
     // Escaped because the name ends like this.
-    let page = Environment::new().render_named_str("page.html", template, context);
+    let page =
+        page.and_then(|()| environment.render_named_str("page.html", template.blocks, context));
     let page = page.expect("the template is well-formed and asks only for what it is given");
     // A checkout may have given the template other ends of lines.
     visible(&page.replace("\r\n", "\n"))
@@ -28,14 +46,15 @@ pub(super) fn blue_to_red(share: f64) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use minijinja::context;
 
     #[test]
     fn control_characters_are_seen() {
-        let page = rendered(
-            "<p>{{ text }}\r\n</p>",
-            context! { text => "\x1b[31m\0<b>\u{202e}" },
-        );
-        assert_eq!(page, "<p>␛[31m␀&lt;b&gt;�\n</p>");
+        let template = Template {
+            blocks: "{% extends 'skeleton.html' %}{% block body %}<p>{{ text }}\r\n</p>{% endblock %}",
+            style: "",
+            script: "",
+        };
+        let page = rendered(&template, context! { text => "\x1b[31m\0<b>\u{202e}" });
+        assert!(page.contains("<p>␛[31m␀&lt;b&gt;�\n</p>"), "{page}");
     }
 }

@@ -239,11 +239,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         ));
     }
     if !unfinished.is_empty() {
-        let named = if found.likely.is_empty() {
-            "no mistake was found: "
-        } else {
-            ""
-        };
+        let named = ["", "no mistake was found: "][usize::from(found.likely.is_empty())];
         let search = unfinished_text(unfinished, was_cut_short, seconds);
         text.push_str(&format!("\n{named}{search}\n"));
     }

@@ -3,8 +3,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::units::{CaseUnits, RenderingUnits, Unit, UnitError, UnitFolder};
+use super::kept_renderings::{KeptRenderings, RenderingKey};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
+use crate::files::program_hash::{hash, program_hash};
 use crate::film::Film;
 use crate::judging::finding::MARGIN;
 use crate::judging::truth::judge_by_truth;
@@ -13,12 +14,14 @@ use crate::known_answers::Formula;
 use crate::render::{self, Detail, plans};
 use crate::scene::Scene;
 use crate::suite::golden::{
-    Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash, sensitivities_file,
+    Golden, GoldenImage, LIBM_VERSION, Reasons, input_hashes, plan_hash, scene_hash,
+    sensitivities_file,
 };
-use crate::suite::rendering::{CaseRendering, ReferenceRenderer, Renderer, render_case};
+use crate::suite::rendering::{
+    CaseRendering, ReferenceRenderer, Renderer, check_class, render_case,
+};
 use crate::suite::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
 use miette::Diagnostic;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
@@ -154,7 +157,7 @@ impl Request<'_> {
 
 /// Progress of an accept, called from any thread. Work is counted in pixels times samples.
 pub trait AcceptWatch: Sync {
-    /// Announces the amount of work, without units kept by earlier runs.
+    /// Announces the amount of work, without what earlier runs kept.
     fn begin_all(&self, work: u64);
     /// A case begins.
     fn begin_case(&self, case: &str);
@@ -165,7 +168,7 @@ pub trait AcceptWatch: Sync {
 }
 
 /// Turns the steps of a rendering into work.
-pub(crate) struct StepsOfWork<'w> {
+struct StepsOfWork<'w> {
     watch: &'w dyn AcceptWatch,
     work: u64,
     steps: AtomicU64,
@@ -193,13 +196,12 @@ impl render::Watch for StepsOfWork<'_> {
     }
 }
 
-/// Renders `cases` and accepts the images as their goldens, all at once or none. Finished units of
-/// stochastic cases are kept in `kept` until then, so that an interrupted run resumes after them, and
-/// other processes may compute some.
+/// Renders `cases` and accepts the images as their goldens, all at once or none. Finished renderings of stochastic cases
+/// are kept in `kept` until then, so that an interrupted run resumes after them.
 pub fn accept(
     cases: &[&Case],
     store: &Store,
-    kept: &UnitFolder,
+    kept: &KeptRenderings,
     request: Request<'_>,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
@@ -210,7 +212,7 @@ pub(crate) fn accept_with(
     renderer: &dyn Renderer,
     cases: &[&Case],
     store: &Store,
-    kept: &UnitFolder,
+    kept: &KeptRenderings,
     request: Request<'_>,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
@@ -219,7 +221,7 @@ pub(crate) fn accept_with(
     // All scenes first: a mistake in the last is not to be found after hours.
     let mut tasks = cases
         .iter()
-        .map(|case| CaseUnits::rendered_by(renderer, case))
+        .map(|case| LoadedCase::of(renderer, case))
         .collect::<Result<Vec<_>, _>>()?;
     let mut images = Vec::new();
     for task in &mut tasks {
@@ -243,10 +245,10 @@ pub(crate) fn accept_with(
     let mut files = Vec::new();
     for ((task, image), sensitivities) in tasks.iter().zip(images).zip(sensitivities) {
         watch.begin_case(&task.case.name);
-        let resumed = task.units().any(|unit| kept.is_intact(unit));
+        let (image, resumed) = task.pictures(renderer, kept, image, watch)?;
         let image = GoldenImage {
             sensitivities,
-            ..task.pictures(renderer, kept, image, watch)?
+            ..image
         };
         let (change, mut new) = prepare(task, image, store, reason)?;
         accepted.push(Accepted {
@@ -264,12 +266,6 @@ pub(crate) fn accept_with(
     Ok(accepted)
 }
 
-impl From<UnitError> for AcceptError {
-    fn from(UnitError { case, reason }: UnitError) -> AcceptError {
-        AcceptError::Incomplete { case, reason }
-    }
-}
-
 impl AcceptError {
     fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
         AcceptError::Incomplete {
@@ -279,43 +275,98 @@ impl AcceptError {
     }
 }
 
-impl CaseUnits<'_> {
-    /// The work of the units that are not kept.
-    fn work(&self, kept: &UnitFolder) -> u64 {
-        let left = |of: &RenderingUnits| match of.rendering {
-            CaseRendering::Only => self.paths(of.rendering),
-            _ => {
-                let left = of.units.iter().filter(|unit| !kept.has(unit));
-                left.map(|unit| unit.paths).sum()
+/// A case, loaded.
+struct LoadedCase<'c> {
+    case: &'c Case,
+    scene: Scene,
+    /// Of a stochastic case the quick one first, then the image of the golden, unless that is a known answer.
+    renderings: Vec<CaseRendering>,
+}
+
+impl<'c> LoadedCase<'c> {
+    fn of(renderer: &dyn Renderer, case: &'c Case) -> Result<LoadedCase<'c>, AcceptError> {
+        let scene = case
+            .load_scene()
+            .map_err(|error| AcceptError::incomplete(case, error))?;
+        check_class(renderer, case, &plans(&scene))
+            .map_err(|reason| AcceptError::incomplete(case, reason))?;
+        let renderings = match case.sampling {
+            None => vec![CaseRendering::Only],
+            Some(sampling) => {
+                let converged = sampling.converged;
+                let converged = converged.map(|of| CaseRendering::Converged(of.samples));
+                let quick = CaseRendering::Quick(sampling.quick);
+                [quick].into_iter().chain(converged).collect()
             }
         };
-        self.renderings.iter().map(left).sum()
+        Ok(LoadedCase {
+            case,
+            scene,
+            renderings,
+        })
     }
 
-    /// The film of a sampled rendering, from its units: kept ones, and the others side by side on all
-    /// threads.
-    fn film_of_units(
+    /// Pixels times samples of a rendering.
+    fn paths(&self, rendering: CaseRendering) -> u64 {
+        let pixels = (self.scene.width() * self.scene.height()) as u64;
+        pixels * u64::from(rendering.samples())
+    }
+
+    /// By what a rendering is kept; `None` for a deterministic one, which takes seconds, and where it cannot be told
+    /// which program made it.
+    fn key(&self, rendering: CaseRendering) -> Option<RenderingKey> {
+        let (name, program) = (rendering.name()?, program_hash()?);
+        let inputs: Vec<_> = input_hashes(&self.scene).into_iter().collect();
+        let parts = [
+            &scene_hash(&self.scene),
+            &plan_hash(&plans(&self.scene)),
+            &format!("{inputs:?}"),
+            &format!("{name} {}", rendering.samples()),
+            env!("CARGO_PKG_VERSION"),
+            LIBM_VERSION,
+            program,
+        ];
+        Some(RenderingKey {
+            case: self.case.name.clone(),
+            hash: hash(&parts),
+        })
+    }
+
+    /// The work of the renderings that are not kept.
+    fn work(&self, kept: &KeptRenderings) -> u64 {
+        let is_kept = |of: &&CaseRendering| self.key(**of).is_some_and(|key| kept.has(&key));
+        let left = self.renderings.iter().filter(|of| !is_kept(of));
+        left.map(|of| self.paths(*of)).sum()
+    }
+
+    /// A rendering that an earlier run kept.
+    fn kept(
+        &self,
+        rendering: CaseRendering,
+        kept: &KeptRenderings,
+        watch: &dyn AcceptWatch,
+    ) -> Option<Film> {
+        kept.get(&self.key(rendering)?).unwrap_or_else(|reason| {
+            watch.note(&format!("computed again: {reason}"));
+            None
+        })
+    }
+
+    /// Makes a rendering, and keeps it; with the bound of its error where there is one.
+    fn rendered(
         &self,
         renderer: &dyn Renderer,
-        of: &RenderingUnits,
-        kept: &UnitFolder,
+        rendering: CaseRendering,
+        kept: &KeptRenderings,
         watch: &dyn AcceptWatch,
-    ) -> Result<Film, AcceptError> {
-        let film = |unit: &Unit| {
-            match kept.get(unit) {
-                Ok(Some(film)) => return Ok(film),
-                Ok(None) => {}
-                Err(reason) => watch.note(&format!("computed again: {reason}")),
-            }
-            let steps = StepsOfWork::new(watch, unit.paths);
-            let film = self.rendered(renderer, of.rendering, unit, &steps)?;
-            // A failure is ignored: the next run renders it again.
-            let _ = kept.put(unit, &film);
-            Ok(film)
-        };
-        let films = of.units.par_iter().map(film);
-        let films: Vec<Film> = films.collect::<Result<_, AcceptError>>()?;
-        Ok(Film::below_each_other(&films))
+    ) -> Result<(Film, Option<f64>), AcceptError> {
+        let steps = StepsOfWork::new(watch, self.paths(rendering));
+        let plans = plans(&self.scene);
+        let picture = render_case(renderer, &plans, rendering, Detail::Whole, &steps)
+            .map_err(|reason| AcceptError::incomplete(self.case, reason))?;
+        // A failure is ignored: the next run renders it again.
+        let _ = self.key(rendering).map(|key| kept.put(&key, &picture.film));
+        Ok((picture.film, picture.error_bound))
     }
 
     /// Takes the image of the golden in `store`, and removes the converged rendering from this
@@ -345,30 +396,36 @@ impl CaseUnits<'_> {
         Ok(Some(golden.film))
     }
 
-    /// The picture of the golden, and the rendering that `verify` repeats. An `image` that is given is
-    /// that picture.
+    /// The picture of the golden with the rendering that `verify` repeats, and whether an earlier run kept one of them.
+    /// An `image` that is given is that picture.
     fn pictures(
         &self,
         renderer: &dyn Renderer,
-        kept: &UnitFolder,
+        kept: &KeptRenderings,
         image: Option<Film>,
         watch: &dyn AcceptWatch,
-    ) -> Result<GoldenImage, AcceptError> {
-        let incomplete = |reason| AcceptError::incomplete(self.case, reason);
-        let mut films = Vec::new();
-        let mut error_bound = None;
-        for of in &self.renderings {
-            if of.rendering != CaseRendering::Only {
-                films.push(self.film_of_units(renderer, of, kept, watch)?);
+    ) -> Result<(GoldenImage, bool), AcceptError> {
+        let (mut films, mut error_bound, mut resumed) = (Vec::new(), None, false);
+        for rendering in &self.renderings {
+            if let Some(film) = self.kept(*rendering, kept, watch) {
+                films.push(film);
+                resumed = true;
                 continue;
             }
-            let steps = StepsOfWork::new(watch, self.paths(of.rendering));
-            let plans = plans(&self.scene);
-            let picture = render_case(renderer, &plans, of.rendering, Detail::Whole, &steps)
-                .map_err(incomplete)?;
-            error_bound = picture.error_bound;
-            films.push(picture.film);
+            let (film, bound) = self.rendered(renderer, *rendering, kept, watch)?;
+            films.push(film);
+            error_bound = bound;
         }
+        Ok((self.checked(films, error_bound, image)?, resumed))
+    }
+
+    /// The picture of the golden, of a case of these renderings, if it is what the case promises.
+    fn checked(
+        &self,
+        mut films: Vec<Film>,
+        error_bound: Option<f64>,
+        image: Option<Film>,
+    ) -> Result<GoldenImage, AcceptError> {
         films.extend(image);
         let golden = films.pop().expect("a case has a picture");
         if let Some(formula) = self.case.truth {
@@ -403,7 +460,7 @@ impl CaseUnits<'_> {
                 "the integral of a pixel may be off by {bound:.1e} of the brightest pixel; a limit is \
                  known to {LIMIT_KNOWN:e}: does an opacity of 1 make it rough?"
             );
-            return Err(incomplete(reason));
+            return Err(AcceptError::incomplete(self.case, reason));
         }
         Ok(GoldenImage {
             film: golden,
@@ -470,7 +527,7 @@ const LIMIT_KNOWN: f64 = 1e-6;
 
 /// The file of sensitivities that the golden of a case is to record, if there is one. The file
 /// itself is not changed, so that it fits the old record or the new one at any moment.
-fn sensitivities_of(task: &CaseUnits<'_>, store: &Store) -> Result<Option<Vec<u8>>, AcceptError> {
+fn sensitivities_of(task: &LoadedCase<'_>, store: &Store) -> Result<Option<Vec<u8>>, AcceptError> {
     let case = task.case;
     let fails = |fault: String| {
         Err(AcceptError::incomplete(
@@ -502,12 +559,12 @@ type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
 
 /// The change of the golden of a case, and the files that make it.
 fn prepare(
-    task: &CaseUnits<'_>,
+    task: &LoadedCase<'_>,
     golden: GoldenImage,
     store: &Store,
     reason: &str,
 ) -> Result<(Change, GoldenFiles), AcceptError> {
-    let CaseUnits { case, scene, .. } = task;
+    let LoadedCase { case, scene, .. } = task;
     let plans = plans(scene);
     let mut damaged = false;
     let old = match Golden::read_with_any_sensitivities(store, case) {

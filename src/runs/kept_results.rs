@@ -1,24 +1,19 @@
-//! Results of the parts of a run, kept in files until they are joined.
+//! Results of the parts of a run, kept as JSON until they are joined.
 //!
 //! A *run* is one request, `verify`, `validate` or `selftest` with its settings, for a list of cases; its parts are
-//! judged by any process anywhere. A result is kept with the run that it belongs to, and in two files:
-//! what was found, and the images behind it, which only a report and the search for mistakes need.
+//! judged by any process anywhere. A run has a folder, with a file that describes it, one for each part, and the images
+//! that were judged.
 
-use crate::compare::flip::SrgbImage;
 use crate::compare::{FitMap, Picture};
-use crate::files::kept_file;
-use crate::files::kept_file::KeepError;
-use crate::files::own_file;
+use crate::files::atomic_file::directory_of;
+use crate::files::kept_file::{self, KeepError};
 use crate::files::program_hash::hash;
-use crate::film::{Film, Quantisation};
+use crate::files::{own_file, regular_file};
+use crate::film::{Film, FilmFormat};
 use crate::judging::{CaseResult, CaseTrials, Cause, Evidence, Judged};
-use flate2::Compression;
-use flate2::read::DeflateDecoder;
-use flate2::write::DeflateEncoder;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::io::{Read, Write};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// A request to judge cases.
@@ -43,54 +38,32 @@ impl Run {
 
     /// First difference of `other`, with both values: short words.
     pub fn difference(&self, other: &Run) -> (String, [String; 2]) {
-        let both = [self, other];
-        if self.command != other.command {
-            return (
-                "the command".to_owned(),
-                both.map(|run| run.command.clone()),
-            );
-        }
-        let names =
-            |run: &Run| -> Vec<String> { run.cases.iter().map(|(name, _)| name.clone()).collect() };
-        if names(self) != names(other) {
-            let words = both.map(|run| format!("{} cases", run.cases.len()));
-            return ("the list of cases".to_owned(), words);
-        }
-        let changed = self
-            .cases
-            .iter()
-            .zip(&other.cases)
-            .find(|(one, other)| one != other);
-        if let Some(((name, one), (_, other))) = changed {
-            let what = format!("the scene, manifest or golden of {name}");
-            return (what, [one, other].map(|hash| shortened(hash)));
-        }
-        let names = self.settings.keys().chain(other.settings.keys());
-        let value = |run: &Run, name: &String| run.settings.get(name).cloned();
-        let mut others = names.filter(|name| value(self, name) != value(other, name));
-        let Some(name) = others.next() else {
-            return Default::default();
-        };
-        let values = both.map(|run| value(run, name).unwrap_or("none".to_owned()));
-        (name.clone(), where_they_differ(&values))
+        let [ours, theirs] = [(self, other), (other, self)].map(|(run, other)| run.facts(other));
+        let mut pairs = ours.zip(theirs);
+        let differs = pairs.find(|(one, other)| one != other);
+        let ((name, one), (_, other)) = differs.unwrap_or_default();
+        (name, [one, other].map(|value| shortened(&value)))
     }
-}
 
-/// Both values, cut to begin shortly before the first different letter.
-fn where_they_differ(values: &[String; 2]) -> [String; 2] {
-    const BEFORE: usize = 20;
-    let [one, other] = values;
-    let alike = one.chars().zip(other.chars());
-    let alike = alike.take_while(|(a, b)| a == b).count();
-    values.each_ref().map(|value| {
-        let skipped = alike.saturating_sub(BEFORE);
-        let rest: String = value.chars().skip(skipped).collect();
-        if skipped < 2 * BEFORE {
-            shortened(value)
-        } else {
-            format!("… {}", shortened(&rest))
-        }
-    })
+    /// All that makes a run, by name, with `none` for a setting that only `other` has.
+    fn facts<'r>(&'r self, other: &'r Run) -> impl Iterator<Item = (String, String)> + 'r {
+        let count = format!("{} cases", self.cases.len());
+        let whole = [
+            ("the command", self.command.clone()),
+            ("the list of cases", count),
+        ];
+        let whole = whole.map(|(name, value)| (name.to_owned(), value));
+        let cases = self.cases.iter().map(|(name, hash)| {
+            let name = format!("the scene, manifest or golden of {name}");
+            (name, hash.clone())
+        });
+        let names: BTreeSet<&String> = self.settings.keys().chain(other.settings.keys()).collect();
+        let settings = names.into_iter().map(|name| {
+            let value = self.settings.get(name).cloned();
+            (name.clone(), value.unwrap_or("none".to_owned()))
+        });
+        whole.into_iter().chain(cases).chain(settings)
+    }
 }
 
 /// The beginning of the first line: of a hash, twelve letters.
@@ -107,6 +80,80 @@ fn shortened(value: &str) -> String {
     }
 }
 
+/// Results of a part of a run.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Part {
+    /// `volref/part/1`.
+    pub schema: String,
+    /// Identifier of the run.
+    pub run: String,
+    /// Names of the cases of the part.
+    pub cases: Vec<String>,
+    /// Results of `verify` or `validate`; a case of the part without one was passed over, since it has no image and none
+    /// was required.
+    pub results: Vec<KeptResult>,
+    /// Findings of `selftest`.
+    pub trials: Vec<CaseTrials>,
+}
+
+/// Result of a case. The image that was judged is a file in the folder of the run, the golden is that of the suite.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KeptResult {
+    /// The result.
+    #[serde(flatten)]
+    pub result: CaseResult,
+    cause: Cause,
+    fit: Option<Box<FitMap>>,
+    evidence: Evidence,
+    /// Ending of the name of the image.
+    image: Option<FilmFormat>,
+}
+
+impl KeptResult {
+    fn of(judged: &Judged) -> KeptResult {
+        let format = |picture: &Picture| match picture {
+            Picture::Radiance(_) => FilmFormat::Exr,
+            Picture::Codes(_) => FilmFormat::Png,
+        };
+        KeptResult {
+            result: judged.result.clone(),
+            cause: judged.result.cause,
+            fit: judged.result.fit.clone(),
+            evidence: judged.evidence.clone(),
+            image: judged.evidence.test.as_ref().map(format),
+        }
+    }
+
+    /// Its text, but for the time that it took.
+    pub fn without_time(&self) -> String {
+        let result = CaseResult {
+            seconds: 0.0,
+            ..self.result.clone()
+        };
+        serde_json::to_string(&result).unwrap_or_default()
+    }
+
+    /// The result, without images.
+    pub fn judged(self) -> Judged {
+        Judged {
+            result: CaseResult {
+                cause: self.cause,
+                fit: self.fit.filter(|fit| fit.is_whole()),
+                ..self.result
+            },
+            evidence: self.evidence,
+        }
+    }
+}
+
+const SCHEMA: &str = "volref/part/1";
+
+/// The file of a part with these cases within the folder of its run.
+fn part_file(cases: &[String]) -> String {
+    let short: String = hash(cases).chars().take(12).collect();
+    format!("{short}.json")
+}
+
 /// Name of a folder of results.
 pub const RESULTS: &str = "results";
 
@@ -115,57 +162,6 @@ pub const RESULTS: &str = "results";
 pub struct ResultFolder {
     /// The folder `.volref`.
     root: PathBuf,
-}
-
-/// State of a case.
-#[derive(Debug)]
-pub enum KeptResult {
-    /// Judged; with the result.
-    Judged(Box<Judged>),
-    /// It was passed over, since it has no image and none was required.
-    PassedOver,
-    /// A file that cannot be used, with the reason.
-    Damaged(String),
-    /// There is no file.
-    Missing,
-}
-
-/// The head of a file.
-#[derive(Serialize, Deserialize)]
-struct Head {
-    run: String,
-    case: String,
-    /// Bytes of the contents, unpacked.
-    unpacked: u64,
-}
-
-/// Result of a case without its images.
-#[derive(Serialize, Deserialize)]
-struct Found {
-    result: CaseResult,
-    cause: Cause,
-    fit: Option<Box<FitMap>>,
-    #[serde(default)]
-    as_if: Option<String>,
-    #[serde(default)]
-    cause_is_said: bool,
-    evidence: Evidence,
-}
-
-/// The images behind a result.
-#[derive(Serialize, Deserialize)]
-struct Images {
-    golden: Option<Film>,
-    test: Option<StoredPicture>,
-}
-
-#[derive(Serialize, Deserialize)]
-enum StoredPicture {
-    Radiance(Film),
-    /// Radiance that was rounded.
-    Quantised(Film, Quantisation),
-    /// 8-bit codes, as PNG.
-    Codes(Vec<u8>),
 }
 
 impl ResultFolder {
@@ -189,103 +185,62 @@ impl ResultFolder {
         Ok(own_file::check_folder(root, &name.join(RESULTS))?)
     }
 
-    /// Writes a file of the run with this identifier.
-    fn write(
+    /// Keeps what was found in the `cases` of a part of `run`; returns the folder of the run.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn keep(
         &self,
-        run: &str,
-        file: &str,
-        head: &impl Serialize,
-        body: &[u8],
-    ) -> Result<(), KeepError> {
+        run: &Run,
+        cases: Vec<String>,
+        judged: &[Judged],
+        trials: Vec<CaseTrials>,
+    ) -> Result<PathBuf, KeepError> {
         let (root, name) = kept_file::in_its_folder(&self.root);
-        let inner = name.join(RESULTS).join(run).join(file);
-        kept_file::write(root, &inner, head, body)?;
-        Ok(())
-    }
-
-    /// Writes a file of a case in the run with this identifier.
-    fn write_packed(
-        &self,
-        run: &str,
-        case: &str,
-        extension: &str,
-        value: &impl Serialize,
-    ) -> Result<(), KeepError> {
-        let file = format!("{case}.{extension}");
-        let (head, body) = packed(Path::new(&file), run, case, value)?;
-        self.write(run, &file, &head, &body)
-    }
-
-    /// The file of a case in a run with this identifier.
-    fn file(&self, run: &str, case: &str, extension: &str) -> PathBuf {
-        self.path().join(run).join(format!("{case}.{extension}"))
-    }
-
-    /// Writes the description of `run`, and returns its identifier. Every part does so.
-    ///
-    /// # Errors
-    ///
-    /// If it cannot be written.
-    pub fn begin(&self, run: &Run) -> Result<String, KeepError> {
-        let id = run.id();
-        self.write(&id, RUN, run, b"")?;
-        Ok(id)
-    }
-
-    /// Keeps the result of a case in the run with this identifier; `None` for a case that was
-    /// passed over.
-    ///
-    /// # Errors
-    ///
-    /// If it cannot be written.
-    pub fn keep(&self, run: &str, case: &str, judged: Option<&Judged>) -> Result<(), KeepError> {
-        if let Some(judged) = judged {
-            let evidence = &judged.evidence;
-            let of_case = Images {
-                golden: evidence.golden.clone(),
-                test: evidence.test.as_ref().map(StoredPicture::of),
+        let inner = name.join(RESULTS).join(run.id());
+        let folder = own_file::make_folder(root, &inner)?;
+        write(&folder.join(RUN), run)?;
+        for judged in judged {
+            let Some(picture) = &judged.evidence.test else {
+                continue;
             };
-            self.write_packed(run, case, IMAGES, &of_case)?;
+            let (format, bytes) = match picture {
+                Picture::Radiance(film) => (FilmFormat::Exr, film.to_exr()),
+                Picture::Codes(codes) => {
+                    let png = Film::codes_to_png(codes.pixels(), codes.width(), codes.height());
+                    (FilmFormat::Png, Ok(png))
+                }
+            };
+            let path = image_file(&folder, &judged.result.name, format);
+            let bytes = bytes.map_err(|error| KeepError::encode(&path, error))?;
+            let case = directory_of(Path::new(&judged.result.name));
+            own_file::make_folder(root, &inner.join(case))?;
+            own_file::write(&path, &bytes)?;
         }
-        let of_case = judged.map(|judged| Found {
-            result: judged.result.clone(),
-            cause: judged.result.cause,
-            fit: judged.result.fit.clone(),
-            as_if: judged.result.as_if.clone(),
-            cause_is_said: judged.result.cause_is_said,
-            evidence: Evidence {
-                golden: None,
-                test: None,
-                ..judged.evidence.clone()
-            },
-        });
-        self.write_packed(run, case, FOUND, &of_case)
+        let part = Part {
+            schema: SCHEMA.to_owned(),
+            run: run.id(),
+            results: judged.iter().map(KeptResult::of).collect(),
+            trials,
+            cases,
+        };
+        write(&folder.join(part_file(&part.cases)), &part)?;
+        Ok(folder)
     }
 
-    /// Keeps the findings of a self-test in a case.
+    /// The image that was judged, of a result in the run with this identifier; `None` if there was none.
     ///
     /// # Errors
     ///
-    /// If it cannot be written.
-    pub(crate) fn keep_trials(&self, run: &str, found: &CaseTrials) -> Result<(), KeepError> {
-        self.write_packed(run, &found.case, TRIALS, found)
-    }
-
-    /// Findings of a self-test in a case; `None` if none were kept.
-    ///
-    /// # Errors
-    ///
-    /// A sentence why what was kept cannot be used.
-    pub fn trials(&self, run: &str, case: &str) -> Result<Option<CaseTrials>, String> {
-        let path = self.file(run, case, TRIALS);
-        if !path.exists() {
+    /// A sentence why the file cannot be used.
+    pub fn image(&self, run: &str, kept: &KeptResult) -> Result<Option<Picture>, String> {
+        let Some(format) = kept.image else {
             return Ok(None);
-        }
-        let trials: CaseTrials = unpacked(&path, run, case)?;
-        if trials.case != case {
-            return Err(format!("{}: {OTHER_CASE}", path.display()));
-        }
-        Ok(Some(trials))
+        };
+        let path = image_file(&self.path().join(run), &kept.result.name, format);
+        let picture = Picture::read(&path).map_err(|error| error.to_string())?;
+        Ok(Some(picture))
     }
 
     /// Runs with results, by their identifiers.
@@ -294,212 +249,71 @@ impl ResultFolder {
     ///
     /// A sentence about the first file of a run that cannot be used.
     pub fn runs(&self) -> Result<BTreeMap<String, Run>, String> {
-        let folders = std::fs::read_dir(self.path())
-            .into_iter()
-            .flatten()
-            .flatten();
         let mut runs = BTreeMap::new();
-        for folder in folders {
-            let path = folder.path().join(RUN);
+        for folder in within(&self.path()) {
+            let path = folder.join(RUN);
             if !path.exists() {
                 continue;
             }
-            let (run, _) = kept_file::read::<Run>(&path)
-                .map_err(|reason| format!("{}: {reason}", path.display()))?;
+            let run: Run = read(&path)?;
             // By its name it is found.
             let id = run.id();
-            if folder.file_name() == *id {
+            if folder.file_name().is_some_and(|name| name == &*id) {
                 runs.insert(id, run);
             }
         }
         Ok(runs)
     }
 
-    /// State of a case, with its images where they are wanted.
-    pub fn get(
-        &self,
-        run: &str,
-        case: &str,
-        wants_images: impl Fn(&CaseResult) -> bool,
-    ) -> KeptResult {
-        let [found, images] = [FOUND, IMAGES].map(|extension| self.file(run, case, extension));
-        if !found.exists() {
-            return KeptResult::Missing;
-        }
-        let read = || -> Result<Option<Judged>, String> {
-            let Some(of_case) = unpacked::<Option<Found>>(&found, run, case)? else {
-                return Ok(None);
-            };
-            if of_case.result.name != case {
-                return Err(format!("{}: {OTHER_CASE}", found.display()));
+    /// Parts of the run with this identifier; a sentence for a file that cannot be used.
+    pub fn parts(&self, run: &str) -> Vec<Result<Part, String>> {
+        let is_part = |path: &PathBuf| path.file_name().is_some_and(|name| name != RUN);
+        let mut files: Vec<PathBuf> = within(&self.path().join(run)).filter(is_part).collect();
+        files.retain(|path| path.extension().is_some_and(|of| of == "json"));
+        files.sort();
+        let read = |path: &PathBuf| {
+            let part: Part = read(path)?;
+            match part.schema == SCHEMA && part.run == run {
+                true => Ok(part),
+                false => Err(format!("{}: it belongs to another run", path.display())),
             }
-            if !of_case.fit.as_ref().is_none_or(|fit| fit.is_whole()) {
-                let fault = "its picture of a difference has not one value per block";
-                return Err(format!("{}: {fault}", found.display()));
-            }
-            let mut judged = Judged {
-                result: CaseResult {
-                    cause: of_case.cause,
-                    fit: of_case.fit,
-                    as_if: of_case.as_if,
-                    cause_is_said: of_case.cause_is_said,
-                    ..of_case.result
-                },
-                evidence: of_case.evidence,
-            };
-            if wants_images(&judged.result) {
-                let pictures = || {
-                    let of_case = unpacked::<Images>(&images, run, case)?;
-                    let test = of_case.test.map(StoredPicture::picture).transpose()?;
-                    Ok((of_case.golden, test))
-                };
-                match pictures() {
-                    Ok((golden, test)) => {
-                        judged.evidence.golden = golden;
-                        judged.evidence.test = test;
-                    }
-                    // The verdict holds without them.
-                    Err(reason) => {
-                        let reason: String = reason;
-                        judged
-                            .result
-                            .notes
-                            .push(format!("its images are missing: {reason}"));
-                    }
-                }
-            }
-            Ok(Some(judged))
         };
-        match read() {
-            Ok(Some(judged)) => KeptResult::Judged(Box::new(judged)),
-            Ok(None) => KeptResult::PassedOver,
-            Err(reason) => KeptResult::Damaged(reason),
-        }
-    }
-}
-
-impl StoredPicture {
-    fn of(picture: &Picture) -> StoredPicture {
-        match picture {
-            Picture::Radiance(film) => match film.quantisation() {
-                Some(quantisation) => StoredPicture::Quantised(film.clone(), quantisation),
-                None => StoredPicture::Radiance(film.clone()),
-            },
-            Picture::Codes(codes) => {
-                let png = Film::codes_to_png(codes.pixels(), codes.width(), codes.height());
-                StoredPicture::Codes(png)
-            }
-        }
-    }
-
-    fn picture(self) -> Result<Picture, String> {
-        match self {
-            StoredPicture::Radiance(film) => Ok(Picture::Radiance(film)),
-            StoredPicture::Quantised(film, quantisation) => {
-                Ok(Picture::Radiance(film.quantised(quantisation)))
-            }
-            StoredPicture::Codes(png) => {
-                let (width, height, codes) =
-                    Film::codes_from_png(&png).map_err(|error| error.to_string())?;
-                let codes = SrgbImage::new(width, height, codes);
-                Ok(Picture::Codes(codes.map_err(|error| error.to_string())?))
-            }
-        }
+        files.iter().map(read).collect()
     }
 }
 
 /// Name of the file that describes a run.
-const RUN: &str = "run";
-/// Extensions of the files of a case.
-const FOUND: &str = "result";
-const IMAGES: &str = "images";
-const TRIALS: &str = "trials";
+const RUN: &str = "run.json";
 
-/// Fault of a file.
-const OTHER_CASE: &str = "it belongs to another case or run";
-
-/// Bytes that `packed` bytes unpack to, at most: 64 MiB, an image of 2000 × 2000 pixels, or 64 times as many.
-fn most_unpacked(packed: usize) -> u64 {
-    (packed as u64).saturating_mul(64).max(1 << 26)
+/// What is in a folder.
+fn within(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path())
 }
 
-/// `value` as compressed MessagePack, in which every number keeps its bits, for the file at `path`.
-fn packed(
-    path: &Path,
-    run: &str,
-    case: &str,
-    value: &impl Serialize,
-) -> Result<(Head, Vec<u8>), KeepError> {
-    let failed = |error: std::io::Error| KeepError::encode(path, error);
-    let bytes = rmp_serde::to_vec_named(value).map_err(|error| KeepError::encode(path, error))?;
-    let compressed = |how| {
-        let mut encoder = DeflateEncoder::new(Vec::new(), how);
-        encoder.write_all(&bytes)?;
-        encoder.finish()
-    };
-    let mut body = compressed(Compression::fast()).map_err(failed)?;
-    let unpacked = bytes.len() as u64;
-    // A large image of one colour.
-    if unpacked > most_unpacked(body.len()) {
-        body = compressed(Compression::none()).map_err(failed)?;
-    }
-    let head = Head {
-        run: run.to_owned(),
-        case: case.to_owned(),
-        unpacked,
-    };
-    Ok((head, body))
+/// The image of a case in the folder of its run.
+fn image_file(folder: &Path, case: &str, format: FilmFormat) -> PathBuf {
+    folder.join(format!("{case}.{}", format.extension()))
 }
 
-/// Contents of a file of `case`, written by [`packed`]; else the reason as a sentence.
-fn unpacked<T: DeserializeOwned>(path: &Path, run: &str, case: &str) -> Result<T, String> {
-    let read = || {
-        let (head, body) = kept_file::read::<Head>(path)?;
-        if (head.run.as_str(), head.case.as_str()) != (run, case) {
-            return Err(OTHER_CASE.to_owned());
-        }
-        let (stated, packed) = (head.unpacked, body.len());
-        if stated > most_unpacked(packed) {
-            return Err(format!(
-                "it says that its {packed} bytes unpack to {stated}: volref writes none like it"
-            ));
-        }
-        let mut bytes = Vec::new();
-        let mut decoder = DeflateDecoder::new(&body[..]).take(stated.saturating_add(1));
-        decoder
-            .read_to_end(&mut bytes)
-            .map_err(|error| error.to_string())?;
-        if bytes.len() as u64 != stated {
-            return Err("it unpacks to another number of bytes than it says".to_owned());
-        }
-        rmp_serde::from_slice(&bytes).map_err(|error| error.to_string())
-    };
-    read().map_err(|reason: String| format!("{}: {reason}", path.display()))
+fn write(path: &Path, value: &impl Serialize) -> Result<(), KeepError> {
+    let json = serde_json::to_vec(value).map_err(|error| KeepError::encode(path, error))?;
+    Ok(own_file::write(path, &json)?)
+}
+
+/// The value in the file at `path`; else the reason, a sentence.
+fn read<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
+    let bytes = regular_file::read(path, regular_file::MOST_BYTES);
+    let value = bytes.map_err(|error| error.to_string()).and_then(|bytes| {
+        let read = serde_json::from_slice(&bytes);
+        read.map_err(|it| format!("it was cut off, or another version of volref wrote it: {it}"))
+    });
+    value.map_err(|reason| format!("{}: {reason}", path.display()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Contents that pack to less than a 64th, such as large images of one colour, are written unpacked.
-    #[test]
-    fn flat_contents_come_back() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("flat");
-        let flat = "a".repeat(70 << 20);
-        let write = |value: &str| {
-            let (head, body) = packed(Path::new("flat"), "run", "case", &value).unwrap();
-            kept_file::write(folder.path(), Path::new("flat"), &head, &body).unwrap();
-        };
-        write(&flat);
-        assert!(std::fs::metadata(&path).unwrap().len() > 70 << 20);
-        let read: String = unpacked(&path, "run", "case").unwrap();
-        assert!(read == flat);
-        write(&flat[..1 << 20]);
-        assert!(std::fs::metadata(&path).unwrap().len() < 1 << 16);
-        let other = unpacked::<String>(&path, "run", "other").unwrap_err();
-        assert!(other.ends_with(OTHER_CASE), "{other}");
-    }
 
     #[test]
     fn pictures_of_differences_have_whole_rows() {

@@ -1,11 +1,9 @@
-//! Long work in parts: work units, new goldens made from them, results of parts.
+//! Long work in parts: new goldens, results of the parts of a run.
 
 pub(crate) mod accept;
+pub(crate) mod kept_renderings;
 pub(crate) mod kept_results;
-pub(crate) mod units;
 
-pub(crate) use accept::StepsOfWork;
 pub use accept::{AcceptError, AcceptWatch, Accepted, Change, Request as AcceptRequest, accept};
-pub use kept_results::{KeptResult, RESULTS, ResultFolder, Run};
-pub use units::{AddError, Added, Unit, UnitFile, UnitFolder};
-pub(crate) use units::{CaseUnits, UnitError};
+pub use kept_renderings::KeptRenderings;
+pub use kept_results::{KeptResult, Part, RESULTS, ResultFolder, Run};

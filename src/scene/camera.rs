@@ -17,7 +17,7 @@ pub(super) const CAMERA: Table = Table::new("The camera: pinhole, or orthographi
         .doc("The direction that points up in the image, any length."),
     Key::or("vertical_fov", Kind::Number(Range::open(0.0, 180.0)), "45.0")
         .doc("Full angle between the top and bottom edge of the image, degrees."),
-    Key::optional("orthographic_height", Kind::Number(Range::open(0.0, f64::INFINITY)))
+    Key::optional("orthographic_height", Kind::Number(Range::POSITIVE))
         .doc("Height of the image, world units, of a camera with parallel rays, which begin in the plane through the eye. If left out, rays come together in the eye."),
     Key::optional("matrix", Kind::Matrix(4))
         .doc("Map of the camera into the world, four rows, in place of `eye`, `target`, `up` and `vertical_fov`. Its columns are the directions right and up in the image and backward, of length 1, and the eye: the axes of OpenGL and of `transforms.json`."),
@@ -75,9 +75,9 @@ enum ImageHeight {
 
 impl ImageHeight {
     fn read(reader: &Reader) -> SceneResult<ImageHeight> {
-        Ok(match reader.optional_number("orthographic_height")? {
+        Ok(match reader.optional("orthographic_height")? {
             Some(height) => ImageHeight::Length(height),
-            None => ImageHeight::Angle(reader.number("vertical_fov")?.to_radians()),
+            None => ImageHeight::Angle(reader.get::<f64>("vertical_fov")?.to_radians()),
         })
     }
 }
@@ -90,11 +90,11 @@ impl View {
             return Ok(View { camera, target });
         }
         let image = ImageHeight::read(reader)?;
-        let eye = reader.optional_vector("eye")?;
+        let eye = reader.optional("eye")?;
         let target = reader.vector_or("target", || bounds.centre())?;
         // Last, though the eye may follow from it: the hash of a scene holds its keys in the order
         // in which they are read.
-        let up = reader.vector("up")?;
+        let up = reader.get("up")?;
         let aspect = size[0] as f64 / size[1] as f64;
         let eye = match (eye, Around::read(reader)?) {
             (Some(eye), _) => eye,
@@ -119,7 +119,7 @@ impl View {
         }
         let image = ImageHeight::read(reader)?;
         let point = |name: &'static str| {
-            reader.optional_vector(name)?.ok_or_else(|| {
+            reader.optional(name)?.ok_or_else(|| {
                 reader.mistake(
                     name,
                     format!("missing key `{name}` in [camera]"),
@@ -129,7 +129,7 @@ impl View {
             })
         };
         let (eye, target) = (point("eye")?, point("target")?);
-        View::new(reader, eye, target, reader.vector("up")?, image)
+        View::new(reader, eye, target, reader.get("up")?, image)
     }
 
     fn new(
@@ -165,8 +165,7 @@ struct Around {
 
 impl Around {
     fn read(reader: &Reader) -> SceneResult<Option<Around>> {
-        let [azimuth, elevation, zoom] =
-            [0, 1, 2].map(|index| reader.optional_number(AROUND_NAMES[index]));
+        let [azimuth, elevation, zoom] = AROUND_NAMES.map(|name| reader.optional::<f64>(name));
         let numbers = [azimuth?, elevation?, zoom?];
         let is_asked = numbers.iter().any(Option::is_some);
         Ok(is_asked.then(|| Around {
@@ -211,12 +210,12 @@ impl Around {
 
 /// The camera of `matrix` and its intrinsics, if they are given.
 fn by_matrix(reader: &Reader, size: [usize; 2]) -> SceneResult<Option<Camera>> {
-    let Some(rows) = reader.optional_matrix("matrix")? else {
+    let Some(rows) = reader.optional("matrix")? else {
         return Ok(None);
     };
     let intrinsics = Intrinsics {
-        focal_lengths: [reader.number("fl_x")?, reader.number("fl_y")?],
-        centre: [reader.number("cx")?, reader.number("cy")?],
+        focal_lengths: [reader.get("fl_x")?, reader.get("fl_y")?],
+        centre: [reader.get("cx")?, reader.get("cy")?],
     };
     let camera = Camera::of_matrix(rows, intrinsics, size).map_err(|error| {
         let help = "give the map from the camera to the world, row by row, with four decimals or more and without \

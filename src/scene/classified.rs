@@ -11,6 +11,7 @@ use super::modulation::{MODULATION, Modulation};
 use super::objects::{CLIPS, Objects, SURFACES, Volume};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
+use super::record::Record;
 use super::shadow::Shadow;
 use super::transfer_function::TRANSFER_FUNCTION;
 use super::volume::{PLACED_KEYS, PLACED_RULES};
@@ -38,11 +39,11 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
         .doc("Ends a ray where its transmittance falls below this value: less work, and pixels that are off by less than this fraction of the brightest radiance. With `compositing = \"front-to-back\"` only. If left out, no ray is ended early."),
     Key::or("step", Kind::Length, "'0.5 voxels'")
         .doc("Distance between samples along a ray, world units or voxels."),
-    Key::or("background", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
+    Key::or("background", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
         .doc("Linear radiance behind the volume."),
     Key::optional("light", Kind::Table(&LIGHT))
         .doc("The white point light, without fall-off; used by shading and shadow."),
-    Key::optional("phong", Kind::Table(&PHONG))
+    Key::optional("phong", Kind::Table(&Phong::TABLE))
         .doc("Shades samples by their gradient. If left out, colours stay unshaded and no gradient is computed."),
     Key::optional("shadow", Kind::Table(&SHADOW))
         .doc("Darkens each sample by the densities between it and the light. If left out, no shadow ray is traced."),
@@ -58,20 +59,20 @@ const VOLUME: Table =
         .keys(&VOLUME_KEYS)
         .rules(&PLACED_RULES);
 
-const VOLUME_KEYS: [Key; 26] = joined(
-    PLACED_KEYS,
-    [
+const VOLUME_KEYS: [Key; 26] = joined(&[
+    &PLACED_KEYS,
+    &[
         Key::optional("name", Kind::Text).doc("Name of the volume, for clips."),
         Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
             .doc("Colour and opacity by density of this volume, in place of the scene's."),
         Key::optional("step", Kind::Length)
             .doc("Distance between samples of this volume, in place of the scene's: world units or voxels of its own."),
-        Key::optional("phong", Kind::Table(&PHONG))
+        Key::optional("phong", Kind::Table(&Phong::TABLE))
             .doc("Shading of this volume, in place of the scene's."),
         Key::optional("modulation", Kind::Table(&MODULATION))
             .doc("Factors of opacities by a second number at each place."),
     ],
-);
+]);
 
 /// The choice of `compositing` without samples.
 const CONTINUOUS: &str = "continuous";
@@ -83,17 +84,14 @@ const LIGHT: Table = Table::new("A white point light without fall-off.").keys(&[
 )
 .doc("Position of the light, world units.")]);
 
-const PHONG: Table =
-    Table::new("Phong's reflection model; the normal is minus the density gradient.").keys(&[
-        Key::or("ambient", Kind::Number(Range::at_least(0.0)), "0.1")
-            .doc("Weight of the ambient term, the same on every side."),
-        Key::or("diffuse", Kind::Number(Range::at_least(0.0)), "1.0")
-            .doc("Weight of the cosine between normal and light."),
-        Key::or("specular", Kind::Number(Range::at_least(0.0)), "1.0")
-            .doc("Weight of the white highlight."),
-        Key::or("shininess", Kind::Count(1, 1 << 20), "32")
-            .doc("Exponent of the highlight, a whole number."),
-    ]);
+record! {
+    impl Phong in "Phong's reflection model; the normal is minus the density gradient." {
+        ambient = or("0.1") Number(Range::NOT_NEGATIVE), "Weight of the ambient term, the same on every side.";
+        diffuse = or("1.0") Number(Range::NOT_NEGATIVE), "Weight of the cosine between normal and light.";
+        specular = or("1.0") Number(Range::NOT_NEGATIVE), "Weight of the white highlight.";
+        shininess = or("32") Count(1, 1 << 20), "Exponent of the highlight, a whole number.";
+    }
+}
 
 const SHADOW: Table = Table::new("Volume shadow: radiance times exp(−S/100), S the integral of density over reference steps towards the light; with a table of points, times what the opacities on the way let through.").keys(&[
     Key::or("step", Kind::Length, "'1 voxel'")
@@ -173,11 +171,11 @@ impl Classified {
         files: &mut Files,
         size: [usize; 2],
     ) -> SceneResult<Classified> {
-        let interpolation = match reader.text("interpolation")?.as_str() {
+        let interpolation = match reader.get::<String>("interpolation")?.as_str() {
             "nearest" => Interpolation::Nearest,
             _ => Interpolation::Trilinear,
         };
-        let order = reader.text("compositing")?;
+        let order: String = reader.get("compositing")?;
         let mode = Mode::read(reader, &order)?;
         let continuous = order == CONTINUOUS;
         if continuous {
@@ -186,7 +184,7 @@ impl Classified {
         let compositing = read_compositing(reader, &order)?;
         let lengths: Vec<[f64; 2]> = volumes.iter().map(|it| lengths(&it.placed)).collect();
         let steps = read_steps(reader, &volumes, &lengths)?;
-        let background = reader.vector("background")?;
+        let background = reader.get("background")?;
 
         let names: Vec<Option<String>> = volumes.iter().map(|it| it.name.clone()).collect();
         let mut objects = Objects::read(reader, files, &names)?;
@@ -199,11 +197,11 @@ impl Classified {
         let View { camera, target } = View::framing(camera_reader, &bounds, size)?;
         let light = read_light(reader, camera_reader, &camera, target)?;
 
-        let phong = read_phong(reader)?;
+        let phong = reader.table_as("phong", Phong::read)?;
         for surface in &mut objects.surfaces {
             surface.phong = phong;
         }
-        let own = |volume: &VolumeTable| read_phong(volume.reader);
+        let own = |volume: &VolumeTable| volume.reader.table_as("phong", Phong::read);
         let phongs = volumes.iter().map(own).collect::<SceneResult<Vec<_>>>()?;
         let looks: Vec<_> = volumes.iter().map(|it| &it.transfer_function).collect();
         let shadows = |reader: &Reader| read_shadows(reader, &lengths, &looks);
@@ -454,14 +452,14 @@ fn brightest_shaded(colour: f64, phong: Option<Phong>) -> f64 {
 /// The conventions of a table, all of which `mode` follows.
 fn read_conventions(reader: &Reader, mode: &Mode) -> SceneResult<Conventions> {
     let read = Conventions::read(reader)?;
-    let Some(key) = read.first_beside(&read.of_mode(mode)) else {
+    let Some(key) = read.first_beside(mode) else {
         return Ok(read);
     };
     let message = match mode.name() {
         Some(name) => format!("`mode = {name:?}` does not follow this convention"),
         None => "composited samples do not follow this convention".to_owned(),
     };
-    Err(reader.mistake(&key, message, "leave the key out"))
+    Err(reader.mistake(key, message, "leave the key out"))
 }
 
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
@@ -537,7 +535,7 @@ fn read_compositing(reader: &Reader, order: &str) -> SceneResult<Compositing> {
         "back-to-front" => Compositing::BackToFront,
         _ => Compositing::FrontToBack,
     };
-    match (reader.optional_number("early_termination")?, compositing) {
+    match (reader.get("early_termination")?, compositing) {
         (None, compositing) => Ok(compositing),
         (Some(below), Compositing::FrontToBack) => Ok(Compositing::EarlyTermination(below)),
         (Some(_), _) => {
@@ -573,25 +571,13 @@ fn read_steps(
     volumes: &[VolumeTable],
     lengths: &[[f64; 2]],
 ) -> SceneResult<Vec<f64>> {
-    let step = reader.length("step")?;
+    let step = reader.get("step")?;
     let step = |(volume, lengths): (&VolumeTable, &[f64; 2])| {
-        let own = volume.reader.optional_length("step")?;
+        let own: Option<Length> = volume.reader.get("step")?;
         let place = own.map_or(reader, |_| volume.reader);
         place.accepted_at("step", checked_step(own.unwrap_or(step), *lengths))
     };
     volumes.iter().zip(lengths).map(step).collect()
-}
-
-/// The shading that a table asks for.
-fn read_phong(reader: &Reader) -> SceneResult<Option<Phong>> {
-    reader.table_as("phong", |reader| {
-        Ok(Phong {
-            ambient: reader.number("ambient")?,
-            diffuse: reader.number("diffuse")?,
-            specular: reader.number("specular")?,
-            shininess: reader.count("shininess")? as u32,
-        })
-    })
 }
 
 /// Edges of a voxel and of the box of the world around a volume: the lengths that steps are measured by.
@@ -606,7 +592,7 @@ fn read_shadows(
     lengths: &[[f64; 2]],
     looks: &[&TransferFunction],
 ) -> SceneResult<Vec<Shadow>> {
-    let given = reader.optional_length("reference_step")?;
+    let given: Option<Length> = reader.get("reference_step")?;
     let reference_step =
         |(look, lengths): (&&TransferFunction, &[f64; 2])| match (given, &look.appearance) {
             (Some(length), _) => {
@@ -632,7 +618,7 @@ fn read_shadows(
             },
         );
     }
-    let step = reader.length("step")?;
+    let step = reader.get("step")?;
     let shadow = |(&reference_step, lengths): (&f64, &[f64; 2])| {
         Ok(Shadow {
             step: reader.accepted_at("step", checked_step(step, *lengths))?,

@@ -84,7 +84,7 @@ impl Clip {
         let kept = match reader.table_as("box", read_box)? {
             Some(inside) => Kept::Inside(inside),
             None => {
-                let (point, normal) = (reader.vector("point")?, reader.vector("normal")?);
+                let (point, normal) = (reader.get("point")?, reader.get::<DVec3>("normal")?);
                 let normal = Direction::of(normal).ok_or_else(|| {
                     let message = "the normal of a plane cannot be 0";
                     reader.mistake("normal", message, "let it point to the side that is kept")
@@ -92,22 +92,15 @@ impl Clip {
                 Kept::Side { point, normal }
             }
         };
-        let volumes = if reader.has("volumes") {
-            let named = reader.words("volumes")?;
-            if named.is_empty() {
-                let message = "`volumes` is empty: the clip cuts nothing";
-                let help = "name the volumes that are cut, or leave the key out: then all are";
-                return Err(reader.mistake("volumes", message, help));
-            }
-            let named = named.into_iter();
-            Some(
-                named
-                    .map(|name| index_of(reader, &name, names))
-                    .collect::<SceneResult<_>>()?,
-            )
-        } else {
-            None
-        };
+        let named: Option<Vec<String>> = reader.get("volumes")?;
+        if named.as_ref().is_some_and(Vec::is_empty) {
+            let message = "`volumes` is empty: the clip cuts nothing";
+            let help = "name the volumes that are cut, or leave the key out: then all are";
+            return Err(reader.mistake("volumes", message, help));
+        }
+        let index = |name: String| index_of(reader, &name, names);
+        let volumes = named.map(|named| named.into_iter().map(index).collect());
+        let volumes = volumes.transpose()?;
         Ok(Clip { kept, volumes })
     }
 }

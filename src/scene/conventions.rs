@@ -17,15 +17,29 @@ pub use choices::*;
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Table};
 use super::mode::{Mode, Projected};
-use super::reader::Reader;
+use super::reader::{Reader, Value};
+use super::record::Choice;
 use alternative::other;
 
+/// Modes that follow a convention: composited samples, projections, among them that of the mean, and isosurfaces.
+const COMPOSITED: u8 = 1;
+const PROJECTED: u8 = 2;
+const MEAN: u8 = 4;
+const SURFACES: u8 = 8;
+
+/// Modes that follow a convention about the places of samples, or about shading.
+const ALL: u8 = COMPOSITED | PROJECTED | MEAN | SURFACES;
+const SHADED: u8 = COMPOSITED | SURFACES;
+
+/// Composited samples that follow a convention about several objects, which means nothing for one volume.
+const OBJECTS: u8 = COMPOSITED | 16;
+
 /// Declares [`Conventions`], [`CONVENTIONS`] and [`ALTERNATIVES`]. A row has the key in files, the
-/// field with its type, the values with the default, the description in the schema, and what
-/// other renderers do, as far as a search for conventions tries it.
+/// field with its type, the kind of its values with the default, the modes that follow it, the description in the
+/// schema, and what other renderers do, as far as a search for conventions tries it.
 macro_rules! conventions {
     ($(
-        $key:literal = $field:ident: $type:ty = $kind:ident($($values:tt)+),
+        $key:literal = $field:ident: $type:ty = $kind:ident($($values:tt)+) of $modes:ident,
         $doc:literal,
         [$($alternative:expr),* $(,)?];
     )+) => {
@@ -45,7 +59,7 @@ macro_rules! conventions {
         pub const CONVENTIONS: Table = Table::new(
             "Choices in which ray casters differ without being wrong. Omitted keys keep volref's own convention.",
         )
-        .keys(&[$(value!(key $kind $key, $($values)+).doc($doc),)+]);
+        .keys(&[$(value!(key $kind $key, $type, $($values)+).doc($doc),)+]);
 
         /// Choices with what other renderers do, by the key of each convention.
         pub const ALTERNATIVES: &[(&str, &[Alternative])] = &[$(($key, &[$($alternative),*]),)+];
@@ -53,75 +67,102 @@ macro_rules! conventions {
         impl Conventions {
             /// Reads the table, in the order of its declaration.
             pub fn read(reader: &Reader) -> SceneResult<Conventions> {
-                let read = Conventions { $($field: value!(read $kind $key, reader, $($values)+),)+ };
+                let read = Conventions { $($field: value!(read $kind reader.get($key)?, $($values)+),)+ };
                 read.check(reader)?;
                 Ok(read)
             }
 
             /// The keys that differ from the defaults, with their values, as lines of a table.
             pub fn lines(&self) -> Vec<String> {
-                let default = Conventions::default();
-                let mut lines = Vec::new();
+                self.changed().map(|(key, value, _)| format!("{key} = {value}")).collect()
+            }
+
+            /// The keys that differ from the defaults, with their values and the modes that follow them.
+            fn changed(&self) -> impl Iterator<Item = (&'static str, String, u8)> {
+                let (default, mut changed) = (Conventions::default(), Vec::new());
                 $(if self.$field != default.$field {
-                    let value = value!(text $kind self.$field, $($values)+);
-                    lines.push(format!("{} = {value}", $key));
+                    changed.push(($key, value!(text $kind self.$field, $($values)+), $modes));
                 })+
-                lines
+                changed.into_iter()
+            }
+
+            /// Conventions that a mode follows; the others as volref has them.
+            pub(crate) fn of_mode(&self, mode: &Mode) -> Conventions {
+                let own = Conventions::default();
+                let mode = match mode {
+                    Mode::Composited => COMPOSITED,
+                    Mode::Projection(projection) if projection.of == Projected::Mean => MEAN,
+                    Mode::Projection(_) => PROJECTED,
+                    Mode::Isosurfaces(_) => SURFACES,
+                };
+                Conventions { $($field: if $modes & mode == 0 { own.$field } else { self.$field },)+ }
             }
         }
     };
 }
 
-/// A value of a convention, by its kind: `number`, in [0, 1]; `flag`; `count`, optional; `words`, of which
-/// the one before `of` is the default.
+/// A value of a convention, by its kind: `number`, in [0, 1]; `flag`; `count`, optional; `either` of two words, the
+/// second for true; `choice` of many. The default is the first.
 macro_rules! value {
-    (default number $default:literal) => { $default };
-    (default flag $default:literal) => { $default };
-    (default count $low:literal..=$high:literal) => { None };
-    (default words $default:literal of $($word:literal = $value:expr),+) => {
-        value!(of $default, $($word = $value),+)
+    (default number $default:literal) => {
+        $default
+    };
+    (default flag $default:literal) => {
+        $default
+    };
+    (default count $low:literal..=$high:literal) => {
+        None
+    };
+    (default either $no:literal, $yes:literal) => {
+        false
+    };
+    (default choice $word:literal) => {
+        Choice::named($word)
     };
 
-    (key number $key:literal, $default:literal) => {
-        Key::or($key, Kind::Number(Range::closed(0.0, 1.0)), stringify!($default))
+    (key number $key:literal, $type:ty, $default:literal) => {
+        Key::or($key, Kind::Number(Range::UNIT), stringify!($default))
     };
-    (key flag $key:literal, $default:literal) => {
+    (key flag $key:literal, $type:ty, $default:literal) => {
         Key::or($key, Kind::Flag, stringify!($default))
     };
-    (key count $key:literal, $low:literal..=$high:literal) => {
+    (key count $key:literal, $type:ty, $low:literal..=$high:literal) => {
         Key::optional($key, Kind::Count($low, $high))
     };
-    (key words $key:literal, $default:literal of $($word:literal = $value:expr),+) => {
-        Key::or($key, Kind::Choice(&[$($word),+]), concat!("'", $default, "'"))
+    (key either $key:literal, $type:ty, $no:literal, $yes:literal) => {
+        Key::or($key, Kind::Choice(&[$no, $yes]), concat!("'", $no, "'"))
+    };
+    (key choice $key:literal, $type:ty, $word:literal) => {
+        Key::or($key, Kind::Choice(<$type>::WORDS), concat!("'", $word, "'"))
     };
 
-    (read number $key:literal, $reader:ident, $($values:tt)+) => { $reader.number($key)? };
-    (read flag $key:literal, $reader:ident, $($values:tt)+) => { $reader.flag($key)? };
-    (read count $key:literal, $reader:ident, $($values:tt)+) => {
-        $reader.optional_count($key)?.map(|count| count as u32)
-    };
-    (read words $key:literal, $reader:ident, $default:literal of $($word:literal = $value:expr),+) => {
-        value!(of $reader.text($key)?.as_str(), $($word = $value),+)
-    };
-    (of $text:expr, $($known:literal = $value:expr),+) => {
-        match $text {
-            $($known => $value,)+
-            _ => unreachable!("one of the declared words"),
-        }
-    };
-
-    (text number $number:expr, $($values:tt)+) => { format!("{:?}", $number) };
-    (text flag $flag:expr, $($values:tt)+) => { $flag.to_string() };
-    (text count $count:expr, $($values:tt)+) => { $count.map_or(String::new(), |n| n.to_string()) };
-    (text words $chosen:expr, $default:literal of $($word:literal = $value:expr),+) => {{
-        let words = [$(($value, $word)),+];
-        let word = words.iter().find(|(value, _)| *value == $chosen);
-        format!("{:?}", word.expect("every value has a word").1)
+    (read either $word:expr, $no:literal, $yes:literal) => {{
+        let word: String = $word;
+        word == $yes
     }};
+    (read $kind:ident $read:expr, $($values:tt)+) => {
+        $read
+    };
+
+    (text number $number:expr, $($values:tt)+) => {
+        format!("{:?}", $number)
+    };
+    (text flag $flag:expr, $($values:tt)+) => {
+        $flag.to_string()
+    };
+    (text count $count:expr, $($values:tt)+) => {
+        $count.map_or(String::new(), |n| n.to_string())
+    };
+    (text either $is_second:expr, $no:literal, $yes:literal) => {
+        format!("{:?}", if $is_second { $yes } else { $no })
+    };
+    (text choice $chosen:expr, $($values:tt)+) => {
+        $chosen.shown()
+    };
 }
 
 conventions! {
-    "first_sample" = first_sample: f64 = number(0.5),
+    "first_sample" = first_sample: f64 = number(0.5) of ALL,
     "Position of a sample within its step, in steps: 0 at its beginning, 0.5 in the middle, 1 at its end. So the first sample of a ray lies that far behind the front face.",
     [
         other("takes the first sample of a ray a whole step behind the front face, not half a step",
@@ -130,29 +171,23 @@ conventions! {
             |it| it.first_sample = 0.0),
     ];
 
-    "jitter" = jitter: bool = flag(false),
+    "jitter" = jitter: bool = flag(false) of COMPOSITED,
     "Places the samples of each ray at a random `first_sample`, the same for all samples of the ray.",
     [];
 
-    "unstated_first_sample" = unstated_first_sample: bool = flag(false),
+    "unstated_first_sample" = unstated_first_sample: bool = flag(false) of COMPOSITED,
     "Places the samples of each ray at a `first_sample` that no scene states, such as by counting steps from the near plane of a camera: any is right, and here it is random.",
     [];
 
-    "first_step" = first_step: f64 = number(1.0),
+    "first_step" = first_step: f64 = number(1.0) of ALL,
     "Length of the first step of a ray, in steps; whole steps follow. A ray not longer than a step has one step.",
     [];
 
-    "first_step_jitter" = first_step_jitter: bool = flag(false),
+    "first_step_jitter" = first_step_jitter: bool = flag(false) of COMPOSITED,
     "Gives the first step of each ray a random length, a `first_step` of its own.",
     [];
 
-    "step_length" = step_length: StepLength = words("world" of
-        "world" = StepLength::World,
-        "voxels" = StepLength::Voxels,
-        "main-axis" = StepLength::MainAxis,
-        "texture" = StepLength::Texture,
-        "volume" = StepLength::Volume
-    ),
+    "step_length" = step_length: StepLength = choice("world") of ALL,
     "Length of a step: that of the scene in the world; as many spacings of the grid as it has voxels, along the ray in node coordinates (voxels), or along the axis on which the ray passes nodes fastest (main-axis); or the part of the cube of texture coordinates that it is of the longest side of the volume (texture); or as long in the coordinates of the volume, before a map places it, as stated in the world (volume).",
     [
         other("takes steps of a length in voxels, not in the world", |it| it.step_length = StepLength::Voxels),
@@ -161,12 +196,7 @@ conventions! {
         other("takes steps of a length in texture coordinates", |it| it.step_length = StepLength::Texture),
     ];
 
-    "fitted_steps" = fitted_steps: FittedSteps = words("none" of
-        "none" = FittedSteps::None,
-        "rounded" = FittedSteps::Rounded,
-        "up" = FittedSteps::Up,
-        "down" = FittedSteps::Down
-    ),
+    "fitted_steps" = fitted_steps: FittedSteps = choice("none") of ALL,
     "Number of steps of a ray: what its length and that of a step give, the last one cut off (none); or a whole number, the quotient rounded, rounded up or rounded down, of steps that are stretched to fill the ray.",
     [
         other("fits a whole number of steps to each ray, the nearest", |it| it.fitted_steps = FittedSteps::Rounded)
@@ -177,62 +207,53 @@ conventions! {
             .instead_of("last_step"),
     ];
 
-    "step_opacity" = nominal_opacity: bool = words("true" of "true" = false, "nominal" = true),
+    "step_opacity" = nominal_opacity: bool = either("true", "nominal") of COMPOSITED,
     "Length for which the opacity of a whole step is taken: its own (true), or that stated in the scene, whatever became of it by `step_length` or `fitted_steps` (nominal).",
     [
         other("takes opacities for the stated step, not for the true one",
             |it| it.nominal_opacity = !it.has_stated_steps()),
     ];
 
-    "last_step" = last_step: LastStep = words("exact" of
-        "exact" = LastStep::Exact,
-        "whole" = LastStep::Whole,
-        "dropped" = LastStep::Dropped
-    ),
+    "last_step" = last_step: LastStep = choice("exact") of ALL,
     "Step cut off by the back face: counted over its true length, counted as a whole step if its sample lies in front of that face, or dropped.",
     [
         other("counts the last step of a ray as a whole one", |it| it.last_step = LastStep::Whole),
         other("drops the last step of a ray where it is not a whole one", |it| it.last_step = LastStep::Dropped),
     ];
 
-    "last_sample" = last_sample_on_face: bool = words("step" of "step" = false, "face" = true),
+    "last_sample" = last_sample_on_face: bool = either("step", "face") of ALL,
     "Place of the last sample of a ray: as in its other steps, or on the back face, where it is not the first one (face).",
     [
         other("takes the last sample of a ray on the back face", |it| it.last_sample_on_face = true)
             .instead_of("last_step"),
     ];
 
-    "one_sample" = one_sample: bool = flag(false),
+    "one_sample" = one_sample: bool = flag(false) of ALL,
     "Takes the first sample of a ray even if it lies behind the back face, where the values of the outermost nodes are continued.",
     [
         other("takes one sample of rays that leave the volume before it, too", |it| it.one_sample = true),
     ];
 
-    "ended_rays" = ended_rays_opaque: bool = words("left" of "left" = false, "opaque" = true),
+    "ended_rays" = ended_rays_opaque: bool = either("left", "opaque") of COMPOSITED,
     "Transmittance of a ray that ends early: as it was (left), or 0 (opaque).",
     [
         other("takes rays that end early for opaque", |it| it.ended_rays_opaque = true),
     ];
 
-    "box" = voxel_box: bool = words("nodes" of "nodes" = false, "voxels" = true),
+    "box" = voxel_box: bool = either("nodes", "voxels") of ALL,
     "Faces of the volume: on the outermost nodes; or half a spacing beyond them, where the values of the outermost nodes are continued (voxels). A volume of cells has them there.",
     [
         other("fills half a voxel beyond the outermost nodes, too", |it| it.voxel_box = !it.cell_centred)
             .instead_of("centring"),
     ];
 
-    "centring" = cell_centred: bool = words("nodes" of "nodes" = false, "cells" = true),
+    "centring" = cell_centred: bool = either("nodes", "cells") of ALL,
     "Place of the values: the outermost nodes lie on the faces of the volume (nodes); or the values lie at the centres of n cells that divide each side of it, n the nodes of the axis, and those of the outermost cells reach to the faces (cells), as in textures. A volume of cells stays one.",
     [
         other("places values at the centres of cells, as in textures", |it| it.cell_centred = true).beside_others(),
     ];
 
-    "stored_values" = stored_values: StoredValues = words("f32" of
-        "f32" = StoredValues::F32,
-        "f16" = StoredValues::F16,
-        "u16" = StoredValues::U16,
-        "u8" = StoredValues::U8
-    ),
+    "stored_values" = stored_values: StoredValues = choice("f32") of COMPOSITED,
     "Numbers in which values are stored at the nodes: floating point of 32 or 16 bits; or whole numbers of 16 or 8 bits, which stand for the range from the smallest value of the volume to the largest.",
     [
         other("stores values in half precision", |it| it.stored_values = StoredValues::F16),
@@ -240,77 +261,73 @@ conventions! {
         other("stores values in 8 bits, over their range", |it| it.stored_values = StoredValues::U8),
     ];
 
-    "fraction_bits" = fraction_bits: Option<u32> = count(2..=16),
+    "fraction_bits" = fraction_bits: Option<u32> = count(2..=16) of ALL,
     "Bits of the fractions of a voxel by which values are interpolated between nodes: 8 in the units of graphics processors that filter textures. If left out, they are not rounded.",
     [
         other("interpolates values by fractions of 8 bits", |it| it.fraction_bits = Some(8)),
     ];
 
-    "lookup" = lookup: Lookup = words("exact" of
-        "exact" = Lookup::Exact,
-        "half-on" = Lookup::HalfOn,
-        "half-back" = Lookup::HalfBack
-    ),
+    "lookup" = lookup: Lookup = choice("exact") of ALL,
     "Place at which values are looked up: that of the sample, or half a spacing beside it along each axis, towards larger node coordinates (half-on) or smaller ones (half-back), in the same box; beyond the outermost nodes their values are continued.",
     [];
 
-    "brick_values" = brick_values: Option<u32> = count(2..=65_536),
+    "brick_values" = brick_values: Option<u32> = count(2..=65_536) of ALL,
     "Nodes to an edge of bricks that the volume is stored in, without layers of their neighbours: from the last node of a brick to the first of the next along an axis, values are those of the former. If left out, values are interpolated everywhere.",
     [];
 
-    "brick_steps" = brick_steps: Option<u32> = count(1..=65_536),
+    "brick_steps" = brick_steps: Option<u32> = count(1..=65_536) of COMPOSITED,
     "Cells to an edge of bricks at whose faces the steps of a ray are counted anew, the last one in each as `last_step` says. If left out, they are counted once, from the face of the volume.",
     [];
 
-    "most_steps" = most_steps: Option<u32> = count(1..=16_777_216),
+    "most_steps" = most_steps: Option<u32> = count(1..=16_777_216) of COMPOSITED,
     "Steps of a ray at most: what lies behind them is not seen. If left out, there are as many as its way through the volume takes.",
     [];
 
-    "ray_start" = starts_behind_eye: bool = words("eye" of "eye" = false, "box" = true),
+    "ray_start" = starts_behind_eye: bool = either("eye", "box") of COMPOSITED,
     "Beginning of the steps of a ray whose eye is within the volume: the eye, or where its line enters the volume behind the eye (box).",
     [];
 
-    "near_plane" = near_plane: f64 = number(0.0),
+    "near_plane" = near_plane: f64 = number(0.0) of ALL,
     "Near plane, as a fraction of the depth of the farthest box corner (boxes extend half a voxel beyond the nodes). Rays start there if it lies inside a volume.",
     [];
 
-    "blending" = added_colours: bool = words("over" of "over" = false, "added" = true),
+    "blending" = added_colours: bool = either("over", "added") of COMPOSITED,
     "Colours of the samples of a ray, multiplied by their opacities: each in front of those behind it (over), or added.",
     [];
 
-    "opacity" = linear_opacity: bool = words("exact" of "exact" = false, "linear" = true),
+    "opacity" = linear_opacity: bool = either("exact", "linear") of COMPOSITED,
     "Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0).",
     [
         other("takes opacity in proportion to the step", |it| it.linear_opacity = true),
     ];
 
-    "uncorrected_opacity" = uncorrected_opacity: f64 = number(0.0),
+    "uncorrected_opacity" = uncorrected_opacity: f64 = number(0.0) of COMPOSITED,
     "Opacities stated up to this are taken for those of a step, uncorrected.",
     [
         other("does not correct opacities up to 0.0001 for the step", |it| it.uncorrected_opacity = 1e-4),
     ];
 
-    "most_opacity" = most_opacity: f64 = number(1.0),
+    "most_opacity" = most_opacity: f64 = number(1.0) of COMPOSITED,
     "Opacities stated above this count as this.",
     [
         other("takes opacities of at most 0.998", |it| it.most_opacity = 0.998),
     ];
 
-    "least_stated_opacity" = least_stated_opacity: f64 = number(0.0),
+    "least_stated_opacity" = least_stated_opacity: f64 = number(0.0) of COMPOSITED,
     "Opacities stated below this count as 0.",
     [
         other("drops samples of a stated opacity below 0.01", |it| it.least_stated_opacity = 0.01),
         other("drops samples of a stated opacity below 0.0001", |it| it.least_stated_opacity = 1e-4),
     ];
 
-    "least_opacity" = least_opacity: f64 = number(0.0),
+    "least_opacity" = least_opacity: f64 = number(0.0) of COMPOSITED,
     "Samples with an opacity below this over a whole step are dropped.",
     [
         other("drops samples of an opacity below 0.001 over a step", |it| it.least_opacity = 0.001),
         other("drops samples of an opacity below 0.01 over a step", |it| it.least_opacity = 0.01),
     ];
 
-    "classification" = preclassified: bool = words("post" of "post" = false, "pre" = true),
+    "classification" = preclassified: bool = either("post", "pre") of COMPOSITED,
     "Values are interpolated, then classified (post); or nodes are classified, and opacity and colour interpolated (pre).",
     [
         other("classifies nodes before it interpolates", |it| it.preclassified = true),
@@ -318,11 +335,11 @@ conventions! {
             |it| (it.preclassified, it.separate_colours) = (true, true)),
     ];
 
-    "node_colours" = separate_colours: bool = words("associated" of "associated" = false, "separate" = true),
+    "node_colours" = separate_colours: bool = either("associated", "separate") of COMPOSITED,
     "Colours of classified nodes are interpolated multiplied by their opacities (associated), or as they are (separate).",
     [];
 
-    "table_size" = table_size: Option<u32> = count(2..=65_536),
+    "table_size" = table_size: Option<u32> = count(2..=65_536) of COMPOSITED,
     "Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value.",
     [
         other("looks colours and opacities up in a table of 256 entries, the nearest one",
@@ -335,49 +352,49 @@ conventions! {
             |it| (it.table_size, it.nearest_entry) = (Some(64), false)).instead_of("classification"),
     ];
 
-    "table_lookup" = nearest_entry: bool = words("linear" of "linear" = false, "nearest" = true),
+    "table_lookup" = nearest_entry: bool = either("linear", "nearest") of COMPOSITED,
     "Between the entries of the table: linear, or the nearest entry.",
     [];
 
-    "table_place" = texture_place: bool = words("ends" of "ends" = false, "texture" = true),
+    "table_place" = texture_place: bool = either("ends", "texture") of COMPOSITED,
     "Place of a value in a table of n entries, from the share s of the range of the table that lies below it: s (n - 1), so that the outermost entries lie at both ends (ends), or s n - 1/2 as in textures, within the outermost entries (texture).",
     [
         other("looks values up in its table as coordinates of a texture",
             |it| (*it, it.texture_place) = (it.with_table(), true)),
     ];
 
-    "texture_size" = texture_size: Option<u32> = count(2..=65_536),
+    "texture_size" = texture_size: Option<u32> = count(2..=65_536) of COMPOSITED,
     "Entries of a texture into which the table is sampled, over the range of the densities, where opacities are corrected; values are its coordinates, and entries are interpolated. If left out, the table itself is looked up.",
     [];
 
-    "lookup_bits" = lookup_bits: Option<u32> = count(2..=16),
+    "lookup_bits" = lookup_bits: Option<u32> = count(2..=16) of COMPOSITED,
     "Bits to which colours and opacities that the table holds in `colour_bits` and `opacity_bits` are rounded once more, between entries. If left out, they are not.",
     [];
 
-    "table_fraction_bits" = table_fraction_bits: Option<u32> = count(2..=16),
+    "table_fraction_bits" = table_fraction_bits: Option<u32> = count(2..=16) of COMPOSITED,
     "Bits of the fraction by which entries of the table are interpolated. If left out, it is not rounded.",
     [];
 
-    "opacity_correction" = corrected_entries: bool = words("samples" of "samples" = false, "entries" = true),
+    "opacity_correction" = corrected_entries: bool = either("samples", "entries") of COMPOSITED,
     "Opacities are corrected for the length of a step at each sample; or once, for that of the scene, in the entries of the table or at classified nodes, which are interpolated then (entries).",
     [
         other("corrects opacities for the step in its table, before interpolation",
             |it| (*it, it.corrected_entries) = (it.with_entries(), true)),
     ];
 
-    "colour_bits" = colour_bits: Option<u32> = count(2..=16),
+    "colour_bits" = colour_bits: Option<u32> = count(2..=16) of COMPOSITED,
     "Bits of colours in the table or at classified nodes, for [0, 1]. If left out, they are not rounded.",
     [
         other("keeps the colours of its table in 8 bits", |it| (*it, it.colour_bits) = (it.with_entries(), Some(8))),
     ];
 
-    "opacity_bits" = opacity_bits: Option<u32> = count(2..=16),
+    "opacity_bits" = opacity_bits: Option<u32> = count(2..=16) of COMPOSITED,
     "Bits of opacities in the table or at classified nodes, after what `opacity_correction` does there. If left out, they are not rounded.",
     [
         other("keeps the opacities of its table in 8 bits", |it| (*it, it.opacity_bits) = (it.with_entries(), Some(8))),
     ];
 
-    "bit_rounding" = rounded_down: bool = words("nearest" of "nearest" = false, "down" = true),
+    "bit_rounding" = rounded_down: bool = either("nearest", "down") of COMPOSITED,
     "Rounding of colours and opacities to the bits of `colour_bits` and `opacity_bits`: to the nearest number, a half upwards, or down.",
     [
         other(
@@ -389,15 +406,7 @@ conventions! {
         ),
     ];
 
-    "gradient" = gradient: Gradient = words("central" of
-        "central" = Gradient::Central,
-        "forward" = Gradient::Forward,
-        "backward" = Gradient::Backward,
-        "sobel" = Gradient::Sobel,
-        "interpolant" = Gradient::Interpolant,
-        "texture" = Gradient::Texture,
-        "ray-step" = Gradient::RayStep
-    ),
+    "gradient" = gradient: Gradient = choice("central") of SHADED,
     "Gradient for shading: central, forward or backward differences or the 3 x 3 x 3 Sobel filter at the nodes, interpolated; the derivative of the trilinear interpolant; or central differences at the sample over 2 n/(n - 1) spacings, n the nodes of the axis, divided as if over two (texture): what steps of 1/(n - 1) in texture coordinates give; or differences at the sample over twice the component of the ray's step along each axis, undivided (ray-step).",
     [
         other("takes forward differences for gradients", |it| it.gradient = Gradient::Forward),
@@ -411,25 +420,21 @@ conventions! {
             .beside_others(),
     ];
 
-    "normals" = normalised_at_nodes: bool = words("interpolated" of "interpolated" = false, "normalised" = true),
+    "normals" = normalised_at_nodes: bool = either("interpolated", "normalised") of SHADED,
     "Gradients at the nodes are interpolated as they are, or normalised before that.",
     [
         other("normalises gradients at the nodes, before it interpolates them",
             |it| it.normalised_at_nodes = it.gradient.is_stored()),
     ];
 
-    "normal_bits" = normal_bits: Option<u32> = count(2..=16),
+    "normal_bits" = normal_bits: Option<u32> = count(2..=16) of SHADED,
     "Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded.",
     [
         other("stores normals with 8 bits to a component", |it| it.normal_bits = it.gradient.is_stored().then_some(8))
             .instead_of("normals"),
     ];
 
-    "normal_space" = normal_space: NormalSpace = words("world" of
-        "world" = NormalSpace::World,
-        "box" = NormalSpace::Box,
-        "eye-box" = NormalSpace::EyeBox
-    ),
+    "normal_space" = normal_space: NormalSpace = choice("world") of SHADED,
     "Space in which the gradient is normalised: the world; one in which its components are multiplied by the size of the volume along each of its axes, before a map places it (box); or one of which the matrices are multiplied in reverse order: components along the axes of the eye, right, up and backwards, mapped by the transposed map of the volume, then multiplied by its size (eye-box).",
     [
         other("stretches normals by the proportions of the volume", |it| it.normal_space = NormalSpace::Box),
@@ -437,32 +442,24 @@ conventions! {
             |it| it.normal_space = NormalSpace::EyeBox),
     ];
 
-    "normal_transform" = normal_transform: NormalTransform = words("gradient" of
-        "gradient" = NormalTransform::Gradient,
-        "vector" = NormalTransform::Vector,
-        "none" = NormalTransform::None
-    ),
+    "normal_transform" = normal_transform: NormalTransform = choice("gradient") of SHADED,
     "Map of gradients of a volume that a map places: by its inverse transpose, as gradients are; by itself, as vectors are (vector); or none.",
     [];
 
-    "shading_point" = texture_shading_point: bool = words("sample" of "sample" = false, "texture" = true),
+    "shading_point" = texture_shading_point: bool = either("sample", "texture") of SHADED,
     "Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis.",
     [
         other("sees light and eye from texture coordinates, as fractions of the volume",
             |it| it.texture_shading_point = true),
     ];
 
-    "flat_samples" = flat_samples_ambient: bool = words("unshaded" of "unshaded" = false, "ambient" = true),
+    "flat_samples" = flat_samples_ambient: bool = either("unshaded", "ambient") of SHADED,
     "Samples without a gradient: their unshaded colour, or the ambient term alone.",
     [
         other("gives samples without a gradient ambient light only", |it| it.flat_samples_ambient = true),
     ];
 
-    "ambient_colour" = ambient_colour: LightColour = words("material" of
-        "material" = LightColour::Material,
-        "white" = LightColour::White,
-        "black" = LightColour::Black
-    ),
+    "ambient_colour" = ambient_colour: LightColour = choice("material") of SHADED,
     "Colour that the weight of the ambient term applies to: that of the material, white, or black.",
     [
         other("gives ambient light a colour of its own, white", |it| it.ambient_colour = LightColour::White),
@@ -470,143 +467,117 @@ conventions! {
             .beside_others(),
     ];
 
-    "highlight_colour" = highlight_colour: LightColour = words("white" of
-        "material" = LightColour::Material,
-        "white" = LightColour::White,
-        "black" = LightColour::Black
-    ),
+    "highlight_colour" = highlight_colour: LightColour = choice("white") of SHADED,
     "Colour that the weight of the highlight applies to.",
     [
         other("gives highlights the colour of the material", |it| it.highlight_colour = LightColour::Material),
         other("has no highlights", |it| it.highlight_colour = LightColour::Black).beside_others(),
     ];
 
-    "highlight_emission" = highlight_emission: bool = flag(true),
+    "highlight_emission" = highlight_emission: bool = flag(true) of COMPOSITED,
     "Multiplies the highlight by the emission of the sample, d^2 by the formula, like the rest of its colour.",
     [
         other("leaves the emission of a sample out of its highlight", |it| it.highlight_emission = false),
     ];
 
-    "highlight" = half_vector: bool = words("reflected" of "reflected" = false, "half-vector" = true),
+    "highlight" = half_vector: bool = either("reflected", "half-vector") of SHADED,
     "Cosine of the highlight: between the reflected light and the eye (Phong), or between the normal and the half vector (Blinn).",
     [
         other("takes highlights by the half vector (Blinn)", |it| it.half_vector = true),
     ];
 
-    "shadow_sample" = shadow_sample: f64 = number(0.5),
+    "shadow_sample" = shadow_sample: f64 = number(0.5) of COMPOSITED,
     "Position of a sample within its step on the way to the light, in steps from the point that is lit.",
     [
         other("takes the first sample of a shadow at the point that is lit", |it| it.shadow_sample = 0.0).in_shadow(),
         other("takes the first sample of a shadow a whole step on", |it| it.shadow_sample = 1.0).in_shadow(),
     ];
 
-    "shadowed_ambient" = shadowed_ambient: bool = flag(true),
+    "shadowed_ambient" = shadowed_ambient: bool = flag(true) of COMPOSITED,
     "Volume shadow dims the ambient term like the rest of the light.",
     [
         other("leaves ambient light out of the shadow", |it| it.shadowed_ambient = false).in_shadow().shaded(),
     ];
 
-    "head_light" = head_light: bool = flag(false),
+    "head_light" = head_light: bool = flag(false) of SHADED,
     "Puts the light for shading at the eye.",
     [
         other("has its light at the eye", |it| it.head_light = true).beside_others(),
     ];
 
-    "parallel_light" = parallel_light: bool = flag(false),
+    "parallel_light" = parallel_light: bool = flag(false) of SHADED,
     "Lets light shine in parallel, from the position of the light towards the centre of the volume.",
     [
         other("has light that shines in parallel", |it| it.parallel_light = true).shaded(),
     ];
 
-    "two_sided" = two_sided: bool = flag(false),
+    "two_sided" = two_sided: bool = flag(false) of SHADED,
     "Turns normals towards the light.",
     [
         other("lights both sides of a surface", |it| it.two_sided = true),
     ];
 
-    "normals_to_eye" = normals_to_eye: bool = flag(false),
+    "normals_to_eye" = normals_to_eye: bool = flag(false) of COMPOSITED,
     "Turns normals towards the eye.",
     [
         other("turns normals towards the eye", |it| it.normals_to_eye = true).instead_of("two_sided"),
     ];
 
-    "composition" = composition: Composition = words("merged" of
-        "merged" = Composition::Merged,
-        "nearest-box" = Composition::NearestBox,
-        "last-in-front" = Composition::LastInFront,
-        "added-opacities" = Composition::AddedOpacities,
-        "mean-colours" = Composition::MeanColours
-    ),
+    "composition" = composition: Composition = choice("merged") of OBJECTS,
     "Composition of several volumes: extinctions add, colours are their mean weighted by extinction (merged); one volume as a whole in front of the next, in the order in which a ray enters their boxes (nearest-box), or each in front of those before it in the scene (last-in-front); opacities add, up to 1 (added-opacities); or colours are their mean without weights (mean-colours).",
     [];
 
-    "volume_steps" = common_steps: bool = words("own" of "own" = false, "common" = true),
+    "volume_steps" = common_steps: bool = either("own", "common") of OBJECTS,
     "Steps of several volumes: of each its own (own); or the shortest of them for all, counted from where a ray enters the box along the axes of the world around all volumes, their faces where `box` has them, and at each place a sample of every volume, one over the next in the order of the scene (common).",
     [];
 
-    "volume_boxes" = voxel_boxes: bool = words("nodes" of "nodes" = false, "voxels" = true),
+    "volume_boxes" = voxel_boxes: bool = either("nodes", "voxels") of OBJECTS,
     "Faces of the volumes where there are several, sampled by common steps: as `box` has them (nodes), or half a spacing beyond the outermost nodes, as far as the box around all volumes goes (voxels).",
     [];
 
-    "surface_depth" = surface_depth: SurfaceDepth = words("true" of
-        "true" = SurfaceDepth::True,
-        "behind" = SurfaceDepth::Behind,
-        "in-front" = SurfaceDepth::InFront,
-        "box" = SurfaceDepth::Box
-    ),
+    "surface_depth" = surface_depth: SurfaceDepth = choice("true") of OBJECTS,
     "Depth of surfaces among volumes: where they stand (true), behind all volumes (behind), in front of all (in-front); or cut where a ray has entered the box of a volume, as if that were opaque to what is drawn later (box).",
     [];
 
-    "object_shadows" = object_shadows: ObjectShadows = words("all" of
-        "all" = ObjectShadows::All,
-        "unclipped" = ObjectShadows::Unclipped,
-        "none-of-surfaces" = ObjectShadows::NoneOfSurfaces,
-        "none-on-surfaces" = ObjectShadows::NoneOnSurfaces
-    ),
+    "object_shadows" = object_shadows: ObjectShadows = choice("all") of OBJECTS,
     "Shadows among several volumes and surfaces: of all on all (all); of volumes as if they were not clipped (unclipped); none of surfaces (none-of-surfaces); or none of volumes on surfaces (none-on-surfaces).",
     [];
 
-    "sample_behind_ends" = sample_behind_ends: bool = flag(false),
+    "sample_behind_ends" = sample_behind_ends: bool = flag(false) of OBJECTS,
     "Takes one sample more of a ray that a surface or a clip ends within the volume: the steps go on behind that end.",
     [];
 
-    "isosurface_place" = surfaces_at_samples: bool = words("root" of "root" = false, "sample" = true),
+    "isosurface_place" = surfaces_at_samples: bool = either("root", "sample") of SURFACES,
     "Place of an isosurface: where the field has its value between two samples (root); or the sample behind, each of which finds one surface at most, and a further one that was passed is left to the next sample (sample).",
     [];
 
-    "isosurface_sides" = one_sided_surfaces: bool = words("both" of "both" = false, "one" = true),
+    "isosurface_sides" = one_sided_surfaces: bool = either("both", "one") of SURFACES,
     "Sides on which isosurfaces are lit: both, the normal turned to the eye; or the one of smaller values alone (one).",
     [];
 
-    "mean_colours" = mean_of_range: bool = words("stated" of "stated" = false, "range" = true),
+    "mean_colours" = mean_of_range: bool = either("stated", "range") of MEAN,
     "Colours of a projection of the mean: those of the scene; or greys, from black at the smallest value of the volume to white at the largest (range).",
     [];
 
-    "own_transmittance" = own_transmittance: bool = flag(false),
+    "own_transmittance" = own_transmittance: bool = flag(false) of COMPOSITED,
     "Dims the colour of each sample by its own transmittance, too, as where the transmittance is updated before the colour is added.",
     [
         other("dims each sample by its own transmittance", |it| it.own_transmittance = true).beside_others(),
     ];
 
-    "own_opacity" = own_opacity: bool = flag(false),
+    "own_opacity" = own_opacity: bool = flag(false) of COMPOSITED,
     "Multiplies the colour of each sample by its own opacity once more, as where a table of colours that contain their opacity is multiplied by it again.",
     [
         other("multiplies the colour of each sample by its opacity twice", |it| it.own_opacity = true).beside_others(),
     ];
 
-    "clamped_samples" = clamped_samples: bool = flag(false),
+    "clamped_samples" = clamped_samples: bool = flag(false) of SHADED,
     "Clamps the radiance of each sample, shaded, to 1 before it is composited.",
     [
         other("clamps the radiance of each sample to 1", |it| it.clamped_samples = true),
     ];
 
-    "precision" = precision: Precision = words("f64" of
-        "f64" = Precision::F64,
-        "f32" = Precision::F32,
-        "f16" = Precision::F16,
-        "u15" = Precision::U15,
-        "u8" = Precision::U8
-    ),
+    "precision" = precision: Precision = choice("f64") of ALL,
     "Numbers that hold the composited colour and opacity of a ray: floating point of 64, 32 or 16 bits, or, for [0, 1], 15 bits, rounded up, or 8.",
     [
         other("composites in half precision", |it| it.precision = Precision::F16),
@@ -614,7 +585,7 @@ conventions! {
         other("composites in 8 bits", |it| it.precision = Precision::U8),
     ];
 
-    "pixel" = pixel_corner: bool = words("centre" of "centre" = false, "corner" = true),
+    "pixel" = pixel_corner: bool = either("centre", "corner") of COMPOSITED,
     "Point of a pixel that its ray passes: its centre, or its upper left corner.",
     [
         other("casts rays through the corners of pixels", |it| it.pixel_corner = true),
@@ -622,65 +593,18 @@ conventions! {
 }
 
 impl Conventions {
-    /// Conventions that a mode follows; the others as volref has them.
-    pub(crate) fn of_mode(&self, mode: &Mode) -> Conventions {
-        let own = Conventions::default();
-        let places = Conventions {
-            first_sample: self.first_sample,
-            first_step: self.first_step,
-            step_length: self.step_length,
-            fitted_steps: self.fitted_steps,
-            last_step: self.last_step,
-            last_sample_on_face: self.last_sample_on_face,
-            one_sample: self.one_sample,
-            near_plane: self.near_plane,
-            voxel_box: self.voxel_box,
-            cell_centred: self.cell_centred,
-            fraction_bits: self.fraction_bits,
-            lookup: self.lookup,
-            brick_values: self.brick_values,
-            precision: self.precision,
-            ..own
-        };
-        match mode {
-            Mode::Composited => Conventions {
-                surfaces_at_samples: own.surfaces_at_samples,
-                one_sided_surfaces: own.one_sided_surfaces,
-                mean_of_range: own.mean_of_range,
-                ..*self
-            },
-            Mode::Projection(projection) => Conventions {
-                mean_of_range: self.mean_of_range && projection.of == Projected::Mean,
-                ..places
-            },
-            Mode::Isosurfaces(_) => Conventions {
-                gradient: self.gradient,
-                normalised_at_nodes: self.normalised_at_nodes,
-                normal_bits: self.normal_bits,
-                normal_space: self.normal_space,
-                normal_transform: self.normal_transform,
-                texture_shading_point: self.texture_shading_point,
-                flat_samples_ambient: self.flat_samples_ambient,
-                ambient_colour: self.ambient_colour,
-                highlight_colour: self.highlight_colour,
-                half_vector: self.half_vector,
-                head_light: self.head_light,
-                parallel_light: self.parallel_light,
-                two_sided: self.two_sided,
-                clamped_samples: self.clamped_samples,
-                surfaces_at_samples: self.surfaces_at_samples,
-                one_sided_surfaces: self.one_sided_surfaces,
-                ..places
-            },
-        }
+    /// The first key that a mode does not follow.
+    pub(super) fn first_beside(&self, mode: &Mode) -> Option<&'static str> {
+        let followed = self.of_mode(mode).lines();
+        let mut changed = self.changed();
+        let other = changed.find(|(key, value, _)| !followed.contains(&format!("{key} = {value}")));
+        other.map(|(key, ..)| key)
     }
 
-    /// The first key that differs from those of `followed`.
-    pub(super) fn first_beside(&self, followed: &Conventions) -> Option<String> {
-        let followed = followed.lines();
-        let mut lines = self.lines().into_iter();
-        let line = lines.find(|line| !followed.contains(line))?;
-        Some(line.split(' ').next().unwrap_or_default().to_owned())
+    /// Keys that are not volref's own and have no meaning for one volume by itself.
+    pub(super) fn keys_of_objects(&self) -> Vec<String> {
+        let changed = self.changed().filter(|(.., modes)| *modes == OBJECTS);
+        changed.map(|(key, ..)| format!("`{key}`")).collect()
     }
 
     /// Each ray has a random number.

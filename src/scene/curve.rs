@@ -8,7 +8,7 @@ use crate::optics::{TransferOpacity, TransferPoints};
 
 /// The declaration of `[curve]`.
 pub(super) const CURVE: Table = Table::new("A plot of the transfer function: transparency T(d) and opacity 1 − T(d) over density d; of a table of points, opacity over value with the colours below.").keys(&[
-    Key::or("densities", Kind::Number(Range::open(0.0, f64::INFINITY)), "1.2")
+    Key::or("densities", Kind::Number(Range::POSITIVE), "1.2")
         .doc("Density at the right end of the axis; the left end is 0. Not with a table of points, whose ends are those of the axis."),
 ]);
 
@@ -30,7 +30,7 @@ impl Curve {
     pub(super) fn read(reader: &Reader, opacity: OpacityByValue) -> SceneResult<Curve> {
         match opacity {
             OpacityByValue::Formula(opacity) => {
-                let densities = reader.number("densities")?;
+                let densities = reader.get("densities")?;
                 Ok(Curve::Formula { opacity, densities })
             }
             OpacityByValue::Points(_) if reader.has("densities") => {

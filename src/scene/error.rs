@@ -1,6 +1,7 @@
 //! Errors in scenes, with their position and remedy.
 
 use super::excerpt::{Excerpt, shortened};
+use crate::files::visible::visible_in_place;
 use miette::{Diagnostic, SourceSpan};
 use std::ops::Range;
 use thiserror::Error;
@@ -36,7 +37,7 @@ impl SceneError {
     ) -> Box<SceneError> {
         let source_code = Excerpt {
             name: path.to_owned(),
-            text: text.to_owned(),
+            text: visible_in_place(text),
         };
         Box::new(SceneError {
             message: shortened(message.into()),

@@ -1,5 +1,6 @@
 //! Excerpts of long texts in messages.
 
+use crate::files::visible::visible;
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::ops::Range;
 
@@ -90,7 +91,7 @@ impl SourceCode for Excerpt {
         let before = &self.text[..shown.offset()];
         let line = before.bytes().filter(|byte| *byte == b'\n').count();
         let column = before.rsplit('\n').next().unwrap_or_default();
-        let name = self.name.clone();
+        let name = visible(&self.name);
         let contents = MietteSpanContents::new_named(
             name,
             data,

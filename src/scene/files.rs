@@ -83,7 +83,9 @@ impl<'p> Files<'p> {
             if reader.has("field") {
                 return reader.mistake("field", error.to_string(), help);
             }
-            let path = self.folder.join(reader.text("file").unwrap_or_default());
+            let path = self
+                .folder
+                .join(reader.get::<String>("file").unwrap_or_default());
             reader.mistake("file", format!("{}: {error}", path.display()), help)
         })
     }
@@ -194,13 +196,13 @@ impl<'p> Files<'p> {
 
     /// The mesh that a table `{ file }` names.
     pub(super) fn mesh(&mut self, reader: &Reader) -> SceneResult<Arc<Mesh>> {
-        let name = reader.text("file")?;
+        let name: String = reader.get("file")?;
         self.mesh_named(reader, name)
     }
 
     /// The mesh that a table `{ file }` names, which must be closed.
     pub(super) fn closed_mesh(&mut self, reader: &Reader) -> SceneResult<Arc<ClosedMesh>> {
-        let name = reader.text("file")?;
+        let name: String = reader.get("file")?;
         let mesh = self.mesh_named(reader, name.clone())?;
         if let Some(closed) = self.closed.get(&name) {
             return Ok(closed.clone());

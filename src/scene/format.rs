@@ -76,18 +76,19 @@ pub struct Key {
     pub doc: &'static str,
 }
 
-/// The keys of `first`, then those of `second`: `N` in all.
-pub(super) const fn joined<const A: usize, const B: usize, const N: usize>(
-    first: [Key; A],
-    second: [Key; B],
-) -> [Key; N] {
-    assert!(A + B == N);
-    let mut all = [first[0]; N];
-    let mut at = 0;
-    while at < N {
-        all[at] = if at < A { first[at] } else { second[at - A] };
-        at += 1;
+/// The keys of several lists, one list after the other: `N` in all.
+pub(super) const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
+    let mut all = [lists[0][0]; N];
+    let (mut at, mut list) = (0, 0);
+    while list < lists.len() {
+        let mut index = 0;
+        while index < lists[list].len() {
+            all[at] = lists[list][index];
+            (at, index) = (at + 1, index + 1);
+        }
+        list += 1;
     }
+    assert!(at == N);
     all
 }
 
@@ -208,6 +209,17 @@ pub struct Range {
 }
 
 impl Range {
+    /// `[0, ∞)`
+    pub const NOT_NEGATIVE: Range = Range::half_open(0.0, f64::INFINITY);
+    /// `(0, ∞)`
+    pub const POSITIVE: Range = Range::open(0.0, f64::INFINITY);
+    /// `[0, 1]`
+    pub const UNIT: Range = Range::closed(0.0, 1.0);
+    /// Any finite number.
+    pub(crate) const FINITE: Range = Range::open(f64::NEG_INFINITY, f64::INFINITY);
+    /// Finite numbers that a grid can hold.
+    pub(crate) const STORED: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
+
     const fn new(low: f64, low_open: bool, high: f64, high_open: bool) -> Range {
         Range {
             low,

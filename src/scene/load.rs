@@ -10,7 +10,8 @@ use super::modulation::Modulation;
 use super::objects::check_count;
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
-use super::sampling::{SAMPLING, SamplingTable};
+use super::record::Record;
+use super::sampling::SamplingTable;
 use super::transfer_function::{
     OpacityByValue, TRANSFER_FUNCTION, read_range, read_transfer_function,
 };
@@ -31,11 +32,11 @@ use toml::de::{DeTable, DeValue};
 pub const SCENE: Table = Table::new("A scene of volref: one model, the camera and the image.").keys(&[
     Key::optional("title", Kind::Text)
         .doc("Description of the image."),
-    Key::optional("film", Kind::Table(&FILM))
+    Key::optional("film", Kind::Table(&Film::TABLE))
         .doc("The image."),
     Key::optional("camera", Kind::Table(&CAMERA))
         .doc("The eye."),
-    Key::optional("sampling", Kind::Table(&SAMPLING))
+    Key::optional("sampling", Kind::Table(&SamplingTable::TABLE))
         .doc("Random numbers; for radiative scenes only."),
     Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
         .doc("Colour and opacity by density; not for radiative scenes."),
@@ -49,10 +50,12 @@ pub const SCENE: Table = Table::new("A scene of volref: one model, the camera an
         .doc("Several images side by side, at most 256: each panel is the scene with the keys of the panel replaced."),
 ]).rules(&[Rule::ExactlyOne("model", &["classified", "radiative", "curve"])]);
 
-const FILM: Table = Table::new("The image; with panels, each of them.").keys(&[
-    Key::or("width", Kind::Count(1, 16384), "256").doc("Columns of pixels."),
-    Key::or("height", Kind::Count(1, 16384), "256").doc("Rows of pixels."),
-]);
+record! {
+    struct Film in "The image; with panels, each of them." {
+        width: u32 = or("256") Count(1, 16384), "Columns of pixels.";
+        height: u32 = or("256") Count(1, 16384), "Rows of pixels.";
+    }
+}
 
 /// Largest image rendered, all panels together: 16384², which is also the largest image read.
 const MOST_PIXELS: usize = 1 << 28;
@@ -397,10 +400,9 @@ impl Panel {
     ) -> SceneResult<Panel> {
         let log: RefCell<Vec<Reading>> = RefCell::default();
         let root = Reader::new(document, &SCENE, table, &log)?;
-        let title = root.optional_text("title")?;
-        let film = root.table_or_default("film")?;
-        let width = film.count("width")? as usize;
-        let height = film.count("height")? as usize;
+        let title = root.get("title")?;
+        let film = Film::read(&root.table_or_default("film")?)?;
+        let [width, height] = [film.width, film.height].map(|pixels| pixels as usize);
         let model = if let Some(reader) = root.table("classified")? {
             let classified = read_classified(&root, &reader, files, [width, height])?;
             if classified.has_objects() {
@@ -496,7 +498,7 @@ fn read_classified(
             volume.resolved("resolution", nodes);
         }
         let voxel = placed.voxel();
-        let name = volume.optional_text("name")?;
+        let name = volume.get::<Option<String>>("name")?;
         if name.is_some() && volumes.iter().any(|other| other.name == name) {
             let message = "another volume has this name, too";
             return Err(volume.mistake("name", message, "give each volume a name of its own"));

@@ -1,5 +1,7 @@
 //! From text to a valid [`Scene`].
 
+#[macro_use]
+mod record;
 mod camera;
 mod classified;
 mod clip;

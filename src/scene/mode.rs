@@ -1,17 +1,15 @@
 //! Modes of a classified volume: composited samples, a projection, or isosurfaces.
 
 use super::SceneResult;
-use super::format::{Key, Kind, Range, Table};
+use super::format::{Key, Kind, Range};
 use super::reader::Reader;
+use super::record::Record;
 use crate::optics::TransferFunction;
 use glam::DVec3;
 
 const PROJECTIONS: [&str; 5] = ["maximum", "minimum", "mean", "sum", ATTENUATED];
 const ATTENUATED: &str = "attenuated-maximum";
 const ISOSURFACE: &str = "isosurface";
-
-/// Finite numbers that a grid can hold.
-const VALUES: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
 
 /// Isosurfaces at most: each is looked for in every cell or step.
 const MOST_SURFACES: usize = 64;
@@ -20,28 +18,13 @@ const MOST_SURFACES: usize = 64;
 pub(super) const MODE: [Key; 4] = [
     Key::optional("mode", Kind::Choice(&[PROJECTIONS[0], PROJECTIONS[1], PROJECTIONS[2], PROJECTIONS[3], ATTENUATED, ISOSURFACE]))
         .doc("Content of a pixel, of the field along its ray: its largest value, its smallest one, its mean or its integral over the way inside the volume (world units), the largest value as the values before it attenuate it, or surfaces of equal value. Sampled every `step`, or exact with `compositing = \"continuous\"`. If left out, samples are composited."),
-    Key::optional("attenuation", Kind::Number(Range::at_least(0.0)))
+    Key::optional("attenuation", Kind::Number(Range::NOT_NEGATIVE))
         .doc("Attenuation of `attenuated-maximum`, per world unit of the way through a value at the top of the window."),
-    Key::optional("window", Kind::Table(&WINDOW))
+    Key::optional("window", Kind::Table(&Window::TABLE))
         .doc("Greys of a projection, from black to white, in place of the colours of the transfer function."),
-    Key::optional("isosurface", Kind::Tables(&SURFACE))
+    Key::optional("isosurface", Kind::Tables(&Isosurface::TABLE))
         .doc("The surfaces of `mode = \"isosurface\"`, at most 64."),
 ];
-
-const WINDOW: Table = Table::new("A window of values, shown as greys; constant beyond its ends.")
-    .keys(&[
-        Key::required("low", Kind::Number(VALUES)).doc("Value shown black."),
-        Key::required("high", Kind::Number(VALUES)).doc("Value shown white; above `low`."),
-    ]);
-
-const SURFACE: Table = Table::new("A surface on which the field has one value.").keys(&[
-    Key::required("value", Kind::Number(VALUES))
-        .doc("Value of the volume, in the unit of its file."),
-    Key::required("colour", Kind::Colour(Range::at_least(0.0)))
-        .doc("Linear radiance of the surface before shading."),
-    Key::or("opacity", Kind::Number(Range::closed(0.0, 1.0)), "1.0")
-        .doc("Fraction of the light behind that is absorbed."),
-]);
 
 /// Content of a pixel, from the field along its ray.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,13 +63,13 @@ pub enum Projected {
     AttenuatedMaximum(f64),
 }
 
-/// Values shown as greys.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
-    /// Shown black.
-    pub low: f64,
-    /// Shown white.
-    pub high: f64,
+record! {
+    /// Values shown as greys.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Window in "A window of values, shown as greys; constant beyond its ends." {
+        low: f64 = required Number(Range::STORED), "Value shown black.";
+        high: f64 = required Number(Range::STORED), "Value shown white; above `low`.";
+    }
 }
 
 /// Surfaces of equal value.
@@ -98,15 +81,14 @@ pub struct Isosurfaces {
     pub faults: Vec<IsosurfaceFault>,
 }
 
-/// The surface on which the field has one value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Isosurface {
-    /// The value.
-    pub value: f64,
-    /// Colour before shading.
-    pub colour: DVec3,
-    /// Opacity, in [0, 1].
-    pub opacity: f64,
+record! {
+    /// The surface on which the field has one value.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Isosurface in "A surface on which the field has one value." {
+        value: f64 = required Number(Range::STORED), "Value of the volume, in the unit of its file.";
+        colour: DVec3 = required Colour(Range::NOT_NEGATIVE), "Linear radiance of the surface before shading.";
+        opacity: f64 = or("1.0") Number(Range::UNIT), "Fraction of the light behind that is absorbed.";
+    }
 }
 
 /// A mistake in projections.
@@ -180,7 +162,7 @@ impl Mode {
             true => Err(reader.mistake(key, message, help)),
             false => Ok(()),
         };
-        let Some(name) = reader.optional_text("mode")? else {
+        let Some(name) = reader.optional::<String>("mode")? else {
             let help = "choose what a pixel shows with `mode`, or leave the key out";
             for Key { name, .. } in &MODE[1..] {
                 without(name, format!("composited samples have no `{name}`"), help)?;
@@ -275,10 +257,7 @@ impl Mode {
 }
 
 fn read_window(reader: &Reader) -> SceneResult<Window> {
-    let window = Window {
-        low: reader.number("low")?,
-        high: reader.number("high")?,
-    };
+    let window = Window::read(reader)?;
     if window.low < window.high {
         return Ok(window);
     }
@@ -294,7 +273,7 @@ fn read_attenuation(reader: &Reader, window: Option<Window>) -> SceneResult<f64>
         let message = format!("`mode = \"attenuated-maximum\"` needs `{key}`");
         Err(reader.mistake("mode", message, "give `attenuation`, per world unit, and [classified.window] with `low` and `high`: values attenuate by their position in the window"))
     };
-    match (reader.optional_number("attenuation")?, window) {
+    match (reader.get("attenuation")?, window) {
         (None, _) => missing("attenuation"),
         (_, None) => missing("window"),
         (Some(attenuation), _) => Ok(attenuation),
@@ -320,11 +299,7 @@ fn read_surfaces(reader: &Reader) -> SceneResult<Isosurfaces> {
     }
     let mut surfaces: Vec<Isosurface> = Vec::new();
     for table in &tables {
-        let surface = Isosurface {
-            value: table.number("value")?,
-            colour: table.vector("colour")?,
-            opacity: table.number("opacity")?,
-        };
+        let surface = Isosurface::read(table)?;
         if surfaces.iter().any(|other| other.value == surface.value) {
             let message = format!("two isosurfaces have the value {}", surface.value);
             return Err(table.mistake(

@@ -5,6 +5,7 @@ use super::files::Files;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
+use super::record::Record;
 use super::transfer_function::read_points;
 use super::volume::VolumeRequest;
 use crate::optics::{TransferPoint, TransferPoints};
@@ -18,23 +19,21 @@ pub(super) const MODULATION: Table = Table::new("Multiplies opacities over the r
         .doc("The second number: the length of the gradient at the nodes, by central differences, in values per world unit."),
     Key::optional("file", Kind::Text)
         .doc("A grid of the second number at as many nodes as the volume has, which are taken for the same, wherever the file puts them."),
-    Key::optional("replace_non_finite", Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)))
+    Key::optional("replace_non_finite", Kind::Number(Range::STORED))
         .doc("With `file`: the value that takes the place of NaN and infinity. If left out, they are an error."),
-    Key::required("point", Kind::Tables(&POINT))
+    Key::required("point", Kind::Tables(&Point::TABLE))
         .doc("Factors, in order of the second number, joined by straight lines and constant beyond the outermost."),
 ]).rules(&[
     Rule::ExactlyOne("source", &["of", "file"]),
     Rule::Apart([&["of"], &["replace_non_finite"]]),
 ]);
 
-const POINT: Table = Table::new("The factor of one number.").keys(&[
-    Key::required(
-        "value",
-        Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)),
-    )
-    .doc("The second number."),
-    Key::required("factor", Kind::Number(Range::closed(0.0, 1.0))).doc("Factor of the opacity."),
-]);
+record! {
+    struct Point in "The factor of one number." {
+        value: f64 = required Number(Range::STORED), "The second number.";
+        factor: f64 = required Number(Range::UNIT), "Factor of the opacity.";
+    }
+}
 
 /// Factors of opacity by a second field.
 #[derive(Clone, Debug)]
@@ -54,18 +53,16 @@ impl Modulation {
         let Some(reader) = volume.table("modulation")? else {
             return Ok(None);
         };
-        let factors = read_points(&reader, |row| {
-            Ok(TransferPoint {
-                value: row.number("value")?,
-                colour: DVec3::ZERO,
-                opacity: row.number("factor")?,
-            })
+        let factors = read_points(&reader, |point: Point| TransferPoint {
+            value: point.value,
+            colour: DVec3::ZERO,
+            opacity: point.factor,
         })?;
-        reader.optional_text("of")?;
-        let grid = match reader.optional_text("file")? {
+        reader.optional::<String>("of")?;
+        let grid = match reader.get("file")? {
             None => Arc::new(gradient_lengths(&placed.grid, placed.to_world.as_ref())),
             Some(file) => {
-                let replaced = reader.optional_number("replace_non_finite")?;
+                let replaced = reader.get("replace_non_finite")?;
                 let request = VolumeRequest::of_grid(file, replaced);
                 let grid = files.loaded(&reader, request)?.grid;
                 let [own, other] = [&placed.grid, &grid].map(|grid| grid.lattice().nodes());

@@ -1,13 +1,11 @@
 //! The grid of a classified volume by a formula, in place of a file.
 
 use super::SceneResult;
-use super::format::{Key, Kind, Range, Table};
+use super::format::{Key, Kind, Range};
 use super::reader::Reader;
+use super::record::Record;
 use crate::volume::{Centring, Lattice, LatticeError, NodeFormula};
 use glam::DVec3;
-
-/// Values that a grid holds.
-const STORED: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
 
 /// Nodes along an axis, at most: those of a grid of one row.
 const MOST: u64 = NodeFormula::MOST_NODES as u64;
@@ -31,54 +29,51 @@ pub(super) const FORMULA: [Key; 9] = [
         .doc("With `field`: nodes along x, y and z, in all at most 2^27, which take 512 MiB."),
     SPACING,
     ORIGIN,
-    Key::optional("value", Kind::Number(STORED))
+    Key::optional("value", Kind::Number(Range::STORED))
         .doc("With `field`: of a ramp, the value of the first node; of spots, that of all other nodes; 0 if left out."),
     Key::optional("slope", Kind::Vector)
         .doc("For a ramp: the change from node to node along x, y and z. Powers of two are exact."),
     Key::optional("every", Kind::Count(2, MOST))
         .doc("For spots: edge of a brick, in nodes. A spot lies at nodes whose numbers are multiples of it; along a shorter axis, at the middle node."),
-    Key::optional("bright", Kind::Number(STORED))
+    Key::optional("bright", Kind::Number(Range::STORED))
         .doc("For spots: the value at the nodes of `every`; 1 if left out."),
-    Key::optional("spot", Kind::Tables(&SPOT))
+    Key::optional("spot", Kind::Tables(&Spot::TABLE))
         .doc("For spots: single nodes, with their values."),
 ];
 
-const SPOT: Table = Table::new("A node with a value of its own.").keys(&[
-    Key::required("node", Kind::Counts(0, MOST - 1))
-        .doc("Its numbers along x, y and z, counted from 0."),
-    Key::or("value", Kind::Number(STORED), "1.0").doc("Its value."),
-]);
+record! {
+    struct Spot in "A node with a value of its own." {
+        node: [u64; 3] = required Counts(0, MOST - 1), "Its numbers along x, y and z, counted from 0.";
+        value: f64 = or("1.0") Number(Range::STORED), "Its value.";
+    }
+}
 
 /// The formula of a volume table, and the lattice of its nodes.
 pub(super) fn read_formula(reader: &Reader) -> SceneResult<(NodeFormula, Lattice)> {
-    let formula = reader.text("field")?;
+    let is_ramp = reader.get::<String>("field")? == "ramp";
     let lattice = read_lattice(reader)?;
-    let value = reader.optional_number("value")?.unwrap_or(0.0);
-    let is_ramp = formula == "ramp";
-    let others: &[&str] = match is_ramp {
-        true => &["every", "bright", "spot"],
-        false => &["slope"],
+    let value = reader.optional("value")?.unwrap_or(0.0);
+    let (name, others): (_, &[&str]) = match is_ramp {
+        true => ("ramp", &["every", "bright", "spot"]),
+        false => ("spots", &["slope"]),
     };
-    if let Some(other) = others.iter().find(|key| reader.has(key)) {
-        let message = format!("`{other}` has no effect on the field {formula:?}");
+    if let Some(other) = reader.first_of(others) {
+        let message = format!("`{other}` has no effect on the field {name:?}");
         return Err(reader.error(other, message));
     }
     if is_ramp {
-        let Some(slope) = reader.optional_vector("slope")? else {
+        let Some(slope) = reader.get("slope")? else {
             let message = "the field \"ramp\" needs `slope`, its change from node to node";
-            return Err(reader.mistake(
-                "field",
-                message,
-                "give it, such as slope = [0.5, 0, 0.25]",
-            ));
+            let help = "give it, such as slope = [0.5, 0, 0.25]";
+            return Err(reader.mistake("field", message, help));
         };
         return Ok((NodeFormula::Ramp { value, slope }, lattice));
     }
-    let every = reader.optional_count("every")?.map(|nodes| nodes as usize);
-    let every = match every {
-        Some(nodes) => Some((nodes, reader.optional_number("bright")?.unwrap_or(1.0))),
+    let every = match reader.get("every")? {
+        Some(nodes) => Some((nodes, reader.optional("bright")?.unwrap_or(1.0))),
         None => None,
     };
+    let every = every.map(|(nodes, bright): (u32, f64)| (nodes as usize, bright));
     let spots = reader.tables("spot")?;
     if every.is_none() && spots.is_empty() {
         let message = "the field \"spots\" has none";
@@ -87,8 +82,8 @@ pub(super) fn read_formula(reader: &Reader) -> SceneResult<(NodeFormula, Lattice
         return Err(reader.mistake("field", message, help));
     }
     let spot = |spot: &Reader| {
-        let node = spot.counts("node")?.map(|index| index as usize);
-        Ok((node, spot.number("value")?))
+        let Spot { node, value } = Record::read(spot)?;
+        Ok((node.map(|index| index as usize), value))
     };
     let formula = NodeFormula::Spots {
         value,
@@ -99,7 +94,7 @@ pub(super) fn read_formula(reader: &Reader) -> SceneResult<(NodeFormula, Lattice
 }
 
 fn read_lattice(reader: &Reader) -> SceneResult<Lattice> {
-    let Some(nodes) = reader.optional_counts("nodes")? else {
+    let Some(nodes) = reader.get::<Option<[u64; 3]>>("nodes")? else {
         let message = "a formula needs `nodes`, the size of its grid";
         return Err(reader.mistake("field", message, "give it, such as nodes = [64, 64, 32]"));
     };
@@ -111,9 +106,9 @@ fn read_lattice(reader: &Reader) -> SceneResult<Lattice> {
         );
         return Err(reader.mistake("nodes", message, "give fewer nodes, or a file of that size"));
     }
-    let spacing = reader.optional_vector("spacing")?.unwrap_or(DVec3::ONE);
-    let first = reader.optional_vector("origin")?.unwrap_or(DVec3::ZERO);
-    let centring = match reader.optional_text("centring")?.as_deref() {
+    let spacing = reader.optional("spacing")?.unwrap_or(DVec3::ONE);
+    let first = reader.optional("origin")?.unwrap_or(DVec3::ZERO);
+    let centring = match reader.get::<Option<String>>("centring")?.as_deref() {
         Some("cells") => Centring::Cells,
         _ => Centring::Nodes,
     };

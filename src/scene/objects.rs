@@ -22,11 +22,11 @@ pub(super) const SURFACE: Table = Table::new("An opaque surface: one shape of on
     .keys(&SURFACE_KEYS)
     .rules(&[shapes::ONE_SHAPE]);
 
-const SURFACE_KEYS: [Key; 8] = joined(
-    shapes::SURFACE_KEYS,
-    [Key::required("colour", Kind::Colour(Range::at_least(0.0)))
+const SURFACE_KEYS: [Key; 8] = joined(&[
+    &shapes::SURFACE_KEYS,
+    &[Key::required("colour", Kind::Colour(Range::NOT_NEGATIVE))
         .doc("Linear radiance of the material before shading.")],
-);
+]);
 
 /// Surfaces.
 pub(super) const SURFACES: Key = Key::optional("surface", Kind::Tables(&SURFACE))
@@ -132,7 +132,7 @@ impl Objects {
         let surfaces = reader.tables_as("surface", |reader| {
             Ok(OpaqueSurface {
                 shape: shapes::shape(reader, files, false)?,
-                colour: reader.vector("colour")?,
+                colour: reader.get("colour")?,
                 phong: None,
             })
         })?;

@@ -2,7 +2,7 @@
 
 use super::SceneResult;
 use super::format::{Key, Kind};
-use super::radiative::shape_transform::{ROTATE, SCALE, ShapeTransform, TRANSLATE};
+use super::radiative::shape_transform::{self, ShapeTransform};
 use super::reader::Reader;
 use crate::geometry::{Transform, length_of};
 use crate::volume::{Grid, PlacedBox, cell_edges, voxel};
@@ -14,11 +14,14 @@ pub(super) const TRANSFORM: Key = Key::optional("transform", Kind::Matrix(3)).do
 );
 
 /// The keys of a placement in place of [`TRANSFORM`]: those of a shape.
-pub(super) const STEPS: [Key; 3] = [
-    SCALE.doc("Scales the volume, as it stands without this key, along x, y, z about the origin, before its rotation; not 0, negative factors mirror."),
-    ROTATE.doc("Rotates the volume about an axis through the origin, after its scaling and before its translation."),
-    TRANSLATE.doc("Translates the volume, after its scaling and rotation, world units."),
-];
+pub(super) const STEPS: [Key; 3] = {
+    let [scale, rotate, translate] = shape_transform::STEPS;
+    [
+        scale.doc("Scales the volume, as it stands without this key, along x, y, z about the origin, before its rotation; not 0, negative factors mirror."),
+        rotate.doc("Rotates the volume about an axis through the origin, after its scaling and before its translation."),
+        translate.doc("Translates the volume, after its scaling and rotation, world units."),
+    ]
+};
 
 /// Largest condition number of a map.
 ///
@@ -38,7 +41,7 @@ pub(super) struct PlacedGrid {
 impl PlacedGrid {
     /// This grid, moved as the table of its volume says.
     pub(super) fn moved(self, reader: &Reader) -> SceneResult<PlacedGrid> {
-        let by_scene = match reader.optional_matrix("transform")? {
+        let by_scene = match reader.optional("transform")? {
             Some(rows) => Some(reader.accepted_at("transform", Transform::from_rows(rows))?),
             None => ShapeTransform::read(reader)?.to_world,
         };
@@ -52,7 +55,7 @@ impl PlacedGrid {
         };
         placed.check().map_err(|(message, help)| {
             let keys = ["transform", "scale", "rotate", "translate"];
-            let given = keys.into_iter().find(|key| reader.has(key));
+            let given = reader.first_of(&keys);
             reader.mistake(
                 given.unwrap_or(if reader.has("field") { "field" } else { "file" }),
                 message,

@@ -29,7 +29,7 @@ pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media an
     // A stream of random numbers counts the bounces of a path in 26 bits.
     Key::optional("max_bounces", Kind::Count(2, (1 << 26) - 1))
         .doc("Maximum scattering order, with `scattering = \"multiple\"`. If left out, it is unlimited."),
-    Key::or("environment", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
+    Key::or("environment", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
         .doc("Linear radiance from infinitely far away, the same from every direction."),
     Key::optional("surface", Kind::Tables(&surfaces::SURFACE))
         .doc("Surfaces."),
@@ -190,7 +190,8 @@ impl Radiative {
             return Err(camera.mistake("eye", message, "choose another unit of length"));
         }
         let scattering = read_scattering(reader)?;
-        let environment = radiance(reader, "environment")?;
+        let environment = reader.get("environment")?;
+        check_radiance(reader, "environment", environment)?;
         let (mut objects, mut area_lights) = (Vec::new(), Vec::new());
         for surface in reader.tables("surface")? {
             match surfaces::read(&surface, files)? {
@@ -238,9 +239,10 @@ impl Radiative {
 }
 
 fn read_scattering(reader: &Reader) -> SceneResult<Scattering> {
-    let scattering = reader.text("scattering")?;
-    let limit = reader.optional_count("max_bounces")?;
-    let limit = limit.map(|limit| u32::try_from(limit).expect("below 2^26 by declaration"));
+    let (scattering, limit) = (
+        reader.get::<String>("scattering")?,
+        reader.get("max_bounces")?,
+    );
     match (scattering.as_str(), limit) {
         ("none", None) => Ok(Scattering::None),
         ("single", None) => Ok(Scattering::Single),
@@ -256,12 +258,11 @@ fn read_scattering(reader: &Reader) -> SceneResult<Scattering> {
 /// Half of the largest number an image of `f32` can hold leaves room for rounding.
 const LARGEST_RADIANCE: f64 = (f32::MAX / 2.0) as f64;
 
-/// The colour at `name`, a radiance or something that becomes one, if an image can hold it.
-fn radiance(reader: &Reader, name: &str) -> SceneResult<DVec3> {
-    let colour = reader.vector(name)?;
+/// Refuses a radiance at `name`, or something that becomes one, if no image can hold it.
+fn check_radiance(reader: &Reader, name: &str, colour: DVec3) -> SceneResult<()> {
     let most = colour.max_element();
     if most <= LARGEST_RADIANCE {
-        return Ok(colour);
+        return Ok(());
     }
     let message =
         format!("`{name}` is {most:e}, but an image holds at most {LARGEST_RADIANCE:.3e}");

@@ -3,6 +3,8 @@
 mod rules;
 mod values;
 
+pub use values::{Field, Value};
+
 use super::format::{Key, Table};
 use super::{SceneError, SceneResult};
 use crate::files::misspelling::{escape_remedy, nearest};
@@ -229,7 +231,7 @@ impl<'d, 's> Reader<'d, 's> {
     /// The text at `name` for a reader of another kind, and what to call it in messages. A text
     /// between three single quotes keeps its lines and columns: blanks stand for all before it.
     pub(crate) fn text_in_place(&self, name: &str) -> SceneResult<Option<(String, String)>> {
-        let (Some(text), Some(value)) = (self.optional_text(name)?, self.value(name)) else {
+        let (Some(text), Some(value)) = (self.optional::<String>(name)?, self.value(name)) else {
             return Ok(None);
         };
         const QUOTES: &str = "'''";
@@ -288,6 +290,12 @@ impl<'d, 's> Reader<'d, 's> {
     ) -> Box<SceneError> {
         let span = Some(self.span.clone());
         self.document.error(span, message, Some(help.into()))
+    }
+
+    /// An error where the value of `name` has not the declared form.
+    fn wrong_form(&self, name: &str) -> Box<SceneError> {
+        let expected = self.declared(name).kind.expected();
+        self.error(name, format!("`{name}` must be {expected}"))
     }
 
     fn wrong_type(&self, name: &str, value: &Spanned<DeValue>) -> Box<SceneError> {

@@ -314,25 +314,6 @@ impl Classified {
 }
 
 impl Conventions {
-    /// Keys that are not volref's own and have no meaning for one volume by itself.
-    fn keys_of_objects(&self) -> Vec<String> {
-        const KEYS: [&str; 6] = [
-            "composition",
-            "volume_steps",
-            "volume_boxes",
-            "surface_depth",
-            "object_shadows",
-            "sample_behind_ends",
-        ];
-        let lines = self.lines().into_iter();
-        lines
-            .filter_map(|line| {
-                let key = line.split(' ').next()?;
-                KEYS.contains(&key).then(|| format!("`{key}`"))
-            })
-            .collect()
-    }
-
     /// True if a convention about several objects that are merged is not volref's own.
     pub(super) fn is_of_merged_objects(&self) -> bool {
         let own = Conventions::default();

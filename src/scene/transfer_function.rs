@@ -1,9 +1,10 @@
 //! Transfer functions: the assignment's formula or a table of points.
 
-use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
+use super::record::Record;
+use super::{Length, SceneResult};
 use crate::optics::{
     Appearance, Colormap, TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
@@ -16,24 +17,21 @@ pub(super) const TRANSFER_FUNCTION: Table = Table::new("Opacity over the referen
         .doc("Path length over which the transparency is stated, world units or voxels."),
     Key::or("colormap", Kind::Choice(Colormap::NAMES), "'heat'")
         .doc("Colours for densities 0 to 1."),
-    Key::optional("range", Kind::Interval(VALUES))
+    Key::optional("range", Kind::Interval(Range::STORED))
         .doc("Values [lo, hi] that stand for densities 0 and 1, and all between for those between; beyond its ends they count as the nearer end. With `point`, its values are these densities. If left out, the values are densities; those of a file that leave 0 to 1 have the range from their 1st to their 99.9th percentile, with `mode = \"sum\"` times the longest edge of the box."),
-    Key::optional("point", Kind::Tables(&POINT))
+    Key::optional("point", Kind::Tables(&TransferPoint::TABLE))
         .doc("A table in place of floor and colormap: points in order of their values, joined by straight lines, constant beyond the outermost; two points at one value make a step, where the later holds at the value itself."),
 ]).rules(&[Rule::Apart([&["point"], &["floor", "colormap"]])]);
 
-/// Finite numbers that a grid can hold.
-const VALUES: Range = Range::closed(f32::MIN as f64, f32::MAX as f64);
-
-const POINT: Table = Table::new("Colour and opacity of one value of the volume.").keys(&[
-    Key::required("value", Kind::Number(VALUES))
-        .doc("Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1."),
-    Key::required("colour", Kind::Colour(Range::at_least(0.0)))
-        .doc("Linear radiance of the material before shading."),
-    Key::required("opacity", Kind::Number(Range::closed(0.0, 1.0))).doc(
-        "Opacity over the reference length: the fraction of the light behind that is absorbed.",
-    ),
-]);
+record! {
+    impl TransferPoint in "Colour and opacity of one value of the volume." {
+        value = required Number(Range::STORED),
+            "Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1.";
+        colour = required Colour(Range::NOT_NEGATIVE), "Linear radiance of the material before shading.";
+        opacity = required Number(Range::UNIT),
+            "Opacity over the reference length: the fraction of the light behind that is absorbed.";
+    }
+}
 
 /// What a transfer function says of opacity, by whichever of the two ways.
 #[derive(Clone)]
@@ -47,34 +45,45 @@ pub(super) enum OpacityByValue {
 impl OpacityByValue {
     pub(super) fn read(reader: &Reader) -> SceneResult<OpacityByValue> {
         if reader.has("point") {
-            let range = reader.optional_interval("range")?;
-            let points = read_points(reader, |row| {
-                let value = row.number("value")?;
-                Ok(TransferPoint {
-                    // Exactly the ends of the range at 0 and 1.
-                    value: range.map_or(value, |[low, high]| low * (1.0 - value) + high * value),
-                    colour: row.vector("colour")?,
-                    opacity: row.number("opacity")?,
-                })
+            let range = interval(reader)?;
+            let points = read_points(reader, |point: TransferPoint| TransferPoint {
+                // Exactly the ends of the range at 0 and 1.
+                value: range.map_or(point.value, |[low, high]| {
+                    low * (1.0 - point.value) + high * point.value
+                }),
+                ..point
             });
             return Ok(OpacityByValue::Points(points?));
         }
-        let floor = reader.number("floor")?;
+        let floor = reader.get("floor")?;
         Ok(OpacityByValue::Formula(TransferOpacity { floor }))
     }
 }
 
 /// The tables `point`, of each of which `point` makes one, in order of their values.
-pub(super) fn read_points(
+pub(super) fn read_points<R: Record>(
     reader: &Reader,
-    point: impl Fn(&Reader) -> SceneResult<TransferPoint>,
+    point: impl Fn(R) -> TransferPoint,
 ) -> SceneResult<TransferPoints> {
     let rows = reader.tables("point")?;
-    let points = rows.iter().map(point).collect::<Result<Vec<_>, _>>()?;
-    TransferPoints::new(points).map_err(|error| match error.index {
+    let points = rows.iter().map(|row| R::read(row).map(&point));
+    TransferPoints::new(points.collect::<SceneResult<_>>()?).map_err(|error| match error.index {
         None => reader.error("point", error.message),
         Some(index) => rows[index].error("value", error.message),
     })
+}
+
+/// The key `range`, which holds more than a number.
+fn interval(reader: &Reader) -> SceneResult<Option<[f64; 2]>> {
+    match reader.get::<Option<[f64; 2]>>("range")? {
+        Some([low, high]) if low >= high => {
+            let message = format!(
+                "the range from {low} to {high} is empty: its second number must be above its first"
+            );
+            Err(reader.error("range", message))
+        }
+        range => Ok(range),
+    }
 }
 
 /// The range of values of a formula: that of its table, read by `table`, or, without it, that of a `volume` from a
@@ -86,7 +95,7 @@ pub(super) fn read_range(
     placed: &PlacedGrid,
     is_sum: bool,
 ) -> SceneResult<Option<[f64; 2]>> {
-    if let Some(range) = table.optional_interval("range")? {
+    if let Some(range) = interval(table)? {
         return Ok(Some(range));
     }
     let (least, most) = placed.grid.range();
@@ -115,12 +124,14 @@ pub(super) fn read_transfer_function(
     range: Option<[f64; 2]>,
     voxel: f64,
 ) -> SceneResult<TransferFunction> {
-    let reference_length = reader.length("reference_length")?.in_world_units(voxel);
+    let reference_length = reader
+        .get::<Length>("reference_length")?
+        .in_world_units(voxel);
     let reference_length = reader.accepted_at("reference_length", reference_length)?;
     let appearance = match opacity {
         OpacityByValue::Points(points) => Appearance::Points(points),
         OpacityByValue::Formula(opacity) => {
-            let colormap = reader.text("colormap")?;
+            let colormap: String = reader.get("colormap")?;
             let colormap = Colormap::named(&colormap).expect("one of the declared names");
             Appearance::Formula {
                 opacity,

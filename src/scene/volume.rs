@@ -15,9 +15,9 @@ use std::path::Path;
 pub(super) const VOLUME: Table =
     Table::new("The file a grid of densities comes from.").keys(&FILE_KEYS);
 
-const FILE_KEYS: [Key; 10] = joined(
-    KEYS,
-    [
+const FILE_KEYS: [Key; 10] = joined(&[
+    &KEYS,
+    &[
         SPACING.doc(
             "For an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.",
         ),
@@ -25,7 +25,7 @@ const FILE_KEYS: [Key; 10] = joined(
             "For an .npy or .npz file: position of the first node, world units; the origin if left out.",
         ),
     ],
-);
+]);
 
 /// Rules of [`PLACED_KEYS`].
 pub(super) const PLACED_RULES: [Rule; 4] = [
@@ -50,9 +50,8 @@ pub(super) const PLACED_KEYS: [Key; 21] = {
     let [a, b, c, d, e, f, g, h] = KEYS;
     let a = Key::optional(a.name, a.kind).doc(a.doc);
     let f = f.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged.");
-    let [scale, rotate, translate] = STEPS;
-    let of_a_file = [a, b, c, d, e, f, g, h, TRANSFORM, scale, rotate, translate];
-    joined(of_a_file, FORMULA)
+    let of_a_file = [a, b, c, d, e, f, g, h, TRANSFORM];
+    joined(&[&of_a_file, &STEPS, &FORMULA])
 };
 
 const KEYS: [Key; 8] = [
@@ -64,7 +63,7 @@ const KEYS: [Key; 8] = [
         .doc("Point clouds only: empty nodes kept around the cloud on each side."),
     Key::optional("centring", Kind::Choice(&["nodes", "cells"]))
         .doc("Grids only: whether the box ends at the outermost nodes, or half a voxel beyond them; a .vol keeps its box, all others their nodes. If left out, as the file says, or else nodes."),
-    Key::optional("replace_non_finite", Kind::Number(Range::closed(f32::MIN as f64, f32::MAX as f64)))
+    Key::optional("replace_non_finite", Kind::Number(Range::STORED))
         .doc("Grids only: the value that takes the place of NaN and infinity. If left out, they are an error."),
     Key::optional("orientation", Kind::Choice(&["world", "as-stored"]))
         .doc("Grids only: \"world\" (default) permutes and flips the axes of the file to match the world axes and rejects oblique ones; \"as-stored\" uses them as x, y and z unchanged."),
@@ -97,7 +96,7 @@ impl VolumeRequest {
 
     /// The request of a table; `oblique` says whether axes may point anywhere.
     pub(super) fn read(reader: &Reader, oblique: bool) -> SceneResult<VolumeRequest> {
-        let file = reader.text("file")?;
+        let file: String = reader.get("file")?;
         let format = volume_format(Path::new(&file));
         let without = |keys: &[&'static str], what: &str| {
             let given = keys.iter().find(|key| reader.has(key));
@@ -126,26 +125,26 @@ impl VolumeRequest {
                     &format!("grids; {file:?} is a point cloud"),
                 )?;
             }
-            let resolution = reader.optional_count("resolution")?;
+            let resolution: Option<u32> = reader.get("resolution")?;
             options.splatting = Splatting {
                 resolution: resolution.map(|nodes| nodes as usize),
-                padding: reader.count("padding")? as usize,
+                padding: reader.get::<u32>("padding")? as usize,
             };
         }
-        options.centring = match reader.optional_text("centring")?.as_deref() {
+        options.centring = match reader.optional::<String>("centring")?.as_deref() {
             Some("cells") => Some(Centring::Cells),
             Some(_) => Some(Centring::Nodes),
             None => None,
         };
-        if let Some(value) = reader.optional_number("replace_non_finite")? {
+        if let Some(value) = reader.optional::<f64>("replace_non_finite")? {
             options.non_finite = NonFinite::Replaced(value as f32);
         }
-        if reader.optional_text("orientation")?.as_deref() == Some("as-stored") {
+        if reader.optional::<String>("orientation")?.as_deref() == Some("as-stored") {
             options.orientation = Orientation::AsStored;
         } else if oblique {
             options.orientation = Orientation::Oblique;
         }
-        options.detached_anywhere = reader.flag("detached_anywhere")?;
+        options.detached_anywhere = reader.optional("detached_anywhere")?.unwrap_or(false);
         if content.is_some_and(|content| content != Content::Array) {
             let what = format!(".npy and .npz files; {file:?} states its own");
             without(&["spacing", "origin"], &what)?;
@@ -156,10 +155,10 @@ impl VolumeRequest {
             );
             without(&["axes"], &what)?;
         }
-        let axes = reader.optional_text("axes")?;
+        let axes: Option<String> = reader.get("axes")?;
         options.axes = axes.as_deref().and_then(AxisOrder::named);
-        options.spacing = reader.optional_vector("spacing")?;
-        options.origin = reader.optional_vector("origin")?;
+        options.spacing = reader.optional("spacing")?;
+        options.origin = reader.optional("origin")?;
         let is_spacing = |along: f64| along.is_normal() && along > 0.0;
         match options.spacing {
             Some(spacing) if !spacing.to_array().into_iter().all(is_spacing) => {

@@ -63,7 +63,7 @@ pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how ima
         .doc("Stochastic cases: bias of the mean of the whole image that the gate must be able to detect, relative to that mean plus 0.001. Images too noisy for that are neither passed nor failed."),
     Key::optional("truth", Kind::Choice(&known_answers::NAMES))
         .doc("Formula for the radiance of every pixel, which is then the golden; `volref verify` evaluates it again. Coefficients, shapes and lights are those of the scene."),
-    Key::optional("answer", Kind::Colour(Range::at_least(0.0)))
+    Key::optional("answer", Kind::Colour(Range::NOT_NEGATIVE))
         .doc("Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors. `volref validate` compares images that state their noise with it, in place of the golden."),
     Key::optional("answer_within", Kind::Number(Range::open(0.0, 1.0)))
         .doc("Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it."),
@@ -168,7 +168,8 @@ impl Case {
         self.limit
     }
 
-    /// The arguments that name the suite in a command, with a blank before them; none where it is the current folder.
+    /// The arguments that name the suite in a command, with a blank before them; none where it is the current folder or the
+    /// embedded one.
     pub(crate) fn suite_option(&self) -> String {
         suite_option(&self.suite)
     }
@@ -304,7 +305,10 @@ impl Suite {
         check_names(&manifests)?;
         for path in manifests {
             match read_manifest(&path) {
-                Ok(case) => {
+                Ok(mut case) => {
+                    if suite.own.is_some() {
+                        case.suite = PathBuf::new();
+                    }
                     suite.by_name.insert(case.name.clone(), suite.cases.len());
                     suite.cases.push(case);
                 }
@@ -464,6 +468,12 @@ impl Suite {
         self.cases.iter().map(|case| &case.name)
     }
 
+    /// The arguments that name the suite in a command; none of the embedded one.
+    fn option(&self) -> String {
+        let own = self.own.as_ref();
+        own.map_or_else(|| suite_option(&self.root), |_| String::new())
+    }
+
     fn nearest(&self, filter: &str) -> String {
         let given = filter;
         let filter = pattern_of(given);
@@ -475,13 +485,13 @@ impl Suite {
                  `volref accept {}{} --reason ...` writes one",
                 manifest.display(),
                 shell_words::quote(&file.display().to_string()),
-                suite_option(&self.root),
+                self.option(),
             );
         }
         if self.cases.is_empty() {
             return format!("{CASES} is empty");
         }
-        let all = format!("`volref list{}` shows all cases", suite_option(&self.root));
+        let all = format!("`volref list{}` shows all cases", self.option());
         let names = self.names().flat_map(|name| parts(name));
         match nearest(filter, names) {
             Some(name) => {
@@ -611,23 +621,18 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
     let (family, name) = full_name.split_once('/').unwrap_or_default();
     let family = family.to_owned();
     let folder = path.parent().unwrap_or(Path::new(""));
-    let scene = match reader.optional_text("scene")? {
+    let scene = match reader.get::<Option<String>>("scene")? {
         Some(scene) => folder.join(scene),
         // Not folder/../../scenes: shown in messages, the short way reads better.
         None => {
-            let fixtures = folder
-                .parent()
-                .and_then(Path::parent)
-                .unwrap_or(Path::new(""));
-            fixtures
-                .join("scenes")
-                .join(&family)
-                .join(format!("{name}.toml"))
+            let fixtures = folder.parent().and_then(Path::parent);
+            let fixtures = fixtures.unwrap_or(Path::new(""));
+            fixtures.join(format!("scenes/{family}/{name}.toml"))
         }
     };
-    let class = reader.text("class")?;
+    let class: String = reader.get("class")?;
     let is_stochastic = class == STOCHASTIC;
-    let truth = reader.optional_text("truth")?;
+    let truth: Option<String> = reader.get("truth")?;
     let truth = truth.and_then(|name| Formula::named(&name));
     let sampling = read_sampling(reader, is_stochastic, truth.is_some())?;
     let answer = read_answer(reader, is_stochastic)?;
@@ -636,7 +641,7 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
         return Err(reader.error("answer", message));
     }
     let depth = read_depth(reader, &class)?;
-    let (opacity, promise) = (reader.flag("opacity")?, reader.number("mean_resolution")?);
+    let (opacity, promise): (bool, f64) = (reader.get("opacity")?, reader.get("mean_resolution")?);
     let numbers = match answer {
         Some(Answer::EveryPixel { radiance, within }) => Some((radiance, Some(within))),
         Some(Answer::InTheMean(radiance)) => Some((radiance, None)),
@@ -665,15 +670,15 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
             .filter_map(|(key, value)| Some((key.to_owned(), value?)))
             .collect(),
         scene,
-        source: reader.text("source")?,
-        shows: reader.text("shows")?,
-        computes: reader.text("computes")?,
+        source: reader.get("source")?,
+        shows: reader.get("shows")?,
+        computes: reader.get("computes")?,
         truth,
         answer,
         opacity,
         depth,
         mistakes: read_mistakes(reader)?,
-        exposure: reader.number("exposure")?,
+        exposure: reader.get("exposure")?,
         limit: class == LIMIT,
         sampling,
         promise: Promise::of_mean(promise),
@@ -683,7 +688,7 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
 }
 
 fn read_depth(reader: &Reader, class: &str) -> SceneResult<Option<Depth>> {
-    let name = reader.optional_text("depth")?;
+    let name: Option<String> = reader.get("depth")?;
     if name.is_some() && class != DETERMINISTIC {
         let message = format!("depth is judged in deterministic cases, and this one is {class}");
         return Err(reader.error("depth", message));
@@ -692,7 +697,7 @@ fn read_depth(reader: &Reader, class: &str) -> SceneResult<Option<Depth>> {
 }
 
 fn read_mistakes(reader: &Reader) -> SceneResult<Vec<String>> {
-    let names = reader.words("mistakes")?;
+    let names: Vec<String> = reader.optional("mistakes")?.unwrap_or_default();
     for name in &names {
         if mistakes::named(name).is_none() {
             let message = format!("{name:?} is not a mistake of the catalogue");
@@ -709,8 +714,8 @@ fn read_mistakes(reader: &Reader) -> SceneResult<Vec<String>> {
 }
 
 fn read_answer(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<Answer>> {
-    let radiance = reader.optional_vector("answer")?;
-    let within = reader.optional_number("answer_within")?;
+    let radiance = reader.get("answer")?;
+    let within = reader.get("answer_within")?;
     match (radiance, within) {
         (None, None) => Ok(None),
         (None, Some(_)) => {
@@ -750,7 +755,7 @@ fn read_sampling(
         }
         return Ok(None);
     }
-    let converged = reader.optional_count("converged_samples")?;
+    let converged = reader.get("converged_samples")?;
     if is_known {
         let unused = ["converged_samples", "resolution"];
         if let Some(name) = unused.into_iter().find(|name| reader.has(name)) {
@@ -760,8 +765,8 @@ fn read_sampling(
     }
     let converged = match converged {
         Some(samples) => Some(ConvergedSampling {
-            samples: samples as u32,
-            resolution: reader.number("resolution")?,
+            samples,
+            resolution: reader.get("resolution")?,
         }),
         None if is_known => None,
         None => {
@@ -770,7 +775,7 @@ fn read_sampling(
         }
     };
     Ok(Some(CaseSampling {
-        quick: reader.count("quick_samples")? as u32,
+        quick: reader.get("quick_samples")?,
         converged,
     }))
 }

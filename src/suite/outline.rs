@@ -40,7 +40,7 @@ impl Outline {
     /// The outline in a file, whose core set names cases of the suite only.
     pub fn read(path: &Path, is_case: impl Fn(&str) -> bool) -> SceneResult<Outline> {
         read_file(path, &OUTLINE, |reader| {
-            let core = reader.words("core")?;
+            let core: Vec<String> = reader.optional("core")?.unwrap_or_default();
             if let Some(name) = core.iter().find(|name| !is_case(name)) {
                 let message =
                     format!("the core set names {name:?}, which is no case of this suite");
@@ -49,7 +49,7 @@ impl Outline {
                 );
                 return Err(reader.mistake("core", message, help));
             }
-            let family = |table: &Reader| Ok((table.text("name")?, table.text("asks")?));
+            let family = |table: &Reader| Ok((table.get("name")?, table.get("asks")?));
             let families = reader.tables_as("family", family)?;
             Ok(Outline { core, families })
         })

@@ -445,11 +445,8 @@ fn case_called<'c>(name: &str, cases: &[&'c str]) -> Result<Option<&'c str>, Str
     if let Some(case) = cases.iter().find(|case| **case == name) {
         return Ok(Some(case));
     }
-    let called: Vec<&str> = cases
-        .iter()
-        .copied()
-        .filter(|case| bare(case) == name)
-        .collect();
+    let called = cases.iter().copied().filter(|case| bare(case) == name);
+    let called: Vec<&str> = called.collect();
     match called[..] {
         [] => Ok(None),
         [case] => Ok(Some(case)),

@@ -46,6 +46,7 @@ fn a_pair_that_passes() {
     pass  (deterministic gate)
     0 of 128 pixels differ by more than 0.001 + 1 %; the largest difference is 5.960e-8
 
+      far_share              0
       lost_pixels            0
       max_abs_error          5.960464477539063e-8
       mean_difference_blue   0
@@ -68,6 +69,7 @@ fn a_pair_that_fails() {
     fail  (deterministic gate)
     1 of 128 pixels (0.781 %) differ by more than 0.001 + 1 %; at most 0.02 % may. The worst is (5, 2), 285.7 times the tolerance
 
+      far_share              0.0078125
       lost_pixels            0
       max_abs_error          1
       mean_difference_blue   0
@@ -95,6 +97,7 @@ fn json() {
           "gate": "deterministic",
           "looks_like": [],
           "metrics": {
+            "far_share": 0.0078125,
             "lost_pixels": 0.0,
             "max_abs_error": 1.0,
             "mean_difference_blue": 0.0,

@@ -47,12 +47,14 @@ fn gallery(folder: &Folder, arguments: &[&str]) -> Run {
 fn cells(page: &str, case: &str) -> Vec<String> {
     let (_, row) = page
         .split_once(&format!(
-            "<tr data-name=\"{}\">",
+            "<article data-name=\"{}\">",
             case.replace('/', "&#x2f;")
         ))
         .expect(case);
-    let (row, _) = row.split_once("</tr>").unwrap();
-    row.split("<td ").map(str::to_owned).collect()
+    let (row, _) = row.split_once("</article>").unwrap();
+    row.split("<div class=\"cell\" ")
+        .map(str::to_owned)
+        .collect()
 }
 
 /// The image of this class within a cell, decoded.
@@ -71,19 +73,14 @@ fn image(cell: &str, class: &str) -> (usize, Vec<[u8; 3]>) {
 fn every_renderer_has_its_column_and_every_case_its_row() {
     let folder = with_runs();
     let run = gallery(&folder, &["right", "shadowless", "broken"]);
-    assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(
-        run.stdout.starts_with("page.html: 3 renderers, 4 cases, "),
-        "{}",
-        run.stdout
-    );
+    run.prints(0, "page.html: 3 renderers, 4 cases, ");
     let page = folder.text("page.html");
 
     // Offline, and nobody's words are markup.
     assert!(!page.contains("http:") && !page.contains("https:"));
     assert!(!page.contains("<script>alert") && page.contains("&lt;script&gt;alert(1)"));
     for words in [
-        "Right &amp; &lt;b&gt; 2.1",
+        "Right &amp; &lt;b&gt; <span class=\"soft\">2.1",
         "2026-11-26",
         "--keep shadowless",
         // The sentence, the totals and the legend.
@@ -92,6 +89,7 @@ fn every_renderer_has_its_column_and_every_case_its_row() {
         "<b>5</b> right</dt>",
         "<b>2</b> wrong, cause not known</dt>",
         "<b>5</b> error</dt>",
+        "3 renderers × 4 scenes.",
         // What the matrix counts, and where its marks lead.
         "4 of 4</td>",
         "href=\"#shadowless&#x2f;smoke&#x2f;shadow\"",
@@ -295,9 +293,8 @@ fn images_are_judged_again_and_known_failures_show_their_cause() {
          [\"smoke/plain\"]\nreason = \"was wrong once\"\n",
     );
     let run = gallery(&folder, &["shadowless"]);
-    run.expect(0, "");
     let told = "shadowless: shadowless/known.toml:4: smoke/plain passes: remove the entry";
-    assert!(run.stdout.contains(told), "{}", run.stdout);
+    run.prints(0, &[told]);
     let page = folder.text("page.html");
     let cell = cells(&page, "smoke/shadow").remove(1);
     for words in [

@@ -100,7 +100,6 @@ const REASONS: &[Reason] = &[
         of: &[
             "volref cost",
             "volref verify hard",
-            "volref units",
             "volref merge",
             "cargo test --lib",
             "--ignored",

@@ -1,6 +1,6 @@
 //! `volref validate --known`: failures that are listed do not fail a run; those that are new, mended or worse do.
 
-use crate::folder::{Folder, Run};
+use crate::folder::{Folder, Run, assert_holds};
 use crate::validate::scaled;
 
 /// A renderer with three faults, and the file that lists them.
@@ -19,6 +19,7 @@ reason = \"no image yet\"
 [\"smoke/shadow\"]
 reason = \"no shadow\"
 bound = 1000
+share = 1
 ";
 
 fn suite() -> Folder {
@@ -59,14 +60,9 @@ fn three_known_faults_are_green_and_a_fourth_is_red() {
     let folder = suite();
     folder.write("known.toml", KNOWN);
     let run = validate(&folder, "--json=r.json --junit r.xml --report page");
-    run.expect(0, "");
-    for said in [
-        "known         smoke/plain",
-        "half the light (https://example.org/1)",
-        "known failures: 3 known\n",
-    ] {
-        assert!(run.stdout.contains(said), "{said}: {}", run.stdout);
-    }
+    let link = "half the light (https://example.org/1)";
+    let counts = "known failures: 3 known\n";
+    run.prints(0, &["known         smoke/plain", link, counts]);
     let json = folder.json("r.json");
     assert_eq!(json["summary"]["fail"], 2, "the verdicts stay");
     assert_eq!(
@@ -81,15 +77,9 @@ fn three_known_faults_are_green_and_a_fourth_is_red() {
     assert_eq!(plain["verdict"], "fail");
     assert_eq!(plain["known"]["line"], 4);
     assert_eq!(plain["known"]["link"], "https://example.org/1");
-    let junit = folder.text("r.xml");
-    assert!(
-        junit.contains("skipped=\"3\" failures=\"0\" errors=\"0\""),
-        "{junit}"
-    );
-    assert!(
-        junit.contains("<skipped message=\"known: no shadow\"/>"),
-        "{junit}"
-    );
+    let counts = "skipped=\"3\" failures=\"0\" errors=\"0\"";
+    let skipped = "<skipped message=\"known: no shadow\"/>";
+    assert_holds(&folder.text("r.xml"), &[counts, skipped]);
     assert!(folder.text("page/index.html").contains("known: no shadow"));
 
     darken(&folder, "plots/curve", 0.5);
@@ -97,17 +87,9 @@ fn three_known_faults_are_green_and_a_fourth_is_red() {
     assert_eq!(run.code, 1);
     assert_eq!(status(&folder, "plots/curve"), "new");
     let run = validate(&folder, "--junit r.xml");
-    assert!(
-        run.stdout
-            .contains("3 known, 1 new\nnew           plots/curve: fail"),
-        "{}",
-        run.stdout
-    );
-    assert!(
-        folder
-            .text("r.xml")
-            .contains("skipped=\"3\" failures=\"1\"")
-    );
+    let told = "3 known, 1 new\nnew           known.toml:16: plots/curve is \"fail\": mend the renderer, or write [\"plots/curve\"] and below it verdict = \"fail\", bound = 45.5, share = 1";
+    run.prints(1, &[told]);
+    assert_holds(&folder.text("r.xml"), &["skipped=\"3\" failures=\"1\""]);
     // Another part of the suite has nothing to do with it.
     validate(&folder, "smoke").expect(0, "");
 }
@@ -117,14 +99,12 @@ fn what_is_mended_worse_or_otherwise_is_red_with_the_line() {
     let folder = suite();
     folder.write("known.toml", KNOWN.replace("1000", "1.5"));
     let said = |folder: &Folder, words: &str| {
-        let run = validate(folder, "--json=r.json --junit r.xml");
-        assert_eq!(run.code, 1, "{}", run.stderr);
-        let run = validate(folder, "");
-        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+        validate(folder, "").prints(1, &[words]);
+        validate(folder, "--json=r.json --junit r.xml");
     };
     said(
         &folder,
-        "known.toml:14: smoke/shadow is worse, beyond the margin: write bound = ",
+        "known.toml:14: smoke/shadow is worse, beyond the margin: mend the renderer, or write bound = ",
     );
     assert_eq!(status(&folder, "smoke/shadow"), "worse");
     folder.write("known.toml", KNOWN);
@@ -132,7 +112,7 @@ fn what_is_mended_worse_or_otherwise_is_red_with_the_line() {
     darken(&folder, "smoke/nearest", 0.5);
     said(
         &folder,
-        "known.toml:9: smoke/nearest is \"fail\" now: write verdict = \"fail\"",
+        "known.toml:9: smoke/nearest is \"fail\" now: mend the renderer, or write verdict = \"fail\"",
     );
     assert_eq!(status(&folder, "smoke/nearest"), "otherwise");
     folder.write("out/smoke/nearest.exr", "no image");
@@ -143,11 +123,8 @@ fn what_is_mended_worse_or_otherwise_is_red_with_the_line() {
         "known.toml:4: smoke/plain passes: remove the entry [\"smoke/plain\"]",
     );
     assert_eq!(status(&folder, "smoke/plain"), "mended");
-    assert!(
-        folder
-            .text("r.xml")
-            .contains("<failure message=\"mended: known.toml:4")
-    );
+    let told = "<failure message=\"mended: known.toml:4";
+    assert_holds(&folder.text("r.xml"), &[told]);
     darken(&folder, "smoke/plain", 0.5);
 
     // An image that is not there has not been judged.
@@ -182,30 +159,17 @@ fn a_cause_counts_where_it_was_searched() {
     let searched = "validate plain --outputs out --explain 10 --known known.toml --json=r.json";
     folder.write("known.toml", listed("bright-halved"));
     folder.volref(searched).expect(0, "");
-    folder.write("known.toml", listed("brightened"));
-    assert_eq!(folder.volref(searched).code, 1);
-    let run = folder.volref(searched);
-    assert!(
-        run.stdout.contains(
-            "known.toml:2: smoke/plain looks like \"bright-halved\" now: write cause = \"bright-halved\""
-        ),
-        "{}",
-        run.stdout
-    );
+    folder.write("known.toml", listed("step-doubled"));
+    let told = "known.toml:2: smoke/plain looks like \"bright-halved\" now: mend the renderer, or write cause = \"bright-halved\"";
+    folder.volref(searched).prints(1, &[told]);
 }
 
 #[test]
 fn an_update_writes_what_is_new_and_takes_out_what_is_mended() {
     let folder = suite();
     // A new file.
-    let run = update(&folder);
-    run.expect(0, "");
-    assert!(
-        run.stdout
-            .contains("known.toml is rewritten; write the reasons of the 3 new entries"),
-        "{}",
-        run.stdout
-    );
+    let told = "known.toml is written; write the reasons of the 3 new entries";
+    update(&folder).prints(0, &[told]);
     let written = folder.text("known.toml");
     assert!(written.starts_with("# Known failures"), "{written}");
     let nearest = "[\"smoke/nearest\"]\nverdict = \"error\"\nreason = \"\"\n\n[\"smoke/plain\"]\nverdict = \"fail\"\nbound = ";
@@ -214,9 +178,7 @@ fn an_update_writes_what_is_new_and_takes_out_what_is_mended() {
     validate(&folder, "").expect(2, "known.toml:4:2:  … has no reason … --known-update");
     folder.write("known.toml", written.replace("\"\"", "\"a reason\""));
     validate(&folder, "").expect(0, "");
-    let again = update(&folder);
-    again.expect(0, "");
-    assert!(again.stdout.contains("is as it was"), "{}", again.stdout);
+    update(&folder).prints(0, "is as it was");
 
     // A file by hand: its first entry is mended, another fault is new.
     folder.write("known.toml", KNOWN);
@@ -229,18 +191,58 @@ fn an_update_writes_what_is_new_and_takes_out_what_is_mended() {
         format!("# What our renderer gets wrong.\n\n[\"nearest\"]{rest}\n[\"plots/curve\"]\n");
     assert!(written.starts_with(&begin), "{written}");
 
-    // A pattern of which one case is mended becomes entries of the others, in its place.
+    // A pattern of which one case is mended leaves it out; one that fails otherwise gets an entry of its own.
     folder.write("known.toml", "# Ours.\n[\"smoke\"] # all\nverdict = \"fail\" # so far\nreason = \"fog\"\n\n[\"plots/*\"]\nreason = \"p\"\n");
     darken(&folder, "smoke/nearest", 0.5);
+    folder.remove("out/smoke/shadow.exr");
     assert_eq!(validate(&folder, "").code, 1);
-    update(&folder).expect(0, "");
+    validate(&folder, "--only-present --known-update").expect(0, "");
     let written = folder.text("known.toml");
-    assert_eq!(
-        written,
-        "# Ours.\n[\"smoke/nearest\"] # all\nverdict = \"fail\" # so far\nreason = \"fog\"\n\n\
-         [\"smoke/shadow\"] # all\nverdict = \"fail\" # so far\nreason = \"fog\"\n\n[\"plots/*\"]\nreason = \"p\"\n"
+    let listed = |name: &str, sizes: &str| {
+        format!("[\"{name}\"] # all\nverdict = \"fail\" # so far\nreason = \"fog\"\n{sizes}\n")
+    };
+    let begin =
+        "# Ours.\n".to_owned() + &listed("smoke !smoke/plain", "bound = 45.5\nshare = 0.167\n");
+    assert!(written.starts_with(&begin), "{written}");
+    validate(&folder, "smoke/nearest smoke/plain plots").expect(0, "");
+}
+
+/// Another fault below a high bound shows in how much of the image differs; and an image that cannot be compared gets
+/// its sizes once it can be.
+#[test]
+fn the_share_of_the_image_is_bounded_too() {
+    let folder = suite();
+    let reason = "reason = \"no shadow\"\n";
+    folder.write("known.toml", format!("[\"smoke/shadow\"]\n{reason}"));
+    let validate = |more: &str| validate(&folder, &format!("smoke/shadow {more}"));
+    folder.write_film(
+        "out/smoke/shadow.exr",
+        &volref::film::Film::new(1, 1, vec![[0.0; 3]]),
     );
-    validate(&folder, "").expect(0, "");
+    validate("--known-update").expect(0, "");
+    assert!(!folder.text("known.toml").contains("share"));
+    darken(&folder, "smoke/shadow", 0.5);
+    let told = "known.toml:1: smoke/shadow has a size that the entry does not bound: write bound = 27.9, share = 0.134";
+    validate("").prints(0, &[told]);
+    validate("--known-update").expect(0, "");
+    let written = folder.text("known.toml");
+    assert!(
+        written.contains("bound = 27.9\nshare = 0.134\n"),
+        "{written}"
+    );
+    validate("").expect(0, "");
+
+    // A tenth brighter all over: no pixel is worse than the worst was.
+    folder.write("known.toml", written.replace("27.9", "1000"));
+    let mut film = folder.film("out/smoke/shadow.exr").radiance().to_vec();
+    film.iter_mut()
+        .for_each(|pixel| *pixel = pixel.map(|value| value + 0.1));
+    folder.write_film(
+        "out/smoke/shadow.exr",
+        &volref::film::Film::new(12, 10, film),
+    );
+    let told = "known.toml:4: smoke/shadow is worse, beyond the margin: mend the renderer, or write share = 1";
+    validate("").prints(1, &[told]);
 }
 
 #[test]
@@ -272,7 +274,7 @@ fn bad_files_are_refused_with_their_line() {
         ),
         (
             "[\"!smoke\"]".to_owned() + reason,
-            &["known.toml:1:2:", "excludes"],
+            &["known.toml:1:2:", "names no case that fails"],
         ),
         (
             "[\"sm[oke\"]".to_owned() + reason,
@@ -300,6 +302,10 @@ fn bad_files_are_refused_with_their_line() {
         (
             "[smoke]\nverdict = \"pass\"".to_owned() + reason,
             &["known.toml:2:", "verdict"],
+        ),
+        (
+            "[smoke]\ncause = \"step-doubles\"".to_owned() + reason,
+            &["known.toml:2:", "did you mean \"step-doubled\"?"],
         ),
         (
             "[smoke]\nbound = -1".to_owned() + reason,

@@ -63,16 +63,16 @@ fn traps(folder: &Folder, place: &str, run: impl Fn()) {
 
 /// What a user keeps elsewhere: also files that look like those of volref.
 fn home(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
-    let unit = format!("{}.unit", "a".repeat(64));
+    let rendering = format!("{}.rendering", "a".repeat(64));
     for below in [
         "",
-        "units/",
-        "units/fog/",
-        "units/fog/room/",
+        "accept/",
+        "accept/fog/",
+        "accept/fog/room/",
         "fog/room/",
         "room/",
     ] {
-        folder.write(&format!("home/{below}{unit}"), "mine");
+        folder.write(&format!("home/{below}{rendering}"), "mine");
         folder.write(&format!("home/{below}notes.txt"), "mine");
         folder.write(&format!("home/{below}.volref-abcdef.partial"), "mine");
     }
@@ -88,12 +88,12 @@ fn at_home(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
 const SAMPLING: &str = "converged_samples = 128\nresolution = 0.9";
 
 #[test]
-fn units_go_through_no_link_and_nothing_behind_one_is_deleted() {
+fn renderings_go_through_no_link_and_nothing_behind_one_is_deleted() {
     for place in [
         ".volref",
-        ".volref/units",
-        ".volref/units/fog",
-        ".volref/units/fog/room",
+        ".volref/accept",
+        ".volref/accept/fog",
+        ".volref/accept/fog/room",
     ] {
         let folder = Folder::with_room(SAMPLING);
         let before = home(&folder);
@@ -101,28 +101,21 @@ fn units_go_through_no_link_and_nothing_behind_one_is_deleted() {
         let words = ["a symbolic link", place, "move it away"];
         run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(2, &words);
         assert!(!folder.path("golden").exists());
-        run(&folder, &["units", "--compute"]).expect(2, &words);
-        assert_eq!(at_home(&folder), before, "{place}");
-
-        let other = Folder::with_room(SAMPLING);
-        assert_eq!(other.volref("units --compute").code, 0);
-        let from = other.path(".volref").display().to_string();
-        run(&folder, &["merge", &from]).expect(2, &words);
         assert_eq!(at_home(&folder), before, "{place}");
     }
 }
 
 #[test]
-fn units_alone_are_deleted_where_they_were() {
+fn renderings_alone_are_deleted_where_they_were() {
     let folder = Folder::with_room(SAMPLING);
     let mine = [
-        ".volref/units/fog/room/notes.txt",
-        ".volref/units/fog/room/short.unit",
-        ".volref/units/fog/room/deep/er.unit",
+        ".volref/accept/fog/room/notes.txt",
+        ".volref/accept/fog/room/short.rendering",
+        ".volref/accept/fog/room/deep/er.rendering",
         ".volref/.volref-abcdefg.partial",
     ];
     mine.iter().for_each(|name| folder.write(name, "mine"));
-    folder.write(".volref/units/fog/room/.volref-abcdef.partial", "left");
+    folder.write(".volref/accept/fog/room/.volref-abcdef.partial", "left");
     folder.write(".volref/.volref-abcdef.partial", "left");
     run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(0, "");
     let files = folder.files();
@@ -136,18 +129,12 @@ fn units_alone_are_deleted_where_they_were() {
     assert_eq!(left, expected);
 }
 
+/// Nothing can be kept where a pipe or a link hides the folder; that alone is no obstacle.
 #[test]
-fn units_and_what_hides_them_are_no_pipes_and_no_links() {
+fn what_hides_renderings_is_no_pipe_and_no_link() {
     let folder = Folder::with_room(SAMPLING);
-    let units = folder.volref("units --json").json();
-    let unit = units["units"][0]["file"].as_str().unwrap().to_owned();
-    traps(&folder, &unit, || {
-        run(&folder, &["units", "--compute"]).expect(2, "move it away");
-        // Nothing can be kept there; that alone is no obstacle.
-        run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(0, "");
-    });
     traps(&folder, ".volref/.gitignore", || {
-        run(&folder, &["units", "--compute"]).expect(0, "");
+        run(&folder, &["accept", "fog/room", "--reason", "first"]).expect(0, "");
     });
 }
 

@@ -48,8 +48,7 @@ struct Tally {
 fn may_change(command: &str) -> &'static [&'static str] {
     match command.split(' ').next() {
         Some("accept") => &["golden/fog/", ".volref/"],
-        Some("units") => &[".volref/"],
-        Some("merge") => &["page/", ".volref/"],
+        Some("merge") => &["page/"],
         _ => &[],
     }
 }

@@ -138,7 +138,6 @@ fn arguments(command: &str) -> &'static [&'static str] {
         "cost" => &["scene.toml", "--runs", "0", "--budget", "0.000001"],
         "export" => &["scene.toml", "--to", "bundle", "-o", "bundle"],
         "accept" => &["curve", "--reason", "none"],
-        "units" => &["fog"],
         "merge" => &["kept"],
         "selftest" => &["curve", "--quick"],
         "info" => &["cloud.obj"],

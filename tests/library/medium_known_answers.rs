@@ -18,8 +18,8 @@ use volref::math::{Sum, exp};
 use volref::optics::profiles::*;
 use volref::optics::*;
 use volref::render::counters::Uncounted;
+use volref::render::plan::RadiativeFeatures;
 use volref::render::radiative::context::Scratch;
-use volref::render::radiative::effects::Everything;
 use volref::render::radiative::line_of_sight::LineOfSight;
 use volref::render::radiative::scene_context::SceneContext;
 use volref::scene::{Body, Radiative, Scattering};
@@ -369,8 +369,8 @@ fn seen(media: &[(f64, f64, Homogeneous, Option<LinearRamp>)], background: f64) 
         samples: 1,
         seed: 0,
     };
-    let renderer = LineOfSight::<Everything> {
-        scene: SceneContext::for_integrals(&scene, false),
+    let renderer = LineOfSight {
+        scene: SceneContext::for_integrals(&scene, RadiativeFeatures::ALL),
         scattering: false,
         tolerance: 1e-14,
     };

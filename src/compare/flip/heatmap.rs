@@ -5,11 +5,8 @@ use super::ErrorMap;
 /// The errors in the magma palette, from black for 0 to pale yellow for 1: 8-bit sRGB, row-major,
 /// top row first.
 pub fn magma(errors: &ErrorMap) -> Vec<[u8; 3]> {
-    errors
-        .values()
-        .iter()
-        .map(|&error| colorous::MAGMA.eval_continuous(error).into_array())
-        .collect()
+    let colour = |error: &f64| colorous::MAGMA.eval_continuous(*error).into_array();
+    errors.values().iter().map(colour).collect()
 }
 
 #[cfg(test)]

@@ -338,7 +338,7 @@ fn judgement(
     let is_biased = !faults.is_empty();
     let deviations = limits.deviations();
     let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
-    let as_if = numbers.fault.clone().filter(|_| numbers.is_as_if);
+    let as_if = numbers.is_as_if.then_some(faults.len());
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
@@ -378,6 +378,14 @@ fn judgement(
             comparison.asked(),
         ),
     };
+    let certain = as_if.map(|as_if| {
+        let mut certain = faults.clone();
+        certain.remove(as_if);
+        if certain.is_empty() {
+            certain.push("the images differ beyond noise".to_owned());
+        }
+        certain.join("; ")
+    });
     let reason = match (undecided, promise) {
         (Some((undecided, required)), Some(promise)) => {
             visible.too_large(&undecided, required, &promise)
@@ -393,7 +401,7 @@ fn judgement(
     }
     Judgement {
         undecided,
-        as_if,
+        certain,
         changes: numbers.changes,
         detectable: numbers.detectable,
         fit: numbers.fit,

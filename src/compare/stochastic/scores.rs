@@ -293,11 +293,8 @@ impl<'s> Scores<'s> {
                 without_score: Some(without_score).filter(|size| size.is_finite()),
             })
         };
-        self.tested
-            .iter()
-            .enumerate()
-            .filter_map(of_number)
-            .collect()
+        let tested = self.tested.iter().enumerate();
+        tested.filter_map(of_number).collect()
     }
 
     /// The number with the largest score among those that can change so.

@@ -26,12 +26,8 @@ const ERRORS: f64 = 4.0;
 /// Means of the channels of a pixel: reference, and test minus reference.
 fn grey(reference: &Film, test: &Film, index: usize) -> [f64; 2] {
     let mean = |film: &Film| {
-        film.radiance()[index]
-            .iter()
-            .copied()
-            .map(f64::from)
-            .sum::<f64>()
-            / 3.0
+        let channels = film.radiance()[index].map(f64::from);
+        channels.iter().sum::<f64>() / 3.0
     };
     [mean(reference), mean(test) - mean(reference)]
 }

@@ -73,8 +73,6 @@ fn of_radiative(features: &RadiativeFeatures) -> String {
     let RadiativeFeatures {
         media,
         vacuum_media,
-        // Newer than the first goldens, and the same picture.
-        single_medium: _,
         surfaces,
         emission,
         chromatic,

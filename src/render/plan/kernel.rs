@@ -1,4 +1,4 @@
-//! The code that renders an image, by the features it is compiled for.
+//! The code that renders an image, by the features that it meets.
 
 use crate::scene::{Classified, Compositing, Curve, Radiative};
 use crate::volume::Interpolation;
@@ -15,7 +15,7 @@ pub enum Kernel<'s> {
     RayCaster {
         /// The model rendered.
         scene: &'s Classified,
-        /// The features it is compiled for.
+        /// What it meets.
         features: RayCasterFeatures,
     },
     /// The ray caster for conventions of other renderers, which leaves nothing out.
@@ -30,7 +30,7 @@ pub enum Kernel<'s> {
     LineOfSight {
         /// The model rendered.
         scene: &'s Radiative,
-        /// The features it is compiled for.
+        /// What it meets.
         features: RadiativeFeatures,
         /// Whether light is scattered, once.
         scatters: bool,
@@ -39,14 +39,14 @@ pub enum Kernel<'s> {
     PathTracer {
         /// The model rendered.
         scene: &'s Radiative,
-        /// The features it is compiled for.
+        /// What it meets.
         features: RadiativeFeatures,
         /// Highest scattering order, if there is a limit.
         max_order: Option<u32>,
     },
 }
 
-/// Features that the ray caster is compiled for.
+/// Features that the ray caster meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCasterFeatures {
     /// Reconstruction of the density.
@@ -80,15 +80,13 @@ impl RayCasterFeatures {
     }
 }
 
-/// Features that the kernels for surfaces and participating media are compiled for.
+/// What the renderers of surfaces and participating media meet: what is not there, they do not look for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RadiativeFeatures {
     /// Media.
     pub media: bool,
     /// Vacuum media, without extinction and emission, are treated like others.
     pub vacuum_media: bool,
-    /// One medium, homogeneous and convex, and no surfaces.
-    pub single_medium: bool,
     /// Surfaces.
     pub surfaces: bool,
     /// Emission by media.
@@ -99,6 +97,19 @@ pub struct RadiativeFeatures {
     pub anisotropic: bool,
     /// Heterogeneous media.
     pub heterogeneous: bool,
+}
+
+impl RadiativeFeatures {
+    /// Anything, but for vacuum media.
+    pub const ALL: RadiativeFeatures = RadiativeFeatures {
+        media: true,
+        vacuum_media: false,
+        surfaces: true,
+        emission: true,
+        chromatic: true,
+        anisotropic: true,
+        heterogeneous: true,
+    };
 }
 
 impl fmt::Display for RadiativeFeatures {

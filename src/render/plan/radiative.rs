@@ -30,9 +30,6 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]
     let features = RadiativeFeatures {
         media: contents.extinction || contents.emission.is_some() || vacuum_media,
         vacuum_media,
-        single_medium: contents.is_single_medium(vacuum_media)
-            && !on(Effect::Surfaces)
-            && !on(Effect::Heterogeneity),
         surfaces: on(Effect::Surfaces),
         emission: on(Effect::Emission),
         chromatic: on(Effect::ChromaticCoefficients),

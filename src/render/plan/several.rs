@@ -1,6 +1,6 @@
 //! The plan for a classified scene of several volumes, surfaces or clips.
 //!
-//! One kernel for samples and one for the integral, each compiled for all of it: only what a scene does not have or ask
+//! One kernel for samples and one for the integral: only what a scene does not have or ask
 //! for is left out.
 
 use super::EffectFinding::{Absent, NotAsked};

@@ -1,6 +1,5 @@
 //! Direct light: next-event estimation at a vertex.
 
-use super::effects::Effects;
 use super::scattering_function::ScatteringFunction;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
@@ -16,9 +15,9 @@ use glam::DVec3;
 
 /// Direct light in a scene.
 #[derive(Clone, Copy)]
-pub struct DirectLight<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct DirectLight<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> DirectLight<'_, E> {
+impl DirectLight<'_> {
     /// Radiance scattered at `vertex` of the direct light of `light`, which has no extent.
     pub fn of_light<W: Work>(
         self,

@@ -1,7 +1,6 @@
 //! Emission of media along a ray, in three forms: closed, integrated and tracked.
 
 use super::context::PathContext;
-use super::effects::Effects;
 use super::media::{Media, Set, members};
 use super::medium::over;
 use super::ray_majorants::RayMajorants;
@@ -26,15 +25,32 @@ const EMISSION_SAMPLES: f64 = 4.0;
 
 /// Emission of the media of a scene along a ray.
 #[derive(Clone, Copy)]
-pub struct Emission<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct Emission<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> Emission<'_, E> {
+impl Emission<'_> {
+    /// Radiance that homogeneous media emit on `segment` towards the origin of the ray.
+    fn emitted<W: Work>(self, segment: &MediumSegment, work: &mut W) -> DVec3 {
+        work.count(Event::EmissionTerm);
+        let (emission, extinction) = (segment.properties.emission, segment.properties.extinction());
+        let length = segment.span.length();
+        if self.0.features.chromatic {
+            DVec3::from_array(std::array::from_fn(|c| {
+                emission::constant_emission(emission[c], extinction[c], length)
+            }))
+        } else {
+            // The extinction of all channels is the same.
+            let visible = emission::visible_length(extinction.x, length);
+            let over = |emission| emission::emission_over(emission, visible);
+            DVec3::from_array(emission.to_array().map(over))
+        }
+    }
+
     /// Radiance that homogeneous media emit along a ray towards its origin.
     pub fn closed<W: Work>(self, segments: &MediumSegments, work: &mut W) -> DVec3 {
         let (mut radiance, mut depth) = (DVec3::ZERO, DVec3::ZERO);
         for segment in segments.all() {
             let transmittance = Transmittance(self.0).closed(depth, work);
-            radiance += transmittance * segment.emitted::<E, W>(work);
+            radiance += transmittance * self.emitted(segment, work);
             depth += segment.optical_depth();
         }
         radiance
@@ -51,7 +67,7 @@ impl<E: Effects> Emission<'_, E> {
         let mut throughput = DVec3::ONE;
         for segment in path.segments.all() {
             if self.0.media.heterogeneous(segment.set) == 0 {
-                radiance += throughput * segment.emitted::<E, W>(work);
+                radiance += throughput * self.emitted(segment, work);
                 throughput *= Transmittance(self.0).closed(segment.optical_depth(), work);
                 continue;
             }
@@ -104,7 +120,7 @@ impl<E: Effects> Emission<'_, E> {
             let emitted;
             let whole;
             if media.heterogeneous(segment.set) == 0 {
-                (emitted, whole) = (segment.emitted::<E, W>(work), segment.optical_depth());
+                (emitted, whole) = (self.emitted(segment, work), segment.optical_depth());
             } else if segment.set.count_ones() == 1 {
                 let medium = media.medium(segment.set.trailing_zeros() as usize);
                 let column = medium.column(ray, segment.span, work);
@@ -171,25 +187,6 @@ impl<E: Effects> Emission<'_, E> {
             near = far;
         }
         radiance
-    }
-}
-
-impl MediumSegment {
-    /// Radiance that homogeneous media emit on the segment towards the origin of the ray.
-    fn emitted<E: Effects, W: Work>(&self, work: &mut W) -> DVec3 {
-        work.count(Event::EmissionTerm);
-        let (emission, extinction) = (self.properties.emission, self.properties.extinction());
-        let length = self.span.length();
-        if E::CHROMATIC {
-            DVec3::from_array(std::array::from_fn(|c| {
-                emission::constant_emission(emission[c], extinction[c], length)
-            }))
-        } else {
-            // The extinction of all channels is the same.
-            let visible = emission::visible_length(extinction.x, length);
-            let over = |emission| emission::emission_over(emission, visible);
-            DVec3::from_array(emission.to_array().map(over))
-        }
     }
 }
 

@@ -1,7 +1,6 @@
 //! Free flight: distances to the next collision.
 
 use super::context::PathContext;
-use super::effects::Effects;
 use super::media::{Media, Set};
 use super::medium::over;
 use super::ray_majorants::RayMajorants;
@@ -51,9 +50,9 @@ struct Passed {
 
 /// Free flight in the media of a scene that scatter.
 #[derive(Clone, Copy)]
-pub struct FreeFlight<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct FreeFlight<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> FreeFlight<'_, E> {
+impl FreeFlight<'_> {
     /// Samples the collision of a path with media that scatter along its ray.
     ///
     /// In a chromatic medium the density is the mean of those of the three channels in the
@@ -61,7 +60,7 @@ impl<E: Effects> FreeFlight<'_, E> {
     /// at its beginning. In a grey medium the weight of a collision is the albedo, and that of an
     /// escape 1, both exactly, but for media that only absorb.
     pub fn sample<W: Work>(self, path: &mut PathContext<'_, W>) -> Flight {
-        if !E::MEDIA || path.segments.all().is_empty() {
+        if !self.0.features.media || path.segments.all().is_empty() {
             return Flight::Escaped(DVec3::ONE);
         }
         let PathContext {
@@ -72,7 +71,7 @@ impl<E: Effects> FreeFlight<'_, E> {
             ..
         } = path;
         let (ray, segments): (&Ray, &_) = (ray, segments);
-        let channel = if E::CHROMATIC {
+        let channel = if self.0.features.chromatic {
             sampled_channel(*throughput, tracker.sampler.one(Purpose::Channel))
         } else {
             0
@@ -88,7 +87,7 @@ impl<E: Effects> FreeFlight<'_, E> {
         for segment in segments.all() {
             // A rest below 0 is a rounding.
             let rest = (goal - passed.depth[channel]).max(0.0);
-            if E::HETEROGENEOUS && self.has_heterogeneous_scatterer(segment.set) {
+            if self.0.features.heterogeneous && self.has_heterogeneous_scatterer(segment.set) {
                 next.optical_distance = rest;
                 let survived = &mut passed.survived;
                 match track(
@@ -105,7 +104,7 @@ impl<E: Effects> FreeFlight<'_, E> {
                         let absorbing = passed.absorbing + segment.properties.absorbing * into;
                         let transmittance = Transmittance(self.0)
                             .of_absorbing(segments, ray, t, absorbing, tracker);
-                        let weight = passed.collision_weight::<E>(*throughput, extinction);
+                        let weight = self.collision_weight(&passed, *throughput, extinction);
                         return Flight::Collided(Collision {
                             t,
                             weight: weight * transmittance * quotient(sigma_s, extinction),
@@ -131,7 +130,7 @@ impl<E: Effects> FreeFlight<'_, E> {
                 let transmittance =
                     Transmittance(self.0).of_absorbing(segments, ray, t, absorbing, tracker);
                 passed.depth += over(sigma_t, into);
-                let weight = passed.collision_weight::<E>(*throughput, sigma_t);
+                let weight = self.collision_weight(&passed, *throughput, sigma_t);
                 return Flight::Collided(Collision {
                     t,
                     weight: weight * transmittance * quotient(properties.sigma_s, sigma_t),
@@ -141,7 +140,7 @@ impl<E: Effects> FreeFlight<'_, E> {
             passed.depth += over(sigma_t, length);
             passed.absorbing += over(properties.absorbing, length);
         }
-        let weight = if E::CHROMATIC {
+        let weight = if self.0.features.chromatic {
             optics::escape_weight(*throughput, passed.depth, passed.survived)
         } else {
             DVec3::ONE
@@ -152,20 +151,18 @@ impl<E: Effects> FreeFlight<'_, E> {
         Flight::Escaped(weight * transmittance)
     }
 
-    fn has_heterogeneous_scatterer(self, set: Set) -> bool {
-        let heterogeneous = self.0.media.heterogeneous(set);
-        heterogeneous != 0 && self.0.media.scattering(heterogeneous) != 0
-    }
-}
-
-impl Passed {
     /// Weight, by channel, of a collision where the extinction is `sigma_t`, without the albedo.
-    fn collision_weight<E: Effects>(&self, throughput: DVec3, sigma_t: DVec3) -> DVec3 {
-        if E::CHROMATIC {
-            optics::collision_weight(throughput, sigma_t, self.depth, self.survived)
+    fn collision_weight(self, passed: &Passed, throughput: DVec3, sigma_t: DVec3) -> DVec3 {
+        if self.0.features.chromatic {
+            optics::collision_weight(throughput, sigma_t, passed.depth, passed.survived)
         } else {
             DVec3::ONE
         }
+    }
+
+    fn has_heterogeneous_scatterer(self, set: Set) -> bool {
+        let heterogeneous = self.0.media.heterogeneous(set);
+        heterogeneous != 0 && self.0.media.scattering(heterogeneous) != 0
     }
 }
 

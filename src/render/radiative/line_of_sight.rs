@@ -5,7 +5,6 @@
 
 use super::context::Scratch;
 use super::direct_light::{DirectLight, emitted_radiance};
-use super::effects::Effects;
 use super::emission::Emission;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
@@ -23,11 +22,11 @@ use crate::optics::{Light, Material};
 use crate::render::counters::{Event, Work};
 use glam::DVec3;
 
-/// Light along the line of sight, for the effects `E`.
-pub struct LineOfSight<'s, E> {
+/// Light along the line of sight.
+pub struct LineOfSight<'s> {
     /// The scene. Where light is scattered, lights have no extent and surfaces are diffuse;
     /// where media scatter, there are no surfaces, whose shadows could be too narrow to be found.
-    pub scene: SceneContext<'s, E>,
+    pub scene: SceneContext<'s>,
     /// Light is scattered, once.
     pub scattering: bool,
     /// Error of an integral relative to its value.
@@ -46,7 +45,7 @@ const PIECES_WITH_SHADOWS: usize = 16;
 /// segment, would find it dark: its lit part lies before the first of them.
 const CUTS: [f64; 4] = [1.0, 8.0, 64.0, 746.0];
 
-impl<E: Effects> LineOfSight<'_, E> {
+impl LineOfSight<'_> {
     /// Radiance along `ray`.
     pub fn radiance<W: Work>(&self, ray: &Ray, scratch: &mut Scratch, work: &mut W) -> DVec3 {
         let segments = &mut scratch.segments;
@@ -55,26 +54,24 @@ impl<E: Effects> LineOfSight<'_, E> {
         let intersection = scene.intersect(ray, tracker.work);
         let mut radiance = DVec3::ZERO;
         let mut transmittance = DVec3::ONE;
-        if E::MEDIA {
+        if scene.features.media {
             let end = intersection.map_or(f64::INFINITY, |nearest| nearest.hit.t);
             let heterogeneous = scene.is_heterogeneous();
             // The optical depth alone needs no segments.
-            if E::EMISSION || self.scattering || !heterogeneous {
-                segments.build::<E>(&scene.media, ray, end);
+            if scene.features.emission || self.scattering || !heterogeneous {
+                segments.build(&scene.media, ray, end);
             }
             if heterogeneous {
                 let spans = &mut tracker.scratch.spans;
-                let depth = scene
-                    .media
-                    .optical_depth::<E, W>(ray, end, spans, tracker.work);
+                let depth = scene.media.optical_depth(ray, end, spans, tracker.work);
                 transmittance = Transmittance(scene).closed(depth, tracker.work);
-                if E::EMISSION {
+                if scene.features.emission {
                     radiance +=
                         Emission(scene).integrated(segments, ray, self.tolerance, tracker.work);
                 }
             } else {
                 transmittance = Transmittance(scene).closed(segments.optical_depth(), tracker.work);
-                if E::EMISSION {
+                if scene.features.emission {
                     radiance += Emission(scene).closed(segments, tracker.work);
                 }
             }

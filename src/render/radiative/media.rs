@@ -1,8 +1,7 @@
 //! The media of a scene.
 
-use super::effects::Effects;
 use super::medium::{Medium, MediumProperties, over};
-use crate::geometry::{Aabb, ConvexBoundary, Ray, Solid, Span, Surface};
+use crate::geometry::{Aabb, Ray, Solid, Span, Surface};
 use crate::optics::Density;
 use crate::render::counters::{Event, Work};
 use crate::scene::Body;
@@ -12,18 +11,8 @@ use glam::DVec3;
 #[derive(Debug)]
 pub struct Media<'s> {
     media: Vec<Medium<'s>>,
-    single: Option<SingleMedium<'s>>,
     heterogeneous: Set,
     scattering: ScatteringExtent,
-}
-
-/// The only medium of a scene, homogeneous and convex.
-#[derive(Clone, Copy, Debug)]
-pub struct SingleMedium<'s> {
-    /// The closed shape it fills; all space without one.
-    boundary: Option<ConvexBoundary<'s>>,
-    /// Its properties.
-    pub properties: MediumProperties,
 }
 
 /// Extent of the scattering media of a scene.
@@ -106,13 +95,8 @@ impl<'s> Media<'s> {
                 (ScatteringExtent::Everywhere, _) | (_, None) => ScatteringExtent::Everywhere,
             };
         }
-        let single = match &media[..] {
-            [medium] => SingleMedium::of(medium),
-            _ => None,
-        };
         Media {
             media,
-            single,
             heterogeneous,
             scattering,
         }
@@ -131,16 +115,6 @@ impl<'s> Media<'s> {
     /// One of them.
     pub fn medium(&self, index: usize) -> &Medium<'s> {
         &self.media[index]
-    }
-
-    /// The only one, for kernels compiled for a single medium.
-    ///
-    /// # Panics
-    ///
-    /// If there are others, or it is heterogeneous or not convex.
-    pub fn single(&self) -> &SingleMedium<'s> {
-        let single = self.single.as_ref();
-        single.expect("a plan picks kernels for a single medium where there is one")
     }
 
     /// Properties, on a segment, of the media in `set` together.
@@ -222,20 +196,13 @@ impl<'s> Media<'s> {
     /// # Panics
     ///
     /// If a density on the way has no integral.
-    pub fn optical_depth<E: Effects, W: Work>(
+    pub fn optical_depth<W: Work>(
         &self,
         ray: &Ray,
         end: f64,
         spans: &mut Vec<Span>,
         work: &mut W,
     ) -> DVec3 {
-        if E::SINGLE_MEDIUM {
-            let medium = self.single();
-            let span = medium.span(ray, end);
-            return span.map_or(DVec3::ZERO, |span| {
-                over(medium.properties.extinction(), span.length())
-            });
-        }
         let mut depth = DVec3::ZERO;
         for medium in &self.media {
             if medium.density.is_some() && medium.is_vacuum() {
@@ -255,33 +222,6 @@ impl<'s> Media<'s> {
             depth += over(medium.sigma_t(), column);
         }
         depth
-    }
-}
-
-impl<'s> SingleMedium<'s> {
-    fn of(medium: &Medium<'s>) -> Option<SingleMedium<'s>> {
-        let boundary = match medium.boundary {
-            Some(boundary) => Some(boundary.convex()?),
-            None => None,
-        };
-        let is_homogeneous = medium.density.is_none();
-        is_homogeneous.then_some(SingleMedium {
-            boundary,
-            properties: medium.unit,
-        })
-    }
-
-    /// The segment of `ray` in it, from the origin to distance `end` at most.
-    pub fn span(&self, ray: &Ray, end: f64) -> Option<Span> {
-        let span = match &self.boundary {
-            None => Span {
-                near: 0.0,
-                far: end,
-            },
-            Some(boundary) => boundary.span(ray)?,
-        };
-        let far = span.far.min(end);
-        (span.near < far).then_some(Span { far, ..span })
     }
 }
 

@@ -7,7 +7,7 @@
 //!
 //! | files | hold |
 //! |---|---|
-//! | `kernels` | what a plan compiles |
+//! | `kernels` | the renderers over the pixels of an image |
 //! | [`path_tracer`], [`line_of_sight`] | the two renderers |
 //! | `variance_reduction` | samplers of light that paths find rarely |
 //! | `single_scattering`, `direct_light`, [`emission`], [`free_flight`], [`specular`] | their estimators |
@@ -16,11 +16,10 @@
 //! | [`context`], [`tracker`] | the state passed to them: path, random numbers, memory, counters |
 //! | [`scene_context`], [`segments`], `ray_majorants`, [`vertex`] | a scene and its media along a ray |
 //! | [`media`], [`medium`], [`majorants`], [`surfaces`] | the media, surfaces and lights of a scene |
-//! | [`sampler`], [`tracking`], [`effects`] | random numbers, tracking in general, compiled effects |
+//! | [`sampler`], [`tracking`] | random numbers, tracking in general |
 
 pub mod context;
 mod direct_light;
-pub mod effects;
 pub mod emission;
 pub(super) mod faulty_paths;
 pub mod free_flight;

@@ -17,7 +17,6 @@
 
 use super::context::{PathContext, PreviousBounce, PreviousCollision, Scratch};
 use super::direct_light::{DirectLight, emitted_radiance, weight_of_hit};
-use super::effects::Effects;
 use super::emission::Emission;
 use super::free_flight::{Flight, FreeFlight};
 use super::sampler::Sampler;
@@ -37,12 +36,13 @@ use crate::geometry::{Hit, Ray};
 use crate::math::rng::Purpose;
 use crate::optics::Material;
 use crate::render::counters::{Event, Uncounted, Work};
+use crate::render::plan::RadiativeFeatures;
 use crate::scene::Radiative;
 use glam::DVec3;
 
-/// Path tracing of a scene, for the effects `E`.
-pub struct PathTracer<'s, E> {
-    scene: SceneContext<'s, E>,
+/// Path tracing of a scene.
+pub struct PathTracer<'s> {
+    scene: SceneContext<'s>,
     /// Bounces at most.
     limit: u32,
 }
@@ -76,12 +76,11 @@ struct Bounce {
     previous: PreviousBounce,
 }
 
-impl<'s, E: Effects> PathTracer<'s, E> {
+impl<'s> PathTracer<'s> {
     /// A tracer of paths through `scene` with `limit` bounces at most, `None` for any number.
-    /// With `vacuum`, media without any effect are intersected like others.
-    pub fn new(scene: &'s Radiative, limit: Option<u32>, vacuum: bool) -> Self {
+    pub fn new(scene: &'s Radiative, limit: Option<u32>, features: RadiativeFeatures) -> Self {
         PathTracer {
-            scene: SceneContext::new(scene, vacuum),
+            scene: SceneContext::new(scene, features),
             limit: limit.unwrap_or(u32::MAX),
         }
     }
@@ -125,15 +124,15 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let mut first_throughput = DVec3::ONE;
         loop {
             let intersection = scene.intersect(&path.ray, path.tracker.work);
-            if E::MEDIA {
+            if self.scene.features.media {
                 let end = intersection.map_or(f64::INFINITY, |nearest| nearest.hit.t);
-                path.segments.build::<E>(&scene.media, &path.ray, end);
-                if E::EMISSION {
+                path.segments.build(&scene.media, &path.ray, end);
+                if self.scene.features.emission {
                     radiance += path.throughput * self.emission(path);
                 }
                 if path.bounces_left >= 1 {
                     radiance += path.throughput * self.single_scattering(path);
-                    if E::SURFACES {
+                    if self.scene.features.surfaces {
                         radiance += path.throughput * self.area_lights_along(path);
                     }
                 }
@@ -217,7 +216,12 @@ impl<'s, E: Effects> PathTracer<'s, E> {
         let mut radiance = DVec3::ZERO;
         for light in self.scene.positioned_lights() {
             let (ray, tracker) = (&path.ray, &mut path.tracker);
-            let Ok(sampler) = ScatteringPointSampler::<E>::new(path.segments, ray, &light) else {
+            let Ok(sampler) = ScatteringPointSampler::new(
+                path.segments,
+                ray,
+                &light,
+                self.scene.features.chromatic,
+            ) else {
                 return DVec3::INFINITY;
             };
             let Some(sampler) = sampler else {
@@ -266,7 +270,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 AreaLightScattering(scene).weight_after_collision(index, hit, path, &collision)
             }
         };
-        let transmittance = if !E::MEDIA {
+        let transmittance = if !self.scene.features.media {
             DVec3::ONE
         } else if scene.is_heterogeneous() {
             Transmittance(scene).along(&path.ray, hit.t, &mut path.tracker)
@@ -304,7 +308,7 @@ impl<'s, E: Effects> PathTracer<'s, E> {
                 radiance += LightVertices(scene).radiance(vertex, &light, path);
             }
         }
-        if !E::SURFACES {
+        if !self.scene.features.surfaces {
             return radiance;
         }
         radiance += Caustics(scene)

@@ -1,7 +1,6 @@
 //! The scattering function at a vertex: the phase functions of media, the reflectance of diffuse
 //! surfaces.
 
-use super::effects::Effects;
 use super::media::{Set, members};
 use super::medium::Medium;
 use super::sampler::Sampler;
@@ -47,9 +46,9 @@ pub struct SampledDirection {
 
 /// The scattering function at the vertices of a scene.
 #[derive(Clone, Copy)]
-pub struct ScatteringFunction<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct ScatteringFunction<'s>(pub &'s SceneContext<'s>);
 
-impl<'s, E: Effects> ScatteringFunction<'s, E> {
+impl<'s> ScatteringFunction<'s> {
     /// The response of `vertex` to light from `direction`, seen from there.
     pub fn response<W: Work>(
         self,
@@ -116,7 +115,7 @@ impl<'s, E: Effects> ScatteringFunction<'s, E> {
                     });
                 }
                 let (phase, weight) = self.sample_phase(*set, *point, throughput, sampler, *work);
-                let deflection = if E::ANISOTROPIC {
+                let deflection = if self.0.features.anisotropic {
                     phase.deflection(u)
                 } else {
                     Deflection::from_cos(2.0 * u - 1.0)
@@ -161,10 +160,10 @@ impl<'s, E: Effects> ScatteringFunction<'s, E> {
 
     /// Path guiding at a collision with the media in `set` at `point`.
     fn guide(self, set: Set, point: DVec3) -> Option<Guide<'s>> {
-        if !E::SURFACES {
+        if !self.0.features.surfaces {
             return None;
         }
-        let mean_cosine = if E::ANISOTROPIC {
+        let mean_cosine = if self.0.features.anisotropic {
             let phases = self.scattering_members(set).map(|medium| medium.phase);
             phases.fold(0.0, |most: f64, phase| most.max(phase.mean_cosine().abs()))
         } else {
@@ -184,14 +183,14 @@ impl<'s, E: Effects> ScatteringFunction<'s, E> {
     ) -> Response {
         let deflection = Deflection::from_cos(cosine.clamp(-1.0, 1.0));
         let value = |phase: &Phase| {
-            if E::ANISOTROPIC {
+            if self.0.features.anisotropic {
                 phase.per_steradian(&deflection)
             } else {
                 1.0 / (4.0 * PI)
             }
         };
         if let Some(phase) = self.only_scatterer(set) {
-            count_evaluation::<E>(work);
+            self.count_evaluation(work);
             let value = value(phase);
             return Response {
                 value: DVec3::splat(value),
@@ -206,11 +205,11 @@ impl<'s, E: Effects> ScatteringFunction<'s, E> {
                 pdf: 0.0,
             };
         };
-        count_evaluation::<E>(work);
+        self.count_evaluation(work);
         let of_first = value(phase);
         let (mut all, mut weighted) = (first, first * of_first);
         for (sigma_s, phase) in scatterers {
-            count_evaluation::<E>(work);
+            self.count_evaluation(work);
             all += sigma_s;
             weighted += sigma_s * value(phase);
         }
@@ -272,12 +271,16 @@ impl<'s, E: Effects> ScatteringFunction<'s, E> {
         (chosen, weight)
     }
 
+    /// Counts the value of a phase function; an isotropic one is constant.
+    fn count_evaluation(self, work: &mut impl Work) {
+        if self.0.features.anisotropic {
+            work.count(Event::PhaseEvaluation);
+        }
+    }
+
     /// The phase function of the only medium in `set` that scatters, with which no other has to be
     /// compared.
     fn only_scatterer(self, set: Set) -> Option<&'s Phase> {
-        if E::SINGLE_MEDIUM {
-            return Some(&self.0.media.all().first()?.phase);
-        }
         let mut scatterers = self.scattering_members(set);
         let only = scatterers.next()?;
         scatterers.next().is_none().then_some(&only.phase)
@@ -307,13 +310,6 @@ impl<'s, E: Effects> ScatteringFunction<'s, E> {
         members.filter(|medium| {
             medium.unit.scatters() && !medium.density.is_some_and(Density::is_nothing)
         })
-    }
-}
-
-/// Counts the value of a phase function; an isotropic one is constant.
-fn count_evaluation<E: Effects>(work: &mut impl Work) {
-    if E::ANISOTROPIC {
-        work.count(Event::PhaseEvaluation);
     }
 }
 

@@ -1,6 +1,5 @@
 //! A scene prepared for rendering.
 
-use super::effects::Effects;
 use super::media::Media;
 use super::surfaces::{Intersection, Surfaces};
 use super::variance_reduction::guiding::Guiding;
@@ -9,13 +8,13 @@ use super::variance_reduction::specular_objects::SpecularObject;
 use crate::geometry::{Emitter, EmitterExtent, Ray};
 use crate::optics::Light;
 use crate::render::counters::{Event, Work};
+use crate::render::plan::RadiativeFeatures;
 use crate::scene::Radiative;
 use glam::DVec3;
-use std::marker::PhantomData;
 
-/// A scene and its media, for kernels compiled for the effects `E`.
+/// A scene and its media.
 #[derive(Debug)]
-pub struct SceneContext<'s, E> {
+pub struct SceneContext<'s> {
     /// The scene.
     pub radiative: &'s Radiative,
     /// Its media.
@@ -30,7 +29,8 @@ pub struct SceneContext<'s, E> {
     pub light_vertex_shares: LightVertexShares,
     /// Its lights, as far as paths are guided by them.
     pub guiding: Guiding,
-    effects: PhantomData<E>,
+    /// What the scene calls for.
+    pub features: RadiativeFeatures,
 }
 
 /// A light at a point.
@@ -44,19 +44,20 @@ pub(crate) struct PositionedLight<'s> {
     pub index: usize,
 }
 
-impl<'s, E: Effects> SceneContext<'s, E> {
-    /// `scene` prepared for random paths. With `vacuum`, media without any effect are intersected
-    /// like others.
-    pub fn new(scene: &'s Radiative, vacuum: bool) -> Self {
-        SceneContext::with(scene, Media::new(&scene.media, vacuum))
+impl<'s> SceneContext<'s> {
+    /// `scene` prepared for random paths.
+    pub fn new(scene: &'s Radiative, features: RadiativeFeatures) -> Self {
+        let media = Media::new(&scene.media, features.vacuum_media);
+        SceneContext::with(scene, features, media)
     }
 
     /// `scene` prepared for integrals along the line of sight.
-    pub fn for_integrals(scene: &'s Radiative, vacuum: bool) -> Self {
-        SceneContext::with(scene, Media::for_integrals(&scene.media, vacuum))
+    pub fn for_integrals(scene: &'s Radiative, features: RadiativeFeatures) -> Self {
+        let media = Media::for_integrals(&scene.media, features.vacuum_media);
+        SceneContext::with(scene, features, media)
     }
 
-    fn with(radiative: &'s Radiative, media: Media<'s>) -> Self {
+    fn with(radiative: &'s Radiative, features: RadiativeFeatures, media: Media<'s>) -> Self {
         let extents = radiative.area_lights.iter();
         let extents = extents.map(|light| light.shape.extent());
         SceneContext {
@@ -71,18 +72,18 @@ impl<'s, E: Effects> SceneContext<'s, E> {
             radiative,
             media,
             surfaces: Surfaces::new(radiative),
-            effects: PhantomData,
+            features,
         }
     }
 
-    /// Heterogeneous media, where the kernel is compiled for them.
+    /// Whether any medium is heterogeneous.
     pub(crate) fn is_heterogeneous(&self) -> bool {
-        E::HETEROGENEOUS && self.media.has_heterogeneous()
+        self.features.heterogeneous && self.media.has_heterogeneous()
     }
 
     /// The nearest surface on `ray`, of several at the same distance the first of the scene.
     pub(crate) fn intersect<W: Work>(&self, ray: &Ray, work: &mut W) -> Option<Intersection> {
-        if !E::SURFACES {
+        if !self.features.surfaces {
             return None;
         }
         work.count_times(Event::SurfaceTest, self.surfaces.count());
@@ -98,9 +99,7 @@ impl<'s, E: Effects> SceneContext<'s, E> {
     }
 
     /// The lights at a point.
-    pub(crate) fn positioned_lights(
-        &self,
-    ) -> impl Iterator<Item = PositionedLight<'s>> + use<'s, E> {
+    pub(crate) fn positioned_lights(&self) -> impl Iterator<Item = PositionedLight<'s>> + use<'s> {
         let lights = self.radiative.lights.iter().enumerate();
         let shining = lights.filter(|(_, light)| light.strength() != DVec3::ZERO);
         shining.filter_map(|(index, light)| {

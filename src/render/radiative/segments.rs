@@ -9,7 +9,6 @@
 //! [tracked](super::tracking), and the properties of the segment are those of a homogeneous medium
 //! by which points are sampled: any is valid.
 
-use super::effects::Effects;
 use super::media::{Media, Set};
 use super::medium::{MediumProperties, over};
 use crate::geometry::{Ray, Solid, Span};
@@ -60,18 +59,8 @@ struct MediumEdge {
 
 impl MediumSegments {
     /// Builds the segments of `media` along `ray`, from its origin to `end`, which may be infinite.
-    pub fn build<E: Effects>(&mut self, media: &Media<'_>, ray: &Ray, end: f64) {
+    pub fn build(&mut self, media: &Media<'_>, ray: &Ray, end: f64) {
         self.segments.clear();
-        if E::SINGLE_MEDIUM {
-            let medium = media.single();
-            let segment = medium.span(ray, end).map(|span| MediumSegment {
-                span,
-                properties: medium.properties,
-                set: 1,
-            });
-            self.segments.extend(segment);
-            return;
-        }
         self.edges.clear();
         for (index, medium) in media.all().iter().enumerate() {
             self.spans.clear();

@@ -9,7 +9,6 @@
 //! Source: Kulla & Fajardo 2012, "Importance sampling techniques for path tracing in
 //! participating media", Computer Graphics Forum 31, 1519–1528.
 
-use super::effects::Effects;
 use super::media::Set;
 use super::scene_context::{PositionedLight, SceneContext};
 use super::segments::{MediumSegment, MediumSegments, OpticalDepths};
@@ -23,7 +22,6 @@ use crate::math::sampling::{
 use crate::optics::{Light, Spot, opacity};
 use crate::render::counters::Work;
 use glam::DVec3;
-use std::marker::PhantomData;
 
 /// The span of `ray` on which `light` shines on media that scatter, if there is one.
 pub fn lit_span(segments: &MediumSegments, ray: &Ray, light: &Light) -> Option<Span> {
@@ -193,12 +191,12 @@ impl ConeRoots {
 }
 
 /// Samples points on a ray for single scattering of a positioned light.
-pub struct ScatteringPointSampler<'p, E> {
+pub struct ScatteringPointSampler<'p> {
     segments: &'p MediumSegments,
     lit: Span,
     foot: f64,
     equiangular: Equiangular,
-    flight: TruncatedFlight<E>,
+    flight: TruncatedFlight,
 }
 
 /// A point on a ray, in media that scatter.
@@ -233,10 +231,10 @@ impl ScatteringPoint {
 
     /// Density with which a free flight from the origin of the ray collides there, per length: the
     /// mean of the channels.
-    pub fn flight_pdf<E: Effects>(&self) -> f64 {
+    pub fn flight_pdf(&self, chromatic: bool) -> f64 {
         let density =
             |c: usize| truncated_free_flight_pdf(self.sigma_t[c], self.depths.scattering[c], 1.0);
-        if E::CHROMATIC {
+        if chromatic {
             (density(0) + density(1) + density(2)) / 3.0
         } else {
             density(0)
@@ -244,7 +242,7 @@ impl ScatteringPoint {
     }
 }
 
-impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
+impl<'p> ScatteringPointSampler<'p> {
     /// A sampler for `light` on `ray`, along which the media are `segments`. `None` where it shines
     /// on no media that scatter.
     ///
@@ -255,9 +253,12 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
         segments: &'p MediumSegments,
         ray: &Ray,
         light: &PositionedLight<'_>,
+        chromatic: bool,
     ) -> Result<Option<Self>, LightOnRay> {
         lit_span(segments, ray, light.light)
-            .map(|lit| ScatteringPointSampler::within(lit, segments, ray, light.position, 0.0))
+            .map(|lit| {
+                ScatteringPointSampler::within(lit, segments, ray, (light.position, 0.0), chromatic)
+            })
             .transpose()
     }
 
@@ -271,8 +272,8 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
         lit: Span,
         segments: &'p MediumSegments,
         ray: &Ray,
-        position: DVec3,
-        spread: f64,
+        (position, spread): (DVec3, f64),
+        chromatic: bool,
     ) -> Result<Self, LightOnRay> {
         let foot = (position - ray.origin).dot(*ray.direction);
         let distance = ((ray.at(foot) - position).length_squared() + spread).sqrt();
@@ -281,7 +282,7 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
             lit,
             foot,
             equiangular: Equiangular::new(distance, lit.near - foot, lit.far - foot)?,
-            flight: TruncatedFlight::new(segments, lit),
+            flight: TruncatedFlight::new(segments, lit, chromatic),
         })
     }
 
@@ -311,9 +312,9 @@ impl<'p, E: Effects> ScatteringPointSampler<'p, E> {
 
 /// Single scattering in the media of a scene.
 #[derive(Clone, Copy)]
-pub struct SingleScattering<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct SingleScattering<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> SingleScattering<'_, E> {
+impl SingleScattering<'_> {
     /// Radiance per length that is scattered into `ray` at `point`, seen from the origin of the ray.
     /// `direct` is the radiance scattered at a vertex there.
     pub fn at<W: Work>(
@@ -347,22 +348,24 @@ impl<E: Effects> SingleScattering<'_, E> {
 
 /// Free flight of those alone that collide on a span of the ray; in chromatic media by one of
 /// the channels that can, all equally likely.
-struct TruncatedFlight<E> {
+struct TruncatedFlight {
     before: DVec3,
     /// Probability, by channel, of a collision on the span.
     colliding: DVec3,
     /// Channels in which it is not 0.
     channels: f64,
-    effects: PhantomData<E>,
+    /// Number of channels that differ.
+    differing: usize,
 }
 
-impl<E: Effects> TruncatedFlight<E> {
-    fn new(segments: &MediumSegments, lit: Span) -> Self {
+impl TruncatedFlight {
+    fn new(segments: &MediumSegments, lit: Span, chromatic: bool) -> Self {
+        let differing = if chromatic { 3 } else { 1 };
         let before = segments.depths_to(lit.near).0.scattering;
         let depth = segments.depths_to(lit.far).0.scattering - before;
         let mut colliding = DVec3::ZERO;
         let mut channels = 0.0;
-        for c in 0..Self::CHANNELS {
+        for c in 0..differing {
             colliding[c] = opacity(depth[c]);
             channels += if colliding[c] > 0.0 { 1.0 } else { 0.0 };
         }
@@ -370,17 +373,14 @@ impl<E: Effects> TruncatedFlight<E> {
             before,
             colliding,
             channels,
-            effects: PhantomData,
+            differing,
         }
     }
-
-    /// Channels that differ.
-    const CHANNELS: usize = if E::CHROMATIC { 3 } else { 1 };
 
     fn sample(&self, segments: &MediumSegments, u: f64, choice: f64) -> f64 {
         let mut nth = (choice * self.channels) as usize;
         let mut channel = 0;
-        for c in 0..Self::CHANNELS {
+        for c in 0..self.differing {
             if self.colliding[c] > 0.0 {
                 channel = c;
                 if nth == 0 {
@@ -400,7 +400,7 @@ impl<E: Effects> TruncatedFlight<E> {
             let into = depths.scattering[c] - self.before[c];
             truncated_free_flight_pdf(sigma_t[c], into, self.colliding[c])
         };
-        let mut colliding = (0..Self::CHANNELS).filter(|&c| self.colliding[c] > 0.0);
+        let mut colliding = (0..self.differing).filter(|&c| self.colliding[c] > 0.0);
         let Some(first) = colliding.next().map(density) else {
             return 0.0;
         };

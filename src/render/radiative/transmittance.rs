@@ -6,7 +6,6 @@
 //! | heterogeneous, absorbing only, of a density with an integral | integrated: `e^(−σ ∫ρ dt)` |
 //! | any other | estimated by residual ratio tracking |
 
-use super::effects::Effects;
 use super::media::{Media, Set, members};
 use super::medium::over;
 use super::ray_majorants::RayMajorants;
@@ -22,20 +21,20 @@ use glam::DVec3;
 
 /// Transmittance of the media of a scene.
 #[derive(Clone, Copy)]
-pub struct Transmittance<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct Transmittance<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> Transmittance<'_, E> {
+impl Transmittance<'_> {
     /// Transmittance of the optical depth `depth`, by channel; one exponential where all channels
     /// are the same.
     pub fn closed<W: Work>(self, depth: DVec3, work: &mut W) -> DVec3 {
         work.count(Event::Attenuation);
-        if E::CHROMATIC {
+        if self.0.features.chromatic {
             work.count_times(Event::ChannelAttenuation, 2);
         }
         if depth == DVec3::ZERO {
             // Of media that only absorb, where there are none, on every flight.
             DVec3::ONE
-        } else if E::CHROMATIC {
+        } else if self.0.features.chromatic {
             DVec3::from_array(depth.to_array().map(optics::transmittance))
         } else {
             DVec3::splat(optics::transmittance(depth.x))
@@ -46,10 +45,7 @@ impl<E: Effects> Transmittance<'_, E> {
     pub fn along<W: Work>(self, ray: &Ray, end: f64, tracker: &mut Tracker<'_, W>) -> DVec3 {
         if !self.0.is_heterogeneous() {
             let spans = &mut tracker.scratch.spans;
-            let depth = self
-                .0
-                .media
-                .optical_depth::<E, W>(ray, end, spans, tracker.work);
+            let depth = self.0.media.optical_depth(ray, end, spans, tracker.work);
             return self.closed(depth, tracker.work);
         }
         let mut depth = DVec3::ZERO;

@@ -1,6 +1,5 @@
 //! Light that arrives along a shadow ray.
 
-use super::effects::Effects;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
 use super::transmittance::Transmittance;
@@ -10,17 +9,17 @@ use glam::DVec3;
 
 /// Visibility along the shadow rays of a scene.
 #[derive(Clone, Copy)]
-pub struct Visibility<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct Visibility<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> Visibility<'_, E> {
+impl Visibility<'_> {
     /// Transmittance, by channel, from the origin of `ray` to `distance`: 0 behind a surface, an
     /// estimate through heterogeneous media that scatter.
     pub fn along<W: Work>(self, ray: &Ray, distance: f64, tracker: &mut Tracker<'_, W>) -> DVec3 {
         tracker.work.count(Event::ShadowRay);
-        if E::SURFACES && !self.0.is_unoccluded(ray, distance, tracker.work) {
+        if self.0.features.surfaces && !self.0.is_unoccluded(ray, distance, tracker.work) {
             return DVec3::ZERO;
         }
-        if !E::MEDIA {
+        if !self.0.features.media {
             return DVec3::ONE;
         }
         Transmittance(self.0).along(ray, distance, tracker)

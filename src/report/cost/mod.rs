@@ -7,7 +7,7 @@ mod words;
 pub use plot::plot as cost_plot;
 pub(crate) use words::wrapped;
 
-use super::template::rendered;
+use super::template::{Template, rendered};
 use crate::cost::timing::{Machine, Times};
 use crate::cost::{Cost, Event, MeanWork};
 use minijinja::context;
@@ -72,6 +72,12 @@ pub struct CostPage<'a> {
     pub machine: Option<&'a Machine>,
 }
 
+const TEMPLATE: Template = Template {
+    blocks: include_str!("page.html"),
+    style: include_str!("page.css"),
+    script: "",
+};
+
 /// The page as a complete HTML file. It loads nothing else, runs no script, and works from
 /// `file://`.
 pub fn cost_html(page: &CostPage<'_>) -> String {
@@ -85,10 +91,9 @@ pub fn cost_html(page: &CostPage<'_>) -> String {
         }
     });
     rendered(
-        include_str!("page.html"),
+        &TEMPLATE,
         context! {
             command => page.command,
-            version => env!("CARGO_PKG_VERSION"),
             costs => costs.collect::<Vec<_>>(),
             machine => page.machine.map(words::machine),
         },

@@ -2,8 +2,8 @@
 
 use super::words;
 use crate::cost::{Cost, Level, Sweep};
+use crate::files::visible::xml_text;
 use crate::math::log10;
-use crate::report::xml_text;
 use std::fmt::Write as _;
 
 /// Width of the drawing, height of a panel, and what is above, below and beside the axes.

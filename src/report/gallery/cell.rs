@@ -65,10 +65,8 @@ fn hidden(golden: &Film, film: &Film, exposure: f64) -> Option<f64> {
         values().map(|value| known.half_code(value)).sum::<f64>() / values().sum::<f64>()
     };
     let shares = [0, 1, 2].map(share).into_iter();
-    shares
-        .filter(|share| share.is_finite())
-        .max_by(f64::total_cmp)
-        .map(|share| 100.0 * share)
+    let shares = shares.filter(|share| share.is_finite());
+    Some(100.0 * shares.max_by(f64::total_cmp)?)
 }
 
 /// Bias of the mean of the channel that has most, in percent of the golden's, with its 95 % interval where it has
@@ -100,10 +98,8 @@ pub(super) fn bias(
     let text = match interval {
         _ if interval > 0.0 => {
             // Two digits of the interval.
-            let digits = [10.0, 1.0, 0.1, 0.01]
-                .iter()
-                .take_while(|&&least| interval < least)
-                .count();
+            let least = [10.0, 1.0, 0.1, 0.01].into_iter();
+            let digits = least.take_while(|least| interval < *least).count();
             format!("{channel} {sign}{size:.digits$} ± {interval:.digits$} %")
         }
         _ if size < 0.005 => "below 0.005 %".to_owned(),
@@ -157,10 +153,8 @@ impl Differences {
                 *most = code;
             }
         }
-        let colours: Vec<_> = most
-            .iter()
-            .map(|code| blue_to_red(root(code / scale)))
-            .collect();
+        let colour = |code: &f64| blue_to_red(root(code / scale));
+        let colours: Vec<_> = most.iter().map(colour).collect();
         image_address(&colours, columns, rows)
     }
 }

@@ -17,12 +17,7 @@ pub(super) struct Mark {
     meaning: &'static str,
 }
 
-const fn new(
-    class: &'static str,
-    symbol: &'static str,
-    word: &'static str,
-    meaning: &'static str,
-) -> Mark {
+const fn new([class, symbol, word, meaning]: [&'static str; 4]) -> Mark {
     Mark {
         class,
         symbol,
@@ -32,59 +27,68 @@ const fn new(
 }
 
 /// All marks, in the order of the legend.
-static MARKS: [Mark; 8] = [
-    new(
+static MARKS: [Mark; 9] = [
+    new([
         "right",
         "✓",
         "right",
         "The image agrees with the right one, up to rounding or noise.",
-    ),
-    new(
+    ]),
+    new([
         "convention",
         "≈",
         "right by convention",
         "The image agrees under other conventions than those of the scene, and volref says which.",
-    ),
-    new(
+    ]),
+    new([
         "known",
         "✗",
         "wrong, cause known",
         "The image differs, and a person has written down why.",
-    ),
-    new(
+    ]),
+    new([
         "wrong",
         "✗",
         "wrong, cause not known",
         "The image differs, and nobody has found out why yet.",
-    ),
-    new(
+    ]),
+    new([
         "undecided",
         "?",
         "undecided",
         "The image is too noisy, or its steps are too long, to tell.",
-    ),
-    new(
+    ]),
+    new([
         "error",
         "!",
         "error",
         "The renderer failed, or its image cannot be read.",
-    ),
-    new(
+    ]),
+    new([
         "absent",
         "○",
         "no image",
         "The renderer was asked, and there is no image.",
-    ),
-    new(
+    ]),
+    new([
         "cannot",
         "·",
         "cannot say",
         "The renderer has no way to draw the scene. That is no failure.",
-    ),
+    ]),
+    new([
+        "blank",
+        "",
+        "not asked",
+        "The mark is blank: the run of the renderer left the scene out.",
+    ]),
 ];
 
 impl Mark {
-    pub fn of(result: &CaseResult) -> &'static Mark {
+    pub fn of(result: Option<&CaseResult>) -> &'static Mark {
+        let Some(result) = result else {
+            return &MARKS[8];
+        };
         let known = result.known.as_ref().map(|known| known.status);
         let at = match result.verdict {
             Verdict::Pass => 0,
@@ -106,7 +110,7 @@ impl Mark {
 
     /// True if the renderer tried: there is an image, or it failed.
     pub fn is_judged(&self) -> bool {
-        !["absent", "cannot"].contains(&self.class)
+        !["absent", "cannot", "blank"].contains(&self.class)
     }
 
     /// True if an image was compared with the right one.
@@ -121,7 +125,7 @@ impl Mark {
 
     /// The words for a template.
     pub fn shown(&self) -> Value {
-        context! { class => self.class, symbol => self.symbol, word => self.word }
+        context! { class => self.class, symbol => self.symbol, word => self.word, is_judged => self.is_judged() }
     }
 }
 

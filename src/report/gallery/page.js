@@ -14,7 +14,7 @@ find("#theme").onclick = turnTheme;
 
 // ---- What is shown ----
 
-const rows = findAll(".images tbody tr");
+const rows = findAll("article");
 
 const views = findAll(".tools [data-view]");
 function setView(view) {
@@ -43,7 +43,7 @@ filter();
 // An address leads to its cell, whatever is filtered.
 addEventListener("hashchange", () => {
   const cell = document.getElementById(decodeURIComponent(location.hash.slice(1)));
-  if (!cell?.closest("tr")?.hidden) return;
+  if (!cell?.closest("article")?.hidden) return;
   find("#filter").value = find("#verdict").value = "";
   filter();
   cell.scrollIntoView();
@@ -64,7 +64,7 @@ function show() {
   const shown = image.querySelector(kind === "difference" ? "img.difference" : "img") ?? image.querySelector("img");
   find("#stage").src = shown.src;
   find("#stage").alt = shown.alt;
-  const verdict = image.closest("td")?.querySelector(".verdict").textContent ?? "";
+  const verdict = image.closest(".cell").querySelector(".verdict")?.textContent ?? "";
   find("#which").textContent = `${showsB ? "B" : "A"}: ${image.dataset.name} ${verdict}`;
   press(find("#kind"), kind === "difference");
 }
@@ -75,7 +75,7 @@ function play(is) {
   press(find("#play"), is);
 }
 function open(image) {
-  const row = image.closest("tr");
+  const row = image.closest("article");
   images = findAll(".image", row);
   const at = images.indexOf(image);
   for (const select of [a, b])
@@ -110,12 +110,13 @@ find("#help-button").onclick = () => find("#help").showModal();
 
 // The image beside the one with the focus; from nowhere, the first.
 function move(right, down) {
-  const shown = rows.filter(row => !row.hidden).map(row => findAll("th, td", row));
-  const from = document.activeElement?.closest("tbody th, tbody td");
+  const shown = rows.filter(row => !row.hidden).map(row => findAll(".cell", row));
+  const from = document.activeElement?.closest(".cell");
   let y = shown.findIndex(cells => cells.includes(from));
   let x = y < 0 ? 0 : shown[y].indexOf(from);
   if (y < 0) [y, right, down] = [0, 0, 0];
   for (; shown[y]?.[x]; x += right, y += down) {
+    if (down !== 0 && shown[y + down]) x = Math.min(x, shown[y + down].length - 1);
     const image = shown[y][x].querySelector(".image");
     if (image && image !== document.activeElement) {
       image.focus();

@@ -34,12 +34,10 @@ impl<'a> Views<'a> {
         let test = evidence.test.as_ref();
         let test =
             test.and_then(|image| shown(image, image.size().into(), "test image", &mut notes));
-        if evidence.without_image {
-            notes.push("This case has no image: numbers are compared.".to_owned());
-        } else if evidence.golden.is_none() {
+        if evidence.golden.is_none() {
             notes.push("There is no valid golden to compare with.".to_owned());
         }
-        if evidence.test.is_none() && !evidence.without_image {
+        if evidence.test.is_none() {
             notes.push("There is no readable test image.".to_owned());
         }
         let exposure = match evidence.exposure {

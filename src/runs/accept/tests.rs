@@ -59,10 +59,9 @@ impl Renderer for ExtraNoise {
         self.calls.lock().unwrap().push((samples, seed));
         let bias = if samples < 400 { self.bias } else { 0.0 };
         let (mut means, mut variances) = (Vec::new(), Vec::new());
-        let rows = detail.rows(panel.height);
-        let (height, width) = (rows.len(), panel.width);
-        let pixels = rows.flat_map(|row| (0..width).map(move |column| row * width + column));
-        for pixel in pixels.map(|pixel| pixel as u32) {
+        assert_eq!(detail, Detail::Whole);
+        let (height, width) = (panel.height, panel.width);
+        for pixel in (0..height * width).map(|pixel| pixel as u32) {
             let number = |sample: u32| {
                 let mut bytes = vec![self.variant];
                 bytes.extend(seed.to_le_bytes());
@@ -139,7 +138,7 @@ impl SampledFolder {
     ) -> Result<Vec<Accepted>, AcceptError> {
         let suite = self.suite();
         let cases: Vec<_> = suite.cases().iter().collect();
-        let kept = UnitFolder::open(suite.cache_folder());
+        let kept = KeptRenderings::open(suite.cache_folder());
         accept_with(
             renderer,
             &cases,
@@ -317,7 +316,7 @@ fn nothing_kept_is_used_for_another_scene_or_when_damaged() {
     let folder = SampledFolder::new();
     folder.manifest("= 400", "= 200");
     folder.accept(&ExtraNoise::new()).unwrap_err();
-    let kept = folder.suite().cache_folder().join("units/fog/room");
+    let kept = folder.suite().cache_folder().join("accept/fog/room");
     for entry in std::fs::read_dir(&kept).unwrap() {
         std::fs::write(entry.unwrap().path(), "garbage").unwrap();
     }

@@ -128,7 +128,7 @@ impl SceneParts<'_, '_, '_> {
                 let depth = spread * length_of(shared.size());
                 if depth > DEEPEST_TRACKED {
                     let keys = ["sigma_t", "sigma_a", "sigma_s"];
-                    let key = keys.into_iter().find(|key| reader.has(key));
+                    let key = reader.first_of(&keys);
                     let message = format!(
                         "channels of this medium differ by up to {depth:.4e} optical depths \
                          within another whose density varies: light is traced through at most \

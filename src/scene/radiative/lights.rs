@@ -1,22 +1,24 @@
 //! Point, spot and directional lights.
 
-use super::radiance;
+use super::check_radiance;
 use super::shapes::FARTHEST;
 use crate::geometry::Direction;
 use crate::optics::{Directional, Light, Point, Spot, SpotError};
 use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
+use crate::scene::record::Record;
 use glam::DVec3;
 
 /// The declaration of `[[radiative.light]]`.
 pub(super) const LIGHT: Table =
     Table::new("A point, spot or directional light. Area lights are surfaces with an emitter.")
         .keys(&[
-            Key::optional("point", Kind::Table(&POINT))
+            Key::optional("point", Kind::Table(&Point::TABLE))
                 .doc("Emits from a point in every direction."),
-            Key::optional("spot", Kind::Table(&SPOT)).doc("Emits from a point into a cone."),
-            Key::optional("directional", Kind::Table(&DIRECTIONAL))
+            Key::optional("spot", Kind::Table(&SpotTable::TABLE))
+                .doc("Emits from a point into a cone."),
+            Key::optional("directional", Kind::Table(&DirectionalTable::TABLE))
                 .doc("Emits from infinitely far away."),
         ])
         .rules(&[Rule::ExactlyOne(
@@ -24,59 +26,75 @@ pub(super) const LIGHT: Table =
             &["point", "spot", "directional"],
         )]);
 
-const DIRECTIONAL: Table =
-    Table::new("Emits from infinitely far away, in the same direction everywhere.").keys(&[
-        Key::required("direction", Kind::Vector).doc("Direction of travel, any length but 0."),
-        Key::required("irradiance", Kind::Colour(Range::at_least(0.0)))
-            .doc("Irradiance on a plane perpendicular to the direction."),
-    ]);
+record! {
+    struct DirectionalTable in "Emits from infinitely far away, in the same direction everywhere." {
+        direction: DVec3 = required Vector, "Direction of travel, any length but 0.";
+        irradiance: DVec3 = required Colour(Range::NOT_NEGATIVE),
+            "Irradiance on a plane perpendicular to the direction.";
+    }
+}
 
-const SPOT: Table = Table::new("Emits from a point into a cone: fully within the inner angle from its axis, not at all from the outer angle on, and falling linearly in between.").keys(&[
-    POSITION,
-    Key::required("target", Kind::Vector)
-        .doc("A point on the axis of the cone, other than `position`, world units."),
-    INTENSITY,
-    Key::required("inner_angle", Kind::Number(Range::closed(0.0, 180.0)))
-        .doc("Half-angle of the cone that is lit fully, degrees; at most `outer_angle`."),
-    Key::required("outer_angle", Kind::Number(Range::closed(0.0, 180.0)))
-        .doc("Half-angle of the cone outside which nothing is lit, degrees; above 0."),
-]);
+record! {
+    struct SpotTable in "Emits from a point into a cone: fully within the inner angle from its axis, not at all from the outer angle on, and falling linearly in between." {
+        position: DVec3 = required Vector, "Position of the light, world units.";
+        target: DVec3 = required Vector, "A point on the axis of the cone, other than `position`, world units.";
+        intensity: DVec3 = required Colour(Range::NOT_NEGATIVE),
+            "Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².";
+        inner_angle: f64 = required Number(Range::closed(0.0, 180.0)),
+            "Half-angle of the cone that is lit fully, degrees; at most `outer_angle`.";
+        outer_angle: f64 = required Number(Range::closed(0.0, 180.0)),
+            "Half-angle of the cone outside which nothing is lit, degrees; above 0.";
+    }
+}
 
-const POINT: Table =
-    Table::new("Emits from a point in every direction.").keys(&[POSITION, INTENSITY]);
-
-const POSITION: Key =
-    Key::required("position", Kind::Vector).doc("Position of the light, world units.");
-
-const INTENSITY: Key = Key::required("intensity", Kind::Colour(Range::at_least(0.0)))
-    .doc("Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².");
+record! {
+    impl Point in "Emits from a point in every direction." {
+        position = required Vector, "Position of the light, world units.";
+        intensity = required Colour(Range::NOT_NEGATIVE),
+            "Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².";
+    }
+}
 
 /// Reads one `[[radiative.light]]`.
 pub(super) fn read(reader: &Reader) -> SceneResult<Light> {
-    if let Some(point) = reader.table("point")? {
-        return Ok(Light::Point(Point {
-            position: position(&point)?,
-            intensity: radiance(&point, "intensity")?,
-        }));
+    if let Some(table) = reader.table("point")? {
+        let point = Point::read(&table)?;
+        check(&table, point.position, "intensity", point.intensity)?;
+        return Ok(Light::Point(point));
     }
-    if let Some(spot) = reader.table("spot")? {
-        return read_spot(&spot).map(Light::Spot);
+    if let Some(table) = reader.table("spot")? {
+        let spot = SpotTable::read(&table)?;
+        check(&table, spot.position, "intensity", spot.intensity)?;
+        let (axis, angles) = (
+            spot.target - spot.position,
+            [spot.inner_angle, spot.outer_angle],
+        );
+        let spot = Spot::new(spot.position, axis, spot.intensity, angles);
+        return spot.map(Light::Spot).map_err(|error| {
+            let key = match error {
+                SpotError::NoDirection => "target",
+                SpotError::Angles { .. } => "outer_angle",
+            };
+            table.error(key, error.to_string())
+        });
     }
-    let directional = reader.table("directional")?.expect("one of the lights");
-    let direction = Direction::of(directional.vector("direction")?).ok_or_else(|| {
+    let table = reader.table("directional")?.expect("one of the lights");
+    let read = DirectionalTable::read(&table)?;
+    let direction = Direction::of(read.direction).ok_or_else(|| {
         let message = "the direction of the light is the zero vector";
-        directional.error("direction", message)
+        table.error("direction", message)
     })?;
+    check(&table, DVec3::ZERO, "irradiance", read.irradiance)?;
     Ok(Light::Directional(Directional {
         direction,
-        irradiance: radiance(&directional, "irradiance")?,
+        irradiance: read.irradiance,
     }))
 }
 
-fn position(reader: &Reader) -> SceneResult<DVec3> {
-    let position = reader.vector("position")?;
+/// Refuses a light that is too far away, or brighter than an image can hold.
+fn check(reader: &Reader, position: DVec3, key: &str, brightness: DVec3) -> SceneResult<()> {
     if position.abs().max_element() <= FARTHEST {
-        return Ok(position);
+        return check_radiance(reader, key, brightness);
     }
     let message = format!(
         "the light is at {:?}, too far away to trace its light: coordinates up \
@@ -85,17 +103,4 @@ fn position(reader: &Reader) -> SceneResult<DVec3> {
     );
     let help = "choose another unit of length; for a light infinitely far away use `directional`";
     Err(reader.mistake("position", message, help))
-}
-
-fn read_spot(reader: &Reader) -> SceneResult<Spot> {
-    let (position, target) = (position(reader)?, reader.vector("target")?);
-    let intensity = radiance(reader, "intensity")?;
-    let angles = [reader.number("inner_angle")?, reader.number("outer_angle")?];
-    Spot::new(position, target - position, intensity, angles).map_err(|error| {
-        let key = match error {
-            SpotError::NoDirection => "target",
-            SpotError::Angles { .. } => "outer_angle",
-        };
-        reader.error(key, error.to_string())
-    })
 }

@@ -1,43 +1,33 @@
 //! Media: what fills a shape, or all space.
 
-use super::{Body, LARGEST_RADIANCE, densities, phases, radiance, shape_transform, shapes};
+use super::{Body, LARGEST_RADIANCE, check_radiance, densities, phases, shape_transform, shapes};
 use crate::geometry::{Aabb, Surface, length_of};
 use crate::optics::{Asymmetry, Coefficients, Density, Field, Homogeneous, optical_depth};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
-use crate::scene::format::{Key, Kind, Range, Rule, Table};
+use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
 use crate::scene::reader::Reader;
 use glam::DVec3;
 
 /// The declaration of `[[radiative.medium]]`.
-pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed shape; without a shape it fills all space. It is homogeneous unless a density is given; then coefficients and emission are those of density 1, and the density is transformed with the shape. Overlapping media add up.").keys(&[
-    shapes::SPHERE,
-    shapes::BOX,
-    shapes::MESH,
-    shape_transform::SCALE,
-    shape_transform::ROTATE,
-    shape_transform::TRANSLATE,
-    densities::GRID,
-    densities::INTERPOLATION,
-    densities::NOISE,
-    densities::EXPONENTIAL,
-    densities::LINEAR,
-    densities::BLOB,
-    densities::PROCEDURAL,
-    Key::or("sigma_a", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
-        .doc("Absorption per world length."),
-    Key::or("sigma_s", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
-        .doc("Scattering per world length."),
-    Key::optional("sigma_t", Kind::Colour(Range::at_least(0.0)))
-        .doc("Extinction per world length, absorption and scattering together; goes with `albedo`."),
-    Key::optional("albedo", Kind::Colour(Range::closed(0.0, 1.0)))
-        .doc("Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`."),
-    Key::or("emission", Kind::Colour(Range::at_least(0.0)), "[0.0, 0.0, 0.0]")
-        .doc("Radiance emitted per world length."),
-    phases::G,
-    phases::DRAINE,
-    phases::DROPLETS,
-]).rules(&[
+pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed shape; without a shape it fills all space. It is homogeneous unless a density is given; then coefficients and emission are those of density 1, and the density is transformed with the shape. Overlapping media add up.").keys(&joined::<21>(&[
+    &shapes::CLOSED,
+    &shape_transform::STEPS,
+    &densities::DENSITIES,
+    &[
+        Key::or("sigma_a", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
+            .doc("Absorption per world length."),
+        Key::or("sigma_s", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
+            .doc("Scattering per world length."),
+        Key::optional("sigma_t", Kind::Colour(Range::NOT_NEGATIVE))
+            .doc("Extinction per world length, absorption and scattering together; goes with `albedo`."),
+        Key::optional("albedo", Kind::Colour(Range::UNIT))
+            .doc("Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`."),
+        Key::or("emission", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
+            .doc("Radiance emitted per world length."),
+    ],
+    &phases::PHASES,
+])).rules(&[
     Rule::AtMostOne("shape", &["sphere", "box", "mesh"]),
     Rule::AtMostOne("density", &densities::KEYS),
     Rule::AtMostOne("phase function", &phases::KEYS),
@@ -51,7 +41,7 @@ pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed 
 pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
     // What a medium is made of may bring the space that it fills. Where it does not, the space is
     // read first: the order in which keys are read is part of what goldens know of a scene.
-    let varies = densities::KEYS.into_iter().find(|key| reader.has(key));
+    let varies = reader.first_of(&densities::KEYS);
     let (space, substance) = match varies {
         None => (
             shapes::space(reader, files, None)?,
@@ -65,7 +55,8 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
             )
         }
     };
-    let emission = radiance(reader, "emission")?;
+    let emission = reader.get("emission")?;
+    check_radiance(reader, "emission", emission)?;
     let phase = phases::read(reader, substance.asymmetry)?;
     if let Some(space) = &space
         && varies.is_some()
@@ -159,7 +150,7 @@ fn check_depth(reader: &Reader, body: &Body) -> SceneResult<()> {
     let depth = optical_depth(sigma_t, column);
     let refused = |message: String| {
         let keys = ["sigma_t", "sigma_a", "sigma_s", "procedural"];
-        let key = keys.into_iter().find(|key| reader.has(key));
+        let key = reader.first_of(&keys);
         let help = "give smaller coefficients, densities or lengths";
         Err(reader.mistake(key.unwrap_or("sigma_a"), message, help))
     };
@@ -182,17 +173,13 @@ fn check_depth(reader: &Reader, body: &Body) -> SceneResult<()> {
 }
 
 fn coefficients(reader: &Reader) -> SceneResult<Coefficients> {
-    let (key, sigma_a, sigma_s) = match reader.optional_vector("sigma_t")? {
+    let (key, sigma_a, sigma_s): (_, DVec3, DVec3) = match reader.get::<Option<DVec3>>("sigma_t")? {
         Some(sigma_t) => {
-            let albedo = reader.vector("albedo")?;
-            let sigma_s = sigma_t * albedo;
+            let sigma_s = sigma_t * reader.get::<DVec3>("albedo")?;
             // By difference: their sum is the extinction that was given.
             ("sigma_t", sigma_t - sigma_s, sigma_s)
         }
-        None => {
-            let sigma_a = reader.vector("sigma_a")?;
-            ("sigma_a", sigma_a, reader.vector("sigma_s")?)
-        }
+        None => ("sigma_a", reader.get("sigma_a")?, reader.get("sigma_s")?),
     };
     // Finite and not negative by declaration, but their sum need not be finite.
     Coefficients::new(sigma_a, sigma_s).map_err(|error| {

@@ -2,38 +2,30 @@
 
 use crate::geometry::Transform;
 use crate::scene::SceneResult;
-use crate::scene::format::{Key, Kind, Table};
+use crate::scene::format::{Key, Kind, Range};
 use crate::scene::reader::Reader;
+use crate::scene::record::Record;
 use glam::DVec3;
 
 /// The keys that move a shape.
 pub(in crate::scene) const KEYS: [&str; 3] = ["scale", "rotate", "translate"];
 
-/// Factors along the axes.
-pub(in crate::scene) const SCALE: Key = Key::optional("scale", Kind::Vector)
-    .doc("Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.");
+/// The same, declared.
+pub(in crate::scene) const STEPS: [Key; 3] = [
+    Key::optional("scale", Kind::Vector)
+        .doc("Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror."),
+    Key::optional("rotate", Kind::Table(&Rotation::TABLE))
+        .doc("Rotates the shape about an axis through the origin, after its scaling and before its translation."),
+    Key::optional("translate", Kind::Vector)
+        .doc("Translates the shape, after its scaling and rotation, world units."),
+];
 
-/// A turn about an axis.
-pub(in crate::scene) const ROTATE: Key = Key::optional("rotate", Kind::Table(&ROTATION)).doc(
-    "Rotates the shape about an axis through the origin, after its scaling and before its \
-    translation.",
-);
-
-/// A displacement.
-pub(in crate::scene) const TRANSLATE: Key = Key::optional("translate", Kind::Vector)
-    .doc("Translates the shape, after its scaling and rotation, world units.");
-
-const ROTATION: Table = Table::new("A rotation about an axis through the origin.").keys(&[
-    Key::required("axis", Kind::Vector).doc("The axis, any length but 0."),
-    Key::required(
-        "angle",
-        Kind::Number(crate::scene::format::Range::open(
-            f64::NEG_INFINITY,
-            f64::INFINITY,
-        )),
-    )
-    .doc("Degrees; anticlockwise where the axis points at the viewer."),
-]);
+record! {
+    struct Rotation in "A rotation about an axis through the origin." {
+        axis: DVec3 = required Vector, "The axis, any length but 0.";
+        angle: f64 = required Number(Range::FINITE), "Degrees; anticlockwise where the axis points at the viewer.";
+    }
+}
 
 /// The transform of a shape.
 pub(in crate::scene) struct ShapeTransform {
@@ -47,16 +39,16 @@ impl ShapeTransform {
     pub(in crate::scene) fn read(reader: &Reader) -> SceneResult<ShapeTransform> {
         let mut transform = Transform::IDENTITY;
         let mut scale = DVec3::ONE;
-        if let Some(factors) = reader.optional_vector("scale")? {
+        if let Some(factors) = reader.optional("scale")? {
             scale = factors;
             transform = reader.accepted_at("scale", Transform::scale(factors))?;
         }
         if let Some(rotation) = reader.table("rotate")? {
-            let (axis, angle) = (rotation.vector("axis")?, rotation.number("angle")?);
+            let Rotation { axis, angle } = Record::read(&rotation)?;
             let turn = rotation.accepted_at("axis", Transform::rotation(axis, angle))?;
             transform = transform.then(&turn);
         }
-        if let Some(offset) = reader.optional_vector("translate")? {
+        if let Some(offset) = reader.optional("translate")? {
             let shift = reader.accepted_at("translate", Transform::translation(offset))?;
             transform = transform.then(&shift);
         }

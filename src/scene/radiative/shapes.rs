@@ -6,66 +6,59 @@ use crate::geometry::{
     Sphere, Surface, Transform, length_of,
 };
 use crate::scene::files::Files;
-use crate::scene::format::{Key, Kind, Range, Rule, Table};
+use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
 use crate::scene::reader::Reader;
+use crate::scene::record::Record;
 use crate::scene::{SceneError, SceneResult};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A sphere.
-pub(in crate::scene) const SPHERE: Key =
-    Key::optional("sphere", Kind::Table(&SPHERE_TABLE)).doc("Shape: a sphere.");
+record! {
+    struct SphereTable in "A sphere." {
+        centre: DVec3 = required Vector, "Its centre, world units.";
+        radius: f64 = required Number(Range::POSITIVE), "Its radius, world units.";
+    }
+}
 
-const SPHERE_TABLE: Table = Table::new("A sphere.").keys(&[
-    Key::required("centre", Kind::Vector).doc("Its centre, world units."),
-    Key::required("radius", Kind::Number(Range::open(0.0, f64::INFINITY)))
-        .doc("Its radius, world units."),
-]);
+record! {
+    struct BoxTable in "A box along the axes." {
+        min: DVec3 = required Vector, "The corner with the smallest coordinates, world units.";
+        max: DVec3 = required Vector, "The corner with the largest coordinates, world units.";
+    }
+}
 
-/// A box.
-pub(in crate::scene) const BOX: Key =
-    Key::optional("box", Kind::Table(&BOX_TABLE)).doc("Shape: a box along the axes.");
+record! {
+    struct RectangleTable in "A rectangle, or a parallelogram; its front is where edge_u × edge_v points." {
+        corner: DVec3 = required Vector, "The corner where both edges start, world units.";
+        edge_u: DVec3 = required Vector, "From the corner to the next one, world units.";
+        edge_v: DVec3 = required Vector, "From the corner to the other neighbour, world units.";
+    }
+}
 
-const BOX_TABLE: Table = Table::new("A box along the axes.").keys(&[
-    Key::required("min", Kind::Vector)
-        .doc("The corner with the smallest coordinates, world units."),
-    Key::required("max", Kind::Vector).doc("The corner with the largest coordinates, world units."),
-]);
-
-/// A rectangle.
-pub(in crate::scene) const RECTANGLE: Key =
-    Key::optional("rectangle", Kind::Table(&RECTANGLE_TABLE))
-        .doc("Shape: a rectangle or parallelogram.");
-
-const RECTANGLE_TABLE: Table = Table::new(
-    "A rectangle, or a parallelogram; its front is where edge_u × edge_v points.",
-)
-.keys(&[
-    Key::required("corner", Kind::Vector).doc("The corner where both edges start, world units."),
-    Key::required("edge_u", Kind::Vector).doc("From the corner to the next one, world units."),
-    Key::required("edge_v", Kind::Vector)
-        .doc("From the corner to the other neighbour, world units."),
-]);
-
-/// A mesh.
-pub(in crate::scene) const MESH: Key =
-    Key::optional("mesh", Kind::Table(&MESH_TABLE)).doc("Shape: a triangle mesh.");
-
-const MESH_TABLE: Table = Table::new("A triangle mesh.").keys(&[
+const MESH: Table = Table::new("A triangle mesh.").keys(&[
     Key::required("file", Kind::Text)
         .doc("Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front."),
 ]);
 
-/// Keys of a surface: one shape, moved.
-pub(in crate::scene) const SURFACE_KEYS: [Key; 7] = [
-    RECTANGLE,
-    SPHERE,
-    BOX,
-    MESH,
-    shape_transform::SCALE,
-    shape_transform::ROTATE,
-    shape_transform::TRANSLATE,
+/// Keys of closed shapes.
+pub(super) const CLOSED: [Key; 3] = [
+    Key::optional("sphere", Kind::Table(&SphereTable::TABLE)).doc("Shape: a sphere."),
+    Key::optional("box", Kind::Table(&BoxTable::TABLE)).doc("Shape: a box along the axes."),
+    Key::optional("mesh", Kind::Table(&MESH)).doc("Shape: a triangle mesh."),
 ];
+
+/// A box.
+pub(in crate::scene) const BOX: Key = CLOSED[1];
+
+/// Keys of a surface: one shape, moved.
+pub(in crate::scene) const SURFACE_KEYS: [Key; 7] = joined(&[
+    &[
+        Key::optional("rectangle", Kind::Table(&RectangleTable::TABLE))
+            .doc("Shape: a rectangle or parallelogram."),
+    ],
+    &CLOSED,
+    &shape_transform::STEPS,
+]);
 
 /// The rule of those keys.
 pub(in crate::scene) const ONE_SHAPE: Rule =
@@ -111,19 +104,18 @@ impl BaseShape {
 }
 
 fn read_sphere(reader: &Reader) -> SceneResult<Sphere> {
-    let (centre, radius) = (reader.vector("centre")?, reader.number("radius")?);
+    let SphereTable { centre, radius } = Record::read(reader)?;
     reader.accepted_at("radius", Sphere::new(centre, radius))
 }
 
 pub(in crate::scene) fn read_box(reader: &Reader) -> SceneResult<Aabb> {
-    let (min, max) = (reader.vector("min")?, reader.vector("max")?);
+    let BoxTable { min, max } = Record::read(reader)?;
     reader.accepted_at("min", Aabb::new(min, max))
 }
 
 fn read_rectangle(reader: &Reader) -> SceneResult<Rectangle> {
-    let corner = reader.vector("corner")?;
-    let (edge_u, edge_v) = (reader.vector("edge_u")?, reader.vector("edge_v")?);
-    Rectangle::new(corner, edge_u, edge_v).map_err(|error| {
+    let table = RectangleTable::read(reader)?;
+    Rectangle::new(table.corner, table.edge_u, table.edge_v).map_err(|error| {
         let key = match error {
             ShapeError::NoArea(..) => "edge_v",
             _ => "corner",
@@ -253,10 +245,7 @@ pub(super) fn space(
     } else if let Some(own) = own {
         Boundary::Box(own)
     } else {
-        if let Some(key) = super::shape_transform::KEYS
-            .into_iter()
-            .find(|key| reader.has(key))
-        {
+        if let Some(key) = reader.first_of(&shape_transform::KEYS) {
             let message =
                 format!("a medium without a shape fills all space: `{key}` has no effect");
             let help = format!("give the medium a `sphere`, `box` or `mesh`, or remove `{key}`");
@@ -266,9 +255,8 @@ pub(super) fn space(
     };
     let bounds = own_place.bounds();
     let to_world = ShapeTransform::read(reader)?.to_world;
-    let keys = ["sphere", "box", "mesh", "grid"].into_iter();
-    let mut given = keys.filter(|key| reader.has(key));
-    let key = given.next().expect("its shape, or its grid");
+    let key = reader.first_of(&["sphere", "box", "mesh", "grid"]);
+    let key = key.expect("its shape, or its grid");
     let boundary = match &to_world {
         None => own_place,
         Some(to_world) => placed(reader, key, &bounds, own_place.moved(to_world))?,

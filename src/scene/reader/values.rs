@@ -3,26 +3,207 @@
 use super::{Origin, Reader};
 use crate::files::misspelling::nearest;
 use crate::math::srgb_to_linear;
-use crate::scene::SceneResult;
-use crate::scene::format::{Absent, Kind, Range, Table, whole_number};
+use crate::scene::format::{Absent, Kind, Table, whole_number};
 use crate::scene::length::Length;
+use crate::scene::{SceneError, SceneResult};
 use glam::DVec3;
+use std::fmt::Debug;
 use std::sync::LazyLock;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// A value of a key, in the form that its declared [`Kind`] has.
+pub trait Value: Debug + Sized {
+    /// Reads `value`, which stands at `name`.
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<Self>;
+
+    /// As the notes of a scene have it, and with them its hash.
+    fn shown(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+/// A value, or an option of one whose key may be left out.
+pub trait Field: Sized {
+    /// Reads what stands at `name`, or is declared for it.
+    fn get(reader: &Reader, name: &str) -> SceneResult<Self>;
+}
+
+impl<T: Value> Field for T {
+    fn get(reader: &Reader, name: &str) -> SceneResult<T> {
+        let value = reader.optional(name)?;
+        Ok(value.expect("required or has a default"))
+    }
+}
+
+impl<T: Value> Field for Option<T> {
+    fn get(reader: &Reader, name: &str) -> SceneResult<Option<T>> {
+        reader.optional(name)
+    }
+}
+
+impl Value for f64 {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<f64> {
+        let text = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().to_owned(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
+            _ => return Err(reader.wrong_type(name, value)),
+        };
+        let wrong = |_| reader.wrong_type(name, value);
+        let number: f64 = text.parse().map_err(wrong)?;
+        if !number.is_finite() {
+            return Err(reader.error(name, format!("`{name}` must be finite, got {text}")));
+        }
+        match reader.declared(name).kind {
+            Kind::Number(range) | Kind::Interval(range) if !range.contains(number) => {
+                Err(reader.error(name, format!("`{name}` must {range}, got {number}")))
+            }
+            _ => Ok(number),
+        }
+    }
+
+    fn shown(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Value for u64 {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<u64> {
+        let (low, high, wrong) = match reader.declared(name).kind {
+            Kind::Count(low, high) => (low, high, reader.wrong_type(name, value)),
+            Kind::Counts(low, high) => (low, high, reader.wrong_form(name)),
+            _ => panic!("{name} is not a count"),
+        };
+        let DeValue::Integer(integer) = value.get_ref() else {
+            return Err(wrong);
+        };
+        let number = whole_number(name, integer.as_str(), integer.radix(), [low, high]);
+        reader.accepted_at(name, number)
+    }
+}
+
+impl Value for u32 {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<u32> {
+        let count = u64::read(reader, name, value)?;
+        Ok(u32::try_from(count).expect("as few by declaration"))
+    }
+}
+
+impl<T: Value + Copy + Default, const N: usize> Value for [T; N] {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<[T; N]> {
+        let items = array(value).filter(|items| items.len() == N);
+        let mut read = [T::default(); N];
+        for (item, value) in read
+            .iter_mut()
+            .zip(items.ok_or_else(|| reader.wrong_form(name))?)
+        {
+            *item = T::read(reader, name, value)?;
+        }
+        Ok(read)
+    }
+}
+
+impl Value for DVec3 {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<DVec3> {
+        let kind = reader.declared(name).kind;
+        let vector = match (value.get_ref(), kind) {
+            (DeValue::Float(_) | DeValue::Integer(_), Kind::Colour(_)) => {
+                DVec3::splat(f64::read(reader, name, value)?)
+            }
+            (DeValue::String(text), Kind::Colour(_)) => srgb(text).ok_or_else(|| {
+                let message = format!("`{name}` is {text:?}, which is no colour");
+                let help = "give sRGB as six hexadecimal digits, such as \"#3b528b\", or linear \
+                            numbers, such as [1, 0.5, 0]";
+                reader.mistake(name, message, help)
+            })?,
+            (DeValue::Array(items), _) if items.len() != 3 => {
+                let message = format!("`{name}` must be three numbers, not {}", items.len());
+                return Err(reader.error(name, message));
+            }
+            (DeValue::Array(_), _) => DVec3::from_array(Value::read(reader, name, value)?),
+            _ => return Err(reader.wrong_type(name, value)),
+        };
+        let Kind::Colour(range) = kind else {
+            return Ok(vector);
+        };
+        if let Some(channel) = vector.to_array().iter().find(|&&c| !range.contains(c)) {
+            let message = if *channel < 0.0 {
+                format!("`{name}` must not be negative, got {vector}")
+            } else {
+                format!("`{name}` must {range} in every channel, got {vector}")
+            };
+            return Err(reader.error(name, message));
+        }
+        // −0 is black as well, but another bit: as +0 an image is the same whatever is elided.
+        Ok(vector + DVec3::ZERO)
+    }
+
+    fn shown(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Value for Length {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<Length> {
+        let text = match value.get_ref() {
+            DeValue::String(text) => text.to_string(),
+            _ => f64::read(reader, name, value)?.to_string(),
+        };
+        let length = text.parse();
+        length.map_err(|message: String| reader.error(name, format!("`{name}`: {message}")))
+    }
+
+    fn shown(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Value for String {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<String> {
+        let DeValue::String(text) = value.get_ref() else {
+            return Err(reader.wrong_type(name, value));
+        };
+        if let Kind::Choice(words) = reader.declared(name).kind
+            && !words.contains(&text.as_ref())
+        {
+            let expected = reader.declared(name).kind.expected();
+            let message = format!("`{name}` must be {expected}, but is {text:?}");
+            return Err(match nearest(text, words.iter().copied()) {
+                Some(near) => reader.mistake(name, message, format!("did you mean {near:?}?")),
+                None => reader.error(name, message),
+            });
+        }
+        Ok(text.to_string())
+    }
+}
+
+impl Value for bool {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<bool> {
+        let flag = value.get_ref().as_bool();
+        flag.ok_or_else(|| reader.wrong_type(name, value))
+    }
+}
+
+impl Value for Vec<String> {
+    fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<Vec<String>> {
+        let words = array(value).ok_or_else(|| reader.wrong_type(name, value))?;
+        let word = |item| String::read(reader, name, item);
+        words.iter().map(word).collect()
+    }
+}
+
 impl<'d, 's> Reader<'d, 's> {
+    /// The value of a key, which is there or has a default unless an option is asked for.
+    pub fn get<T: Field>(&self, name: &str) -> SceneResult<T> {
+        T::get(self, name)
+    }
+
     /// The value in the file or the declared default; `None` if the declaration has neither
     /// and the key may be left out.
-    fn present<T>(
-        &self,
-        name: &str,
-        read: impl Fn(&Spanned<DeValue>) -> SceneResult<T>,
-        show: impl Fn(&T) -> String,
-    ) -> SceneResult<Option<T>> {
+    pub fn optional<T: Value>(&self, name: &str) -> SceneResult<Option<T>> {
         if let Some(value) = self.value(name) {
-            let value = read(value)?;
-            self.note(name, show(&value), Origin::Given);
+            let value = T::read(self, name, value)?;
+            self.note(name, value.shown(), Origin::Given);
             return Ok(Some(value));
         }
         match self.declared(name).absent {
@@ -31,8 +212,9 @@ impl<'d, 's> Reader<'d, 's> {
                 Err(self.error(name, format!("missing key `{name}` in {table}")))
             }
             Absent::Default(text) => {
-                let value = read(&DeValue::parse(text).expect("defaults are TOML"))?;
-                self.note(name, show(&value), Origin::Default);
+                let default = DeValue::parse(text).expect("defaults are TOML");
+                let value = T::read(self, name, &default)?;
+                self.note(name, value.shown(), Origin::Default);
                 Ok(Some(value))
             }
             Absent::Derived(rule) => {
@@ -43,191 +225,13 @@ impl<'d, 's> Reader<'d, 's> {
         }
     }
 
-    fn float(&self, name: &str, value: &Spanned<DeValue>) -> SceneResult<f64> {
-        let text = match value.get_ref() {
-            DeValue::Float(float) => float.as_str().to_owned(),
-            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().to_owned(),
-            _ => return Err(self.wrong_type(name, value)),
-        };
-        let number: f64 = text.parse().map_err(|_| self.wrong_type(name, value))?;
-        if !number.is_finite() {
-            return Err(self.error(name, format!("`{name}` must be finite, got {text}")));
-        }
-        Ok(number)
-    }
-
-    fn three(&self, name: &str, value: &Spanned<DeValue>) -> SceneResult<DVec3> {
-        let DeValue::Array(items) = value.get_ref() else {
-            return Err(self.wrong_type(name, value));
-        };
-        if items.len() != 3 {
-            let message = format!("`{name}` must be three numbers, not {}", items.len());
-            return Err(self.error(name, message));
-        }
-        let mut numbers = [0.0; 3];
-        for (number, item) in numbers.iter_mut().zip(items.iter()) {
-            *number = self.float(name, item)?;
-        }
-        Ok(DVec3::from_array(numbers))
-    }
-
-    /// A declared [`Kind::Matrix`] that may be left out, row by row.
-    pub(crate) fn optional_matrix<const ROWS: usize>(
-        &self,
-        name: &str,
-    ) -> SceneResult<Option<[[f64; 4]; ROWS]>> {
-        let read = |value: &Spanned<DeValue>| {
-            let expected = self.declared(name).kind.expected();
-            let wrong = || self.error(name, format!("`{name}` must be {expected}"));
-            let mut rows = [[0.0; 4]; ROWS];
-            let items = array(value).filter(|items| items.len() == ROWS);
-            for (row, item) in rows.iter_mut().zip(items.ok_or_else(wrong)?) {
-                let numbers = array(item).filter(|numbers| numbers.len() == 4);
-                for (number, item) in row.iter_mut().zip(numbers.ok_or_else(wrong)?) {
-                    *number = self.float(name, item)?;
-                }
-            }
-            Ok(rows)
-        };
-        self.present(name, read, |rows| format!("{rows:?}"))
-    }
-
-    /// A declared [`Kind::Interval`] that may be left out.
-    pub(crate) fn optional_interval(&self, name: &str) -> SceneResult<Option<[f64; 2]>> {
-        let Kind::Interval(range) = self.declared(name).kind else {
-            panic!("{name} is not an interval")
-        };
-        let read = |value: &Spanned<DeValue>| {
-            let Some([low, high]) = array(value) else {
-                let expected = self.declared(name).kind.expected();
-                return Err(self.error(name, format!("`{name}` must be {expected}")));
-            };
-            let ends = [self.float(name, low)?, self.float(name, high)?];
-            if let Some(end) = ends.iter().find(|&&end| !range.contains(end)) {
-                return Err(self.error(name, format!("`{name}` must {range}, got {end}")));
-            }
-            self.accepted_at(name, checked_interval(ends))
-                .map(|()| ends)
-        };
-        self.present(name, read, |ends| format!("{ends:?}"))
-    }
-
-    /// Three channels, one number for all of them, or sRGB.
-    fn colour(&self, name: &str, value: &Spanned<DeValue>, range: &Range) -> SceneResult<DVec3> {
-        let colour = match value.get_ref() {
-            DeValue::Float(_) | DeValue::Integer(_) => DVec3::splat(self.float(name, value)?),
-            DeValue::String(text) => srgb(text).ok_or_else(|| {
-                let message = format!("`{name}` is {text:?}, which is no colour");
-                let help = "give sRGB as six hexadecimal digits, such as \"#3b528b\", or linear \
-                            numbers, such as [1, 0.5, 0]";
-                self.mistake(name, message, help)
-            })?,
-            _ => self.three(name, value)?,
-        };
-        if let Some(channel) = colour.to_array().iter().find(|&&c| !range.contains(c)) {
-            let message = if *channel < 0.0 {
-                format!("`{name}` must not be negative, got {colour}")
-            } else {
-                format!("`{name}` must {range} in every channel, got {colour}")
-            };
-            return Err(self.error(name, message));
-        }
-        // −0 is black as well, but another bit: as +0 an image is the same whatever is elided.
-        Ok(colour + DVec3::ZERO)
-    }
-
-    /// A declared [`Kind::Count`] that is required or has a default.
-    pub fn count(&self, name: &str) -> SceneResult<u64> {
-        let value = self.optional_count(name)?;
-        Ok(value.expect("required or has a default"))
-    }
-
-    /// A declared [`Kind::Count`] that may be left out.
-    pub(crate) fn optional_count(&self, name: &str) -> SceneResult<Option<u64>> {
-        let Kind::Count(low, high) = self.declared(name).kind else {
-            panic!("{name} is not a count")
-        };
-        let read = |value: &Spanned<DeValue>| {
-            let DeValue::Integer(integer) = value.get_ref() else {
-                return Err(self.wrong_type(name, value));
-            };
-            let number = whole_number(name, integer.as_str(), integer.radix(), [low, high]);
-            self.accepted_at(name, number)
-        };
-        self.present(name, read, u64::to_string)
-    }
-
-    /// A declared [`Kind::Counts`] that is required.
-    pub fn counts(&self, name: &str) -> SceneResult<[u64; 3]> {
-        let value = self.optional_counts(name)?;
-        Ok(value.expect("required"))
-    }
-
-    /// A declared [`Kind::Counts`] that may be left out.
-    pub(crate) fn optional_counts(&self, name: &str) -> SceneResult<Option<[u64; 3]>> {
-        let Kind::Counts(low, high) = self.declared(name).kind else {
-            panic!("{name} is not three counts")
-        };
-        let read = |value: &Spanned<DeValue>| {
-            let expected = self.declared(name).kind.expected();
-            let wrong = || self.error(name, format!("`{name}` must be {expected}"));
-            let items = array(value).filter(|items| items.len() == 3);
-            let mut counts = [0; 3];
-            for (count, item) in counts.iter_mut().zip(items.ok_or_else(wrong)?) {
-                let DeValue::Integer(integer) = item.get_ref() else {
-                    return Err(wrong());
-                };
-                let number = whole_number(name, integer.as_str(), integer.radix(), [low, high]);
-                *count = self.accepted_at(name, number)?;
-            }
-            Ok(counts)
-        };
-        self.present(name, read, |counts| format!("{counts:?}"))
-    }
-
-    /// A declared [`Kind::Number`] that is required or has a default.
-    pub fn number(&self, name: &str) -> SceneResult<f64> {
-        let value = self.optional_number(name)?;
-        Ok(value.expect("required or has a default"))
-    }
-
-    /// A declared [`Kind::Number`] that may be left out.
-    pub(crate) fn optional_number(&self, name: &str) -> SceneResult<Option<f64>> {
-        let Kind::Number(range) = self.declared(name).kind else {
-            panic!("{name} is not a number")
-        };
-        let read = |value: &Spanned<DeValue>| {
-            let number = self.float(name, value)?;
-            if !range.contains(number) {
-                return Err(self.error(name, format!("`{name}` must {range}, got {number}")));
-            }
-            Ok(number)
-        };
-        self.present(name, read, f64::to_string)
-    }
-
-    /// A declared [`Kind::Vector`] or [`Kind::Colour`] that is required or has a default.
-    pub fn vector(&self, name: &str) -> SceneResult<DVec3> {
-        let value = self.optional_vector(name)?;
-        Ok(value.expect("required or has a default"))
-    }
-
-    /// A declared [`Kind::Vector`] or [`Kind::Colour`] that may be left out.
-    pub(crate) fn optional_vector(&self, name: &str) -> SceneResult<Option<DVec3>> {
-        let read = |value: &Spanned<DeValue>| match self.declared(name).kind {
-            Kind::Colour(range) => self.colour(name, value, &range),
-            _ => self.three(name, value),
-        };
-        self.present(name, read, DVec3::to_string)
-    }
-
     /// A declared [`Kind::Vector`] that, left out, follows from other things.
     pub(crate) fn vector_or(
         &self,
         name: &str,
         derived: impl FnOnce() -> DVec3,
     ) -> SceneResult<DVec3> {
-        if let Some(vector) = self.optional_vector(name)? {
+        if let Some(vector) = self.optional(name)? {
             return Ok(vector);
         }
         let vector = derived();
@@ -235,82 +239,14 @@ impl<'d, 's> Reader<'d, 's> {
         Ok(vector)
     }
 
-    /// A declared [`Kind::Length`] that is required or has a default.
-    pub fn length(&self, name: &str) -> SceneResult<Length> {
-        let value = self.optional_length(name)?;
-        Ok(value.expect("required or has a default"))
-    }
-
-    /// A declared [`Kind::Length`] that may be left out.
-    pub(crate) fn optional_length(&self, name: &str) -> SceneResult<Option<Length>> {
-        let read = |value: &Spanned<DeValue>| {
-            let text = match value.get_ref() {
-                DeValue::String(text) => text.to_string(),
-                DeValue::Float(_) | DeValue::Integer(_) => self.float(name, value)?.to_string(),
-                _ => return Err(self.wrong_type(name, value)),
-            };
-            text.parse()
-                .map_err(|message| self.error(name, format!("`{name}`: {message}")))
-        };
-        self.present(name, read, Length::to_string)
-    }
-
-    /// A declared [`Kind::Text`] or [`Kind::Choice`] that is required or has a default.
-    pub fn text(&self, name: &str) -> SceneResult<String> {
-        let value = self.optional_text(name)?;
-        Ok(value.expect("required or has a default"))
-    }
-
-    /// A declared [`Kind::Text`] or [`Kind::Choice`] that may be left out.
-    pub(crate) fn optional_text(&self, name: &str) -> SceneResult<Option<String>> {
-        let read = |value: &Spanned<DeValue>| {
-            let DeValue::String(text) = value.get_ref() else {
-                return Err(self.wrong_type(name, value));
-            };
-            if let Kind::Choice(words) = self.declared(name).kind
-                && !words.contains(&text.as_ref())
-            {
-                let expected = self.declared(name).kind.expected();
-                let message = format!("`{name}` must be {expected}, but is {text:?}");
-                return Err(match nearest(text, words.iter().copied()) {
-                    Some(near) => self.mistake(name, message, format!("did you mean {near:?}?")),
-                    None => self.error(name, message),
-                });
-            }
-            Ok(text.to_string())
-        };
-        self.present(name, read, |text| format!("{text:?}"))
-    }
-
-    /// A declared [`Kind::Flag`]; left out, it is false.
-    pub fn flag(&self, name: &str) -> SceneResult<bool> {
-        let read = |value: &Spanned<DeValue>| match value.get_ref() {
-            DeValue::Boolean(flag) => Ok(*flag),
-            _ => Err(self.wrong_type(name, value)),
-        };
-        let flag = self.present(name, read, bool::to_string)?;
-        Ok(flag.unwrap_or(false))
-    }
-
-    /// A declared [`Kind::Words`]; left out, there are none.
-    pub fn words(&self, name: &str) -> SceneResult<Vec<String>> {
-        let read = |value: &Spanned<DeValue>| {
-            let DeValue::Array(items) = value.get_ref() else {
-                return Err(self.wrong_type(name, value));
-            };
-            let word = |item: &Spanned<DeValue>| match item.get_ref() {
-                DeValue::String(text) => Ok(text.to_string()),
-                _ => Err(self.wrong_type(name, item)),
-            };
-            items.iter().map(word).collect()
-        };
-        let words: Option<Vec<String>> = self.present(name, read, |words| format!("{words:?}"))?;
-        Ok(words.unwrap_or_default())
-    }
-
     /// True if the file holds the key.
     pub fn has(&self, name: &str) -> bool {
         self.value(name).is_some()
+    }
+
+    /// The first of some keys that the file holds.
+    pub(crate) fn first_of<'k>(&self, names: &[&'k str]) -> Option<&'k str> {
+        names.iter().copied().find(|name| self.has(name))
     }
 
     /// A declared [`Kind::Table`], if the file has it. One that may be left out but has
@@ -323,10 +259,14 @@ impl<'d, 's> Reader<'d, 's> {
                     .map(Some)
             }
             None if matches!(self.declared(name).absent, Absent::Error) => {
-                Err(self.error(name, format!("missing table [{}]", self.key_path(name))))
+                Err(self.missing_table(name))
             }
             None => Ok(None),
         }
+    }
+
+    fn missing_table(&self, name: &str) -> Box<SceneError> {
+        self.error(name, format!("missing table [{}]", self.key_path(name)))
     }
 
     /// The table `name`, by `read`, if it is there.
@@ -363,19 +303,18 @@ impl<'d, 's> Reader<'d, 's> {
     /// A declared [`Kind::Tables`]: each of them, in the order of the file; none where the file
     /// leaves it out.
     pub fn tables(&self, name: &str) -> SceneResult<Vec<Reader<'d, 's>>> {
-        let Kind::Tables(declaration) = self.declared(name).kind else {
+        let (Kind::Tables(declaration) | Kind::OneOrMore(declaration)) = self.declared(name).kind
+        else {
             panic!("{name} is not a list of tables")
         };
         let Some(value) = self.value(name) else {
             return Ok(Vec::new());
         };
-        let DeValue::Array(items) = value.get_ref() else {
-            return Err(self.wrong_type(name, value));
-        };
         let table = |(index, item)| {
             let path = format!("{}[{index}]", self.key_path(name));
             self.table_in(name, declaration, item, path)
         };
+        let items = array(value).ok_or_else(|| self.wrong_type(name, value))?;
         items.iter().enumerate().map(table).collect()
     }
 
@@ -384,23 +323,17 @@ impl<'d, 's> Reader<'d, 's> {
         let Kind::OneOrMore(declaration) = self.declared(name).kind else {
             panic!("{name} is not a table or several")
         };
-        let path = self.key_path(name);
-        let Some(value) = self.value(name) else {
-            return Err(self.error(name, format!("missing table [{path}]")));
-        };
-        let items = match value.get_ref() {
-            DeValue::Array(items) if items.is_empty() => {
-                return Err(self.error(name, format!("`{name}` is empty")));
+        match self.value(name) {
+            Some(one) if one.get_ref().is_table() => {
+                let table = self.table_in(name, declaration, one, self.key_path(name))?;
+                Ok(vec![table])
             }
-            DeValue::Array(items) => items,
-            DeValue::Table(_) => {
-                return Ok(vec![self.table_in(name, declaration, value, path)?]);
+            Some(several) if array(several).is_some_and(<[_]>::is_empty) => {
+                Err(self.error(name, format!("`{name}` is empty")))
             }
-            _ => return Err(self.wrong_type(name, value)),
-        };
-        let table =
-            |(index, item)| self.table_in(name, declaration, item, format!("{path}[{index}]"));
-        items.iter().enumerate().map(table).collect()
+            Some(_) => self.tables(name),
+            None => Err(self.missing_table(name)),
+        }
     }
 
     /// A declared [`Kind::Table`]; an empty one if the file leaves it out.
@@ -419,16 +352,6 @@ impl<'d, 's> Reader<'d, 's> {
             _ => panic!("{name} is not a table"),
         }
     }
-}
-
-/// Fails where an interval holds no more than a number.
-pub(crate) fn checked_interval([low, high]: [f64; 2]) -> Result<(), String> {
-    if low < high {
-        return Ok(());
-    }
-    Err(format!(
-        "the range from {low} to {high} is empty: its second number must be above its first"
-    ))
 }
 
 /// The colour `#rrggbb` of sRGB, in linear light.

@@ -60,8 +60,8 @@ impl Journal {
 
     /// The directories in which names change, each once.
     pub(super) fn directories(&self, root: &Path) -> BTreeSet<PathBuf> {
-        self.entries
-            .iter()
+        let entries = self.entries.iter();
+        entries
             .flat_map(|entry| entry.name.directories(root))
             .collect()
     }

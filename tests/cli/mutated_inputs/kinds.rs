@@ -310,10 +310,10 @@ macro_rules! results {
     ($name:literal, $folder:expr) => {
         Kind {
             name: $name,
-            seeds: |workshop| kept::seeds(workshop, $folder, $name),
-            mutant: kept::result,
-            read: |workshop, bytes| kept::read_results(workshop, $folder, $name, bytes),
-            place: |workshop| kept::place(workshop, $folder, $name),
+            seeds: |workshop| kept::seeds(workshop, $folder),
+            mutant: any,
+            read: |workshop, bytes| kept::read_results(workshop, $folder, bytes),
+            place: |workshop| kept::place(workshop, $folder),
             commands: &[
                 "merge parts --json",
                 "merge parts --report page",
@@ -375,22 +375,7 @@ pub const KINDS: &[Kind] = &[
         ],
         share: SHARE,
     },
-    Kind {
-        name: "unit",
-        seeds: kept::units,
-        mutant: kept::unit,
-        read: kept::read_unit_of,
-        place: kept::unit_place,
-        commands: &[
-            "accept fog/room --reason again",
-            "units fog/room",
-            "units fog/room --compute --json",
-            "merge . --json",
-        ],
-        share: LARGE_SHARE,
-    },
-    results!("result", kept::RESULTS),
-    results!("images", kept::RESULTS),
+    results!("results", kept::RESULTS),
     results!("trials", kept::TRIALS),
     golden!("journal", "golden/accept.journal", journals(), any),
     Kind {
@@ -471,7 +456,6 @@ impl Workshop {
         }
         for words in [
             &["accept", "smoke/plain", "fog/room", "--reason", "first"][..],
-            &["units", "fog/room", "--compute"],
             &[
                 "verify",
                 "smoke/plain",

@@ -93,18 +93,6 @@ impl Mutator {
         bytes
     }
 
-    /// `seed` with one to three bytes changed: numbers and letters, mostly, of what keeps its form.
-    pub fn speckled(&mut self, seed: &[u8]) -> Vec<u8> {
-        let mut bytes = seed.to_vec();
-        for _ in 0..=self.below(3) {
-            let at = self.below(bytes.len());
-            if let Some(byte) = bytes.get_mut(at) {
-                *byte ^= 1 << self.below(8);
-            }
-        }
-        bytes
-    }
-
     fn mutate(&mut self, bytes: &mut Vec<u8>, seeds: &[Vec<u8>]) {
         let is_text = std::str::from_utf8(bytes).is_ok();
         let ways = if is_text { 14 } else { 9 };

@@ -9,14 +9,8 @@ use volref::render::{Counters, Plan};
 
 /// Everything on.
 const ALL_FEATURES: RadiativeFeatures = RadiativeFeatures {
-    media: true,
     vacuum_media: true,
-    single_medium: false,
-    surfaces: true,
-    emission: true,
-    chromatic: true,
-    anisotropic: true,
-    heterogeneous: true,
+    ..RadiativeFeatures::ALL
 };
 
 /// The same plan by the most general code.

@@ -1,5 +1,5 @@
 //! Laws over the ground of the catalogue of hard cases, each on a thousand random cases: boxes,
-//! spheres, depths, turns, grids and whole rays. Names begin with the rows that they generalise.
+//! spheres, grids and whole rays. Names begin with the rows that they generalise.
 
 mod boxes;
 mod grids;

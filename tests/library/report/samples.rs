@@ -67,28 +67,11 @@ impl Sample {
 
 pub fn result(name: &str, verdict: Verdict) -> CaseResult {
     CaseResult {
-        changes: Vec::new(),
-        fit: None,
-        as_if: None,
-        cause_is_said: false,
-        search_ended: None,
-        known: None,
-        detectable: Vec::new(),
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),
         class: "deterministic".to_owned(),
-        verdict,
-        metrics: Default::default(),
         gate: &Deterministic,
-        reason: "no reason".to_owned(),
-        notes: Vec::new(),
-        conventions: vec![],
-        profile: None,
-        looks_like: Vec::new(),
-        difference: Vec::new(),
-        seconds: 0.0,
-        work: Default::default(),
-        cause: Cause::None,
+        ..CaseResult::new(verdict, Cause::None, "no reason")
     }
 }
 
@@ -304,7 +287,6 @@ pub fn hostile() -> Sample {
             pixel.map(|v| 2.0 * v)
         }))),
         refined: Vec::new(),
-        without_image: false,
         exposure: 0.0,
         source: text(),
         shows: text(),

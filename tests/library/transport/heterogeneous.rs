@@ -11,7 +11,8 @@ use volref::math::{Moments, exp};
 use volref::optics::{Density, Field, Homogeneous, Material, Sides};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
-    Blob, ConstantDensity, ExponentialLayer, Grid, GridDensity, Interpolation, Lattice,
+    Blob, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity, Interpolation,
+    Lattice,
 };
 
 /// Standard errors near 0.5 %.
@@ -359,4 +360,12 @@ fn narrow_emitters_that_overlap() {
     let expected = front + exp(-0.08) * 2.5 * (1.0 - exp(-tau)) + behind;
     // It is not quite one: the homogeneous medium makes 1e-3 within it, which it dims by up to 0.2.
     assert!((found - expected).abs() < 2e-4, "{found} {expected}");
+}
+
+#[test]
+fn the_density_at_a_point_is_that_of_its_field() {
+    let body = in_cube(field(bumpy_grid()), grey(1.0, 0.8, 0.0));
+    let point = DVec3::new(0.1, 0.2, 0.3);
+    let density = body.density.as_ref().unwrap();
+    assert_eq!(density.at(point, &mut 0), density.field().density(point));
 }

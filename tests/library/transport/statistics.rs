@@ -6,8 +6,8 @@ use volref::geometry::Ray;
 use volref::math::Moments;
 use volref::math::rng::Stream;
 use volref::render::counters::Uncounted;
+use volref::render::plan::RadiativeFeatures;
 use volref::render::radiative::context::Scratch;
-use volref::render::radiative::effects::{Effects, Everything};
 use volref::render::radiative::line_of_sight::LineOfSight;
 use volref::render::radiative::path_tracer::PathTracer;
 use volref::render::radiative::sampler::Sampler;
@@ -40,8 +40,8 @@ pub fn straight(scene: &Radiative, ray: &Ray) -> DVec3 {
 }
 
 fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool) -> DVec3 {
-    let renderer = LineOfSight::<Everything> {
-        scene: SceneContext::new(scene, false),
+    let renderer = LineOfSight {
+        scene: SceneContext::new(scene, RadiativeFeatures::ALL),
         scattering: turned,
         tolerance: 1e-14,
     };
@@ -49,23 +49,17 @@ fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool) -> DVec3 {
 }
 
 /// Paths through a scene, one for each sample number.
-pub struct Paths<'s, E = Everything> {
-    tracer: PathTracer<'s, E>,
+pub struct Paths<'s> {
+    tracer: PathTracer<'s>,
     scratch: Scratch,
     seed: u64,
 }
 
 impl<'s> Paths<'s> {
-    /// By the kernel for everything, with so many turns at most.
+    /// With so many turns at most.
     pub fn new(scene: &'s Radiative, limit: Option<u32>, seed: u64) -> Paths<'s> {
-        Paths::compiled_for(scene, limit, seed)
-    }
-}
-
-impl<'s, E: Effects> Paths<'s, E> {
-    pub fn compiled_for(scene: &'s Radiative, limit: Option<u32>, seed: u64) -> Paths<'s, E> {
         Paths {
-            tracer: PathTracer::new(scene, limit, false),
+            tracer: PathTracer::new(scene, limit, RadiativeFeatures::ALL),
             scratch: Scratch::default(),
             seed,
         }

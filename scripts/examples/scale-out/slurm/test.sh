@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Regenerates goldens by arrays of eight Slurm tasks, some of which are requeued while they run, and by one process: the
-# same bytes? By cases, and by units. Then validates the suite by an array, and by one process: the same results? Minutes;
-# needs root, slurm-wlm, munge and python3.
+# Regenerates goldens by an array of eight Slurm tasks, some of which are requeued while they run, and by one process: the
+# same bytes? Then validates the suite by an array, and by one process: the same results? Minutes; needs root, slurm-wlm,
+# munge and python3.
 #
 #   scripts/examples/scale-out/slurm/test.sh
 set -euo pipefail
@@ -32,10 +32,10 @@ array() {
     echo "volref $1 by an array: $requeued tasks were requeued"
 }
 
-# Sampled cases, small enough for minutes; the last is one of several units.
+# Sampled cases, small enough for minutes.
 cases=(fog/rate-0.05 fog/rate-0.1 fog/rate-0.3 procedural/gain-0.1 procedural/gain-0.5 procedural/threshold-1
     procedural/coloured fog/scattering)
-for suite in one cases units; do
+for suite in one cases; do
     "$VOLREF" suite --extract "$work/$suite"
     rm -rf "$work/$suite/golden/fog" "$work/$suite/golden/procedural"
     for case in "${cases[@]}"; do
@@ -50,20 +50,13 @@ cd "$work/one"
 "$VOLREF" accept "${cases[@]}" --reason 'the same'
 cd "$work/cases"
 array accept "${cases[@]}" --reason 'the same'
-cd "$work/units"
-array units "${cases[@]}" --compute
-"$VOLREF" merge .
-"$VOLREF" accept "${cases[@]}" --reason 'the same' | grep 'rendered by an earlier run'
-for suite in cases units; do
-    for case in "${cases[@]}"; do
-        for file in exr png toml; do
-            cmp "$work/one/golden/$case.$file" "$work/$suite/golden/$case.$file"
-        done
+for case in "${cases[@]}"; do
+    for file in exr png toml; do
+        cmp "$work/one/golden/$case.$file" "$work/cases/golden/$case.$file"
     done
-    echo "goldens by $suite are those of one process"
 done
+echo "goldens by an array are those of one process"
 
-cd "$work/units"
 mkdir -p images/figures
 "$VOLREF" render fixtures/scenes/figures/figure-3.toml --step '1 voxel' -o images/figures/figure-3.exr
 cp golden/figures/figure-4.exr images/figures/

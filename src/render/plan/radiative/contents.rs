@@ -145,29 +145,6 @@ impl<'s> Contents<'s> {
             && !self.mesh_shades()
     }
 
-    /// One medium is rendered, homogeneous and convex: others are vacuum, and left out without
-    /// `vacuum_media`.
-    pub fn is_single_medium(&self, vacuum_media: bool) -> bool {
-        let has_effect = |body: &Body| {
-            let something = body.density.as_ref().is_none_or(|it| !it.is_nothing());
-            let medium = &body.medium;
-            let attenuates = medium.coefficients.sigma_t() != DVec3::ZERO;
-            something && (attenuates || medium.emission != DVec3::ZERO)
-        };
-        let is_convex = |body: &Body| {
-            let boundary = body.boundary.as_ref();
-            boundary.is_none_or(|boundary| boundary.convex().is_some())
-        };
-        let media = self.scene.media.iter();
-        let mut rendered = media.filter(|body| vacuum_media || has_effect(body));
-        match (rendered.next(), rendered.next()) {
-            (Some(body), None) => {
-                has_effect(body) && body.homogeneous().is_some() && is_convex(body)
-            }
-            _ => false,
-        }
-    }
-
     /// One of several media is a mesh, which may cast shadows into those that scatter.
     pub fn mesh_shades(&self) -> bool {
         let is_mesh = |body: &Body| {
@@ -193,37 +170,5 @@ impl<'s> Contents<'s> {
             1 => self.key_of(0, keys),
             _ => MEDIUM.to_owned(),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::{Model, Scene};
-    use std::path::Path;
-
-    #[test]
-    fn vacuum_beside_a_single_medium_counts_where_it_is_rendered() {
-        const FOG: &str = "sigma_s = 1\nsphere = { centre = [0, 0, 0], radius = 1 }";
-        const VACUUM: &str = "sigma_s = 0\nsphere = { centre = [3, 0, 0], radius = 1 }";
-        let is_single = |media: &[&str], vacuum_media| {
-            let media = media
-                .iter()
-                .map(|it| format!("[[radiative.medium]]\n{it}\n"));
-            let text = format!(
-                "[camera]\neye = [0, 0, -4]\ntarget = [0, 0, 0]\n[radiative]\nenvironment = 1\n{}",
-                media.collect::<String>()
-            );
-            let scene = Scene::parse(&text, Path::new("scene.toml")).unwrap();
-            let panel = &scene.panels[0];
-            let Model::Radiative(radiative) = &panel.model else {
-                unreachable!()
-            };
-            Contents::of(radiative, &panel.key_lines).is_single_medium(vacuum_media)
-        };
-        assert!(is_single(&[FOG], false) && is_single(&[FOG], true));
-        assert!(is_single(&[VACUUM, FOG], false) && !is_single(&[VACUUM, FOG], true));
-        assert!(!is_single(&[VACUUM], false) && !is_single(&[VACUUM], true));
-        assert!(!is_single(&[FOG, FOG], false) && !is_single(&[], false));
     }
 }

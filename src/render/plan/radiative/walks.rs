@@ -3,8 +3,8 @@
 use crate::geometry::{Aabb, Surface};
 use crate::math::rng::Stream;
 use crate::optics::{Density, Material};
+use crate::render::plan::RadiativeFeatures;
 use crate::render::radiative::context::Scratch;
-use crate::render::radiative::effects::Everything;
 use crate::render::radiative::path_tracer::PathTracer;
 use crate::render::radiative::sampler::Sampler;
 use crate::scene::{Body, Panel, Radiative};
@@ -83,7 +83,7 @@ pub(super) fn are_endless_between_surfaces(panel: &Panel, scene: &Radiative) -> 
     if scene.objects.is_empty() || !(0..3).any(keeps_light) {
         return false;
     }
-    let tracer = PathTracer::<Everything>::new(scene, Some(MANY_SCATTERINGS as u32), false);
+    let tracer = PathTracer::new(scene, Some(MANY_SCATTERINGS as u32), RadiativeFeatures::ALL);
     let size = [panel.width, panel.height];
     let mut scratch = Scratch::default();
     (0..PATHS).any(|path| {

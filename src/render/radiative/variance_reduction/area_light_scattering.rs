@@ -18,7 +18,6 @@ use crate::optics::Sides;
 use crate::render::counters::Work;
 use crate::render::radiative::context::{PathContext, PreviousCollision};
 use crate::render::radiative::direct_light::{DirectLight, pdf_of_hit};
-use crate::render::radiative::effects::Effects;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::segments::MediumSegments;
 use crate::render::radiative::single_scattering::{ScatteringPointSampler, SingleScattering};
@@ -26,9 +25,9 @@ use glam::DVec3;
 
 /// Single scattering of the area lights of a scene.
 #[derive(Clone, Copy)]
-pub struct AreaLightScattering<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct AreaLightScattering<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> AreaLightScattering<'_, E> {
+impl AreaLightScattering<'_> {
     /// Radiance of the area light with number `index` that media scatter into the ray of `path`, seen
     /// from its origin.
     pub fn radiance<W: Work>(self, index: usize, path: &mut PathContext<'_, W>) -> Option<DVec3> {
@@ -46,7 +45,10 @@ impl<E: Effects> AreaLightScattering<'_, E> {
         let on_light = numbers(1);
         let weight = |pdf, response_pdf| {
             let pdf = point.pdf * pdf;
-            power_heuristic(pdf, point.flight_pdf::<E>() * response_pdf) / pdf
+            power_heuristic(
+                pdf,
+                point.flight_pdf(self.0.features.chromatic) * response_pdf,
+            ) / pdf
         };
         let radiance = SingleScattering(self.0).at(ray, &point, tracker, |vertex, tracker| {
             DirectLight(self.0).weighted_area_light(vertex, light, on_light, weight, tracker)
@@ -68,7 +70,10 @@ impl<E: Effects> AreaLightScattering<'_, E> {
         };
         let light = &self.0.radiative.area_lights[index];
         let other = point.pdf * pdf_of_hit(light, &path.ray, hit);
-        power_heuristic(point.flight_pdf::<E>() * collision.pdf, other)
+        power_heuristic(
+            point.flight_pdf(self.0.features.chromatic) * collision.pdf,
+            other,
+        )
     }
 
     /// The sampler of points of `ray` for the area light with number `index`, if it shines on media
@@ -78,14 +83,15 @@ impl<E: Effects> AreaLightScattering<'_, E> {
         index: usize,
         segments: &'p MediumSegments,
         ray: &Ray,
-    ) -> Option<ScatteringPointSampler<'p, E>> {
+    ) -> Option<ScatteringPointSampler<'p>> {
         let extent = &self.0.area_light_extents[index];
         let scattering = segments.scattering_span()?;
         let lit = match (self.0.radiative.area_lights[index].sides, extent.normal) {
             (Sides::Front, Some(normal)) => in_front_of(extent.centre, normal, ray, scattering)?,
             _ => scattering,
         };
-        ScatteringPointSampler::within(lit, segments, ray, extent.centre, extent.spread).ok()
+        let centre = (extent.centre, extent.spread);
+        ScatteringPointSampler::within(lit, segments, ray, centre, self.0.features.chromatic).ok()
     }
 }
 

@@ -19,7 +19,6 @@ use crate::math::sampling::power_heuristic;
 use crate::render::counters::{Event, Work};
 use crate::render::radiative::context::PathContext;
 use crate::render::radiative::direct_light::emitted_radiance;
-use crate::render::radiative::effects::Effects;
 use crate::render::radiative::scattering_function::ScatteringFunction;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::specular::specular_bounce;
@@ -52,9 +51,9 @@ struct Chain {
 
 /// Caustics of the mirrors and glass of a scene.
 #[derive(Clone, Copy)]
-pub struct Caustics<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct Caustics<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> Caustics<'_, E> {
+impl Caustics<'_> {
     /// Radiance scattered at `vertex` of `path` of the light of area lights by way of mirrors and glass,
     /// one of which is aimed at, or none. `None` where nothing is found.
     pub fn radiance<W: Work>(
@@ -85,7 +84,7 @@ impl<E: Effects> Caustics<'_, E> {
         }
         let response = ScatteringFunction(self.0).response(vertex, direction, tracker.work);
         let mut radiance = chain.radiance;
-        if E::MEDIA {
+        if self.0.features.media {
             for link in &chain.links {
                 radiance *= Transmittance(self.0).along(&link.ray, link.t, tracker);
             }

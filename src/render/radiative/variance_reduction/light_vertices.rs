@@ -26,7 +26,6 @@ use crate::optics::{Light, Material};
 use crate::render::counters::Work;
 use crate::render::radiative::context::PathContext;
 use crate::render::radiative::direct_light::DirectLight;
-use crate::render::radiative::effects::Effects;
 use crate::render::radiative::scattering_function::ScatteringFunction;
 use crate::render::radiative::scene_context::{PositionedLight, SceneContext};
 use crate::render::radiative::single_scattering::{
@@ -62,11 +61,7 @@ fn directions(light: &Light) -> Option<(Option<(Cone, Frame)>, f64)> {
 
 /// Equiangular distances along a ray out of a light, seen from `vertex`, and the foot of the
 /// perpendicular from there.
-fn distances<E: Effects>(
-    scene: &SceneContext<'_, E>,
-    out: &Ray,
-    vertex: DVec3,
-) -> Option<(f64, Equiangular)> {
+fn distances(scene: &SceneContext<'_>, out: &Ray, vertex: DVec3) -> Option<(f64, Equiangular)> {
     let within = scene.media.scattering_span(out)?;
     let foot = (vertex - out.origin).dot(*out.direction);
     let distance = (out.at(foot) - vertex).length();
@@ -75,8 +70,8 @@ fn distances<E: Effects>(
 }
 
 /// Density, per volume, of the light vertex `at` among those in media, for a path vertex at `vertex`.
-fn medium_vertex_pdf<E: Effects>(
-    scene: &SceneContext<'_, E>,
+fn medium_vertex_pdf(
+    scene: &SceneContext<'_>,
     light: &PositionedLight<'_>,
     vertex: DVec3,
     at: DVec3,
@@ -108,9 +103,9 @@ fn surface_vertex_pdf(light: &PositionedLight<'_>, from: DVec3, at: &SurfacePoin
 
 /// Light vertices of the positioned lights of a scene.
 #[derive(Clone, Copy)]
-pub struct LightVertices<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct LightVertices<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> LightVertices<'_, E> {
+impl LightVertices<'_> {
     /// Radiance scattered at `vertex` of light that media and surfaces scatter towards it, once,
     /// by a light vertex of `light`.
     pub fn radiance<W: Work>(
@@ -141,10 +136,10 @@ impl<E: Effects> LightVertices<'_, E> {
             .light_vertex_shares
             .place(sampler, 2 * light.index + 1)
         {
-            LightVertexPlace::Medium(u) if E::MEDIA => {
+            LightVertexPlace::Medium(u) if self.0.features.media => {
                 self.by_medium_vertex(vertex, light, &out, u, path)
             }
-            LightVertexPlace::Surface if E::SURFACES => {
+            LightVertexPlace::Surface if self.0.features.surfaces => {
                 self.by_surface_vertex(vertex, light, &out, &mut path.tracker)
             }
             _ => None,
@@ -204,10 +199,11 @@ impl<E: Effects> LightVertices<'_, E> {
         if distance >= end {
             return None;
         }
-        path.connection.build::<E>(&self.0.media, &ray, end);
-        let point = ScatteringPointSampler::<E>::new(path.connection, &ray, light)
-            .ok()??
-            .at(distance)?;
+        path.connection.build(&self.0.media, &ray, end);
+        let point =
+            ScatteringPointSampler::new(path.connection, &ray, light, self.0.features.chromatic)
+                .ok()??
+                .at(distance)?;
         let share = self.0.light_vertex_shares.medium;
         let pdf = share * out.pdf * angle.pdf(s) / (from_light * from_light);
         let squared = distance * distance;
@@ -241,7 +237,7 @@ impl<E: Effects> LightVertices<'_, E> {
             return None;
         }
         let mut arriving = light.light.strength_towards(hit.point.position);
-        if E::MEDIA {
+        if self.0.features.media {
             arriving *= Transmittance(self.0).along(&out.ray, hit.t, tracker);
         }
         let share = self.0.light_vertex_shares.surface;

@@ -9,7 +9,6 @@ use super::specular_chain::{Follower, SpecularChain};
 use crate::geometry::Ray;
 use crate::render::counters::Work;
 use crate::render::radiative::direct_light::emitted_radiance;
-use crate::render::radiative::effects::Effects;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::specular::specular_bounces;
 use crate::render::radiative::surfaces::{Intersection, SurfaceIndex};
@@ -19,9 +18,9 @@ use glam::DVec3;
 
 /// Area lights of a scene, seen by way of its mirrors and glass.
 #[derive(Clone, Copy)]
-pub struct LightsThroughGlass<'s, E>(pub &'s SceneContext<'s, E>);
+pub struct LightsThroughGlass<'s>(pub &'s SceneContext<'s>);
 
-impl<E: Effects> LightsThroughGlass<'_, E> {
+impl LightsThroughGlass<'_> {
     /// Radiance of area lights along `ray` from the eye, which ends at `end`, a mirror or glass: behind up
     /// to [`Follower::FROM_EYE`] specular bounces, and no more than `limit`.
     pub fn radiance<W: Work>(
@@ -62,7 +61,7 @@ impl<E: Effects> LightsThroughGlass<'_, E> {
             }
             SurfaceIndex::Object(_) => {}
         }
-        if E::MEDIA && radiance != DVec3::ZERO {
+        if self.0.features.media && radiance != DVec3::ZERO {
             radiance *= Transmittance(self.0).along(ray, end.hit.t, tracker);
         }
         radiance

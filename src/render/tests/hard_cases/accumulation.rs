@@ -10,8 +10,8 @@ use crate::optics::{Asymmetry, Field, opacity, source_factor};
 use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::counters::Uncounted;
+use crate::render::plan::RadiativeFeatures;
 use crate::render::radiative::context::Scratch;
-use crate::render::radiative::effects::Everything;
 use crate::render::radiative::path_tracer::PathTracer;
 use crate::render::radiative::sampler::Sampler;
 use crate::render::{Effect, Plan, Sampling, State, render};
@@ -114,7 +114,7 @@ fn a4_threads() {
 fn a4_orders_of_pixels() {
     let margin = &Margin;
     let (scene, [width, height]) = (fog(), SIZE);
-    let tracer = PathTracer::<Everything>::new(&scene, None, false);
+    let tracer = PathTracer::new(&scene, None, RadiativeFeatures::ALL);
     let mut scratch = Scratch::default();
     let mut pixel = |index: usize| {
         let samples = (0..scene.samples).map(|sample| {

@@ -10,7 +10,7 @@ use crate::math::{Moments, Sum, exp, exp_m1, log2};
 use crate::optics::{Phong, optical_depth, transmittance};
 use crate::render::classified::steps::Steps;
 use crate::render::counters::Uncounted;
-use crate::render::radiative::effects::Everything;
+use crate::render::plan::RadiativeFeatures;
 use crate::render::radiative::sampler::Sampler;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::tracker::{Tracker, TrackerScratch};
@@ -186,7 +186,7 @@ fn d7_bright_voxel_on_a_border() {
     // The place on the ray is rounded in units of a cell of 1/16.
     margin.roundings("by integrals", straight(&body(0.0), &view).x, right, 64.0);
     let scene = body(1.0);
-    let around = SceneContext::<Everything>::new(&scene, false);
+    let around = SceneContext::new(&scene, RadiativeFeatures::ALL);
     let mut scratch = TrackerScratch::default();
     let by_ratio = (0..SAMPLES).map(|sample| {
         let mut work = Uncounted;

@@ -10,8 +10,8 @@ use crate::optics::{
     TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
 use crate::render::counters::Uncounted;
+use crate::render::plan::RadiativeFeatures;
 use crate::render::radiative::context::Scratch;
-use crate::render::radiative::effects::Everything;
 use crate::render::radiative::line_of_sight::{LineOfSight, TOLERANCE};
 use crate::render::radiative::path_tracer::PathTracer;
 use crate::render::radiative::sampler::Sampler;
@@ -140,8 +140,8 @@ pub fn straight(scene: &Radiative, ray: &Ray) -> DVec3 {
 /// Light along the line of sight, without or with what is scattered once, by integrals to
 /// `tolerance`.
 pub fn line_of_sight(scene: &Radiative, ray: &Ray, scattered: bool, tolerance: f64) -> DVec3 {
-    let renderer = LineOfSight::<Everything> {
-        scene: SceneContext::new(scene, false),
+    let renderer = LineOfSight {
+        scene: SceneContext::new(scene, RadiativeFeatures::ALL),
         scattering: scattered,
         tolerance,
     };
@@ -154,7 +154,7 @@ pub fn paths<'s>(
     limit: Option<u32>,
     ray: Ray,
 ) -> impl FnMut(u32) -> DVec3 + use<'s> {
-    let tracer = PathTracer::<Everything>::new(scene, limit, false);
+    let tracer = PathTracer::new(scene, limit, RadiativeFeatures::ALL);
     let mut scratch = Scratch::default();
     move |sample| {
         let sampler = Sampler::new(Stream::new(scene.seed, 0, sample));

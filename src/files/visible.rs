@@ -10,7 +10,7 @@ pub fn visible(text: &str) -> String {
 }
 
 /// The symbol that [`visible`] writes for a character.
-pub(crate) fn visible_char(letter: char) -> char {
+fn visible_char(letter: char) -> char {
     let code = u32::from(letter);
     match letter {
         '\n' | '\t' => letter,
@@ -25,6 +25,18 @@ pub(crate) fn visible_char(letter: char) -> char {
         }
         _ => letter,
     }
+}
+
+/// [`visible`] text of as many bytes, so that places in it stay: with `?`, `¿` and `�`, and a space for `\r`.
+pub(crate) fn visible_in_place(text: &str) -> String {
+    let shown = |letter: char| match letter.len_utf8() {
+        _ if visible_char(letter) == letter => letter,
+        1 if letter == '\r' => ' ',
+        1 => '?',
+        2 => '¿',
+        _ => '�',
+    };
+    text.chars().map(shown).collect()
 }
 
 /// [`visible`] text as XML 1.0 holds it, within an element or an attribute.
@@ -67,6 +79,7 @@ mod tests {
     fn what_is_obeyed_is_seen() {
         assert_eq!(visible("a\x1b[31m\tb\r\n\u{9b}\x7f\0"), "a␛[31m\tb␍\n�␡␀");
         assert_eq!(visible("invoice\u{202e}gnp.exe"), "invoice�gnp.exe");
+        assert_eq!(visible_in_place("ä\x1b\u{9b}\u{202e}\r\n"), "ä?¿� \n");
         assert_eq!(visible("ünïcode – ☃ 🎲"), "ünïcode – ☃ 🎲");
     }
 
