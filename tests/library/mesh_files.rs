@@ -108,7 +108,7 @@ fn what_is_refused_says_where() {
 △ f 1 -9223372036854775808 2 | 4:5: this face refers to the vertex
 △  ⏎ f 1 2 | 5:1: a face has three corners or more, this one has 2
 △ f | 4:1: a face has three corners or more, this one has 0
-△ f 1 2 \\ | 4:7: the file ends where this line is to go on
+△ f 1 2 \ | 4:7: the file ends where this line is to go on
 v 0 0 0 ⏎ v 1 1,5 0 | 2:5: y is "1,5", which is not a number: write it like 0.5
 v 0 0 \\ ⏎  nan | 2:2: z is "nan", which is not finite
 v 1 2 | 1:1: a `v` line of a mesh has 3 numbers (x y z)

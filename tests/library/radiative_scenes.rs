@@ -627,7 +627,7 @@ fn densities_that_are_none() {
     13:23: there is no file none.xml
     13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
     16:3: unknown element <flaot> help: did you mean <float>?
-    16:32: `sigma_a` must be three numbers, or one for all three, not 2
+    16:32: `sigma_a` must be three numbers, not 2
     "#);
 }
 
