@@ -62,84 +62,6 @@ fn missing_and_incomplete() {
 }
 
 #[test]
-fn images_that_cannot_be_read() {
-    let suite_file =
-        |length: usize| move |suite: &Folder| suite.write(EXR, &suite.read(EXR)[..length]);
-    let shown = said(&[
-        &suite_file(0),
-        &suite_file(3),
-        &suite_file(100),
-        &|suite| {
-            let whole = suite.read(EXR);
-            suite.write(EXR, &whole[..whole.len() - 1]);
-        },
-        &|suite| suite.write(EXR, "version https://git-lfs.github.com/spec/v1\n"),
-    ]);
-    assert_shown!(shown, @r"
-    error         smoke/plain [seconds]
-                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
-    error         smoke/plain [seconds]
-                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
-    error         smoke/plain [seconds]
-                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
-    error         smoke/plain [seconds]
-                  golden/smoke/plain.exr: not a readable EXR image: the file ends too early; restore it from version control
-    error         smoke/plain [seconds]
-                  cannot read golden/smoke/plain.exr: this is a pointer of Git LFS, not the file: run `git lfs pull` (in GitHub Actions: `lfs: true`); mend that and run the same command again
-    ");
-}
-
-/// A checkout without the content of Git LFS is told wherever a file is read, and so is the page of a server.
-#[test]
-fn what_stands_in_place_of_files() {
-    let suite = Folder::with_goldens();
-    suite.write("images/smoke/plain.exr", suite.read(EXR));
-    suite.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    suite.write(
-        "mesh.toml",
-        "[film]\nwidth = 4\nheight = 4\n[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 0]\n[radiative]\n\
-         scattering = \"single\"\nenvironment = [1, 1, 1]\n[[radiative.surface]]\nmesh = { file = \"mesh.obj\" }\n\
-         diffuse = { reflectance = 0.5 }\n",
-    );
-    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
-    let page = "<!DOCTYPE html>\n<html>404 Not Found</html>\n";
-    for (contents, told) in [
-        (
-            pointer,
-            "this is a pointer of Git LFS, not the file: run `git lfs pull` (in GitHub Actions: `lfs: true`)",
-        ),
-        (
-            page,
-            "this is a web page, not the file: download the file again",
-        ),
-    ] {
-        for (file, command) in [
-            (EXR, "verify smoke/plain"),
-            (PNG, "verify smoke/plain"),
-            (TOML, "verify smoke/plain"),
-            ("fixtures/scenes/smoke/plain.toml", "verify smoke/plain"),
-            ("fixtures/cases/smoke/plain.toml", "verify smoke/plain"),
-            ("fixtures/volumes/cloud.obj", "verify smoke/plain"),
-            (
-                "images/smoke/plain.exr",
-                "validate smoke/plain --outputs images",
-            ),
-            ("mesh.obj", "plan mesh.toml"),
-            ("mesh.toml", "plan mesh.toml"),
-        ] {
-            let whole = suite.read(file);
-            suite.write(file, contents);
-            let run = suite.volref(command);
-            assert_ne!(run.code, 0, "{file}");
-            let words = format!("{} {}", run.stdout, run.message());
-            let said = words.split_whitespace().collect::<Vec<_>>().join(" ");
-            assert!(said.contains(told), "{file}: {said}");
-            suite.write(file, whole);
-        }
-    }
-}
-
-#[test]
 fn images_that_were_changed() {
     let shown = said(&[
         // One pixel, by its last bit.
@@ -275,7 +197,7 @@ fn a_changed_plan() {
     suite.accept_all();
     volume(0.5);
     let run = suite.volref("verify smoke/grid");
-    run.prints(3, &["stale: the plan has changed"]);
+    run.prints(3, "stale: the plan has changed");
 }
 
 #[test]
@@ -286,7 +208,7 @@ fn goldens_of_another_case() {
         suite.write(&format!("golden/smoke/plain.{extension}"), other);
     }
     let run = suite.volref("verify smoke/plain");
-    run.prints(3, &["of the case \"smoke/nearest\""]);
+    run.prints(3, "of the case \"smoke/nearest\"");
 }
 
 #[test]
@@ -295,29 +217,10 @@ fn a_folder_in_the_place_of_a_golden() {
     suite.remove(EXR);
     suite.write("golden/smoke/plain.exr/kept", "");
     let run = suite.volref("verify smoke/plain");
-    run.prints(3, &["cannot read golden/smoke/plain.exr"]);
+    run.prints(3, "cannot read golden/smoke/plain.exr");
     let before = suite.files();
     let run = suite.volref("accept smoke/plain --reason r");
-    run.expect(2, &["golden/smoke/plain.exr"]);
-    assert_eq!(suite.files(), before);
-}
-
-/// What no crash leaves behind: only a hand can have done this, so a hand must mend it.
-#[test]
-fn a_garbled_journal() {
-    let suite = Folder::with_goldens();
-    suite.write("golden/accept.journal", "garbage");
-    let before = suite.files();
-    let run = suite.volref("verify smoke/plain");
-    run.prints(3, &["accept.journal, line 1"]);
-    let run = suite.volref("accept smoke/plain --reason r");
-    run.expect(
-        3,
-        &[
-            "accept.journal, line 1",
-            "restore the goldens from version control",
-        ],
-    );
+    run.expect(2, "golden/smoke/plain.exr");
     assert_eq!(suite.files(), before);
 }
 
@@ -338,7 +241,7 @@ fn a_golden_without_a_case() {
     let suite = Folder::with_goldens();
     suite.remove("fixtures/cases/smoke/plain.toml");
     let run = suite.volref("verify");
-    run.prints(3, &["this golden belongs to no case"]);
+    run.prints(3, "this golden belongs to no case");
     // Asked for by name, the other cases are nobody else's business.
     assert_eq!(suite.volref("verify plots").code, 0);
 }
@@ -350,7 +253,7 @@ fn another_exposure_makes_the_preview_stale_and_can_be_accepted() {
     let text = suite.text(manifest).replace("exposure", "# exposure");
     suite.write(manifest, format!("exposure = 3.5\n{text}"));
     let run = suite.volref("verify smoke/plain");
-    run.prints(3, &["stale: the exposure of the case"]);
+    run.prints(3, "stale: the exposure of the case");
     let run = suite.volref("accept smoke/plain --reason brighter");
     assert!(
         run.stdout.contains("recorded"),
@@ -359,21 +262,6 @@ fn another_exposure_makes_the_preview_stale_and_can_be_accepted() {
         run.stderr
     );
     assert_eq!(suite.volref("verify").code, 0);
-}
-
-#[test]
-fn reports_are_not_written_over_goldens_or_cases() {
-    let suite = Folder::with_goldens();
-    let before = suite.files();
-    for (option, path) in [
-        ("--json", "golden/smoke/plain.exr"),
-        ("--junit", "golden/smoke/new.xml"),
-    ] {
-        let option = format!("{option}={path}");
-        let run = suite.volref(&["verify", &option]);
-        run.expect(2, &["is in the folder of the goldens"]);
-    }
-    assert_eq!(suite.files(), before);
 }
 
 const SENSITIVITIES: &str = "golden/sensitivities/fog/room.exr";
@@ -416,7 +304,7 @@ fn sensitivities_are_part_of_the_golden() {
     let image = ["-o", "images/fog/room.exr", "--spp", "64", "--seed", "7"];
     suite
         .volref(&[&["render", scene], &image[..]].concat())
-        .expect(0, &[]);
+        .expect(0, "");
     assert_eq!(checked(&suite).0, 0);
 
     std::fs::create_dir_all(suite.path("golden/sensitivities/fog")).unwrap();
@@ -432,7 +320,7 @@ fn sensitivities_are_part_of_the_golden() {
             "-o",
             file,
         ];
-        suite.volref(&made).expect(0, &[]);
+        suite.volref(&made).expect(0, "");
     }
     let remedies = [
         format!("{SENSITIVITIES} "),
@@ -509,8 +397,8 @@ fn sensitivities_are_part_of_the_golden() {
     // Of a scene that has changed, neither the image nor the sensitivities are left.
     suite.write(record, text);
     suite.write(scene, suite.read("other.toml"));
-    suite.volref("accept fog/room --reason new").expect(0, &[]);
-    suite.volref("verify fog/room").expect(0, &[]);
+    suite.volref("accept fog/room --reason new").expect(0, "");
+    suite.volref("verify fog/room").expect(0, "");
     assert!(!suite.text(record).contains("sensitivities"));
 }
 
@@ -522,7 +410,7 @@ fn an_edit_of_the_manifest_that_changes_a_judgement_makes_the_golden_stale() {
     let before = suite.text(manifest);
     suite.write("out/smoke/plain.exr", suite.read("golden/smoke/plain.exr"));
     let validate = "validate smoke/plain --outputs out --explain 0";
-    suite.volref(validate).expect(0, &[]);
+    suite.volref(validate).expect(0, "");
     for (key, edited) in [
         ("opacity", format!("{before}opacity = true\n")),
         ("depth", format!("{before}depth = \"mean\"\n")),
@@ -544,12 +432,12 @@ fn an_edit_of_the_manifest_that_changes_a_judgement_makes_the_golden_stale() {
     // Accepted with it, and edited back.
     suite.write(manifest, format!("{before}opacity = true\n"));
     let run = suite.volref(&["accept", "smoke/plain", "--reason", "opacity is asked for"]);
-    run.prints(0, &["recorded"]);
-    suite.volref(validate).expect(0, &[]);
+    run.prints(0, "recorded");
+    suite.volref(validate).expect(0, "");
     suite.write(manifest, before);
     suite
         .volref(validate)
-        .prints(3, &["the opacity of the case has changed"]);
+        .prints(3, "the opacity of the case has changed");
 }
 
 /// A bias that an image need not show is no detail of a manifest.
@@ -564,5 +452,5 @@ fn a_required_resolution_is_sealed() {
         .replace("mean_resolution = 0.5", "mean_resolution = 0.9");
     suite.write(manifest, looser);
     let run = suite.volref("verify fog/room");
-    run.prints(3, &["the mean_resolution of the case has changed"]);
+    run.prints(3, "the mean_resolution of the case has changed");
 }

@@ -247,81 +247,6 @@ fn a_heat_map_is_bright_where_the_images_differ() {
     assert!(codes.iter().all(|code| *code == codes[0]));
 }
 
-/// Images of two sizes have no difference to draw; the verdict is the same as without.
-#[test]
-fn no_heat_map_of_two_sizes() {
-    let folder = images();
-    let before = folder.files();
-    let run = folder.volref("compare right.exr small.exr --heatmap map.png");
-    assert_shown!(run.shown(), @r"
-    exit code 1
-    --- stdout
-    fail  (deterministic gate)
-    size differs: the reference has 16 × 8 pixels, the test image 8 × 8; render it at 16 × 8
-
-    no heat map: the images differ in size
-    ");
-    assert_eq!(folder.files(), before);
-}
-
-/// Whose image it is decides the exit code: 2 for the reference, 4 for the one to be judged.
-#[test]
-fn images_that_cannot_be_read() {
-    let folder = images();
-    folder.write("cut.exr", &folder.read("right.exr")[..300]);
-    folder.write("cut.png", &folder.read("right.png")[..60]);
-    folder.write("text.exr", "no image");
-    folder.write("text.png", "no image");
-    folder.write("image.jpg", "no image");
-    folder.write("folder.exr/inside", "");
-    let mut said = String::new();
-    for name in ["image.npz", "image.TIF", "image.hdr", "image.ppm"] {
-        folder.write(name, "no image");
-    }
-    for name in [
-        "cut.exr",
-        "cut.png",
-        "text.exr",
-        "text.png",
-        "image.jpg",
-        "image.npz",
-        "image.TIF",
-        "image.hdr",
-        "image.ppm",
-    ] {
-        let run = folder.volref(&["compare", "right.exr", name]);
-        run.expect(4, &[name]);
-        said.push_str(&(run.message() + "\n"));
-        let as_reference = folder.volref(&["compare", name, "right.exr"]);
-        as_reference.expect(2, &[&run.message()]);
-    }
-    // Where both are unreadable, 2 outranks 4.
-    folder
-        .volref("compare cut.exr text.exr")
-        .expect(2, &["cut.exr"]);
-    // Here the words are the operating system's.
-    for name in ["none.exr", "folder.exr"] {
-        let message = format!("{name}: cannot be read: ");
-        folder
-            .volref(&["compare", "right.exr", name])
-            .expect(4, &[&message]);
-        folder
-            .volref(&["compare", name, "right.exr"])
-            .expect(2, &[&message]);
-    }
-    assert_shown!(said, @r"
-    cut.exr: not a readable EXR image: the file ends too early
-    cut.png: not a readable PNG image: the file ends too early
-    text.exr: not a readable EXR image: it does not begin with the signature of the format
-    text.png: not a readable PNG image: it does not begin with the signature of the format
-    image.jpg: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); this format loses digits, which no conversion brings back: write the image again as .exr or .png
-    image.npz: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); an .npz holds several arrays: write the one of the image as .npy, with numpy.save
-    image.TIF: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); write linear radiance as .exr, or convert it: oiiotool image.tif -d float -o image.exr (or imageio in Python)
-    image.hdr: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); write linear radiance as .exr, or convert it: oiiotool image.tif -d float -o image.exr (or imageio in Python)
-    image.ppm: unknown image extension: supported are .exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB); convert 8-bit sRGB codes without loss: oiiotool image.ppm -o image.png
-    ");
-}
-
 /// The page of a pair, of radiance or of codes.
 #[test]
 fn a_pair_as_a_page() {
@@ -340,24 +265,4 @@ fn a_pair_as_a_page() {
     let run = folder.volref("compare right.exr nan.exr --report page");
     assert_eq!(run.code, 1);
     crate::folder::assert_holds(&folder.text("page/index.html"), &["NaN or infinity in 1"]);
-}
-
-/// Verdicts have their colours where the environment asks for them, and none in a pipe.
-#[test]
-fn verdicts_in_colour() {
-    let folder = images();
-    let run = |arguments: &str, variables: &[&str]| {
-        let mut command = folder.command(arguments);
-        variables.iter().for_each(|name| {
-            command.env(name, "1");
-        });
-        crate::folder::Run::of(command.output().unwrap()).stdout
-    };
-    let [right, hot] = ["right", "hot"].map(|name| format!("compare right.exr {name}.exr"));
-    let force = "CLICOLOR_FORCE";
-    assert!(run(&right, &[force]).starts_with("\u{1b}[32mpass\u{1b}[0m  (det"));
-    assert!(run(&hot, &[force]).starts_with("\u{1b}[31mfail\u{1b}[0m  (det"));
-    assert!(run(&hot, &[]).starts_with("fail  (det"));
-    assert!(run(&hot, &[force, "NO_COLOR"]).starts_with("fail  (det"));
-    assert!(!run(&format!("{hot} --json"), &[force]).contains('\u{1b}'));
 }

@@ -1,6 +1,6 @@
 //! `volref cost`.
 
-use crate::folder::{Folder, MANIFEST, assert_holds, assert_shown};
+use crate::folder::{Folder, assert_holds, assert_shown};
 use serde_json::Value;
 
 /// A cloud that is rendered in no time: a grid of nine nodes a side, unlit.
@@ -81,7 +81,7 @@ fn forget_times(value: &mut Value) {
 fn tables_and_a_page() {
     let folder = folder();
     let run = folder.volref("cost cloud.scene.toml --runs 2 --report out/page");
-    run.prints(0, &["for an error of 0.1 %: "]);
+    run.prints(0, "for an error of 0.1 %: ");
     let page = folder.text("out/page/index.html");
     assert!(page.contains("<svg"), "plots");
     let names: Vec<String> = folder.files().into_keys().collect();
@@ -116,7 +116,7 @@ fn a_scene_without_a_parameter() {
 fn a_budget_that_is_too_small() {
     let folder = folder();
     let run = folder.volref("cost cloud.scene.toml --budget 0.000001");
-    run.prints(0, &["the budget was used up"]);
+    run.prints(0, "the budget was used up");
 }
 
 #[test]
@@ -130,67 +130,4 @@ fn what_is_no_budget() {
     }
     let run = folder.volref("cost cloud.scene.toml --runs 1");
     assert_holds(&run.stderr, &["one run has no spread"]);
-}
-
-/// A case is called by its name, not by the place where its suite was unpacked; the point in it begins no extension.
-#[test]
-fn a_case_has_its_name_everywhere() {
-    let folder = folder();
-    let scene = folder.text("cloud.scene.toml");
-    folder.write("fixtures/scenes/clouds/bump-1.5.toml", scene);
-    folder.write("fixtures/cases/clouds/bump-1.5.toml", MANIFEST);
-    for name in ["cloud.toml", "cloud.raw"] {
-        let volume = folder.read(name);
-        folder.write(&format!("fixtures/scenes/clouds/{name}"), volume);
-    }
-    let arguments = [
-        "cost",
-        "bump-1.5",
-        "--runs",
-        "0",
-        "--report",
-        "out",
-        "--json=cost.json",
-    ];
-    let run = folder.volref(&arguments);
-    assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(
-        run.stdout.starts_with("clouds/bump-1.5\n====="),
-        "{}",
-        run.stdout
-    );
-    let page = folder.text("out/index.html");
-    let page = page.replace("&#x27;", "'").replace("&#x2f;", "/");
-    let json = folder.text("cost.json");
-    for said in [&run.stdout, &page, &json] {
-        assert!(said.contains("volref render clouds/bump-1.5 -o image.exr --step"));
-        assert!(!said.contains("fixtures"), "{said}");
-    }
-    let value: Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(value["costs"][0]["scene"], "clouds/bump-1.5");
-    let names: Vec<String> = folder.files().into_keys().collect();
-    assert!(names.contains(&"out/bump-1.5.svg".to_owned()), "{names:?}");
-
-    // What to take for an error of one per cent comes first, against a base that is named.
-    let advice = value["costs"][0]["recommendations"][0]["text"]
-        .as_str()
-        .unwrap();
-    assert!(
-        advice.starts_with("for an error of 1 %: steps of "),
-        "{advice}"
-    );
-    assert_holds(advice, &[" the scene's own steps of 0.5 voxels"]);
-    let headline = page.split("<h2>clouds/bump-1.5</h2>\n").nth(1).unwrap();
-    assert!(
-        headline.starts_with(&format!("<p>{advice}</p>")),
-        "{headline}"
-    );
-
-    // The command works.
-    let command = value["costs"][0]["recommendations"][0]["command"]
-        .as_str()
-        .unwrap();
-    let words = shell_words::split(command).unwrap();
-    let words: Vec<&str> = words.iter().skip(1).map(String::as_str).collect();
-    folder.volref(&words).expect(0, &[]);
 }

@@ -68,7 +68,7 @@ fn with_case(scene: &str, class: &str) -> Folder {
 fn rendered(folder: &Folder, scene: &str, options: &str) -> Film {
     folder.write("scene.toml", scene);
     let run = folder.volref(&*format!("render scene.toml -o image.npy {options}"));
-    run.expect(0, &[]);
+    run.expect(0, "");
     Film::from_npy(&folder.read("image.npy")).unwrap()
 }
 
@@ -95,9 +95,9 @@ fn one_mistake_goes_before_several_conventions() {
     folder.write("mine.toml", profile);
     folder
         .volref("validate --outputs out --as mine.toml")
-        .expect(0, &[]);
+        .expect(0, "");
     let (run, case) = validated(&folder, "--explain 60");
-    run.prints(1, &["opacity-uncorrected"]);
+    run.prints(1, "opacity-uncorrected");
     assert_eq!(case["verdict"], "fail", "{}", run.stdout);
     assert_eq!(case["looks_like"][0], "opacity-uncorrected");
     assert_eq!(case["search_ended"], true);
@@ -123,7 +123,7 @@ fn colours_multiplied_by_opacity_twice_in_thin_haze_are_no_convention() {
         &folder,
         "--alpha premultiplied --bits 8-linear --explain 60",
     );
-    run.prints(1, &["premultiplied-twice"]);
+    run.prints(1, "premultiplied-twice");
     assert_eq!(case["verdict"], "fail", "{}", run.stdout);
     assert_eq!(case["looks_like"][0], "premultiplied-twice");
 }
@@ -146,7 +146,7 @@ fn no_step_is_claimed_of_an_exact_integral() {
         folder.write_film(&format!("out/own/case{suffix}.exr"), &image);
     }
     let (run, case) = validated(&folder, "--explain 1");
-    run.prints(1, &[]);
+    run.prints(1, "");
     assert_eq!(case["verdict"], "fail", "{}", run.stdout);
 }
 

@@ -295,14 +295,14 @@ impl Run {
     }
 
     /// Fails unless the command ended with `code` and its message holds all the `parts`.
-    pub fn expect(&self, code: i32, parts: &[&str]) {
+    pub fn expect<'a>(&self, code: i32, parts: impl Parts<'a>) {
         let message = self.message();
         assert_eq!(self.code, code, "{message}\n{}", self.stdout);
         assert_holds(&message, parts);
     }
 
     /// Fails unless the command ended with `code` and printed all the `parts`.
-    pub fn prints(&self, code: i32, parts: &[&str]) {
+    pub fn prints<'a>(&self, code: i32, parts: impl Parts<'a>) {
         assert_eq!(self.code, code, "{}{}", self.stdout, self.stderr);
         assert_holds(&self.stdout, parts);
     }
@@ -314,9 +314,32 @@ impl Run {
     }
 }
 
+/// Parts of a text: one by one, or with an ellipsis, " … ", between them.
+pub trait Parts<'a> {
+    fn parts(self) -> Vec<&'a str>;
+}
+
+impl<'a> Parts<'a> for &'a str {
+    fn parts(self) -> Vec<&'a str> {
+        self.split(" … ").collect()
+    }
+}
+
+impl<'a, S: AsRef<str>> Parts<'a> for &'a [S] {
+    fn parts(self) -> Vec<&'a str> {
+        self.iter().map(AsRef::as_ref).collect()
+    }
+}
+
+impl<'a, S: AsRef<str>, const N: usize> Parts<'a> for &'a [S; N] {
+    fn parts(self) -> Vec<&'a str> {
+        self[..].parts()
+    }
+}
+
 /// Fails unless `text` holds all the `parts`.
-pub fn assert_holds(text: &str, parts: &[&str]) {
-    for part in parts {
+pub fn assert_holds<'a>(text: &str, parts: impl Parts<'a>) {
+    for part in parts.parts() {
         assert!(text.contains(part), "{part:?} is not in: {text}");
     }
 }

@@ -73,7 +73,7 @@ fn image(cell: &str, class: &str) -> (usize, Vec<[u8; 3]>) {
 fn every_renderer_has_its_column_and_every_case_its_row() {
     let folder = with_runs();
     let run = gallery(&folder, &["right", "shadowless", "broken"]);
-    run.prints(0, &["page.html: 3 renderers, 4 cases, "]);
+    run.prints(0, "page.html: 3 renderers, 4 cases, ");
     let page = folder.text("page.html");
 
     // Offline, and nobody's words are markup.
@@ -277,7 +277,7 @@ fn what_is_no_run_is_told() {
             .arg(folder.path("pipe/results.json"))
             .status();
         assert!(made.unwrap().success());
-        gallery(&folder, &["pipe"]).expect(2, &["pipe/results.json"]);
+        gallery(&folder, &["pipe"]).expect(2, "pipe/results.json");
         std::fs::remove_dir_all(folder.path("pipe")).unwrap();
     }
     assert_eq!(folder.files(), before);
@@ -321,7 +321,7 @@ fn images_are_judged_again_and_known_failures_show_their_cause() {
     assert!(!run.stdout.contains("today"), "{}", run.stdout);
     assert!(folder.text("page.html").contains("not judged again"));
     folder.write("shadowless/known.toml", "[\"smoke/shadow\"]\n");
-    gallery(&folder, &["shadowless"]).expect(2, &["known.toml", "has no reason"]);
+    gallery(&folder, &["shadowless"]).expect(2, "known.toml … has no reason");
 }
 
 /// The results of renderers that are kept beside their adapters make one page. The images are judged again: where today's
@@ -337,7 +337,7 @@ fn renderers_with_adapters_stand_on_one_page_and_are_judged_again() {
     let folder = Folder::new();
     let runs: Vec<&str> = runs.iter().map(String::as_str).collect();
     let run = gallery(&folder, &runs);
-    run.expect(0, &[]);
+    run.expect(0, "");
     let count = format!("{} renderers", runs.len());
     assert!(run.stdout.contains(&count), "{}", run.stdout);
     assert_eq!(run.stdout.lines().count(), 1, "{}", run.stdout);

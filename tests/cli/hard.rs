@@ -146,6 +146,6 @@ fn early_termination_is_an_approximation_with_a_bound() {
     let run = folder.volref("plan scene.toml");
     run.expect(
         2,
-        &["scene.toml:", "back to front, a ray cannot be ended early"],
+        "scene.toml: … back to front, a ray cannot be ended early",
     );
 }

@@ -1,6 +1,6 @@
 //! `volref info`.
 
-use crate::folder::{Folder, assert_holds, assert_shown};
+use crate::folder::{Folder, assert_shown};
 use serde_json::json;
 
 fn fixture(name: &str) -> Vec<u8> {
@@ -79,78 +79,6 @@ fn a_header_and_its_data() {
 }
 
 #[test]
-fn a_cloud() {
-    let folder = Folder::new();
-    folder.write("two.obj", "v 0 0 0\nv 1 0 0 0.5\n");
-    let run = folder.volref("info two.obj --resolution 4 --padding 1");
-    assert_shown!(run.shown(), @r"
-    exit code 0
-    --- stdout
-    two.obj: Wavefront point cloud
-
-    points      2
-    extent      (0, 0, 0) to (1, 0, 0)
-    nodes       4 × 3 × 3, 36 in total
-    spacing     1
-    first node  (-1, -1, -1)
-    box         (-1, -1, -1) to (2, 1, 1), centred on nodes
-    values      0 to 1, mean 0.04166667
-                34 zero, 2 nonzero
-
-    histogram, bars logarithmic
-           0 to 0.0625  34  ▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇▇
-      0.0625 to  0.125   0
-       0.125 to 0.1875   0
-      0.1875 to   0.25   0
-        0.25 to 0.3125   0
-      0.3125 to  0.375   0
-       0.375 to 0.4375   0
-      0.4375 to    0.5   0
-         0.5 to 0.5625   1  ▇▇▇▇▇▇▇▇
-      0.5625 to  0.625   0
-       0.625 to 0.6875   0
-      0.6875 to   0.75   0
-        0.75 to 0.8125   0
-      0.8125 to  0.875   0
-       0.875 to 0.9375   0
-      0.9375 to      1   1  ▇▇▇▇▇▇▇▇
-    ");
-}
-
-/// What no scene accepts is shown nevertheless.
-#[test]
-fn negative_values_and_values_that_are_not_finite() {
-    let folder = Folder::new();
-    let mut bytes = fixture("grid.vol");
-    for (voxel, value) in [(0, -5.0_f32), (5, f32::NAN), (6, f32::INFINITY)] {
-        bytes[48 + 4 * voxel..][..4].copy_from_slice(&value.to_le_bytes());
-    }
-    folder.write("odd.vol", bytes);
-    let run = folder.volref("info odd.vol");
-    // The 24 values add up to 1476; 0 has become −5, and 11 and 12 do not count: 1448/22.
-    run.prints(
-        0,
-        &[
-            "values      -5 to 123, mean 65.81818",
-            "0 zero, 22 nonzero, 1 of them negative",
-            "not finite  2, first at voxel (1, 1, 0): NaN",
-        ],
-    );
-    let json = folder.volref("info odd.vol --json").json();
-    assert_eq!(json["values"]["non_finite"], json!(2));
-    assert_eq!(
-        json["values"]["first_non_finite"],
-        json!({ "voxel": [1, 1, 0], "value": "NaN" })
-    );
-    let mut nothing = fixture("grid.vol");
-    nothing[48..].fill(0xff);
-    folder.write("nothing.vol", nothing);
-    let json = folder.volref("info nothing.vol --json").json();
-    assert_eq!(json["values"]["mean"], json!(null));
-    assert_eq!(json["values"]["histogram"], json!([]));
-}
-
-#[test]
 fn json() {
     let folder = with(&["grid.nii", "detached.nhdr", "detached.raw"]);
     let json = folder.volref("info grid.nii --json").json();
@@ -164,16 +92,6 @@ fn json() {
     assert_eq!(json["files"][1]["path"], json!("detached.raw"));
     let hash = blake3::hash(&fixture("detached.raw")).to_hex().to_string();
     assert_eq!(json["files"][1]["blake3"], json!(hash));
-}
-
-#[test]
-fn centring_can_be_asked_for() {
-    let folder = with(&["grid.vol"]);
-    let run = folder.volref("info grid.vol --centring cells");
-    assert_holds(
-        &run.stdout,
-        &["(-1, 2, 3) to (0.5, 4, 5), centred on cells"],
-    );
 }
 
 #[test]
@@ -215,33 +133,14 @@ fn volumes_whose_header_or_text_says_something_else() {
         nrrd("uchar", "text", "line skip: 1\ndata file: text.txt"),
     );
     folder.write("text.txt", "six numbers\n1 2 3\n4 300 6\n");
-    for (file, part) in [
-        (
-            "colour.nrrd",
-            "colour.nrrd:6: axis 1, of 3 samples, is of the kind \"RGB-color\", and not an axis of space",
-        ),
-        (
-            "inf.nrrd",
-            "inf.nrrd:7: `axis mins` must be a finite number",
-        ),
-        (
-            "cut.nrrd",
-            "cut.nrrd:8:5: sample 5 is \"60\", the last of the text, with nothing behind it",
-        ),
-        (
-            "list.nhdr",
-            "list.nhdr:6: the data are spread over several files (a list)",
-        ),
-        (
-            "text.nhdr",
-            "text.nhdr: its data file text.txt:3:3: sample 4 is \"300\", no uint8",
-        ),
-        (
-            "zero.nii",
-            "zero.nii: `sform_code` is 1, but `srow_x`, `srow_y` and `srow_z` give no axis a direction",
-        ),
-    ] {
-        folder.volref(&["info", file]).expect(2, &[part]);
+    for row in r#"colour.nrrd | colour.nrrd:6: axis 1, of 3 samples, is of the kind "RGB-color", and not an axis of space
+inf.nrrd | inf.nrrd:7: `axis mins` must be a finite number
+cut.nrrd | cut.nrrd:8:5: sample 5 is "60", the last of the text, with nothing behind it
+list.nhdr | list.nhdr:6: the data are spread over several files (a list)
+text.nhdr | text.nhdr: its data file text.txt:3:3: sample 4 is "300", no uint8
+zero.nii | zero.nii: `sform_code` is 1, but `srow_x`, `srow_y` and `srow_z` give no axis a direction"#.lines() {
+        let (file, part) = row.split_once(" | ").unwrap();
+        folder.volref(&["info", file]).expect(2, part);
     }
     // Unknown positions and a sign in a name are nothing wrong.
     folder.write(
@@ -254,7 +153,7 @@ fn volumes_whose_header_or_text_says_something_else() {
     );
     folder.write("100%.raw", "123456");
     let run = folder.volref("info nan.nhdr");
-    run.prints(0, &["3 × 2 × 1, 6 in total"]);
+    run.prints(0, "3 × 2 × 1, 6 in total");
 }
 
 #[test]
@@ -313,135 +212,43 @@ fn refusals_name_the_remedy() {
     folder.write("gzip.toml", raw("").replace("six.raw", "packed.raw"));
     folder.write("plain.toml", raw("encoding = \"gzip\""));
     folder.write("header.toml", raw("").replace("six.raw", "long.raw"));
-    let convert = "write the volume as one .nii or .nrrd, as by `nibabel.save`";
-    for (file, parts) in [
-        (
-            "units.nrrd",
-            [
-                "units.nrrd:6: `units` differ",
-                "write all positions in one unit",
-            ],
-        ),
-        (
-            "space.nrrd",
-            ["space.nrrd:7: `space units` differ", "in one unit"],
-        ),
-        (
-            "endian.nrrd",
-            ["has no field `endian`", "add `endian: little`"],
-        ),
-        (
-            "dimension.nrrd",
-            ["has no field `dimension`", "add `dimension: 3`"],
-        ),
-        (
-            "four.nrrd",
-            [
-                "has 4 axes",
-                "`unu slice -a 3 -p 0 -i all.nrrd -o one.nrrd`",
-            ],
-        ),
-        (
-            "colour.nrrd",
-            [
-                "`unu slice -a 0 -p 0 -i all.nrrd",
-                "`numpy.take(data, 0, axis=0)`",
-            ],
-        ),
-        (
-            "kinds.nrrd",
-            [
-                "`kinds` has 2 values, and the file 3 axes",
-                "give one for each axis",
-            ],
-        ),
-        (
-            "away.nrrd",
-            ["`detached_anywhere = true`", "`--detached-anywhere`"],
-        ),
-        (
-            "two.nii",
-            ["this is NIfTI-2", "`nibabel.Nifti1Image.from_image`"],
-        ),
-        ("pair.nii", [".hdr and .img", "`nibabel.save`"]),
-        ("plane.nii", ["`dim[0]` is 2", "`data[:, :, None]`"]),
-        (
-            "plain.nii.gz",
-            ["begins like a NIfTI-1 file", "so that it ends in .nii"],
-        ),
-        (
-            "packed.nii",
-            [
-                "begins like a file compressed by gzip",
-                "so that it ends in .nii.gz",
-            ],
-        ),
-        (
-            "text.nii",
-            ["begins like an NRRD file", "so that it ends in .nrrd"],
-        ),
-        (
-            "nifti.nrrd",
-            ["begins like a NIfTI-1 file", "so that it ends in .nii"],
-        ),
-        (
-            "meta.nrrd",
-            ["begins like a MetaImage", "so that it ends in .mha"],
-        ),
-        (
-            "nodes.toml",
-            ["nodes.toml:3:9: ", "`nodes` must be three whole numbers"],
-        ),
-        (
-            "spacing.toml",
-            [
-                "spacing.toml:4:11: ",
-                "`spacing` must be one number or three",
-            ],
-        ),
-        (
-            "negative.toml",
-            ["negative.toml:4:16: ", "a whole number, not negative"],
-        ),
-        (
-            "unknown.toml",
-            ["unknown.toml:4:1: unknown field", "did you mean `spacing`?"],
-        ),
-        ("gzip.toml", ["begin like gzip", "`encoding = \"gzip\"`"]),
-        (
-            "plain.toml",
-            ["do not begin like gzip", "leave out `encoding`"],
-        ),
-        (
-            "header.toml",
-            ["but 12 bytes follow it", "`header_bytes = 6`"],
-        ),
-        (
-            "elsewhere.toml",
-            ["elsewhere.toml:4:1: ", "beside `file` in the scene"],
-        ),
-        ("plane.nrrd", ["has 2 axes", "`sizes: 64 64 1`"]),
-        ("fast.nrrd", ["has 4 axes", "axis=0"]),
-        (
-            "scan.raw.gz",
-            ["unsupported file extension", "`encoding = \"gzip\"`"],
-        ),
-        ("scan.img", [".img: unsupported file extension", convert]),
-        (
-            "scan.raw",
-            [
-                "unsupported file extension",
-                "describe the samples by a .toml",
-            ],
-        ),
-        ("scan.npy", ["no readable NPY file", "numpy.save"]),
-        ("scan.nrrd.gz", ["unsupported file extension", "`gunzip`"]),
-        (
-            "scan.ply",
-            ["unsupported file extension", "a line `v x y z`"],
-        ),
-    ] {
-        folder.volref(&["info", file]).expect(2, &parts);
+    for line in "\
+units.nrrd | units.nrrd:6: `units` differ … write all positions in one unit
+space.nrrd | space.nrrd:7: `space units` differ … in one unit
+endian.nrrd | has no field `endian` … add `endian: little`
+dimension.nrrd | has no field `dimension` … add `dimension: 3`
+four.nrrd | has 4 axes … `unu slice -a 3 -p 0 -i all.nrrd -o one.nrrd`
+colour.nrrd | `unu slice -a 0 -p 0 -i all.nrrd … `numpy.take(data, 0, axis=0)`
+kinds.nrrd | `kinds` has 2 values, and the file 3 axes … give one for each axis
+away.nrrd | `detached_anywhere = true` … `--detached-anywhere`
+two.nii | this is NIfTI-2 … `nibabel.Nifti1Image.from_image`
+pair.nii | .hdr and .img … `nibabel.save`
+plane.nii | `dim[0]` is 2 … `data[:, :, None]`
+plain.nii.gz | begins like a NIfTI-1 file … so that it ends in .nii
+packed.nii | begins like a file compressed by gzip … so that it ends in .nii.gz
+text.nii | begins like an NRRD file … so that it ends in .nrrd
+nifti.nrrd | begins like a NIfTI-1 file … so that it ends in .nii
+meta.nrrd | begins like a MetaImage … so that it ends in .mha
+nodes.toml | nodes.toml:3:9:  … `nodes` must be three whole numbers
+spacing.toml | spacing.toml:4:11:  … `spacing` must be one number or three
+negative.toml | negative.toml:4:16:  … a whole number, not negative
+unknown.toml | unknown.toml:4:1: unknown field … did you mean `spacing`?
+gzip.toml | begin like gzip … `encoding = \"gzip\"`
+plain.toml | do not begin like gzip … leave out `encoding`
+header.toml | but 12 bytes follow it … `header_bytes = 6`
+elsewhere.toml | elsewhere.toml:4:1:  … beside `file` in the scene
+plane.nrrd | has 2 axes … `sizes: 64 64 1`
+fast.nrrd | has 4 axes … axis=0
+scan.raw.gz | unsupported file extension … `encoding = \"gzip\"`
+scan.img | .img: unsupported file extension … write the volume as one .nii or .nrrd, as by `nibabel.save`
+scan.raw | unsupported file extension … describe the samples by a .toml
+scan.npy | no readable NPY file … numpy.save
+scan.nrrd.gz | unsupported file extension … `gunzip`
+scan.ply | unsupported file extension … a line `v x y z`"
+        .lines()
+    {
+        let (file, parts) = line.split_once(" | ").unwrap();
+        folder.volref(&["info", file]).expect(2, parts);
     }
 }
 
@@ -510,7 +317,7 @@ fn files_that_are_something_else() {
     folder.write("slices/1.dcm", &dicom);
     folder
         .volref("info slices")
-        .expect(2, &["this is a directory", "dcm2niix"]);
+        .expect(2, "this is a directory … dcm2niix");
 }
 
 /// MetaImage and archives; what is behind gzip; names of Windows.
@@ -523,54 +330,36 @@ fn archives_headers_and_streams() {
         "xyz.npy",
         "gzip.nrrd",
     ]);
-    folder.volref("info packed.mhd").prints(
-        0,
-        &[
-            "packed.mhd: MetaImage",
-            "first node  (-1, 2, 3)",
-            "space       left-posterior-superior, as ITK takes it",
-            "stored      float32, little endian, zlib, 2 × 3 × 4 in other order",
-            "values      0 to 123, mean 61.5",
-        ],
-    );
-    folder.volref("info grid.npz").prints(
-        0,
-        &[
-            "4 × 3 × 2",
-            "axes        z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`",
-        ],
-    );
-    folder.volref("info xyz.npy").prints(0, &["2 × 3 × 4"]);
+    folder.volref("info packed.mhd").prints(0, "packed.mhd: MetaImage … first node  (-1, 2, 3) … space       left-posterior-superior, as ITK takes it … stored      float32, little endian, zlib, 2 × 3 × 4 in other order … values      0 to 123, mean 61.5");
+    folder.volref("info grid.npz").prints(0, "4 × 3 × 2 … axes        z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`");
+    folder.volref("info xyz.npy").prints(0, "2 × 3 × 4");
     folder
         .volref("info xyz.npy --axes xyz")
-        .prints(0, &["4 × 3 × 2"]);
+        .prints(0, "4 × 3 × 2");
     let mut padded = fixture("gzip.nrrd");
     padded.extend([0; 512]);
     folder.write("padded.nrrd", &padded);
     folder
         .volref("info padded.nrrd")
-        .prints(0, &["values      0 to 123"]);
+        .prints(0, "values      0 to 123");
     padded.extend(b"more");
     folder.write("padded.nrrd", &padded);
     folder
         .volref("info padded.nrrd")
-        .expect(2, &["zeros and then other bytes follow its end"]);
+        .expect(2, "zeros and then other bytes follow its end");
 
     let two = fixture("grid.npz");
     folder.write("cut.npz", &two[..two.len() - 30]);
     folder
         .volref("info cut.npz")
-        .expect(2, &["no readable NPZ file"]);
+        .expect(2, "no readable NPZ file");
     let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\ndata file: data\\a.raw\n";
     folder.write("windows.nhdr", header);
     folder.write("data/a.raw", "1");
     #[cfg(unix)]
     folder.volref("info windows.nhdr").expect(
         2,
-        &[
-            "backslashes separate folders on Windows alone",
-            "data/a.raw",
-        ],
+        "backslashes separate folders on Windows alone … data/a.raw",
     );
     folder.write(
         "escape.raw.toml",
@@ -582,10 +371,7 @@ fn archives_headers_and_streams() {
     folder.volref("plan scene.toml").expect(2, &[told]);
     folder.volref("info escape.raw.toml").expect(
         2,
-        &[
-            "escape.raw.toml:1:",
-            "a backslash in double quotes begins an escape",
-        ],
+        "escape.raw.toml:1: … a backslash in double quotes begins an escape",
     );
 }
 
@@ -599,13 +385,7 @@ fn values_that_32_bits_do_not_hold() {
     let whole = [16_777_216_i32, 16_777_217, -16_777_219];
     folder.write("int32.raw", whole.map(i32::to_le_bytes).concat());
     folder.write("int32.toml", raw("int32"));
-    folder.volref("info int32.toml").prints(
-        0,
-        &[
-            "values      -16777220 to 16777216, mean",
-            "float32     does not hold 2, first at voxel (1, 0, 0), counted as stored: 16777217 becomes 16777216",
-        ],
-    );
+    folder.volref("info int32.toml").prints(0, "values      -16777220 to 16777216, mean … float32     does not hold 2, first at voxel (1, 0, 0), counted as stored: 16777217 becomes 16777216");
     let json = folder.volref("info int32.toml --json").json();
     assert_eq!(
         json["stored"]["not_in_float32"],
@@ -617,74 +397,14 @@ fn values_that_32_bits_do_not_hold() {
         [0.1, 1e-300, 100.0].map(f64::to_le_bytes).concat(),
     );
     folder.write("float64.toml", raw("float64"));
-    folder.volref("info float64.toml").prints(
-        0,
-        &[
-            "values      0 to 100, mean",
-            "does not hold 1, first at voxel (1, 0, 0), counted as stored: ",
-        ],
-    );
+    folder.volref("info float64.toml").prints(0, "values      0 to 100, mean … does not hold 1, first at voxel (1, 0, 0), counted as stored: ");
     folder.write(
         "float64.raw",
         [0.1, 1e39, 100.0].map(f64::to_le_bytes).concat(),
     );
     folder
         .volref("info float64.toml")
-        .prints(0, &["not finite  1, first at voxel (1, 0, 0): inf"]);
-}
-
-#[test]
-fn space_and_units_of_nrrd() {
-    let folder = Folder::new();
-    for (more, shown) in [
-        (
-            "space: left-posterior-superior",
-            Some("left-posterior-superior"),
-        ),
-        ("space: RAST", Some("right-anterior-superior")),
-        ("space: 3D-left-handed-time", Some("3D-left-handed")),
-        ("units: \"mm\" \"mm\" \"\"", None),
-        (
-            "space: LPS\nspace units: \"mm\" \"mm\" \"mm\"",
-            Some("left-posterior-superior"),
-        ),
-    ] {
-        let header = "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 3 2 1\nencoding: raw";
-        folder.write("a.nrrd", format!("{header}\n{more}\n\n123456"));
-        let json = folder.volref("info a.nrrd --json").json();
-        assert_eq!(json["space"].as_str(), shown, "{more}");
-    }
-}
-
-/// The map of oblique axes, as rows; the lattice is in the coordinates of the file's axes.
-#[test]
-fn oblique_axes() {
-    let folder = Folder::new();
-    let text = "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 3 2 1\nencoding: raw\n\
-                space directions: (3,4,0) (4,-3,0) (0,0,1)\nspace origin: (7,0,0.5)\n\n123456";
-    folder.write("oblique.nrrd", text);
-    let run = folder.volref("info oblique.nrrd");
-    run.expect(0, &[]);
-    for line in [
-        "spacing     (5, 5, 1)",
-        "first node  (0, 0, 0)",
-        "to world    0.6, 0.8, 0, 7",
-        "            0.8, -0.6, 0, 0",
-        "            0, 0, 1, 0.5",
-    ] {
-        assert!(run.stdout.contains(line), "{line}: {}", run.stdout);
-    }
-    let json = folder.volref("info oblique.nrrd --json").json();
-    assert_eq!(
-        json["to_world"],
-        json!([
-            [0.6, 0.8, 0.0, 7.0],
-            [0.8, -0.6, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.5]
-        ])
-    );
-    let stored = folder.volref("info oblique.nrrd --as-stored --json");
-    assert!(stored.json()["to_world"].is_null());
+        .prints(0, "not finite  1, first at voxel (1, 0, 0): inf");
 }
 
 /// The volume of a scene: by a formula, and from a file; scenes without one say so.
@@ -734,11 +454,11 @@ fn a_scene() {
     folder.write("below.toml", below);
     folder
         .volref("render below.toml -o below.exr")
-        .expect(2, &["transfer_function.point"]);
+        .expect(2, "transfer_function.point");
     let run = folder.volref("info below.toml");
-    run.prints(0, &["3 × 2 × 2", "-1 to 1, mean 0", "4 of them negative"]);
+    run.prints(0, "3 × 2 × 2 … -1 to 1, mean 0 … 4 of them negative");
     folder.write("curve.toml", "[curve]\n");
     folder
         .volref("info curve.toml")
-        .expect(2, &["curve.toml has no classified volume"]);
+        .expect(2, "curve.toml has no classified volume");
 }

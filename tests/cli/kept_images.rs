@@ -61,14 +61,14 @@ fn an_image_of_an_earlier_run_is_not_judged() {
         ] {
             folder.write(&format!("kept/{stale}"), bytes);
             let run = validate(&folder, is_asked, "true");
-            run.prints(4, &["missing", "did not write smoke/plain.exr"]);
+            run.prints(4, "missing … did not write smoke/plain.exr");
             // Whoever judges the folder later does not find it either.
             assert!(kept(&folder).is_empty(), "{stale}: {:?}", kept(&folder));
         }
         // What would be read beside an image is none of this run.
         for stale in ["smoke/plain.variance.exr", "smoke/plain.depth.npy"] {
             folder.write(&format!("kept/{stale}"), "no image");
-            validate(&folder, is_asked, "cp golden/$case.exr $output").expect(0, &[]);
+            validate(&folder, is_asked, "cp golden/$case.exr $output").expect(0, "");
             assert_eq!(kept(&folder), ["smoke/plain.exr"], "{stale}");
         }
         std::fs::remove_dir_all(folder.path("kept")).unwrap();
@@ -88,7 +88,7 @@ fn kept_images_are_replaced_case_by_case() {
     }
     folder.write("kept/smoke/plain.npy", "of an earlier run");
     let script = "cp golden/$case.exr $output; echo said > $(dirname $output)/plain.log; touch $(dirname $output)/.hidden";
-    validate(&folder, false, script).expect(0, &[]);
+    validate(&folder, false, script).expect(0, "");
     let all = [
         "notes.txt",
         "plain.txt",
@@ -102,11 +102,11 @@ fn kept_images_are_replaced_case_by_case() {
     assert_eq!(folder.text("kept/smoke/nearest.exr"), "mine");
     folder
         .volref("validate smoke/plain --outputs kept")
-        .expect(0, &[]);
+        .expect(0, "");
     // What cannot be kept is said, and the verdict holds.
     folder.remove("kept/smoke/plain.exr");
     folder.write("kept/smoke/plain.exr/within", "mine");
     let run = validate(&folder, false, "cp golden/$case.exr $output");
-    run.prints(0, &["its images cannot be kept"]);
+    run.prints(0, "its images cannot be kept");
     assert_eq!(folder.text("kept/smoke/plain.exr/within"), "mine");
 }

@@ -54,7 +54,7 @@ fn the_answer_is_the_golden() {
     let manifest = format!("{MANIFEST}truth = \"furnace\"\n");
     suite.write("fixtures/cases/known-answers/ball.toml", manifest);
     let stale = suite.volref("verify ball");
-    stale.prints(3, &["the truth of the case has changed"]);
+    stale.prints(3, "the truth of the case has changed");
 }
 
 #[test]

@@ -24,7 +24,7 @@ fn asking(depth: &str) -> Folder {
 
 fn rendered(folder: &Folder, more: &[&str]) -> Film {
     let command = [&["render", SCENE, "-o", "right.exr"], more].concat();
-    folder.volref(&command).expect(0, &[]);
+    folder.volref(&command).expect(0, "");
     folder.film("right.exr")
 }
 
@@ -93,7 +93,7 @@ fn a_channel_of_one_value_counts_only_where_it_is_asked_for() {
     let right = rendered(&folder, &[]);
     for value in [0.0, 1.0] {
         let written = right.clone().map_opacity(|_| value);
-        validate(&folder, &written, &[]).expect(0, &[]);
+        validate(&folder, &written, &[]).expect(0, "");
     }
     let halved = right.map_opacity(|opacity| 0.5 * opacity);
     prints(
@@ -115,7 +115,7 @@ fn colours_without_their_background_are_declared() {
     folder.write(SCENE, bright);
     folder
         .volref(&["accept", CASE, "--reason", "A background"])
-        .expect(0, &[]);
+        .expect(0, "");
     let right = rendered(&folder, &[]);
     let opacity = right.opacity().unwrap().to_vec();
     let pixels = |straight: bool| {
@@ -128,10 +128,10 @@ fn colours_without_their_background_are_declared() {
         Film::with_opacity(right.width(), right.height(), alone.collect())
     };
     for (name, film) in [("premultiplied", pixels(false)), ("straight", pixels(true))] {
-        validate(&folder, &film, &["--alpha", name]).expect(0, &[]);
+        validate(&folder, &film, &["--alpha", name]).expect(0, "");
         let profile = format!("name = \"mine\"\nalpha = \"{name}\"\n");
         folder.write("mine.toml", profile);
-        validate(&folder, &film, &["--as", "mine.toml"]).expect(0, &[]);
+        validate(&folder, &film, &["--as", "mine.toml"]).expect(0, "");
         let said = format!("the image agrees where that is declared with --alpha {name}");
         // A declaration explains the image: nothing else is named.
         let run = validate(&folder, &film, &[]);
@@ -157,7 +157,7 @@ fn colours_without_their_background_are_declared() {
             .map(|index| film.pixel(index).map(code))
             .collect();
         let codes = Film::with_opacity(film.width(), film.height(), codes);
-        validate(&folder, &codes, &["--alpha", name, "--bits", "8-linear"]).expect(0, &[]);
+        validate(&folder, &codes, &["--alpha", name, "--bits", "8-linear"]).expect(0, "");
     }
     let run = validate(&folder, &right, &["--alpha", "premultiplied"]);
     let said = "the image agrees without --alpha: its colours contain the background";
@@ -183,16 +183,16 @@ fn colours_without_their_background_are_declared() {
         4,
         &["the image has no opacity, and --alpha straight is declared"],
     );
-    validate(&folder, &right, &["--alpha", "masked"]).expect(2, &["premultiplied or straight"]);
+    validate(&folder, &right, &["--alpha", "masked"]).expect(2, "premultiplied or straight");
 }
 
 #[test]
 fn depth_is_judged_where_it_is_asked_for() {
     let folder = asking("half-along-view");
     let right = rendered(&folder, &["--depth=half-along-view"]);
-    validate(&folder, &right, &[]).expect(0, &[]);
+    validate(&folder, &right, &[]).expect(0, "");
     let plain = rendered(&folder, &["--depth=half-along-view", "--reference"]);
-    validate(&folder, &plain, &[]).expect(0, &[]);
+    validate(&folder, &plain, &[]).expect(0, "");
     let other = rendered(&folder, &["--depth"]);
     let said = "it is the mean depth, and the case asks for the half-along-view one";
     prints(
@@ -214,11 +214,11 @@ fn depth_is_judged_where_it_is_asked_for() {
             "out/smoke/plain.npy",
             "--depth=half-along-view",
         ])
-        .expect(0, &[]);
+        .expect(0, "");
     folder.remove("out/smoke/plain.exr");
     let run = folder.volref(&["validate", CASE, "--outputs", "out", "--json"]);
     assert_eq!(run.json()["cases"][0]["metrics"]["outlier_depths"], 0.0);
-    run.expect(0, &[]);
+    run.expect(0, "");
 }
 
 /// Distances from elsewhere, and values of depth buffers, are told from those that are only wrong.
@@ -310,25 +310,23 @@ fn wrong_depths_have_their_cause() {
 fn depth_that_cannot_be_had_is_refused() {
     let folder = asking("mean");
     let render = |more: &[&str]| folder.volref(&[&["render", SCENE], more].concat());
-    render(&["-o", "a.png", "--depth"]).expect(2, &["a .png holds no distances", "channel Z"]);
-    render(&["-o", "a.exr", "--depth=deep"]).expect(2, &["a depth is one of mean, half"]);
+    render(&["-o", "a.png", "--depth"]).expect(2, "a .png holds no distances … channel Z");
+    render(&["-o", "a.exr", "--depth=deep"]).expect(2, "a depth is one of mean, half");
     folder.write("room.toml", ROOM.replace("= 256", "= 8"));
     folder
         .volref("render room.toml -o a.exr --depth --spp 2")
-        .expect(2, &["depth is that of a classified volume"]);
+        .expect(2, "depth is that of a classified volume");
     folder.edit(
         SCENE,
         "[classified]\n",
         "[classified]\nmode = \"maximum\"\n",
     );
-    render(&["-o", "a.exr", "--depth"]).expect(2, &["a projection has no depth"]);
+    render(&["-o", "a.exr", "--depth"]).expect(2, "a projection has no depth");
     let manifest = "fixtures/cases/smoke/plain.toml";
     let text = String::from_utf8(folder.read(manifest)).unwrap();
     folder.write(
         manifest,
         text.replace("depth = \"mean\"", "depth = \"means\""),
     );
-    folder
-        .volref("list")
-        .expect(2, &["depth", "mean-along-view"]);
+    folder.volref("list").expect(2, "depth … mean-along-view");
 }

@@ -37,7 +37,7 @@ fn every_output_is_refused_in_words_and_leaves_nothing() {
         }
         let path = format!("{option}fixtures/{}.{extension}", "x".repeat(300));
         let run = folder.volref(&[*command, &[&path]].concat());
-        run.expect(2, &["cannot write fixtures/xxx"]);
+        run.expect(2, "cannot write fixtures/xxx");
         assert_eq!(folder.files(), before, "{command:?}");
     }
 }
@@ -48,9 +48,9 @@ fn a_folder_in_the_place_of_the_output() {
     folder.write("image.exr/inside", "kept");
     let before = folder.files();
     let run = folder.volref("render scene.toml -o image.exr");
-    run.expect(2, &["cannot write image.exr: it is a folder"]);
+    run.expect(2, "cannot write image.exr: it is a folder");
     let run = folder.volref("plan scene.toml --json=image.exr");
-    run.expect(2, &["cannot write image.exr"]);
+    run.expect(2, "cannot write image.exr");
     assert_eq!(folder.files(), before);
 }
 
@@ -64,7 +64,7 @@ fn extensions_that_stand_for_no_image() {
     }
     folder.volref("render scene.toml -o image.exr");
     let run = folder.volref("compare image.exr image.exr --heatmap map.exr");
-    run.expect(2, &["--heatmap", "map.exr", ".png"]);
+    run.expect(2, "--heatmap … map.exr … .png");
     assert!(!folder.path("map.exr").exists());
 }
 
@@ -74,7 +74,7 @@ fn exposures_that_are_no_number() {
     for exposure in ["nan", "inf", "-inf"] {
         let option = format!("--exposure={exposure}");
         let run = folder.volref(&["render", "scene.toml", "-o", "image.png", &option]);
-        run.expect(2, &["exposure", "from -64 to 64"]);
+        run.expect(2, "exposure … from -64 to 64");
     }
     assert!(!folder.path("image.png").exists());
 }
@@ -85,11 +85,11 @@ fn json_has_one_form() {
     for command in ["verify", "selftest", "list"] {
         folder
             .volref(&[command, "--json", "results.json"])
-            .expect(5, &["no case matches", "--json=results.json"]);
+            .expect(5, "no case matches … --json=results.json");
     }
     folder
         .volref("verify results.xml")
-        .expect(5, &["no case matches", "--junit results.xml"]);
+        .expect(5, "no case matches … --junit results.xml");
 }
 
 #[test]
@@ -162,12 +162,12 @@ fn a_full_disk_behind_stdout_is_an_error_of_every_command() {
     }
     folder.write("images/curve.exr", folder.read("golden/plots/curve.exr"));
     folder.write("image.exr", folder.read("golden/plots/curve.exr"));
-    folder.volref("verify curve --results kept").expect(0, &[]);
+    folder.volref("verify curve --results kept").expect(0, "");
 
     let judged = ["validate", "curve", "--outputs", "images"];
     folder
         .volref(&[&judged[..], &["--json=images/results.json"]].concat())
-        .expect(0, &[]);
+        .expect(0, "");
 
     let mut lines = vec![vec!["--version".to_owned()], vec!["--help".to_owned()]];
     let commands = commands(&folder);
@@ -225,19 +225,6 @@ fn a_full_disk_behind_stdout_is_an_error_of_every_command() {
     let run = Run::of(command.stdout(full).output().unwrap());
     run.expect(
         2,
-        &[
-            "absent.toml: cannot read",
-            "cannot write to standard output",
-        ],
+        "absent.toml: cannot read … cannot write to standard output",
     );
-}
-
-#[cfg(unix)]
-#[test]
-fn a_closed_pipe_is_no_error() {
-    let folder = Folder::with_goldens();
-    let (reader, writer) = std::io::pipe().unwrap();
-    drop(reader);
-    let run = Run::of(folder.command("list").stdout(writer).output().unwrap());
-    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }

@@ -164,35 +164,6 @@ fn rays_follow_from_the_bundle() {
 }
 
 #[test]
-fn a_bundle_says_only_what_applies() {
-    let points = "point = [{ value = 0.2, colour = [1, 0.5, 0], opacity = 0.25 }]\n[classified]";
-    let scene = figure_with(
-        "figure-1",
-        &[
-            ("[classified]", points),
-            ("[classified.phong]", "[classified.shadow]"),
-            (
-                "ambient = 0.1\ndiffuse = 1.0\nspecular = 1.0\nshininess = 32",
-                "",
-            ),
-        ],
-    );
-    let bundle = description(&bundle(&scene, "table").unwrap());
-    let panel = &bundle["panels"][0];
-    assert_eq!(panel["phong"], Value::Null);
-    assert_eq!(panel["gradient"], Value::Null);
-    assert_eq!(
-        panel["transfer_function"]["points"],
-        serde_json::json!([{ "value": 0.2, "opacity": 0.25, "colour": [1.0, 0.5, 0.0] }])
-    );
-    let radiance = panel["radiance"].as_str().unwrap();
-    assert_eq!(
-        radiance,
-        "a sample of value d emits L = colour(d) * v, ambient light and highlight included"
-    );
-}
-
-#[test]
 fn other_conventions_are_refused_by_name() {
     let conventions = "[classified.conventions]\nlast_step = \"whole\"\n[classified.phong]";
     let scene = figure_with("figure-1", &[("[classified.phong]", conventions)]);
@@ -566,52 +537,6 @@ fn the_student_projects() {
     }
 }
 
-/// Every other mistake that the script offers makes an image that fails.
-#[test]
-fn the_students_mistakes_are_seen() {
-    if !python("the_students_mistakes_are_seen") {
-        return;
-    }
-    let scene = small("figure-3");
-    let right = film(&scene);
-    assert!(deterministic(&right, &student_film(&scene, &[])).passed);
-    for mistake in [
-        "nearest",
-        "half-voxel",
-        "no-opacity-correction",
-        "inward-normal",
-        "upside-down",
-        "gamma",
-    ] {
-        let judgement = deterministic(&right, &student_film(&scene, &["--mistake", mistake]));
-        assert!(!judgement.passed, "{mistake}: {}", judgement.reason);
-    }
-}
-
-/// EXR, PFM and NPY are written by hand, the same numbers in each.
-#[test]
-fn the_student_writes_three_formats() {
-    if !python("the_student_writes_three_formats") {
-        return;
-    }
-    let scene = figure("figure-2");
-    let folder = tempfile::tempdir().unwrap();
-    let write = |output: &str| student(&scene, folder.path(), output, &[]);
-    let film = Film::from_exr(&write("image.exr")).unwrap();
-    let radiance = film.radiance().as_flattened();
-    let npy = write("image.npy");
-    // Magic, version 1.0, length of the header.
-    let header = 10 + usize::from(u16::from_le_bytes([npy[8], npy[9]]));
-    assert_eq!(floats(&npy[header..]), radiance);
-    let pfm = write("image.pfm");
-    let header = b"PF\n256 192\n-1.0\n";
-    assert!(pfm.starts_with(header));
-    let row = 256 * 3;
-    let rows = floats(&pfm[header.len()..]);
-    let from_top: Vec<f32> = rows.chunks(row).rev().flatten().copied().collect();
-    assert_eq!(from_top, radiance);
-}
-
 // --- The student's path tracer --------------------------------------------------------------------
 
 /// Verdicts of `validate` on the student's path tracer, with their numbers.
@@ -659,30 +584,6 @@ fn the_students_paths_pass_and_mistakes_do_not() {
     ] {
         assert!(results.contains(reason), "{results}");
     }
-}
-
-/// What renders classified volumes refuses media in words.
-#[test]
-fn the_student_refuses_media() {
-    if !python("the_student_refuses_media") {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let scene = Scene::load(&root().join("fixtures/scenes/fog/forward.toml")).unwrap();
-    bundle(&scene, "fog")
-        .unwrap()
-        .write_into(folder.path())
-        .unwrap();
-    let (done, said) = script(
-        "student.py",
-        &["fog.json", "image.exr"],
-        folder.path(),
-        None,
-    );
-    assert!(
-        !done && said.starts_with("refused: a panel that shows radiance"),
-        "{said}"
-    );
 }
 
 // --- Scripts of other renderers -----------------------------------------------------------------
@@ -791,33 +692,5 @@ fn the_script_for_pbrt_says_what_it_lacks() {
     assert!(
         !done && said.contains("which is no program; how pbrt is built is in"),
         "{said}"
-    );
-}
-
-/// The table of ray casters counts the cases that a renderer has words for, and names those that do not pass.
-#[test]
-fn the_table_of_ray_casters_leaves_out_what_was_refused() {
-    if !python("the_table_of_ray_casters_leaves_out_what_was_refused") {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let case = |name: &str, verdict: &str, reason: &str| serde_json::json!({ "name": name, "verdict": verdict, "reason": reason });
-    let results = serde_json::json!({ "cases": [
-        case("sampled/thin", "pass", "0 of 4096 pixels differ"),
-        case("sampled/cells", "fail", "11 of 4096 pixels differ"),
-        case("sampled/slope", "error", "the renderer failed; refused: parallel rays only"),
-    ] });
-    let results_of_one = folder.path().join("tutorial");
-    std::fs::create_dir(&results_of_one).unwrap();
-    std::fs::write(results_of_one.join("results.json"), results.to_string()).unwrap();
-    let mut run = Command::new("python3");
-    run.arg(root().join("scripts/peers/ray_casters.py"));
-    run.args(["--table", "--results", ".", "tutorial"]);
-    let output = run.current_dir(folder.path()).output().unwrap();
-    let table = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        table.ends_with("| `--as tutorial` | 2 | 1 | 0 | `sampled/cells` |\n"),
-        "{table}{}",
-        String::from_utf8_lossy(&output.stderr)
     );
 }

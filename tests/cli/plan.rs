@@ -1,9 +1,7 @@
 //! `volref plan`
 
 use crate::folder::{Folder, Run};
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 
 /// Plans kept as text, one for each kind of estimator.
 const WHOLE_PLANS: [&str; 5] = [
@@ -31,7 +29,7 @@ fn plans_of_the_suite() {
         let folder = Folder::new();
         let mut command = folder.command(&["plan", name]);
         let run = Run::of(command.current_dir(root).output().unwrap());
-        run.expect(0, &[]);
+        run.expect(0, "");
         run.stdout
     };
     let families = entries(&root.join("fixtures/scenes"));
@@ -163,7 +161,7 @@ point = { position = [3, 3, 3], intensity = 1 }
 ";
     folder.write("idle.toml", scene);
     let run = folder.volref("plan idle.toml");
-    run.expect(0, &[]);
+    run.expect(0, "");
     let section = run
         .stdout
         .split("\n\n")
@@ -195,7 +193,7 @@ point = { position = [3, 3, 3], intensity = 1 }
     let quiet = quiet.split("[[radiative.medium]]\nsphere = { centre = [0, 0, 0], radius = 2 }");
     folder.write("quiet.toml", quiet.clone().next().unwrap());
     let run = folder.volref("plan quiet.toml");
-    run.expect(0, &[]);
+    run.expect(0, "");
     assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
 }
 
@@ -237,7 +235,7 @@ fn what_is_not_seen() {
     ] {
         folder.write("values.toml", grid.replace("{keys}", keys));
         let run = folder.volref("plan values.toml");
-        run.expect(0, &[]);
+        run.expect(0, "");
         assert_eq!(
             run.stdout.contains("warnings"),
             !warning.is_empty(),
@@ -245,7 +243,7 @@ fn what_is_not_seen() {
         );
         assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
         let run = folder.volref("render values.toml -o values.exr");
-        run.expect(0, &[]);
+        run.expect(0, "");
         assert!(run.stdout.contains(warning), "{keys}: {}", run.stdout);
         assert_eq!(run.stdout.contains("black: no"), !note.is_empty(), "{keys}");
         assert!(run.stdout.contains(note), "{keys}: {}", run.stdout);
@@ -257,7 +255,7 @@ fn what_is_not_seen() {
         format!("{}{clips}", folder.text("scene.toml")),
     );
     let run = folder.volref("plan clips.toml");
-    run.expect(0, &[]);
+    run.expect(0, "");
     let idle = "this clip cuts nothing: all of its volumes is on the side that it keeps  (classified.clip[0]";
     assert_eq!(
         run.stdout.matches("cuts nothing").count(),
@@ -266,77 +264,6 @@ fn what_is_not_seen() {
         run.stdout
     );
     assert!(run.stdout.contains(idle), "{}", run.stdout);
-}
-
-/// Each of several volumes has a reference step of its own.
-#[test]
-fn shadows_of_several_volumes() {
-    let folder = Folder::with_scenes();
-    let volume = |length: &str| {
-        format!(
-            "[[classified.volume]]\nfile = \"cloud.obj\"\n[classified.volume.transfer_function]\n\
-             reference_length = {length}\npoint = [{{ value = 0, colour = 1, opacity = 0.5 }}]\n"
-        )
-    };
-    for (second, said) in [("0.25", "0.25  "), ("0.5", "0.25, 0.5, volume by volume  ")] {
-        let volumes = volume("0.25") + &volume(second);
-        folder.write("two.toml", format!("[classified.shadow]\n{volumes}"));
-        let run = folder.volref("plan two.toml");
-        run.expect(0, &[]);
-        let line = format!("  classified.shadow.reference_step  {said}");
-        assert!(run.stdout.contains(&line), "{}", run.stdout);
-    }
-}
-
-/// Nothing ends a path between white walls: said before the work, which would take a minute and fail.
-#[test]
-fn a_white_enclosure() {
-    let folder = Folder::new();
-    let scene = |wall: f64, more: &str| {
-        format!(
-            "[film]\nwidth = 4\nheight = 4\n[camera]\neye = [0, 0.1, 0]\ntarget = [0, 0, 1]\n\
-             [radiative]\n{more}\n\
-             [[radiative.light]]\npoint = {{ position = [0.5, 0, 0], intensity = 1 }}\n\
-             [[radiative.surface]]\ndiffuse = {{ reflectance = [{wall}, 0.5, 0.5] }}\n\
-             sphere = {{ centre = [0, 0, 0], radius = 1 }}\n"
-        )
-    };
-    let white = scene(1.0, "");
-    let lamp = "[[radiative.surface]]\nemitter = { radiance = 1 }\n\
-                sphere = { centre = [0.3, 0.3, 0.3], radius = 0.2 }\n";
-    let fog = "[[radiative.medium]]\nsigma_a = 1\nsigma_s = 1\n";
-    let outside = white
-        .replace("[0, 0.1, 0]", "[0, 0.1, -5]")
-        .replace("[0.5, 0, 0]", "[0.5, 0, -5]");
-    let warned = |scene: &str| {
-        folder.write("white.toml", scene);
-        let run = folder.volref("plan white.toml");
-        assert_eq!(run.code, 0, "{}", run.stderr);
-        run.stdout
-            .contains("reflected between surfaces without end")
-    };
-    assert!(warned(&white));
-    assert!(warned(&scene(0.99999, "")));
-    assert!(warned(&scene(1.0, "max_bounces = 20000")));
-    for (what, scene) in [
-        ("walls that absorb", scene(0.9, "")),
-        ("few bounces", scene(1.0, "max_bounces = 100")),
-        ("a lamp, which is black", format!("{white}{lamp}")),
-        ("fog that absorbs", format!("{white}{fog}")),
-        ("from outside", outside),
-    ] {
-        assert!(!warned(&scene), "{what}");
-    }
-    // While it is rendered: in a pipe notes come after two seconds.
-    folder.write("white.toml", &white);
-    let mut command = folder.command("render white.toml -o white.exr");
-    let mut rendering = command.stderr(Stdio::piped()).spawn().unwrap();
-    let lines = BufReader::new(rendering.stderr.take().unwrap()).lines();
-    let note = "note: light is reflected between surfaces without end";
-    let is_said = lines.map_while(Result::ok).any(|line| line.contains(note));
-    rendering.kill().unwrap();
-    rendering.wait().unwrap();
-    assert!(is_said);
 }
 
 /// A scene of some bytes may hold a volume of gigabytes.
@@ -393,23 +320,5 @@ fn force_of_what_is_omitted_or_absent() {
         let run = folder.volref(&["plan", scene, "--force", effect]);
         run.expect(2, &[effect, "would change the picture", reason]);
         assert_eq!(run.stdout, "");
-    }
-}
-
-/// Work under conventions is counted, too.
-#[test]
-fn counters_under_conventions() {
-    let folder = Folder::with_scenes();
-    let shading = "[classified.phong]\n[classified.conventions]\nlast_step = \"whole\"\n";
-    let scene = crate::folder::scene(shading).replace("../../volumes/", "");
-    folder.write("other.toml", scene);
-    let json = folder.volref("plan other.toml --counters --json");
-    let panel = &json.json()["panels"][0];
-    let kernel =
-        "ray caster: trilinear, front to back, Phong, no shadow, every sample, other conventions";
-    assert_eq!(panel["kernel"], kernel);
-    let counters = panel["counters"].as_object().unwrap();
-    for event in ["density_lookups", "gradient_lookups", "gradients_computed"] {
-        assert!(counters[event].as_u64().unwrap() > 0, "{event}");
     }
 }

@@ -76,7 +76,7 @@ fn a_render_without_an_end() {
     let render = ["render", "deep.toml", "-o", "deep.exr", "--spp", "1000000"];
     said(folder.command(&render), &[note]);
     let run = folder.volref("plan deep.toml");
-    run.expect(0, &[]);
+    run.expect(0, "");
     assert!(
         run.stdout.contains(note.strip_prefix("note: ").unwrap()),
         "{}",
@@ -89,7 +89,7 @@ fn a_render_without_an_end() {
     ] {
         folder.write("short.toml", format!("{FOG}{short}"));
         let run = folder.volref("plan short.toml");
-        run.expect(0, &[]);
+        run.expect(0, "");
         assert!(!run.stdout.contains("warnings"), "{short}: {}", run.stdout);
     }
     let bounded = FOG.replace("environment = 1", "environment = 1\nmax_bounces = 10000");

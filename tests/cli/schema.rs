@@ -196,7 +196,7 @@ fn schema_and_reader_agree_on_keys_and_defaults() {
                     read_scene(text)
                 }
             };
-            read("no_such_key", &json!(1)).expect(2, &["unknown key `no_such_key`"]);
+            read("no_such_key", &json!(1)).expect(2, "unknown key `no_such_key`");
             for (key, property) in table["properties"].as_object().unwrap() {
                 if let Some(default) = property.get("default") {
                     let run = read(key, default);

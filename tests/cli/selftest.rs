@@ -40,7 +40,7 @@ fn a_small_suite_catches_what_it_can() {
 fn a_whole_suite_must_catch_all() {
     let folder = Folder::with_goldens();
     let run = folder.volref("selftest --quick");
-    run.prints(6, &["phase-reversed is caught by no case"]);
+    run.prints(6, "phase-reversed is caught by no case");
 }
 
 /// A case that promises what it does not hold.
@@ -55,12 +55,12 @@ fn promises_are_kept() {
     let run = folder.volref("selftest plots");
     run.prints(
         6,
-        &["not caught, although its manifest requires it: plots/curve: shadow-left-out"],
+        "not caught, although its manifest requires it: plots/curve: shadow-left-out",
     );
     folder.write(
         manifest,
         folder.text(manifest).replace("mirrored", "mirorred"),
     );
     let run = folder.volref("selftest plots");
-    run.expect(2, &["did you mean \"mirrored\"?"]);
+    run.expect(2, "did you mean \"mirrored\"?");
 }

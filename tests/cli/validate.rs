@@ -79,7 +79,7 @@ fn missing_images() {
     assert_eq!(run.code, 1);
     assert_eq!(run.json()["cases"].as_array().unwrap().len(), 3);
     let run = folder.volref("validate smoke/plain --outputs out --only-present");
-    run.expect(5, &["nothing was compared"]);
+    run.expect(5, "nothing was compared");
 }
 
 /// A line for all cases without an image, and one for each only if asked; other programs get all.
@@ -266,7 +266,7 @@ fn no_cause_is_looked_for_in_ci_unless_asked() {
             "validate plain --outputs out --json=r.json {more}"
         ));
         let run = Run::of(command.env("CI", ci).output().unwrap());
-        run.expect(1, &[]);
+        run.expect(1, "");
         assert!(run.stdout.starts_with("fail "), "{}", run.stdout);
         let ended = folder.json("r.json")["cases"][0]["search_ended"].clone();
         (run, ended)
@@ -382,23 +382,9 @@ fn factors_and_levels_are_said() {
     let golden = folder.film("golden/smoke/shadow.exr");
     folder.write_film("out/smoke/shadow.exr", &scaled(&golden, 1.3));
     let run = folder.volref("validate shadow --outputs out");
-    run.prints(1, &["  the image is the golden × 1.300; "]);
+    run.prints(1, "  the image is the golden × 1.300; ");
     // The factor explains it, though it is no mistake of the catalogue.
     assert!(!run.stdout.contains("explains it"), "{}", run.stdout);
-}
-
-/// A PNG of half the brightness was written at another exposure: no mistake of the catalogue.
-#[test]
-fn another_exposure_is_said() {
-    let folder = with_images();
-    let golden = folder.film("golden/smoke/shadow.exr");
-    folder.remove("out/smoke/shadow.exr");
-    folder.write("out/smoke/shadow.png", scaled(&golden, 0.5).to_png(0.0));
-    let run = folder.volref("validate shadow --outputs out");
-    assert_eq!(run.code, 1);
-    let said = ", another exposure (−1.0";
-    assert!(run.stdout.contains(said), "{}", run.stdout);
-    assert!(!run.stdout.contains("looks like"), "{}", run.stdout);
 }
 
 /// The mistake is named in the result of the case and for all together, with what to do.
@@ -439,7 +425,7 @@ fn mistakes_are_named() {
     let run = folder.volref("render wrong.toml -o out/smoke/shadow.exr");
     assert_eq!(run.code, 0, "{}", run.stderr);
     let run = folder.volref("validate shadow --outputs out");
-    run.prints(1, &["looks like  opacity-uncorrected (1 of 1 case)"]);
+    run.prints(1, "looks like  opacity-uncorrected (1 of 1 case)");
 }
 
 /// No convention and no mistake is looked for in an image of another size, narrower ones included.
@@ -521,19 +507,9 @@ fn goldens_are_not_trusted_blindly() {
     assert_eq!(run.code, 3);
     folder.remove("out/smoke/plain.exr");
     let run = folder.volref("validate --outputs out");
-    run.prints(3, &["no image of this case"]);
+    run.prints(3, "no image of this case");
     let run = folder.volref("validate --outputs out --only-present");
     assert_eq!(run.code, 0, "{}", run.stdout);
-}
-
-#[test]
-fn names_that_belong_to_no_case() {
-    let folder = with_images();
-    let golden = folder.read("golden/smoke/plain.exr");
-    folder.write("out/smoke/plian.exr", &golden);
-    folder.write("out/<script>'\"..exr", &golden);
-    let run = folder.volref("validate --outputs out");
-    run.prints(0, &["did you mean smoke/plain?"]);
 }
 
 #[test]
@@ -769,7 +745,7 @@ fn cases_that_cannot_be_rendered_are_counted() {
     folder.write("renderer.sh", answer);
     let command = ["validate", "smoke", "--serve", "sh renderer.sh"];
     let run = folder.volref(&command);
-    run.prints(4, &["judged with: 3 cases cannot be rendered\n"]);
+    run.prints(4, "judged with: 3 cases cannot be rendered\n");
 }
 
 /// An image under other conventions is no mistake: it is said which, and it passes under a profile.
@@ -784,7 +760,7 @@ fn conventions_are_told_apart_and_accepted() {
     );
     folder
         .volref("render linear.toml -o out/smoke/plain.exr")
-        .expect(0, &[]);
+        .expect(0, "");
     let run = folder.volref("validate --outputs out smoke/plain");
     assert_shown!(run.shown(), @r#"
     exit code 1
@@ -808,33 +784,33 @@ fn conventions_are_told_apart_and_accepted() {
     assert_eq!(found["conventions"].as_array().unwrap().len(), 1);
     let with = |more: &[&str]| folder.volref(&[&arguments[..4], more].concat());
     let accepted = with(&["--accept-conventions"]);
-    accepted.expect(0, &[]);
+    accepted.expect(0, "");
     assert!(accepted.stdout.contains("in proportion to the step"));
     // For build servers, too.
-    with(&["--accept-conventions", "--junit", "r.xml"]).expect(0, &[]);
+    with(&["--accept-conventions", "--junit", "r.xml"]).expect(0, "");
     assert!(!folder.text("r.xml").contains("<failure"));
     folder.write(
         "mine.toml",
         "name = 'mine'\n[conventions]\nopacity = 'linear'\n",
     );
-    with(&["--as", "mine.toml"]).expect(0, &[]);
+    with(&["--as", "mine.toml"]).expect(0, "");
     let under = with(&["--as", "mine.toml", "--json=out/results.json"]);
-    under.expect(0, &[]);
+    under.expect(0, "");
     // The page of renderers states it.
     folder
         .volref(&["gallery", "out", "-o", "page.html"])
-        .expect(0, &[]);
+        .expect(0, "");
     let page = folder.text("page.html");
     assert!(page.contains("mine.toml"), "the profile is named");
-    with(&["--as", "vtk"]).expect(1, &[]);
-    with(&["--as", "anari"]).expect(1, &[]);
+    with(&["--as", "vtk"]).expect(1, "");
+    with(&["--as", "anari"]).expect(1, "");
 
-    with(&["--as", "absent.toml"]).expect(2, &["cannot read the profile", "anari, vtk"]);
+    with(&["--as", "absent.toml"]).expect(2, "cannot read the profile … anari, vtk");
     folder.write(
         "wrong.toml",
         "name = 'wrong'\n[conventions]\nopacity = 'cubic'\n",
     );
-    with(&["--as", "wrong.toml"]).expect(2, &["wrong.toml:3", "opacity", "linear"]);
+    with(&["--as", "wrong.toml"]).expect(2, "wrong.toml:3 … opacity … linear");
     // A scene with conventions of its own.
     folder.write(
         "fixtures/scenes/smoke/plain.toml",
@@ -842,7 +818,7 @@ fn conventions_are_told_apart_and_accepted() {
     );
     folder.accept_all();
     let contradicted = with(&["--as", "vtk"]);
-    contradicted.expect(2, &[]);
+    contradicted.expect(2, "");
     assert!(contradicted.stdout.contains("contradicts the scene"));
 }
 
@@ -872,7 +848,7 @@ fn sequences_of_steps_are_judged_by_their_limit() {
         "--run",
     ];
     let judged = folder.volref(&[&run[..], &[&command]].concat());
-    judged.expect(0, &[]);
+    judged.expect(0, "");
     let found = case(&judged, "limit/cloud");
     assert_eq!(found["gate"], "refinement", "{found}");
     let reason = found["reason"].as_str().unwrap();

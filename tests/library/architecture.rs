@@ -214,62 +214,6 @@ fn each_model_of_light_is_read_by_itself() {
     assert!(seen[0] > 8 && seen[1] > 15, "{seen:?}");
 }
 
-#[test]
-fn circles_are_found_through_every_kind_of_import() {
-    let found = |texts: &[(&str, &str)]| {
-        let files = Files::of(texts.iter().copied());
-        let groups = circles(&files.imports());
-        let groups = groups.iter().map(|group| group.join(" "));
-        groups.collect::<Vec<_>>().join("; ")
-    };
-    let module = (
-        "a/mod.rs",
-        "mod b;\nmod c;\npub use b::B;\npub use c::{C, D as E};",
-    );
-    let b = |code| ("a/b.rs", code);
-    let c = |code| ("a/c.rs", code);
-    let both = "a/b.rs a/c.rs";
-    // By the parent's re-exports, by modules, in a list, renamed, without an import at all.
-    for code in [
-        "use super::C;\nfn f(c: C) {}",
-        "use crate::a::{C as Other};\nfn f(c: Other) {}",
-        "use super::c::{self, D};\nfn f(d: D) {}",
-        "use crate::a::c;\nfn f() { c::g() }",
-        "use super::E;\nfn f(e: E) {}",
-        "use super::c::*;",
-        "fn f() { super::c::g() }",
-        "fn f(c: crate::a::C) {}",
-    ] {
-        let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;\nstruct D;");
-        assert_eq!(found(&[module, b(code), back]), both, "{code}");
-        // One of the two arrows alone is no circle.
-        assert_eq!(
-            found(&[module, b(code), c("struct C;\nstruct D;\nfn g() {}")]),
-            ""
-        );
-    }
-    let back = c("use super::b::B;\nfn g(b: B) {}\nstruct C;");
-    // Comments, strings and tests name what they like; and other crates have modules, too.
-    for code in [
-        "// use super::C;\nstruct B;",
-        "fn f() -> &'static str { \"super::C\" }",
-        "struct B;\n#[cfg(test)]\nmod tests {\n    use super::super::C;\n}",
-        "use other::c::C;\nfn f(c: C) {}",
-    ] {
-        assert_eq!(found(&[module, b(code), back]), "", "{code}");
-    }
-    // Three files; and a child that uses what its parent defines is no circle.
-    let d = ("a/d.rs", "use super::b::B;\nfn f(b: B) {}\nstruct D;");
-    let chain = c("use super::d::D;\nstruct C;\nfn g(d: D) {}");
-    let b = b("use super::C;\nstruct B;\nfn f(c: C) {}");
-    assert_eq!(found(&[module, b, chain, d]), "a/b.rs a/c.rs a/d.rs");
-    let parent = ("a.rs", "mod b;\nuse b::B;\nstruct A(B);");
-    assert_eq!(
-        found(&[parent, ("a/b.rs", "use super::A;\nfn f(a: A) {}")]),
-        ""
-    );
-}
-
 /// Ways to open a file that ask neither what it is nor how long.
 const UNASKED: [&str; 6] = [
     "File::open(",
@@ -386,57 +330,6 @@ fn rendering_code(text: &str) -> String {
         code.replace_range(start..end, "");
     }
     code
-}
-
-/// Names of the public functions that `code` defines.
-fn public_functions(code: &str) -> impl Iterator<Item = &str> {
-    let plain = code.split("pub fn ").skip(1);
-    let definitions = plain.chain(code.split("pub const fn ").skip(1));
-    definitions.filter_map(|rest| rest.split(['(', '<']).next())
-}
-
-/// Whether `code` names `function` other than by defining it.
-fn names(code: &str, function: &str) -> bool {
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
-    code.match_indices(function).any(|(at, _)| {
-        let (before, after) = (&code[..at], &code[at + function.len()..]);
-        !before.ends_with("fn ") && !before.ends_with(is_part) && !after.starts_with(is_part)
-    })
-}
-
-/// Functions that compute nothing: a test observes by them what has been made.
-const OBSERVED: &[(&str, &str)] = &[("optics/density.rs", "bytes_of_blocks")];
-
-/// Known answers and hard cases ask the functions that render: one that only they named would
-/// prove nothing about an image.
-#[test]
-fn no_function_of_optics_and_sampling_is_there_for_tests_alone() {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let files = rust_files(&source).into_iter().filter_map(|path| {
-        let relative = path.strip_prefix(&source).unwrap().display().to_string();
-        let relative = relative.replace('\\', "/");
-        let tests = relative.contains("/tests/") || relative.ends_with("tests.rs");
-        let code = rendering_code(&std::fs::read_to_string(&path).unwrap());
-        (!tests).then_some((relative, code))
-    });
-    let files: Vec<_> = files.collect();
-    let held = |file: &str| file.starts_with("optics/") || file.starts_with("math/sampling/");
-    let mut checked = 0;
-    let mut unused = Vec::new();
-    for (file, code) in files.iter().filter(|(file, _)| held(file)) {
-        for function in public_functions(code) {
-            checked += 1;
-            let observed = OBSERVED.contains(&(file.as_str(), function));
-            if !observed && !files.iter().any(|(_, code)| names(code, function)) {
-                unused.push(format!("{file}: {function}"));
-            }
-        }
-    }
-    assert!(checked > 60, "{checked}");
-    assert_eq!(unused, Vec::<String>::new());
-    let code = rendering_code("pub use a::{\nf};\npub fn f() {} // f\n#[cfg(test)] f()");
-    assert_eq!(public_functions(&code).collect::<Vec<_>>(), ["f"]);
-    assert!(!names(&code, "f") && names("g(f())", "f"));
 }
 
 /// A number drawn beside the sampler would be missing in the counters.

@@ -1,28 +1,20 @@
 //! The family `bricks`: goldens against the formula of their field, without a grid; files that hold the same grid; and
 //! what is said of renderers that store volumes in bricks and are wrong at their borders.
 
+use crate::common::suite::{film_of as rendered, golden_of, searched, validated};
 use crate::sampled::{composited, number, rays, span, table_of, vector};
 use glam::{DVec3, dvec3};
-use std::path::Path;
 use std::sync::Arc;
-use volref::compare::Picture;
-use volref::exchange::{Format, export};
 use volref::film::Film;
-use volref::judging::{Verdict, validate};
+use volref::judging::Verdict;
 use volref::math::{cos, sin};
-use volref::naming::{Predictions, Search, likeness};
-use volref::render::{Sampling, plans, render};
-use volref::scene::{Classified, Fault as CasterFault, Scene};
-use volref::suite::{Case, Output, Suite};
+use volref::scene::Classified;
+use volref::suite::Case;
 use volref::variations::mistakes;
 use volref::volume::{Grid, Lattice};
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
 fn family() -> Vec<Case> {
-    let suite = Suite::open(root()).unwrap();
+    let suite = crate::common::suite::suite();
     let cases = suite.select(&["bricks".to_owned()]).unwrap();
     cases.into_iter().cloned().collect()
 }
@@ -31,17 +23,6 @@ fn case(name: &str) -> Case {
     let cases = family().into_iter();
     let name = format!("bricks/{name}");
     cases.clone().find(|case| case.name == name).unwrap()
-}
-
-fn rendered(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
-}
-
-fn golden(case: &Case) -> Film {
-    let file = root().join(format!("golden/{}.exr", case.name));
-    Film::from_exr(&std::fs::read(file).unwrap()).unwrap()
 }
 
 /// Three whole numbers.
@@ -132,7 +113,7 @@ fn goldens_are_those_of_the_formula() {
             }
             None => number(step),
         };
-        let (film, rays) = (golden(case), rays(&scene));
+        let (film, rays) = (golden_of(&case.name), rays(&scene));
         assert_eq!(rays.len(), film.radiance().len());
         let mut shown = 0;
         for (index, (&ray, found)) in rays.iter().zip(film.radiance()).enumerate() {
@@ -159,116 +140,10 @@ fn goldens_are_those_of_the_formula() {
     }
 }
 
-/// Counts of nodes at which bricks, atlases and indices of few bits go wrong.
-#[test]
-fn all_sizes_are_there() {
-    let mut sizes: Vec<usize> = Vec::new();
-    for case in family() {
-        let scene = case.load_scene().unwrap();
-        let volume = scene.panels[0].classified().unwrap();
-        sizes.extend(volume.grid.lattice().nodes());
-        assert!(scene.panels[0].inputs.is_empty() && !volume.is_continuous());
-        assert!(scene.width() * scene.height() <= 80 * 80);
-    }
-    for size in [
-        31, 32, 33, 63, 64, 65, 127, 128, 129, 255, 256, 257, 2049, 4097, 37, 19, 10,
-    ] {
-        assert!(sizes.contains(&size), "{size}");
-    }
-}
-
-/// The scene with its grid from `file`, and with the map of its volume.
-fn with_file(scene: &Path, file: &str, volume: &Classified) -> String {
-    let mut table = table_of(scene);
-    let mut keys = toml::Table::new();
-    keys.insert("file".into(), file.into());
-    if let Some(map) = volume.to_world {
-        let rows = map.rows().map(|row| toml::Value::from(row.to_vec()));
-        keys.insert("transform".into(), rows.to_vec().into());
-    }
-    let classified = table["classified"].as_table_mut().unwrap();
-    classified.insert("volume".into(), keys.into());
-    toml::to_string(&table).unwrap()
-}
-
-/// A grid that is written and read again gives the same picture to the bit, of a formula and of files, of nodes and of
-/// cells; where a map places the volume, that of the scene.
-#[test]
-fn grids_written_and_read_again_are_the_same() {
-    let suite = Suite::open(root()).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    for name in [
-        "bricks/ramp-31-32-33",
-        "bricks/ramp-37-19-10",
-        "bricks/spots-of-8",
-        "bricks/end-of-4097",
-        "sampled/slope",
-        "scenes/turned",
-    ] {
-        let case = suite.select(&[name.to_owned()]).unwrap()[0];
-        let mut scene = case.load_scene().unwrap();
-        let in_cells = name == "bricks/spots-of-8";
-        if in_cells {
-            scene = scene.with_volumes(|volume| {
-                let lattice = volume
-                    .grid
-                    .lattice()
-                    .with_centring(volref::volume::Centring::Cells);
-                let values = volume.grid.values().to_vec();
-                volume.grid = Arc::new(Grid::new(lattice.unwrap(), values).unwrap());
-            });
-        }
-        let right = rendered(&scene);
-        let volume = scene.panels[0].classified().unwrap();
-        for format in [Format::Raw, Format::Nrrd, Format::Npy] {
-            let export = export(&scene, format, "grid").unwrap();
-            export.write_into(folder.path()).unwrap();
-            let text = with_file(&case.scene, &export.main, volume);
-            let again = Scene::parse(&text, &folder.path().join("scene.toml")).unwrap();
-            let read = again.panels[0].classified().unwrap();
-            assert_eq!(read.grid, volume.grid, "{name} {format}");
-            let found = rendered(&again);
-            if volume.to_world.is_none() {
-                assert_eq!(found, right, "{name} {format}");
-            } else {
-                // Rows of a rotation are inverted anew: 1e-15 of a position is less than a rounding of a pixel.
-                let most = (0..right.radiance().len()).map(|pixel| {
-                    let [a, b] = [&found, &right].map(|film| film.radiance()[pixel]);
-                    (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max)
-                });
-                assert!(most.fold(0.0, f32::max) < 1e-5, "{name} {format}");
-            }
-        }
-    }
-}
-
-/// The header of an NPY file has the sizes z, y, x, and the samples follow at a multiple of 64 bytes.
-#[test]
-fn arrays_are_stored_by_z_y_x() {
-    let scene = case("ramp-37-19-10").load_scene().unwrap();
-    let export = export(&scene, Format::Npy, "grid").unwrap();
-    let (_, bytes) = export
-        .files
-        .iter()
-        .find(|(name, _)| name == "grid.npy")
-        .unwrap();
-    let text = String::from_utf8_lossy(&bytes[10..128]);
-    assert!(text.contains("'shape': (10, 19, 37)"), "{text}");
-    assert_eq!(bytes.len(), 128 + 4 * 37 * 19 * 10);
-    let second = f32::from_le_bytes(bytes[132..136].try_into().unwrap());
-    assert_eq!(second, 17.0);
-}
-
 /// The verdict on an image of a case whose grid or conventions an edit has changed.
 fn verdict(case: &Case, edit: impl FnMut(&mut Classified)) -> (Verdict, Film) {
     let wrong = rendered(&case.load_scene().unwrap().with_volumes(edit));
-    let picture = Picture::Radiance(wrong.clone());
-    let output = Output::Picture(Box::new(picture));
-    let suite = Suite::open(root()).unwrap();
-    (
-        validate(case, &suite.store(), output, None).result.verdict,
-        wrong,
-    )
+    (validated(case, wrong.clone()).result.verdict, wrong)
 }
 
 /// The grid with the value of each node from another one, or none.
@@ -280,59 +155,6 @@ fn with_nodes(volume: &mut Classified, of: impl Fn([usize; 3]) -> Option<[usize;
         from.map_or(0.0, |node| grid.values()[lattice.index(node)])
     });
     volume.grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
-}
-
-/// Faults of public reports, each made in a grid: the case fails.
-#[test]
-fn reported_faults_are_caught() {
-    type Fault = fn([usize; 3]) -> Option<[usize; 3]>;
-    let faults: [(&str, &str, Fault); 7] = [
-        // Strips from cells counted in too few bits.
-        ("strips", "ramp-63-64-65", |[i, j, k]| Some([i & 31, j, k])),
-        ("strips", "bands-129-127-31", |[i, j, k]| {
-            Some([i, j & 63, k])
-        }),
-        // Gaps: nothing between two bricks.
-        ("gaps", "ramp-31-32-33", |node| {
-            (node[0] % 16 != 15).then_some(node)
-        }),
-        ("gaps", "spots-of-32", |node| {
-            (node[0] % 32 != 0).then_some(node)
-        }),
-        // Empty space that is skipped with a voxel in it.
-        ("skipped", "spots-of-8", |node| {
-            (node != [16, 16, 16]).then_some(node)
-        }),
-        // Beyond 4096 nodes the first ones are read again, or the last one.
-        ("4096", "end-of-4097", |[i, j, k]| Some([i, j % 4096, k])),
-        ("2048", "end-of-2049", |[i, j, k]| Some([i.min(2047), j, k])),
-    ];
-    for (fault, name, edit) in faults {
-        let (verdict, _) = verdict(&case(name), |volume| with_nodes(volume, edit));
-        assert_eq!(verdict, Verdict::Fail, "{fault} in {name}");
-    }
-    // Samples counted from each brick, of a size that no mistake has.
-    for name in ["spots-of-16", "spots-of-32"] {
-        let edit = |volume: &mut Classified| {
-            volume.conventions.fault = Some(CasterFault::StepsFromBricks(24))
-        };
-        assert_eq!(verdict(&case(name), edit).0, Verdict::Fail, "{name}");
-    }
-}
-
-/// The name that a search gives first.
-fn named(case: &Case, film: Film) -> Option<String> {
-    let suite = Suite::open(root()).unwrap();
-    let output = Output::Picture(Box::new(Picture::Radiance(film)));
-    let mut judged = vec![validate(case, &suite.store(), output, None)];
-    let search = Search {
-        budget: None,
-        predictions: &Predictions::default(),
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
-    likeness(&[case], &[], None, &mut judged, &search);
-    judged[0].result.looks_like.first().cloned()
 }
 
 /// Mistakes of bricks are named with the size of the brick.
@@ -351,7 +173,10 @@ fn mistakes_of_bricks_are_named() {
         let case = case(name);
         let scene = case.load_scene().unwrap();
         let wrong = mistakes::named(mistake).unwrap().in_scene(&scene).unwrap();
-        let said = named(&case, rendered(&wrong));
+        let said = searched(&case, rendered(&wrong))
+            .looks_like
+            .first()
+            .cloned();
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
 }
@@ -370,7 +195,7 @@ fn reversed_and_exchanged_axes_are_named() {
     };
     // array[x, y, z] of an array whose axes are z, y, x.
     let other_indices: Source = |[i, j, k], [nx, _, nz]| [k.min(nx - 1), j, i.min(nz - 1)];
-    let suite = Suite::open(root()).unwrap();
+    let suite = crate::common::suite::suite();
     for (name, source, mistake) in [
         ("scenes/turned", reversed_z, "volume-reversed-along-z"),
         ("scenes/oblique", reversed_x, "volume-reversed-along-x"),
@@ -408,7 +233,10 @@ fn reversed_and_exchanged_axes_are_named() {
             let nodes = volume.grid.lattice().nodes();
             with_nodes(volume, |node| Some(source(node, nodes)));
         };
-        let said = named(case, verdict(case, edit).1);
+        let said = searched(case, verdict(case, edit).1)
+            .looks_like
+            .first()
+            .cloned();
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
     // Coordinates of a texture in another order: the box stays, the counts of nodes are exchanged.
@@ -425,21 +253,9 @@ fn reversed_and_exchanged_axes_are_named() {
         });
         volume.grid = Arc::new(Grid::new(lattice, values.collect()).unwrap());
     };
-    let said = named(case, verdict(case, edit).1);
+    let said = searched(case, verdict(case, edit).1)
+        .looks_like
+        .first()
+        .cloned();
     assert_eq!(said.as_deref(), Some("volume-transposed"));
-}
-
-/// A brick without a border within the volume changes nothing.
-#[test]
-fn bricks_as_large_as_the_volume_change_nothing() {
-    let scene = case("spots-of-8").load_scene().unwrap();
-    let right = rendered(&scene);
-    for (fault, is_seen) in [
-        (CasterFault::BricksWithoutNeighbours(33), false),
-        (CasterFault::StepsFromBricks(33), false),
-        (CasterFault::BricksWithoutNeighbours(8), true),
-    ] {
-        let wrong = rendered(&scene.with_volumes(|volume| volume.conventions.fault = Some(fault)));
-        assert_eq!(right != wrong, is_seen, "{fault:?}");
-    }
 }

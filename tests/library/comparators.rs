@@ -2,14 +2,12 @@
 //! readers against files that are unusual, broken or hostile.
 
 use exr::prelude::*;
-use image::{ExtendedColorType, ImageEncoder};
-use std::io::Cursor;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{
     Conditions, Deterministic, Exact, GATES, ImageGate, Judgement, Perceptual, Picture, judge,
     metric_meaning,
 };
-use volref::film::{Film, FilmError, FilmFormat};
+use volref::film::{Film, FilmError};
 use volref::math::srgb_to_linear;
 
 const SIZE: usize = 96;
@@ -314,125 +312,6 @@ fn codes_are_judged_by_how_they_look_only() {
     }
 }
 
-/// A file of one layer with these channels, 4 × 2 pixels.
-fn exr(channels: Vec<(&str, FlatSamples)>, encoding: Encoding) -> Vec<u8> {
-    exr_layers(vec![(None, channels)], encoding)
-}
-
-type Channels<'n> = Vec<(&'n str, FlatSamples)>;
-
-fn exr_layers(layers: Vec<(Option<&str>, Channels<'_>)>, encoding: Encoding) -> Vec<u8> {
-    let layers = layers.into_iter().map(|(name, channels)| {
-        let list = channels
-            .into_iter()
-            .map(|(name, samples)| AnyChannel::new(name, samples));
-        let attributes = LayerAttributes {
-            layer_name: name.map(Text::from),
-            ..LayerAttributes::default()
-        };
-        Layer::new(
-            (4, 2),
-            attributes,
-            encoding,
-            AnyChannels::sort(list.collect()),
-        )
-    });
-    let layers: SmallVec<[_; 2]> = layers.collect();
-    let mut bytes = Cursor::new(Vec::new());
-    let attributes = ImageAttributes::new(IntegerBounds::new((0, 0), (4, 2)));
-    Image::from_layers(attributes, layers)
-        .write()
-        .to_buffered(&mut bytes)
-        .unwrap();
-    bytes.into_inner()
-}
-
-fn f32s(offset: f32) -> FlatSamples {
-    FlatSamples::F32((0..8).map(|i| i as f32 + offset).collect())
-}
-
-fn rgb() -> Channels<'static> {
-    vec![("R", f32s(0.0)), ("G", f32s(0.25)), ("B", f32s(0.5))]
-}
-
-#[test]
-fn every_exr_that_holds_red_green_and_blue_is_read() {
-    let scan = Encoding::UNCOMPRESSED;
-    let halves =
-        |offset| FlatSamples::F16((0..8).map(|i| f16::from_f32(i as f32 + offset)).collect());
-    let whole = FlatSamples::U32((0..8).collect());
-    let mut more = rgb();
-    more.extend([("Z", f32s(9.0)), ("albedo.R", f32s(7.0)), ("A", f32s(0.0))]);
-    let cases: &[(&str, Vec<u8>, [f32; 3])] = &[
-        ("f32", exr(rgb(), scan), [5.0, 5.25, 5.5]),
-        (
-            "f16",
-            exr(
-                vec![("R", halves(0.0)), ("G", halves(0.25)), ("B", halves(0.5))],
-                scan,
-            ),
-            [5.0, 5.25, 5.5],
-        ),
-        (
-            "u32 among f32",
-            exr(vec![("R", f32s(0.0)), ("G", whole), ("B", f32s(0.5))], scan),
-            [5.0, 5.0, 5.5],
-        ),
-        ("further channels", exr(more, scan), [5.0, 5.25, 5.5]),
-        (
-            "the second layer",
-            exr_layers(
-                vec![
-                    (Some("depth"), vec![("Z", f32s(1.0))]),
-                    (Some("beauty"), rgb()),
-                ],
-                scan,
-            ),
-            [5.0, 5.25, 5.5],
-        ),
-        (
-            "run lengths",
-            exr(rgb(), Encoding::FAST_LOSSLESS),
-            [5.0, 5.25, 5.5],
-        ),
-        (
-            "zip",
-            exr(rgb(), Encoding::SMALL_FAST_LOSSLESS),
-            [5.0, 5.25, 5.5],
-        ),
-        (
-            "piz",
-            exr(rgb(), Encoding::SMALL_LOSSLESS),
-            [5.0, 5.25, 5.5],
-        ),
-    ];
-    for (what, bytes, expected) in cases {
-        let film = Film::from_exr(bytes).unwrap_or_else(|error| panic!("{what}: {error}"));
-        assert_eq!((film.width(), film.height()), (4, 2), "{what}");
-        assert_eq!(film.radiance()[5], *expected, "{what}");
-    }
-}
-
-#[test]
-fn channels_that_are_missing_are_named() {
-    for missing in ["R", "G", "B"] {
-        let channels = rgb()
-            .into_iter()
-            .filter(|(name, _)| *name != missing)
-            .collect();
-        let error = Film::from_exr(&exr(channels, Encoding::UNCOMPRESSED)).unwrap_err();
-        assert!(matches!(error, FilmError::Channels { .. }), "{error}");
-    }
-    // Red in one layer and green and blue in another are no colour.
-    let layers = vec![
-        (Some("a"), rgb()[..1].to_vec()),
-        (Some("b"), rgb()[1..].to_vec()),
-    ];
-    let error = Film::from_exr(&exr_layers(layers, Encoding::UNCOMPRESSED)).unwrap_err();
-    let message = "no layer of the image has the channels R, G and B; there are: a.R, b.B, b.G";
-    assert!(error.to_string().starts_with(message), "{error}");
-}
-
 /// The first place of `needle` in `bytes`.
 fn find(bytes: &[u8], needle: &[u8]) -> usize {
     bytes
@@ -457,12 +336,8 @@ fn claiming(bytes: &[u8], width: u32, height: u32) -> Vec<u8> {
 /// before anything is allocated.
 #[test]
 fn exr_bombs() {
-    for encoding in [
-        Encoding::UNCOMPRESSED,
-        Encoding::SMALL_LOSSLESS,
-        Encoding::FAST_LOSSLESS,
-    ] {
-        let small = exr(rgb(), encoding);
+    let small = Film::new(4, 2, vec![[0.5; 3]; 8]).to_exr().unwrap();
+    {
         for (width, height) in [
             (1 << 31, 1 << 31),
             (1 << 30, 1 << 30),
@@ -481,13 +356,6 @@ fn exr_bombs() {
             }
         }
     }
-}
-
-fn png(width: u32, height: u32, colour: ExtendedColorType, bytes: &[u8]) -> Vec<u8> {
-    let mut png = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut png);
-    encoder.write_image(bytes, width, height, colour).unwrap();
-    png
 }
 
 /// The CRC of PNG chunks.
@@ -510,77 +378,6 @@ fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let typed = [&kind[..], data].concat();
     let length = (data.len() as u32).to_be_bytes();
     [&length[..], &typed, &crc(&typed).to_be_bytes()].concat()
-}
-
-/// One row of two pixels, indices 1 and 0 of a palette, in a stored block of zlib.
-fn palette_png() -> Vec<u8> {
-    let header = [
-        &2_u32.to_be_bytes()[..],
-        &1_u32.to_be_bytes(),
-        &[8, 3, 0, 0, 0],
-    ]
-    .concat();
-    let row = [0, 1, 0];
-    // Adler-32 of the row: 1 + 1 = 2 and 1 + 2 + 2 = 5.
-    let zlib = [&[0x78, 0x01, 1, 3, 0, !3, !0][..], &row, &[0, 5, 0, 2]].concat();
-    [
-        &b"\x89PNG\r\n\x1a\n"[..],
-        &chunk(b"IHDR", &header),
-        &chunk(b"PLTE", &[10, 20, 30, 200, 100, 50]),
-        &chunk(b"IDAT", &zlib),
-        &chunk(b"IEND", &[]),
-    ]
-    .concat()
-}
-
-#[test]
-fn every_kind_of_png_is_read() {
-    use ExtendedColorType::{L8, L16, La8, Rgb8, Rgb16, Rgba8, Rgba16};
-    let wide = |codes: &[u8]| -> Vec<u8> {
-        codes
-            .iter()
-            .flat_map(|&code| (u16::from(code) * 257).to_ne_bytes())
-            .collect()
-    };
-    let [grey, colour] = [[[7, 7, 7], [200, 200, 200]], [[1, 2, 3], [250, 128, 0]]];
-    for (what, bytes, expected) in [
-        (
-            "8-bit colour",
-            png(2, 1, Rgb8, &[1, 2, 3, 250, 128, 0]),
-            colour,
-        ),
-        (
-            "16-bit colour",
-            png(2, 1, Rgb16, &wide(&[1, 2, 3, 250, 128, 0])),
-            colour,
-        ),
-        ("8-bit grey", png(2, 1, L8, &[7, 200]), grey),
-        ("16-bit grey", png(2, 1, L16, &wide(&[7, 200])), grey),
-        ("opaque grey", png(2, 1, La8, &[7, 255, 200, 255]), grey),
-        (
-            "opaque colour",
-            png(2, 1, Rgba8, &[1, 2, 3, 255, 250, 128, 0, 255]),
-            colour,
-        ),
-        (
-            "opaque 16-bit colour",
-            png(2, 1, Rgba16, &wide(&[1, 2, 3, 255, 250, 128, 0, 255])),
-            colour,
-        ),
-        ("palette", palette_png(), [[200, 100, 50], [10, 20, 30]]),
-    ] {
-        let read = Film::codes_from_png(&bytes);
-        assert_eq!(read, Ok((2, 1, expected.to_vec())), "{what}");
-    }
-    // What shows through is not in the file.
-    for bytes in [
-        png(2, 1, La8, &[7, 255, 200, 254]),
-        png(2, 1, Rgba8, &[1, 2, 3, 255, 250, 128, 0, 99]),
-        png(2, 1, Rgba16, &wide(&[1, 2, 3, 255, 250, 128, 0, 0])),
-    ] {
-        let error = Film::codes_from_png(&bytes).unwrap_err().to_string();
-        assert!(error.contains("the pixel (1, 0) is transparent"), "{error}");
-    }
 }
 
 #[test]
@@ -606,46 +403,6 @@ fn png_bombs() {
             let error = Film::codes_from_png(&header(width, height, &kind)).unwrap_err();
             if width == 16384 {
                 assert!(matches!(error, FilmError::Bomb { .. }), "{error}");
-            }
-        }
-    }
-}
-
-/// A small valid file of each kind.
-pub fn valid_files() -> Vec<(FilmFormat, Vec<u8>)> {
-    let [exr, png] = [FilmFormat::Exr, FilmFormat::Png];
-    let mut files: Vec<_> = [
-        Encoding::UNCOMPRESSED,
-        Encoding::FAST_LOSSLESS,
-        Encoding::SMALL_FAST_LOSSLESS,
-        Encoding::SMALL_LOSSLESS,
-    ]
-    .map(|encoding| {
-        (
-            exr,
-            exr_layers(vec![(Some("a"), rgb()), (Some("b"), rgb())], encoding),
-        )
-    })
-    .into();
-    let small = Film::new(16, 6, ball()[..96].to_vec());
-    files.extend([
-        (exr, small.to_exr().unwrap()),
-        (png, small.to_png(0.0)),
-        (png, palette_png()),
-    ]);
-    files
-}
-
-/// Every byte of every file, replaced by each of the values that break readers best.
-#[test]
-fn readers_survive_any_one_byte() {
-    for (_, file) in valid_files() {
-        for place in 0..file.len() {
-            for value in [0, 0x80, 0xff, file[place] ^ 1] {
-                let mut bytes = file.clone();
-                bytes[place] = value;
-                let _ = Film::from_exr(&bytes);
-                let _ = Film::codes_from_png(&bytes);
             }
         }
     }

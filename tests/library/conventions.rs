@@ -1,6 +1,6 @@
 //! Conventions of other ray casters.
 
-use crate::effects::scenes::{off_is_off, plan, rendered};
+use crate::common::suite::film_of as film;
 use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::ops::Range;
@@ -18,11 +18,10 @@ use volref::judging::{Verdict, validate};
 use volref::math::{pow, tan};
 use volref::naming::{Agreement, ConventionSearch};
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
-use volref::render::{Sampling, plans, render};
 use volref::scene::format::{Key, Kind};
 use volref::scene::{
-    CONVENTIONS, Classified, Compositing, Conventions, FittedSteps, LastStep, Model, Precision,
-    Scene, Shadow, StepLength, StoredValues,
+    CONVENTIONS, Classified, Compositing, Conventions, LastStep, Model, Precision,
+    Scene, Shadow,
 };
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
@@ -46,10 +45,15 @@ fn scene(value: impl Fn([usize; 3]) -> f64) -> Classified {
     scene
 }
 
-/// Red and opacity of the ray through the middle of the front face, under `conventions`.
-fn seen(scene: &Classified, conventions: Conventions) -> [f64; 2] {
+/// One without symmetries.
+fn uneven() -> Classified {
+    scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k])
+}
+
+/// Red and opacity of the ray through the middle of the front face, under `conventions` as a scene states them.
+fn seen(scene: &Classified, conventions: &str) -> [f64; 2] {
     let mut scene = scene.clone();
-    scene.conventions = conventions;
+    scene.conventions = read(conventions).unwrap();
     let [red, _, _, opacity] = RayCaster::new(&as_stored(&scene)).pixel([0, 0], [1, 1]).0;
     [red.into(), opacity.into()]
 }
@@ -62,50 +66,26 @@ const ROUNDING: f64 = f32::EPSILON as f64;
 fn steps_and_opacities_of_a_uniform_volume() {
     let mut scene = scene(|_| 0.5);
     scene.step = 0.3;
-    let standard = Conventions::default();
-    let with = |first_sample, last_step| Conventions {
-        first_sample,
-        last_step,
-        ..standard
-    };
-    let linear = Conventions {
-        linear_opacity: true,
-        ..standard
-    };
-    let half: f64 = 0.5;
     for (conventions, transmittance) in [
-        (standard, half),
-        (with(0.0, LastStep::Whole), pow(half, 1.2)),
-        (with(0.5, LastStep::Whole), pow(half, 0.9)),
-        (with(1.0, LastStep::Whole), pow(half, 0.9)),
-        (with(0.5, LastStep::Dropped), pow(half, 0.9)),
-        (linear, 0.85 * 0.85 * 0.85 * 0.95),
+        ("", 0.5),
+        ("first_sample = 0\nlast_step = 'whole'", pow(0.5, 1.2)),
+        ("first_sample = 0.5\nlast_step = 'whole'", pow(0.5, 0.9)),
+        ("first_sample = 1\nlast_step = 'whole'", pow(0.5, 0.9)),
+        ("last_step = 'dropped'", pow(0.5, 0.9)),
+        ("opacity = 'linear'", 0.85 * 0.85 * 0.85 * 0.95),
     ] {
         let [red, opacity] = seen(&scene, conventions);
-        assert!(
-            (opacity - (1.0 - transmittance)).abs() < ROUNDING,
-            "{conventions:?}"
-        );
+        let off = opacity - (1.0 - transmittance);
+        assert!(off.abs() < ROUNDING, "{conventions}");
         assert!((red - opacity).abs() < ROUNDING);
     }
 }
 
-/// Opacity of the ray through `scene` under what `set` makes of volref's conventions, compared with
-/// `transmittance`, counted by hand.
-fn assert_passes(
-    scene: &Classified,
-    transmittance: f64,
-    name: &str,
-    set: impl Fn(&mut Conventions),
-) {
-    let mut conventions = Conventions::default();
-    set(&mut conventions);
+/// Opacity of the ray through `scene` under conventions, compared with `transmittance`, counted by hand.
+fn assert_passes(scene: &Classified, transmittance: f64, conventions: &str) {
     let [_, opacity] = seen(scene, conventions);
-    assert!(
-        (opacity - (1.0 - transmittance)).abs() < ROUNDING,
-        "{name}: {opacity}, by hand {}",
-        1.0 - transmittance
-    );
+    let off = opacity - (1.0 - transmittance);
+    assert!(off.abs() < ROUNDING, "{conventions}: off by {off}");
 }
 
 /// A profile states conventions about several objects alone, too; with rays that end early these are sampled by common
@@ -122,10 +102,7 @@ fn profiles_of_several_objects() {
         let profile = Profile::parse(&text, "mine.toml").unwrap();
         profile.applied_to(&scene(name)).map(Option::unwrap)
     };
-    let image = |scene: &Scene| {
-        let rendered = render(&plans(scene), Sampling::default(), &|| {});
-        rendered.unwrap().film
-    };
+    let image = film;
     let early = "early_termination = 0.5\n";
     for (keys, conventions) in [("", "first_sample = 0"), (early, "")] {
         let refused = applied("scenes/two-fogs", keys, conventions).unwrap_err();
@@ -166,70 +143,43 @@ fn steps_are_fitted_and_opacities_corrected() {
     let mut scene = scene(|_| 0.5);
     scene.step = 0.3;
     let passed = |length: f64| pow(0.5, length);
-    assert_passes(&scene, passed(1.5), "half a voxel beyond", |it| {
-        it.voxel_box = true
-    });
-    assert_passes(&scene, passed(1.0), "last sample", |it| {
-        it.last_sample_on_face = true
-    });
-    for (fitted, steps) in [
-        (FittedSteps::Rounded, 3.0),
-        (FittedSteps::Up, 4.0),
-        (FittedSteps::Down, 3.0),
-    ] {
-        assert_passes(&scene, passed(1.0), "fitted", |it| it.fitted_steps = fitted);
-        assert_passes(&scene, passed(0.3 * steps), "fitted, nominal", |it| {
-            (it.fitted_steps, it.nominal_opacity) = (fitted, true)
-        });
-    }
-    // Over a step the opacity is 0.188; the last one is a third of a step.
-    for (least, expected) in [(0.18, 0.5), (0.19, 1.0)] {
-        assert_passes(&scene, expected, "least", |it| it.least_opacity = least);
-    }
-    for (least, expected) in [(0.49, 0.5), (0.51, 1.0)] {
-        assert_passes(&scene, expected, "least stated", |it| {
-            it.least_stated_opacity = least
-        });
-    }
-    assert_passes(&scene, 0.9, "most", |it| it.most_opacity = 0.1);
-    assert_passes(&scene, passed(10.0 / 3.0), "uncorrected", |it| {
-        it.uncorrected_opacity = 0.5
-    });
-    assert_passes(&scene, passed(1.0), "corrected", |it| {
-        it.uncorrected_opacity = 0.49
-    });
     // A table with an entry at 0.5.
-    let in_table = |it: &mut Conventions| (it.table_size, it.opacity_bits) = (Some(3), Some(8));
-    assert_passes(&scene, 128.0 / 255.0, "rounded down", |it| {
-        in_table(it);
-        it.rounded_down = true;
-    });
-    assert_passes(&scene, 127.0 / 255.0, "rounded before", in_table);
-    assert_passes(
-        &scene,
-        pow(207.0 / 255.0, 10.0 / 3.0),
-        "rounded after",
-        |it| {
-            in_table(it);
-            it.corrected_entries = true;
-        },
-    );
+    let in_table = "table_size = 3\nopacity_bits = 8\n";
+    let entries = format!("{in_table}opacity_correction = 'entries'");
+    let nominal = |fitted: &str| format!("fitted_steps = '{fitted}'\nstep_opacity = 'nominal'");
+    for (transmittance, conventions) in [
+        (passed(1.5), "box = 'voxels'"),
+        (passed(1.0), "last_sample = 'face'"),
+        (passed(1.0), "fitted_steps = 'rounded'"),
+        (passed(1.0), "fitted_steps = 'up'"),
+        (passed(1.0), "fitted_steps = 'down'"),
+        (passed(0.9), &nominal("rounded")),
+        (passed(1.2), &nominal("up")),
+        (passed(0.9), &nominal("down")),
+        // Over a step the opacity is 0.188; the last one is a third of a step.
+        (0.5, "least_opacity = 0.18"),
+        (1.0, "least_opacity = 0.19"),
+        (0.5, "least_stated_opacity = 0.49"),
+        (1.0, "least_stated_opacity = 0.51"),
+        (0.9, "most_opacity = 0.1"),
+        (passed(10.0 / 3.0), "uncorrected_opacity = 0.5"),
+        (passed(1.0), "uncorrected_opacity = 0.49"),
+        (128.0 / 255.0, &format!("{in_table}bit_rounding = 'down'")),
+        (127.0 / 255.0, in_table),
+        (pow(207.0 / 255.0, 10.0 / 3.0), &entries),
+    ] {
+        assert_passes(&scene, transmittance, conventions);
+    }
     scene.compositing = Compositing::EarlyTermination(0.9);
-    assert_passes(&scene, passed(0.3), "ended", |_| ());
-    assert_passes(&scene, 0.0, "ended, opaque", |it| {
-        it.ended_rays_opaque = true
-    });
+    assert_passes(&scene, passed(0.3), "");
+    assert_passes(&scene, 0.0, "ended_rays = 'opaque'");
 }
 
 /// Each profile that volref brings has an effect.
 #[test]
 fn shipped_profiles() {
     let own = opaque_scene("");
-    let image = |scene: &Scene| {
-        render(&plans(scene), Sampling::default(), &|| ())
-            .unwrap()
-            .film
-    };
+    let image = film;
     for name in Profile::shipped().filter(|name| *name != "anari") {
         let applied = Profile::named(name)
             .unwrap()
@@ -248,15 +198,10 @@ fn steps_in_voxels() {
     scene.grid = Arc::new(Grid::new(lattice, scene.grid.values().to_vec()).unwrap());
     scene.step = 0.25;
     // Along the stretched axis half a voxel is a whole unit, of which the volume has four.
-    for step_length in [StepLength::Voxels, StepLength::MainAxis] {
-        let by = |nominal_opacity, transmittance| {
-            assert_passes(&scene, transmittance, "in voxels", |it| {
-                it.step_length = step_length;
-                it.nominal_opacity = nominal_opacity;
-            });
-        };
-        by(false, pow(0.5, 4.0));
-        by(true, pow(0.5, 4.0 * 0.25));
+    for length in ["voxels", "main-axis"] {
+        let line = format!("step_length = '{length}'\n");
+        assert_passes(&scene, pow(0.5, 4.0), &line);
+        assert_passes(&scene, 0.5, &(line + "step_opacity = 'nominal'"));
     }
 }
 
@@ -264,7 +209,7 @@ fn steps_in_voxels() {
 #[test]
 fn colours_of_classified_nodes() {
     let mut scene = scene(|[_, _, k]| [0.0, 1.0, 0.0][k]);
-    let point = |value: f64, opacity: f64, colour: f64| TransferPoint {
+    let point = |value, opacity, colour| TransferPoint {
         value,
         opacity,
         colour: DVec3::splat(colour),
@@ -273,39 +218,24 @@ fn colours_of_classified_nodes() {
     scene.transfer_function.appearance = Appearance::Points(TransferPoints::new(points).unwrap());
     // One sample a quarter of the way in.
     scene.step = 1.0;
-    let seen = |set: fn(&mut Conventions)| {
-        let mut conventions = Conventions {
-            first_sample: 0.25,
-            preclassified: true,
-            ..Conventions::default()
-        };
-        set(&mut conventions);
-        seen(&scene, conventions)
-    };
-    for (name, [red, opacity], expected) in [
-        ("associated", seen(|_| ()), [0.5 * (0.2 + 0.18), 0.4]),
+    for (more, expected) in [
+        ("", [0.5 * (0.2 + 0.18), 0.4]),
+        ("node_colours = 'separate'", [0.4 * 0.65, 0.4]),
         (
-            "separate",
-            seen(|it| it.separate_colours = true),
-            [0.4 * 0.65, 0.4],
-        ),
-        (
-            "two bits of opacity",
-            seen(|it| (it.separate_colours, it.opacity_bits) = (true, Some(2))),
+            "node_colours = 'separate'\nopacity_bits = 2",
             [0.5 * 0.65, 0.5],
         ),
         (
-            "two bits of colour",
-            seen(|it| (it.separate_colours, it.colour_bits) = (true, Some(2))),
+            "node_colours = 'separate'\ncolour_bits = 2",
             [0.4 * 2.0 / 3.0, 0.4],
         ),
     ] {
-        let expected_opacity = expected[1];
-        assert!((red - expected[0]).abs() < ROUNDING, "{name}: {red}");
-        assert!(
-            (opacity - expected_opacity).abs() < ROUNDING,
-            "{name}: {opacity}"
+        let found = seen(
+            &scene,
+            &format!("first_sample = 0.25\nclassification = 'pre'\n{more}"),
         );
+        let is_near = |k: usize| (found[k] - expected[k]).abs() < ROUNDING;
+        assert!(is_near(0) && is_near(1), "{more}: {found:?}");
     }
 }
 
@@ -314,62 +244,35 @@ fn colours_of_classified_nodes() {
 fn values_and_fractions_in_few_bits() {
     let mut scene = scene(|[_, _, k]| [0.0, 0.3, 1.0][k]);
     scene.step = 1.0;
-    let seen = |set: fn(&mut Conventions)| {
-        let mut conventions = Conventions {
-            first_sample: 0.625,
-            ..Conventions::default()
-        };
-        set(&mut conventions);
-        seen(&scene, conventions)[1]
-    };
-    let half = |value: f64| f64::from(half::f16::from_f64(value));
-    for (name, found, [value, part]) in [
-        ("as they are", seen(|_| ()), [f64::from(0.3_f32), 0.25]),
+    let single = f64::from(0.3_f32);
+    let half = f64::from(half::f16::from_f64(0.3));
+    for (conventions, value, part) in [
+        ("first_sample = 0.625", single, 0.25),
+        ("first_sample = 0.625\nstored_values = 'f16'", half, 0.25),
+        // 19660.5 of 65535 in decimals, a little more in 32 bits.
         (
-            "half",
-            seen(|it| it.stored_values = StoredValues::F16),
-            [half(0.3), 0.25],
+            "first_sample = 0.625\nstored_values = 'u16'",
+            19661.0 / 65535.0,
+            0.25,
         ),
         (
-            "16 bits",
-            seen(|it| it.stored_values = StoredValues::U16),
-            // 19660.5 of 65535 in decimals, a little more in 32 bits.
-            [19661.0 / 65535.0, 0.25],
+            "first_sample = 0.625\nstored_values = 'u8'",
+            77.0 / 255.0,
+            0.25,
         ),
-        (
-            "8 bits",
-            seen(|it| it.stored_values = StoredValues::U8),
-            [77.0 / 255.0, 0.25],
-        ),
-        (
-            "fractions of two bits",
-            seen(|it| it.fraction_bits = Some(2)),
-            [f64::from(0.3_f32), 0.25],
-        ),
+        ("first_sample = 0.625\nfraction_bits = 2", single, 0.25),
+        // An eighth is half of a unit of two bits: rounded away from the layer before.
+        ("first_sample = 0.5625", single, 0.125),
+        ("first_sample = 0.5625\nfraction_bits = 2", single, 0.25),
     ] {
-        let expected = value + (1.0 - value) * part;
-        assert!(
-            (found - expected).abs() < ROUNDING,
-            "{name}: {found} {expected}"
-        );
+        assert_passes(&scene, (1.0 - value) * (1.0 - part), conventions);
     }
-    // An eighth is half of a unit of two bits: rounded away from the layer before.
-    let eighth = |fraction_bits| {
-        let conventions = Conventions {
-            first_sample: 0.5625,
-            fraction_bits,
-            ..Conventions::default()
-        };
-        self::seen(&scene, conventions)[1]
-    };
-    assert!((eighth(None) - (0.3 + 0.7 * 0.125)).abs() < ROUNDING);
-    assert!((eighth(Some(2)) - (0.3 + 0.7 * 0.25)).abs() < ROUNDING);
 }
 
 /// Parallel light is light from far away, in shading and in shadows.
 #[test]
 fn parallel_light() {
-    let mut scene = scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
+    let mut scene = uneven();
     scene.phong = Some(PHONG);
     scene.shadow = Some(Shadow {
         step: 0.1,
@@ -377,14 +280,10 @@ fn parallel_light() {
     });
     let centre = scene.grid.lattice().bounds().centre();
     scene.light = DVec3::new(-0.3, 1.1, -0.4);
-    let parallel = Conventions {
-        parallel_light: true,
-        ..Conventions::default()
-    };
-    let [found, _] = seen(&scene, parallel);
-    assert!((found - seen(&scene, Conventions::default())[0]).abs() > 1e-3);
+    let [found, _] = seen(&scene, "parallel_light = true");
+    assert!((found - seen(&scene, "")[0]).abs() > 1e-3);
     scene.light = centre + (scene.light - centre) * 1e7;
-    let [expected, _] = seen(&scene, Conventions::default());
+    let [expected, _] = seen(&scene, "");
     assert!((found - expected).abs() < 1e-6, "{found} {expected}");
 }
 
@@ -403,9 +302,7 @@ fn images_of_all_first_samples() {
         assert!(images_of_first_samples(&image("")).is_none());
         let scene = image(random);
         let FirstSamples { lower, upper, mean } = images_of_first_samples(&scene).unwrap();
-        let film = render(&plans(&scene), Sampling::default(), &|| ())
-            .unwrap()
-            .film;
+        let film = film(&scene);
         let (mut is_wide, mut outside) = (false, 0);
         for index in 0..64 {
             let [least, most, mean, value] =
@@ -441,8 +338,7 @@ fn images_of_rounded_places() {
         // Parallel to the last axis, whose voxels end at 0.25 and 0.75.
         let scene = image(volume.clone());
         let [lower, upper] = bounds_of_rounded_places(&scene).unwrap();
-        let film = render(&plans(&scene), Sampling::default(), &|| ());
-        let film = film.unwrap().film;
+        let film = film(&scene);
         let [least, value, most] = [&lower, &film, &upper].map(|it| it.pixel(0)[3]);
         assert!((least..=most).contains(&value));
         assert_eq!(most - least > 0.05, is_on_faces, "{step}");
@@ -470,40 +366,30 @@ fn samples_at_the_beginning_and_the_end_of_steps() {
         (1.0, [0.25, 0.5, 0.75, 1.0]),
     ] {
         let passed = places.map(|z: f64| pow(1.0 - z, 0.25));
-        let conventions = Conventions {
-            first_sample,
-            ..Conventions::default()
-        };
-        let [_, opacity] = seen(&scene, conventions);
-        let expected = 1.0 - passed.iter().product::<f64>();
-        assert!((opacity - expected).abs() < ROUNDING, "{first_sample}");
+        let line = format!("first_sample = {first_sample:?}");
+        assert_passes(&scene, passed.iter().product(), &line);
     }
 }
 
 /// A table of two entries is the straight line of two points; by nearest entry it is a step.
 #[test]
 fn tables() {
-    let scene = scene(|_| 0.25);
-    let table = |table_size, nearest_entry| Conventions {
-        table_size: Some(table_size),
-        nearest_entry,
-        ..Conventions::default()
-    };
-    let exact = seen(&scene, Conventions::default());
-    assert_eq!(seen(&scene, table(2, false)), exact);
-    assert_eq!(seen(&scene, table(2, true)), [0.0, 0.0]);
-    // The nearest of 0, 1/3, 2/3 and 1.
-    let [_, opacity] = seen(&scene, table(4, true));
-    assert!((opacity - 1.0 / 3.0).abs() < ROUNDING);
-    // Between 0 and 1 as coordinates of a texture of two, and in quarters of an entry.
-    for (value, in_texture, in_quarters) in [(0.2, 0.0, 0.25), (0.4, 0.3, 0.5), (0.9, 1.0, 1.0)] {
-        let scene = self::scene(|_| value);
-        assert_passes(&scene, 1.0 - in_texture, "texture", |it| {
-            (it.table_size, it.texture_place) = (Some(2), true)
-        });
-        assert_passes(&scene, 1.0 - in_quarters, "quarters", |it| {
-            (it.table_size, it.table_fraction_bits) = (Some(2), Some(2))
-        });
+    let flat = |value: f64| scene(move |_| value);
+    assert_eq!(seen(&flat(0.25), "table_size = 2"), seen(&flat(0.25), ""));
+    let nearest = "table_lookup = 'nearest'";
+    for (value, opacity, conventions) in [
+        (0.25, 0.0, format!("table_size = 2\n{nearest}")),
+        // The nearest of 0, 1/3, 2/3 and 1.
+        (0.25, 1.0 / 3.0, format!("table_size = 4\n{nearest}")),
+        // Between 0 and 1 as coordinates of a texture of two, and in quarters of an entry.
+        (0.2, 0.0, "table_size = 2\ntable_place = 'texture'".into()),
+        (0.4, 0.3, "table_size = 2\ntable_place = 'texture'".into()),
+        (0.9, 1.0, "table_size = 2\ntable_place = 'texture'".into()),
+        (0.2, 0.25, "table_size = 2\ntable_fraction_bits = 2".into()),
+        (0.4, 0.5, "table_size = 2\ntable_fraction_bits = 2".into()),
+        (0.9, 1.0, "table_size = 2\ntable_fraction_bits = 2".into()),
+    ] {
+        assert_passes(&flat(value), 1.0 - opacity, &conventions);
     }
 }
 
@@ -512,21 +398,17 @@ fn tables() {
 fn a_table_in_a_texture() {
     let mut scene = scene(|[_, _, k]| [0.2, 0.4, 0.6][k]);
     scene.step = 1.0;
-    let passes = |scene: &Classified, transmittance, corrected_entries| {
-        assert_passes(scene, transmittance, "in a texture", |it| {
-            (it.table_size, it.texture_size) = (Some(2), Some(2));
-            it.corrected_entries = corrected_entries;
-        });
-    };
+    let table = "table_size = 2\ntexture_size = 2\n";
     // The sample, in the middle, is half way between the entries 0.2 and 0.6.
-    passes(&scene, 0.6, false);
+    assert_passes(&scene, 0.6, table);
     scene.transfer_function.reference_length = 0.5;
-    passes(&scene, pow(0.6, 2.0), false);
-    passes(&scene, 0.5 * (pow(0.8, 2.0) + pow(0.4, 2.0)), true);
+    assert_passes(&scene, pow(0.6, 2.0), table);
+    let corrected = format!("{table}opacity_correction = 'entries'");
+    assert_passes(&scene, 0.5 * (pow(0.8, 2.0) + pow(0.4, 2.0)), &corrected);
     // A texture has its entries in the middle of texels.
     let mut scene = self::scene(|[_, _, k]| [0.2, 0.3, 0.6][k]);
     scene.step = 1.0;
-    passes(&scene, 0.8, false);
+    assert_passes(&scene, 0.8, table);
 }
 
 /// Where the transfer function is a straight line, nodes may be classified first; where it is not,
@@ -534,11 +416,8 @@ fn a_table_in_a_texture() {
 #[test]
 fn preclassification() {
     let scene = scene(|[i, j, k]| ((i + j + k) % 2) as f64);
-    let pre = Conventions {
-        preclassified: true,
-        ..Conventions::default()
-    };
-    let ([_, post], [_, before]) = (seen(&scene, Conventions::default()), seen(&scene, pre));
+    let pre = "classification = 'pre'";
+    let ([_, post], [_, before]) = (seen(&scene, ""), seen(&scene, pre));
     assert!((post - before).abs() < ROUNDING);
     let mut bent = scene.clone();
     let point = |value: f64, opacity: f64| TransferPoint {
@@ -549,13 +428,13 @@ fn preclassification() {
     let points = vec![point(0.0, 0.0), point(0.5, 0.9), point(1.0, 0.0)];
     bent.transfer_function.appearance = Appearance::Points(TransferPoints::new(points).unwrap());
     assert_eq!(seen(&bent, pre), [0.0, 0.0]);
-    assert!(seen(&bent, Conventions::default())[1] > 0.3);
+    assert!(seen(&bent, "")[1] > 0.3);
 }
 
 /// Values at the centres of cells: the image of a grid of cells over the same box.
 #[test]
 fn values_at_the_centres_of_cells() {
-    let mut scene = scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
+    let mut scene = uneven();
     scene.step = 0.13;
     scene.phong = Some(PHONG);
     let nodes = scene.grid.lattice();
@@ -564,19 +443,16 @@ fn values_at_the_centres_of_cells() {
     let cells = cells.with_centring(Centring::Cells).unwrap();
     let mut of_cells = scene.clone();
     of_cells.grid = Arc::new(Grid::new(cells, scene.grid.values().to_vec()).unwrap());
-    let conventions = Conventions {
-        cell_centred: true,
-        ..Conventions::default()
-    };
+    let conventions = "centring = 'cells'";
     let [red, opacity] = seen(&scene, conventions);
-    let expected = seen(&of_cells, Conventions::default());
+    let expected = seen(&of_cells, "");
     // Node coordinates differ in their last digits, and a pixel is stored in 32 bits.
     assert!(
         (red - expected[0]).abs() < 2.0 * ROUNDING,
         "{red} {expected:?}"
     );
     assert!((opacity - expected[1]).abs() < 2.0 * ROUNDING);
-    assert_ne!([red, opacity], seen(&scene, Conventions::default()));
+    assert_ne!([red, opacity], seen(&scene, ""));
     // Where there are cells, they stay.
     assert_eq!(seen(&of_cells, conventions), expected);
 }
@@ -592,39 +468,23 @@ fn shadows() {
         step: 0.1,
         reference_step: 1.0,
     });
-    let standard = Conventions {
-        flat_samples_ambient: true,
-        ..Conventions::default()
-    };
-    let lit = |conventions| seen(&scene, conventions)[0];
-    let in_shadow = lit(standard);
-    for shadow_sample in [0.0, 1.0] {
-        let conventions = Conventions {
-            shadow_sample,
-            ..standard
-        };
-        assert!((lit(conventions) - in_shadow).abs() < ROUNDING);
+    let lit = |more: &str| seen(&scene, &format!("flat_samples = 'ambient'\n{more}"))[0];
+    let in_shadow = lit("");
+    for place in ["shadow_sample = 0.0", "shadow_sample = 1.0"] {
+        assert!((lit(place) - in_shadow).abs() < ROUNDING);
     }
     // All of the light is ambient: as without a shadow.
-    let past_the_shadow = lit(Conventions {
-        shadowed_ambient: false,
-        ..standard
-    });
     let mut unshadowed = scene.clone();
     unshadowed.shadow = None;
-    let [expected, _] = seen(&unshadowed, standard);
+    let [expected, _] = seen(&unshadowed, "flat_samples = 'ambient'");
+    let past_the_shadow = lit("shadowed_ambient = false");
     assert!((past_the_shadow - expected).abs() < ROUNDING);
     assert!(in_shadow < 0.95 * expected);
     // In a ramp towards the light, samples nearer to the point meet less of it.
     let mut ramp = self::scene(|[_, _, k]| 1.0 - 0.5 * k as f64);
     (ramp.light, ramp.shadow) = (scene.light, scene.shadow);
-    let [near, middle, far] = [0.0, 0.5, 1.0].map(|shadow_sample| {
-        let conventions = Conventions {
-            shadow_sample,
-            ..Conventions::default()
-        };
-        seen(&ramp, conventions)[0]
-    });
+    let lit = |place: f64| seen(&ramp, &format!("shadow_sample = {place:?}"))[0];
+    let [near, middle, far] = [0.0, 0.5, 1.0].map(lit);
     assert!(near > middle && middle > far, "{near} {middle} {far}");
 }
 
@@ -700,8 +560,7 @@ fn every_value() -> Vec<(String, Conventions, Conventions)> {
 /// Pictures of volumes in which every convention has something to change: without symmetries, along
 /// unequal sides, in light from all sides, in shadow, brighter than 1, and where nothing has a gradient.
 fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
-    let mut uneven =
-        scene(|[i, j, k]| [0.1, 0.4, 0.9][i] * [0.9, 0.5, 0.1][j] * [0.3, 1.0, 0.6][k]);
+    let mut uneven = uneven();
     uneven.step = 0.13;
     // A wide highlight, which every pixel has a part of.
     uneven.phong = Some(Phong {
@@ -786,11 +645,8 @@ fn every_convention_is_heard() {
     // The ambient term alone.
     let mut flat = scene(|_| 0.5);
     flat.phong = Some(PHONG);
-    let ambient = Conventions {
-        flat_samples_ambient: true,
-        ..Conventions::default()
-    };
-    let ([full, _], [part, _]) = (seen(&flat, Conventions::default()), seen(&flat, ambient));
+    let ambient = "flat_samples = 'ambient'";
+    let ([full, _], [part, _]) = (seen(&flat, ""), seen(&flat, ambient));
     assert!((part - PHONG.ambient * full).abs() < ROUNDING);
 }
 
@@ -805,59 +661,6 @@ fn opaque_scene(conventions: &str) -> Scene {
     );
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     Scene::parse(&text, &root.join("fixtures/scenes/hard/scene.toml")).unwrap()
-}
-
-/// Work under conventions is counted as without.
-#[test]
-fn work_under_conventions_is_counted() {
-    use volref::render::{Counters, Event};
-    let counted = |scene: &Scene| -> Counters {
-        let plan = plan(scene);
-        let (_, work) = rendered(&plan);
-        off_is_off("opaque", &plan, &work);
-        work
-    };
-    let fast = counted(&opaque_scene(""));
-    let with = |line: &str| counted(&opaque_scene(&format!("[classified.conventions]\n{line}")));
-    assert!(fast[Event::DensityLookup] > 0 && fast[Event::GradientLookup] > 0);
-    // Other numbers, the same work.
-    assert_eq!(with("precision = 'f32'"), fast);
-    let samples = fast[Event::EmissionTerm];
-    let without_nodes = with("gradient = 'interpolant'");
-    assert_eq!(without_nodes[Event::GradientLookup], 0);
-    assert_eq!(without_nodes[Event::GradientComputed], 0);
-    let lookups = fast[Event::DensityLookup] + 6 * samples;
-    assert_eq!(without_nodes[Event::DensityLookup], lookups);
-    assert_eq!(with("jitter = true")[Event::RandomDraw], 64);
-    // Nothing is left out as null that a convention may make something of.
-    let mut transparent = opaque_scene("[classified.conventions]\ntable_size = 2");
-    assert!(
-        plans(&transparent)[0]
-            .kernel
-            .to_string()
-            .ends_with(", other conventions")
-    );
-    let Model::Classified(classified) = &mut transparent.panels[0].model else {
-        panic!("a classified scene");
-    };
-    let point = |value: f64, opacity: f64| TransferPoint {
-        value,
-        opacity,
-        colour: DVec3::ONE,
-    };
-    let points = vec![point(-1.0, 0.5), point(-0.5, 0.0), point(2.0, 0.0)];
-    classified.transfer_function.appearance =
-        Appearance::Points(TransferPoints::new(points).unwrap());
-    let lit = |scene: &Scene| {
-        let film = render(&plans(scene), Sampling::default(), &|| ())
-            .unwrap()
-            .film;
-        film.radiance().iter().any(|pixel| pixel[0] > 0.0)
-    };
-    assert!(
-        lit(&transparent),
-        "between two entries nothing is transparent"
-    );
 }
 
 /// A table of conventions in a scene: read, with its contradictions refused where they stand.
@@ -969,11 +772,6 @@ fn picture(scene: &Scene) -> Picture {
     Picture::Radiance(film(scene))
 }
 
-fn film(scene: &Scene) -> Film {
-    let rendering = render(&plans(scene), Sampling::default(), &|| ());
-    rendering.unwrap().film
-}
-
 /// Whether an image of `right` is one of `test`, by the deterministic gate.
 fn passes(right: &Scene, test: &Picture) -> bool {
     let (right, gate) = (picture(right), &volref::compare::Deterministic);
@@ -1050,12 +848,8 @@ fn a_check_explains_by_conventions() {
         (panel.width, panel.height) = (256, 256);
     }
     let convention = CATALOGUE.iter().position(|c| c.words.contains("Sobel"));
-    let film = render(
-        &plans(&under(&scene, &[convention.unwrap()])),
-        Sampling::default(),
-        &|| (),
-    );
-    let result = check_within("figures/figure-1", &film.unwrap().film, 1e4).unwrap();
+    let film = film(&under(&scene, &[convention.unwrap()]));
+    let result = check_within("figures/figure-1", &film, 1e4).unwrap();
     assert_eq!(result.verdict, Verdict::Convention, "{}", result.reason);
     assert_eq!(result.conventions, ["takes gradients by Sobel's filter"]);
     let profile = "name = \"mine\"\n[conventions]\ngradient = \"sobel\"\n";

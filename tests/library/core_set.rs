@@ -1,19 +1,13 @@
 //! The core set: 25 cases, and what of the placement of a volume each of them shows.
 
+use crate::common::suite::{film_of, suite};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::path::Path;
 use volref::compare::{Conditions, Deterministic, Picture, judge};
 use volref::film::Film;
 use volref::geometry::Transform;
-use volref::render::{Sampling, plans, render};
 use volref::scene::{Model, Scene};
-use volref::suite::Suite;
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
 
 #[test]
 fn twenty_five_cases_of_the_suite() {
@@ -91,9 +85,7 @@ fn image(scene: &Scene) -> Film {
     for panel in &mut scene.panels {
         (panel.width, panel.height) = (panel.width / 2, panel.height / 2);
     }
-    render(&plans(&scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
+    film_of(&scene)
 }
 
 /// Whether another image fails beside the right one.

@@ -49,7 +49,11 @@ fn is_rejected(seed: u64, shape: &Shape, level: f64, states_noise: bool) -> bool
 #[test]
 fn adaptive_looks_keep_the_promise_of_one() {
     let shapes = Shape::all();
-    let suites = 1000;
+    let suites = if option_env!("VOLREF_NIGHTLY").is_some() {
+        1000
+    } else {
+        200
+    };
     for (level, states_noise) in [(0.2, true), (0.02, true), (0.2, false)] {
         let alarms = (0..suites)
             .filter(|&suite| {

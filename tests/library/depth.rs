@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use volref::film::Depth;
-use volref::math::{exp_m1, ln, ln_1p, tan};
+use volref::math::{exp_m1, ln, ln_1p};
 use volref::reference;
 use volref::render::depth;
 use volref::scene::Scene;
@@ -163,30 +163,6 @@ fn several_volumes_and_a_surface_have_a_depth() {
                 "{is_cut} {step}: {found} {half}"
             );
         }
-    }
-}
-
-/// A distance along the view is that along the ray times the cosine of their angle.
-#[test]
-fn along_the_view_the_face_of_a_box_is_a_plane() {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = constant(folder.path(), 0.999_999_999, 0.5, "");
-    let along_ray = depth(&scene, named(HALF)).unwrap();
-    let along_view = depth(&scene, named("half-along-view")).unwrap();
-    let from_face = ln(2.0) / -ln_1p(-0.999_999_999);
-    for (index, (ray, view)) in along_ray.iter().zip(&along_view).enumerate() {
-        let [x, y] =
-            [index % 5, index / 5].map(|at| (at as f64 - 2.0) / 2.5 * tan(10_f64.to_radians()));
-        let slant = (1.0 + x * x + y * y).sqrt();
-        let right = 3.0 * slant + from_face;
-        assert!(
-            (f64::from(*ray) - right).abs() < 1e-6 * right,
-            "{index}: {ray} {right}"
-        );
-        assert!(
-            (f64::from(*view) - right / slant).abs() < 1e-6 * right,
-            "{index}: {view}"
-        );
     }
 }
 

@@ -1,30 +1,13 @@
 //! Images in which nothing, or all but nothing, was drawn, and explanations of faint ones.
 
-use std::path::Path;
+use crate::common::suite::{case_of as case, film_of as film, suite};
 use volref::compare::Picture;
-use volref::conventions::{CATALOGUE, Profile, under};
 use volref::film::{Bits, Film};
 use volref::judging::{Judged, Verdict, validate};
 use volref::naming::{ConventionSearch, Predictions, Search, likeness};
-use volref::render::{Sampling, plans, render};
-use volref::scene::Scene;
-use volref::suite::{Case, Output, Suite};
+use volref::suite::{Case, Output};
 
 const WORK: f64 = 10.0;
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
-fn case(name: &str) -> Case {
-    suite().select(&[name.to_owned()]).unwrap()[0].clone()
-}
-
-fn film(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
-}
 
 fn output(picture: Picture) -> Output {
     Output::Picture(Box::new(picture))
@@ -148,88 +131,4 @@ fn opacity_is_something_drawn() {
         "{}",
         result.reason
     );
-}
-
-/// A profile under which the background alone would pass is refused, whatever the image.
-#[test]
-fn a_profile_that_leaves_nothing_is_refused() {
-    let profile = Profile::parse(
-        "name = \"mine\"\n[conventions]\nnear_plane = 1.0\n",
-        "mine.toml",
-    );
-    let profile = profile.unwrap();
-    let store = suite().store();
-    let mut refused = 0;
-    for name in [
-        "reported/slope",
-        "sampled/column",
-        "limit/thin-haze",
-        "reported/head",
-    ] {
-        let case = case(name);
-        let right = film(&case.load_scene().unwrap());
-        let [r, g, b, _] = right.pixel(0);
-        let empty = edited(&right, |_, _| 0.0);
-        let background = Film::new(
-            right.width(),
-            right.height(),
-            vec![[r, g, b]; right.radiance().len()],
-        );
-        let linear = "8-linear".parse::<Bits>().unwrap().of_png(case.exposure);
-        for film in [empty, linear.rounded(&background), background, right] {
-            let picture = Picture::Radiance(film);
-            let result = validate(&case, &store, output(picture), Some(&profile)).result;
-            assert_ne!(result.verdict, Verdict::Pass, "{name}: {}", result.reason);
-            refused += usize::from(
-                result
-                    .reason
-                    .contains("leaves nothing of this scene to see"),
-            );
-        }
-    }
-    assert!(refused >= 8, "{refused}");
-}
-
-/// Opacities divided by 255 are one factor, which is plainer than several conventions.
-#[test]
-fn a_factor_is_plainer_than_several_conventions() {
-    let case = case("reported/slope");
-    let scene = case.load_scene().unwrap();
-    let text = std::fs::read_to_string("fixtures/scenes/reported/slope.toml").unwrap();
-    let mut thin = text;
-    for (opacity, divided) in [("0.1 }", 0.1), ("0.3 }", 0.3), ("0.6 }", 0.6)] {
-        let divided = format!("{} }}", divided / 255.0);
-        thin = thin.replace(
-            &format!("opacity = {opacity}"),
-            &format!("opacity = {divided}"),
-        );
-    }
-    let thin = Scene::parse(&thin, Path::new("fixtures/scenes/reported/thin.toml")).unwrap();
-    assert_eq!(thin.width(), scene.width());
-    let result = searched(&case, Picture::Radiance(film(&thin))).result;
-    assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
-    assert!(
-        result.reason.starts_with("the image is the golden × 3.9"),
-        "{}",
-        result.reason
-    );
-}
-
-/// An image whose mean is off agrees under no convention: not where every pixel is within its tolerance.
-#[test]
-fn a_mean_that_is_off_is_no_agreement() {
-    let case = case("reported/slope");
-    let scene = case.load_scene().unwrap();
-    let words = "takes opacity in proportion to the step";
-    let convention = CATALOGUE
-        .iter()
-        .position(|other| other.words.contains(words));
-    let set = vec![convention.unwrap()];
-    let right = film(&under(&scene, &set));
-    let search = ConventionSearch::default();
-    let explained = |film: Film| search.explain(&case, &scene, &[film], None).unwrap();
-    assert!(explained(right.clone()).is_some());
-    let brighter = edited(&right, |_, value| value + 0.0009);
-    let found = explained(brighter);
-    assert!(found.is_none(), "{found:?}");
 }

@@ -928,42 +928,6 @@ fn what_pbrts_numbers_lose_is_refused() {
     pbrt(&thick.replace("5000", "2500"));
 }
 
-/// Boundaries keep a share of the scene's reach from each other, and directions survive rounding, in
-/// every unit of length that pbrt's normals can be calculated in.
-#[test]
-fn another_unit_of_length_is_the_same_scene_of_pbrt() {
-    let file =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes/hard/g8-scaled-down.toml");
-    let tiny = std::fs::read_to_string(&file).unwrap();
-    let scene = |text: &str| Scene::parse(text, &file).unwrap();
-    let refusal = export(&scene(&tiny), Format::Pbrt, "tiny").unwrap_err();
-    let said = refusal.to_string();
-    assert!(
-        said.contains("pbrt's 32-bit normals take lengths from 9e-10 to 5e8"),
-        "{said}"
-    );
-    assert!(!said.contains("overlap"), "{said}");
-    // A million times as large, with a millionth of the coefficients: 2^-20 of the unit.
-    let larger = [
-        ("e-13", "e-7"),
-        ("e-12", "e-6"),
-        ("549755813888", "549755.813888"),
-        ("1099511627776", "1099511.627776"),
-        ("2199023255552", "2199023.255552"),
-    ]
-    .iter()
-    .fold(tiny, |text, (from, to)| text.replace(from, to));
-    let text = export(&scene(&larger), Format::Pbrt, "small").unwrap();
-    check_pbrt(&text);
-    // Far from the eye a unit is less than a rounding to 32 bits.
-    let huge = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes/hard/g8-scaled-up.toml");
-    let refusal = export(&Scene::load(&huge).unwrap(), Format::Pbrt, "huge").unwrap_err();
-    assert!(
-        refusal.to_string().contains("pbrt's 32-bit normals"),
-        "{refusal}"
-    );
-}
-
 // --- Refusals -----------------------------------------------------------------------------------
 
 fn medium(more: &str) -> String {

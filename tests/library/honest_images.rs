@@ -3,9 +3,9 @@
 //! Each case is rendered once for each seed and number of samples, as four renderings that are then encoded in
 //! every way.
 
+use crate::common::suite::{silent, suite};
 use half::f16;
 use std::collections::BTreeMap;
-use std::path::Path;
 use volref::compare::Picture;
 use volref::compare::flip::SrgbImage;
 use volref::film::{Bits, Encoding, Film, Origin, Quantisation};
@@ -79,10 +79,6 @@ fn rounded(film: &Film, [mean, variance]: [Round; 2]) -> Film {
             Film::with_noise(width, height, means, variances, noise.samples())
         }
     }
-}
-
-fn silent(film: &Film) -> Film {
-    Film::new(film.width(), film.height(), film.radiance().to_vec())
 }
 
 /// Codes of 8 bits by both curves.
@@ -229,10 +225,6 @@ impl Table {
         }
         println!("{} images, {} alarms", self.images(), self.alarms.len());
     }
-}
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 fn case<'s>(suite: &'s Suite, name: &str) -> &'s Case {

@@ -7,7 +7,7 @@ use exr::prelude::{
 };
 use std::io::Cursor;
 use volref::compare::{Conditions, Deterministic, Picture, judge};
-use volref::film::{Film, FilmError, Overflow};
+use volref::film::{Film, Overflow};
 
 type ExrImage = Image<Layer<AnyChannels<FlatSamples>>>;
 
@@ -312,63 +312,4 @@ fn infinity_says_where_it_comes_from() {
     look for a division by 0, such as by a distance or a probability; the test image was multiplied by 10, the magnitude of its scale
     NaN: look for a division 0/0, such as a vector of length 0 that is normalised; infinity: look for a division by 0, such as by a distance or a probability
     ");
-}
-
-/// The magnitude of a scale multiplies; 1 and -1 change no bit.
-#[test]
-fn scales_of_pfm() {
-    let film = |scale: &str| {
-        let text = format!("Pf\n1 1\n{scale}\n");
-        Film::from_pfm(&[text.as_bytes(), &0.3_f32.to_le_bytes()].concat()).unwrap()
-    };
-    assert_eq!(film("-1.0").radiance(), [[0.3; 3]]);
-    assert!(film("-1.0").changes_on_reading().is_empty());
-    assert_eq!(film("-2.5").radiance(), [[0.75; 3]]);
-    assert_eq!(
-        film("-2.5").changes_on_reading(),
-        ["was multiplied by 2.5, the magnitude of its scale"]
-    );
-}
-
-/// A PNG of two grey pixels, with the chunks that `edit` states.
-fn png(edit: impl FnOnce(&mut png::Info<'static>)) -> Result<(), FilmError> {
-    let mut info = png::Info::with_size(2, 1);
-    info.color_type = png::ColorType::Rgb;
-    info.bit_depth = png::BitDepth::Eight;
-    edit(&mut info);
-    let mut bytes = Vec::new();
-    let encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
-    let mut writer = encoder.write_header().unwrap();
-    writer.write_image_data(&[100; 6]).unwrap();
-    writer.finish().unwrap();
-    Film::codes_from_png(&bytes).map(|(.., codes)| assert_eq!(codes, [[100; 3]; 2]))
-}
-
-#[test]
-fn codes_that_are_not_srgb_or_not_square_are_refused() {
-    let points = |[r, g, b, w]: [[f32; 2]; 4]| {
-        let pair = |[x, y]: [f32; 2]| (x, y);
-        png::SourceChromaticities::new(pair(w), pair(r), pair(g), pair(b))
-    };
-    let pixels = |xppu, yppu| {
-        let unit = png::Unit::Meter;
-        Some(png::PixelDimensions { xppu, yppu, unit })
-    };
-    for accepted in [
-        png(|info| info.source_chromaticities = Some(points(REC709))),
-        png(|info| info.pixel_dims = pixels(2835, 2834)),
-    ] {
-        assert_eq!(accepted, Ok(()));
-    }
-    let p3 = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06], [0.3127, 0.329]];
-    let said: String = [
-        png(|info| info.source_chromaticities = Some(points(p3))),
-        png(|info| info.pixel_dims = pixels(2, 1)),
-    ]
-    .map(|result| result.unwrap_err().to_string() + "\n")
-    .concat();
-    insta::assert_snapshot!(said, @r#"
-    the codes of this PNG are not sRGB: its cHRM states other primaries; encode them as sRGB and state nothing else, or write linear radiance as .exr
-    the pixels of this PNG are not square: its pHYs says 2 columns and 1 rows a unit; render square pixels, and leave that chunk out
-    "#);
 }

@@ -1,18 +1,13 @@
 //! Formulas for whole images: scenes that they refuse, and volref's renderings held to them.
 
-use std::path::{Path, PathBuf};
+use crate::common::suite::suite;
 use volref::compare::Picture;
 use volref::film::Film;
 use volref::judging::{Verdict, validate};
-use volref::known_answers::{CATALOGUE, Footprint, Formula};
+use volref::known_answers::{CATALOGUE, Footprint};
 use volref::math::Moments;
 use volref::render::{Sampling, Seed, plans, render};
-use volref::scene::Scene;
-use volref::suite::{Answer, Case, Golden, Output, Suite};
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
+use volref::suite::{Answer, Case, Golden, Output};
 
 fn cases() -> Vec<Case> {
     let cases = suite().cases().to_vec();
@@ -57,78 +52,6 @@ fn answers_are_smooth_within_a_pixel() {
             assert!((a - b).abs() <= 5e-4 + 5e-3 * a, "{}: {a} {b}", case.name);
         }
     }
-}
-
-/// The formula of `name`, applied to its case with an edit of the scene.
-fn refusal(case: &str, from: &str, to: &str) -> String {
-    let cases = cases();
-    let case = cases.iter().find(|c| c.name.ends_with(case)).unwrap();
-    let text = std::fs::read_to_string(&case.scene).unwrap();
-    assert!(text.contains(from), "{from}");
-    let path: PathBuf = case.scene.clone();
-    let scene = Scene::parse(&text.replace(from, to), &path).unwrap();
-    let formula: &Formula = case.truth.unwrap();
-    match formula.image(&scene, footprint(case)) {
-        Ok(_) => format!("{}: {to:?} is accepted", case.name),
-        Err(reason) => reason,
-    }
-}
-
-#[test]
-fn scenes_of_another_kind_are_refused() {
-    let medium = "[[radiative.medium]]\n";
-    let said = [
-        refusal("furnace-box", "sigma_s = 4", "sigma_s = 4\nsigma_a = 1e-9"),
-        refusal("furnace-glowing", "[2, 1, 0.5]", "[2, 1, 0.6]"),
-        refusal("half-space", "-60, -60, -60", "-60, -5, -60"),
-        refusal("half-space", "sigma_t = 1", "sigma_t = 1\ng = 0.1"),
-        refusal("half-space", "vertical_fov = 80", "vertical_fov = 100"),
-        refusal(
-            "slab-reflection",
-            "[0, 0, 100], edge_v",
-            "[0, 0, 90], edge_v",
-        ),
-        refusal("white-sky-through-fog", "[-60, 0, -60]", "[-20, 0, -60]"),
-        refusal("airlight", "radius = 150", "radius = 100"),
-        refusal("lit-ball", "scattering = \"single\"\n", ""),
-        refusal("emitting-ball", "emission = ", "sigma_s = 0.1\nemission = "),
-        refusal(
-            "emitting-slab",
-            medium,
-            "[[radiative.light]]\npoint = { position = [0, 9, 0], intensity = 1 }\n\n[[radiative.medium]]\n",
-        ),
-        refusal(
-            "absorbing-grid",
-            "sigma_a",
-            "interpolation = \"nearest\"\nsigma_a",
-        ),
-        refusal(
-            "absorbing-grid",
-            "known-answers/multilinear.nrrd",
-            "hard/hill.nrrd",
-        ),
-        refusal(
-            "overlapping-media",
-            "sphere = { centre = [2, 0, 0], radius = 6 }",
-            "mesh = { file = \"../../meshes/ball.obj\" }",
-        ),
-    ];
-    insta::assert_snapshot!(said.join("\n"), @r#"
-    the truth "furnace" does not fit the scene: a medium does not emit its absorption times the environment's radiance
-    the truth "furnace" does not fit the scene: a medium does not emit its absorption times the environment's radiance
-    the truth "half-space" does not fit the scene: the layer is too thin to stand for a half-space
-    the truth "half-space" does not fit the scene: the formula is for isotropic scattering
-    the truth "half-space" does not fit the scene: pixel [0, 0]: the ray does not go into the layer
-    the truth "slab" does not fit the scene: its surface does not cut the layer all across
-    the truth "slab" does not fit the scene: pixel [0, 0]: the ray enters within 30 mean free paths of a side of the layer
-    the truth "airlight" does not fit the scene: the medium ends within 25 mean free paths of the eye: leave its boundary out, or make it a large `sphere`
-    the truth "lit-body" does not fit the scene: the formula is for `scattering = "single"`
-    the truth "emission-absorption" does not fit the scene: a medium scatters, and the formula is for absorption
-    the truth "emission-absorption" does not fit the scene: it has a light, and the formula has none
-    the truth "absorbing-grid" does not fit the scene: its grid is not trilinear between nodes on the faces of its box
-    the truth "absorbing-grid" does not fit the scene: node [0, 1, 0] of its grid holds 0.03125, and between its corners lies 0
-    the truth "emission-absorption" does not fit the scene: a medium has a shape that is neither `sphere` nor `box`
-    "#);
 }
 
 /// Many samples of each case against its formula: the mean within 0.1 % and four standard errors, and

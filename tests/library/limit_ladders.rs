@@ -1,18 +1,14 @@
 //! Images with smaller and smaller steps in the family `limit`: rules of first order pass, conventions
 //! are found and judged, and images that do not converge are told what they do.
 
+use crate::common::suite::film_of as rendered;
 use volref::compare::Picture;
 use volref::conventions::Profile;
 use volref::film::Film;
 use volref::judging::{Judged, Verdict, validate};
 use volref::naming::ConventionSearch;
-use volref::render::{Sampling, plans, render};
 use volref::scene::{Conventions, LastStep, Scene};
 use volref::suite::{Case, Output, Suite};
-
-/// Share of the work for a case that its conventions may take, and the work of a second.
-const OF_CONVENTIONS: f64 = 0.5;
-const WORK_PER_SECOND: f64 = 1e8;
 
 fn cases(filter: &str) -> (Suite, Vec<Case>) {
     let suite = Suite::bundled().unwrap();
@@ -151,79 +147,4 @@ fn faint_samples_that_are_dropped() {
         "{}",
         under.reason
     );
-}
-
-/// Five conventions at once, as a renderer for graphics cards has them, behind one image in 8 bits.
-#[test]
-fn five_conventions_in_eight_bits() {
-    let (suite, cases) = cases("limit/full-to-the-border");
-    let scene = cases[0].load_scene().unwrap();
-    let images = ladder(&scene, |it| {
-        it.first_sample = 1.0;
-        it.last_step = LastStep::Whole;
-        it.voxel_box = true;
-        it.linear_opacity = true;
-        (it.table_size, it.texture_place) = (Some(256), true);
-    });
-    let images: Vec<Film> = images.iter().map(of_eight_bits).collect();
-    let found = judged(&suite, &cases[0], &images, None).result;
-    assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
-    let profile = Profile::parse(&found.profile.unwrap(), "mine.toml").unwrap();
-    let under = judged(&suite, &cases[0], &images, Some(&profile)).result;
-    assert_eq!(under.verdict, Verdict::Pass, "{}", under.reason);
-}
-
-fn of_eight_bits(film: &Film) -> Film {
-    let round = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() / 255.0;
-    let pixels = film.radiance().iter().map(|pixel| pixel.map(round));
-    Film::new(film.width(), film.height(), pixels.collect())
-}
-
-/// A renderer whose roundings are no choices of the search is known by its profile as a whole, in images of
-/// 8 bits alone.
-#[test]
-fn profiles_that_volref_brings() {
-    let (suite, cases) = cases("sampled/thick-slices");
-    let case = &cases[0];
-    let profile = Profile::named("vispy").unwrap();
-    let scene = profile.applied_to(&case.load_scene().unwrap()).unwrap();
-    let film = rendered(&scene.unwrap());
-    let judged = judged_one(&suite, case, of_eight_bits(&film));
-    let (found, work) = (judged.result, judged.evidence.work_of_search);
-    assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
-    let under = "has the conventions of the profile vispy, vispy 0.17";
-    assert!(found.reason.contains(under), "{}", found.reason);
-    assert_eq!(found.profile, Some(profile.text));
-    // What profiles take counts: with all but so much work it is not found.
-    let within = |work: u64| {
-        let seconds = work as f64 / (OF_CONVENTIONS * WORK_PER_SECOND);
-        judged_within(&suite, case, of_eight_bits(&film), seconds)
-    };
-    let found = within(work + 2);
-    assert_eq!(found.result.verdict, Verdict::Convention);
-    let open = within(work - 2);
-    assert_eq!(open.result.verdict, Verdict::Fail);
-    // Darker by a tenth, which no renderer makes.
-    let pixels = film.radiance().iter();
-    let darker = pixels.map(|pixel| pixel.map(|value| 0.9 * value)).collect();
-    let darker = Film::new(film.width(), film.height(), darker);
-    let result = judged_one(&suite, case, of_eight_bits(&darker)).result;
-    assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
-}
-
-fn rendered(scene: &Scene) -> Film {
-    let rendering = render(&plans(scene), Sampling::default(), &|| ());
-    rendering.unwrap().film
-}
-
-fn judged_one(suite: &Suite, case: &Case, image: Film) -> Judged {
-    judged_within(suite, case, image, 1e4)
-}
-
-fn judged_within(suite: &Suite, case: &Case, image: Film, seconds: f64) -> Judged {
-    let output = Output::Picture(Box::new(Picture::Radiance(image)));
-    let mut judged = validate(case, &suite.store(), output, None);
-    let search = ConventionSearch::default();
-    search.explain_mismatch(case, &suite.store(), &mut judged, seconds, false);
-    judged
 }

@@ -1,20 +1,17 @@
 //! Integrals without samples: against closed forms, against quadrature by another method, and
 //! against what the ray caster's samples converge to.
 
-use crate::effects::scenes::off_is_off;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
-use volref::conventions::Profile;
 use volref::film::Film;
 use volref::geometry::Ray;
 use volref::judging::verify;
 use volref::math::{exp, exp_m1, ln_1p, quadrature::integrate};
 use volref::optics::Appearance;
 use volref::render::classified::integral::{RayIntegral, RayIntegrator};
-use volref::render::{Sampling, plans, render, render_counted};
+use volref::render::{Sampling, plans, render};
 use volref::scene::{Classified, Model, Scene};
 use volref::suite::Suite;
-use volref::volume::Cell;
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
@@ -119,55 +116,6 @@ fn a_dense_front() {
     }
 }
 
-/// Scenes of all kinds, made integrals: no numbers but radiances come out, and a bound with each image.
-#[test]
-fn generated_scenes() {
-    use crate::any_scene::scenes::written;
-    use volref::geometry::Camera;
-    use volref::math::rng::philox4x32_10;
-    let folder = tempfile::tempdir().unwrap();
-    let mut done = 0;
-    for number in 0..3000 {
-        let list: Vec<u32> = (0..200)
-            .map(|i| philox4x32_10([i, number, 1, 0], [9, 0])[0])
-            .collect();
-        let written = written(&list);
-        if !written.text.contains("[classified]") {
-            continue;
-        }
-        for (name, bytes) in &written.files {
-            std::fs::write(folder.path().join(name), bytes).unwrap();
-        }
-        let Ok(mut scene) = Scene::parse(&written.text, &folder.path().join("scene.toml")) else {
-            continue;
-        };
-        scene.panels.truncate(1);
-        (scene.panels[0].width, scene.panels[0].height) = (3, 3);
-        let classified = classified(&mut scene);
-        classified.continuous = true;
-        (classified.phong, classified.shadow) = (None, None);
-        if number % 2 == 0 {
-            let camera = classified.camera;
-            let target = camera.eye() + *camera.forward();
-            let height = classified.grid.lattice().bounds().size().max_element();
-            classified.camera =
-                Camera::orthographic(camera.eye(), target, *camera.upright(), height)
-                    .unwrap_or(camera);
-        }
-        match render(&plans(&scene), Sampling::default(), &|| ()) {
-            Ok(rendering) => {
-                let most = classified_of(&scene).brightest() * (1.0 + 1e-6);
-                let mut values = rendering.film.radiance().iter().flatten();
-                assert!(values.all(|&value| f64::from(value) <= most));
-                assert!(rendering.error_bound.is_none_or(|bound| bound >= 0.0));
-                done += 1;
-            }
-            Err(error) => panic!("{error}\n{}", written.text),
-        }
-    }
-    assert!(done > 100, "{done}");
-}
-
 /// Opacity rises to 1, where the extinction is infinite: light still gets there, and no farther if
 /// there is more of it.
 #[test]
@@ -219,10 +167,6 @@ fn family() -> Vec<(String, Scene)> {
     scenes
 }
 
-fn classified_of(scene: &Scene) -> &Classified {
-    scene.panels[0].classified().expect("a classified volume")
-}
-
 fn classified(scene: &mut Scene) -> &mut Classified {
     match &mut scene.panels[0].model {
         Model::Classified(scene) => scene,
@@ -260,177 +204,10 @@ fn rendered(scene: &Scene) -> (Film, Option<f64>) {
     (rendering.film, rendering.error_bound)
 }
 
-/// Root mean square of the difference.
-fn distance(a: &Film, b: &Film) -> f64 {
-    let pairs = a
-        .radiance()
-        .iter()
-        .flatten()
-        .zip(b.radiance().iter().flatten());
-    let squares = pairs.map(|(&a, &b)| f64::from(a - b) * f64::from(a - b));
-    (squares.sum::<f64>() / (3 * a.radiance().len()) as f64).sqrt()
-}
-
-/// The samples of the ray caster converge to the integral: with half the step a quarter of the error
-/// is left, about, and by Richardson's extrapolation less again.
-#[test]
-fn samples_converge_to_the_integral() {
-    for (name, mut scene) in family() {
-        let size = 16;
-        (scene.panels[0].width, scene.panels[0].height) = (size, size);
-        let (limit, bound) = rendered(&scene);
-        assert!(bound.is_some_and(|bound| bound < 1e-7), "{name}: {bound:?}");
-        let mut sampled = scene.clone();
-        classified(&mut sampled).sample();
-        classified(&mut sampled).step *= 0.5;
-        let errors = [1.0, 0.5, 0.5].map(|factor| {
-            classified(&mut sampled).step *= factor;
-            distance(&limit, &rendered(&sampled).0)
-        });
-        let brightest = limit
-            .radiance()
-            .iter()
-            .flatten()
-            .fold(0.0_f32, |a, &b| a.max(b));
-        // Beyond the second step of the narrow table of the shell the samples still miss parts of it.
-        assert!(
-            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1],
-            "{name}: {errors:?}"
-        );
-        assert!(
-            errors[2] < 2e-3 * f64::from(brightest),
-            "{name}: {errors:?}"
-        );
-        println!("{name}: {errors:?}");
-    }
-}
-
-/// Points at which the field is read between two faces of cells.
-const MIDPOINTS: usize = 64;
-
-/// Radiance along `ray` by the composite midpoint rule, with so many `midpoints` between two faces of
-/// cells or kinks of the transfer function.
-fn by_midpoints(scene: &Classified, ray: &Ray, midpoints: usize) -> DVec3 {
-    let lattice = scene.grid.lattice();
-    let Some(span) = lattice.bounds().span(ray) else {
-        return scene.background;
-    };
-    let mut faces = vec![span.near, span.far];
-    for axis in 0..3 {
-        for node in 0..lattice.nodes()[axis] {
-            let face = lattice.position([node; 3])[axis];
-            let t = (face - ray.origin[axis]) / ray.direction[axis];
-            if span.near < t && t < span.far {
-                faces.push(t);
-            }
-        }
-    }
-    faces.sort_by(f64::total_cmp);
-    let value = |t: f64| {
-        let cell = Cell::around(lattice, lattice.to_nodes(ray.at(t)));
-        scene.interpolation.read(&*scene.grid, &cell)
-    };
-    // Where the table has a kink the rule would be of second order with another constant each time.
-    let mut cuts = Vec::new();
-    for piece in faces.windows(2) {
-        cuts.push(piece[0]);
-        let places = (0..=MIDPOINTS).map(|i| i as f64 / MIDPOINTS as f64);
-        let places: Vec<f64> = places
-            .map(|u| piece[0] + u * (piece[1] - piece[0]))
-            .collect();
-        for part in places.windows(2) {
-            for knot in scene.transfer_function.knots() {
-                let is_below = |t: f64| value(t) < knot;
-                let [mut near, mut far] = [part[0], part[1]];
-                if is_below(near) == is_below(far) {
-                    continue;
-                }
-                for _ in 0..50 {
-                    let middle = 0.5 * (near + far);
-                    if is_below(middle) == is_below(near) {
-                        near = middle;
-                    } else {
-                        far = middle;
-                    }
-                }
-                cuts.push(far);
-            }
-        }
-    }
-    cuts.push(span.far);
-    cuts.sort_by(f64::total_cmp);
-    let (mut radiance, mut depth) = (DVec3::ZERO, 0.0);
-    for piece in cuts.windows(2) {
-        let step = (piece[1] - piece[0]) / midpoints as f64;
-        for index in 0..midpoints {
-            let value = value(piece[0] + (index as f64 + 0.5) * step);
-            let function = &scene.transfer_function;
-            let thickness = function.extinction(value) * step;
-            let source = function.colour(value) * function.emission(value);
-            radiance += source * (exp(-depth) * -exp_m1(-thickness));
-            depth += thickness;
-        }
-    }
-    radiance + scene.background * exp(-depth)
-}
-
-/// By another rule: midpoints, of second order, whose error falls to a quarter with each halving. That of
-/// the finest is a twelfth of the difference of the two coarser ones, which is the tolerance, and
-/// Richardson's extrapolation takes most of it away.
-#[test]
-fn the_integral_by_midpoints() {
-    let mut scenes = family();
-    let (mut compared, mut worst) = (0, 0.0_f64);
-    for (name, scene) in &mut scenes {
-        let scene = classified(scene);
-        let brightest = scene.brightest();
-        let integrator = RayIntegrator::new(scene);
-        for index in 0..16 {
-            // Not along a plane of symmetry, where points lie in faces.
-            let place = [0.37 + (index % 4) as f64, 0.61 + (index / 4) as f64];
-            let ray = scene.camera.ray_through(place, [5, 5]);
-            let found = integrator.along(&ray).light;
-            let by = [1, 2, 4].map(|factor| by_midpoints(scene, &ray, factor * MIDPOINTS));
-            let right = (4.0 * by[2] - by[1]) / 3.0;
-            let off = (found.radiance - right).abs().max_element();
-            let step = (by[1] - by[0]).abs().max_element();
-            let rounding = 1e-13 * brightest;
-            assert!(
-                off <= step + found.radiance_error + rounding,
-                "{name} {place:?}: {off:e}, {step:e}, {found:?}"
-            );
-            worst = worst.max(step / brightest);
-            compared += usize::from(found.depth > 0.0);
-        }
-    }
-    println!("{compared} rays through matter, tolerances up to {worst:e}");
-    assert!(compared > 100 && worst < 1e-3, "{compared} {worst:e}");
-}
-
-/// What is counted: cells and points; and no work for what is not asked for.
-#[test]
-fn work_of_an_integral() {
-    let (_, scene) = family()
-        .into_iter()
-        .find(|(name, _)| name == "linear-ramp")
-        .unwrap();
-    let plans = plans(&scene);
-    let work = render_counted(&plans, Sampling::default(), &|| ())
-        .unwrap()
-        .work[0];
-    use volref::render::counters::Event;
-    // One cell.
-    assert!(work[Event::CellWalked] > 0 && work[Event::CellWalked] <= 80 * 80);
-    assert!(work[Event::Attenuation] >= 21 * work[Event::CellWalked]);
-    assert_eq!(work[Event::GradientLookup], 0);
-    assert_eq!(work[Event::RandomDraw], 0);
-    off_is_off("linear-ramp", &plans[0], &work);
-}
-
 /// The goldens of the family state how well they are known.
 #[test]
 fn goldens_of_the_family_are_known_to_a_millionth() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let cases = suite.select(&["limit".to_owned()]).unwrap();
     assert!(cases.len() >= 14);
     for case in cases {
@@ -440,17 +217,6 @@ fn goldens_of_the_family_are_known_to_a_millionth() {
         let record: toml::Table = text.parse().unwrap();
         let error = record["error_estimate"].as_float().unwrap();
         assert!(error < 1e-6, "{}: {error:e}", case.name);
-    }
-}
-
-/// Under the conventions of a renderer an integral is sampled.
-#[test]
-fn conventions_are_about_samples() {
-    let profile = Profile::named("vtk").unwrap();
-    for (name, scene) in family() {
-        let mut applied = profile.applied_to(&scene).unwrap().unwrap();
-        assert!(!classified(&mut applied).is_continuous(), "{name}");
-        assert!(plans(&scene)[0].is_continuous() && !plans(&applied)[0].is_continuous());
     }
 }
 

@@ -93,125 +93,50 @@ fn a_cube_in_every_dialect() {
 
 #[test]
 fn what_is_refused_says_where() {
-    let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-    for (text, expected) in [
-        (
-            format!("{start}f 1 2 4"),
-            "4:7: this face refers to vertex 4, but the file has 3",
-        ),
-        (
-            format!("{start}f 1 2 9/4 3\nf 8 1 2"),
-            "4:7: this face refers to vertex 9, but the file has 3",
-        ),
-        (
-            format!("{start}f -1 -2 -4"),
-            "4:9: this face refers to the vertex 4 lines back, but there are 3",
-        ),
-        (
-            format!("{start}f 0 1 2"),
-            "4:3: vertex 0 is none: they are counted from 1",
-        ),
-        (
-            format!("{start}f 1 2 x"),
-            "4:7: \"x\" is not a corner of a face",
-        ),
-        (format!("{start}f 1 2 3.0"), "4:7: \"3.0\" is not a corner"),
-        (
-            format!("{start}f 1 2 3/1/1/1"),
-            "4:7: \"3/1/1/1\" is not a corner",
-        ),
-        (format!("{start}f 1 2 3/a"), "4:7: \"3/a\" is not a corner"),
-        (
-            format!("{start}f 1 2 99999999999999999999"),
-            "4:7: \"99999999999999999999\" is not a corner",
-        ),
-        (
-            format!("{start}f 1 2 9223372036854775807"),
-            "4:7: this face refers to vertex 9223372036854775807",
-        ),
-        (
-            format!("{start}f 1 -9223372036854775808 2"),
-            "4:5: this face refers to the vertex",
-        ),
-        (
-            format!("{start}\nf 1 2"),
-            "5:1: a face has three corners or more, this one has 2",
-        ),
-        (
-            format!("{start}f"),
-            "4:1: a face has three corners or more, this one has 0",
-        ),
-        (
-            format!("{start}f 1 2 \\"),
-            "4:7: the file ends where this line is to go on",
-        ),
-        (
-            "v 0 0 0\nv 1 1,5 0".to_owned(),
-            "2:5: y is \"1,5\", which is not a number: write it like 0.5",
-        ),
-        (
-            "v 0 0 \\\n nan".to_owned(),
-            "2:2: z is \"nan\", which is not finite",
-        ),
-        (
-            "v 1 2".to_owned(),
-            "1:1: a `v` line of a mesh has 3 numbers (x y z)",
-        ),
-        (
-            "v 1 2 3 0.5".to_owned(),
-            "1:9: w is 0.5, and a vertex of a mesh has no weight",
-        ),
-        (
-            "v 1 2 3 1 1".to_owned(),
-            "1:1: a `v` line of a mesh has 3 numbers",
-        ),
-        (
-            format!("{start}vertex 1"),
-            "4:1: \"vertex\" is not a keyword of the OBJ format",
-        ),
-        (
-            "ply\nformat ascii 1.0".to_owned(),
-            "this is a file of the format PLY, and only OBJ is read: convert it",
-        ),
-        (
-            format!("{start}f 1 2 3\nsurf 0 1 0 1 1 2 3"),
-            "5:1: a free-form surface is not a polygon",
-        ),
-        (
-            "call other.obj".to_owned(),
-            "1:1: `call` includes another file",
-        ),
-        (
-            "\0".to_owned(),
-            "this is not plain text (a zero byte or UTF-16): save it as UTF-8",
-        ),
-        (start.to_owned(), "the mesh has no faces"),
-        (String::new(), "the mesh has no faces"),
-        (
-            format!("{start}deg 3\ncurv 0 1 1 2 3\nend"),
-            "the mesh has no faces; beside points this file has 1 × `curv`, 1 × `deg`, 1 × `end`: \
-             export it as polygons",
-        ),
-        (
-            format!("{start}v 2 0 0\n\nf 1 2 3\nf 1 2 4"),
-            "the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]",
-        ),
-        (
-            format!("{start}v 1 1 0\nf 1 2 3 4"),
-            "5:1: this polygon has no area, or crosses itself",
-        ),
-        (
-            format!("{start}v 2 3 0\nf 1 2 3 4"),
-            "5:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate",
-        ),
-        (
-            format!("{start}v 2 0 0\nv 3 0 0\nf 1 2 4 5"),
-            "6:1: this polygon has no area, or crosses itself",
-        ),
-    ] {
-        let error = read(&text).unwrap_err().to_string();
+    // △ stands for a triangle of points, and ⏎ ends a line.
+    for line in r#"
+△f 1 2 4 | 4:7: this face refers to vertex 4, but the file has 3
+△f 1 2 9/4 3⏎f 8 1 2 | 4:7: this face refers to vertex 9, but the file has 3
+△f -1 -2 -4 | 4:9: this face refers to the vertex 4 lines back, but there are 3
+△f 0 1 2 | 4:3: vertex 0 is none: they are counted from 1
+△f 1 2 x | 4:7: "x" is not a corner of a face
+△f 1 2 3.0 | 4:7: "3.0" is not a corner
+△f 1 2 3/1/1/1 | 4:7: "3/1/1/1" is not a corner
+△f 1 2 3/a | 4:7: "3/a" is not a corner
+△f 1 2 99999999999999999999 | 4:7: "99999999999999999999" is not a corner
+△f 1 2 9223372036854775807 | 4:7: this face refers to vertex 9223372036854775807
+△f 1 -9223372036854775808 2 | 4:5: this face refers to the vertex
+△⏎f 1 2 | 5:1: a face has three corners or more, this one has 2
+△f | 4:1: a face has three corners or more, this one has 0
+△f 1 2 \ | 4:7: the file ends where this line is to go on
+v 0 0 0⏎v 1 1,5 0 | 2:5: y is "1,5", which is not a number: write it like 0.5
+v 0 0 \⏎ nan | 2:2: z is "nan", which is not finite
+v 1 2 | 1:1: a `v` line of a mesh has 3 numbers (x y z)
+v 1 2 3 0.5 | 1:9: w is 0.5, and a vertex of a mesh has no weight
+v 1 2 3 1 1 | 1:1: a `v` line of a mesh has 3 numbers
+△vertex 1 | 4:1: "vertex" is not a keyword of the OBJ format
+ply⏎format ascii 1.0 | this is a file of the format PLY, and only OBJ is read: convert it
+△f 1 2 3⏎surf 0 1 0 1 1 2 3 | 5:1: a free-form surface is not a polygon
+call other.obj | 1:1: `call` includes another file
+△ | the mesh has no faces
+ | the mesh has no faces
+△deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces; beside points this file has 1 × `curv`, 1 × `deg`, 1 × `end`: export it as polygons
+△v 2 0 0⏎⏎f 1 2 3⏎f 1 2 4 | the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]
+△v 1 1 0⏎f 1 2 3 4 | 5:1: this polygon has no area, or crosses itself
+△v 2 3 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate
+△v 2 0 0⏎v 3 0 0⏎f 1 2 4 5 | 6:1: this polygon has no area, or crosses itself
+"#
+    .lines()
+    .skip(1)
+    {
+        let (text, expected) = line.split_once(" | ").unwrap();
+        let text = text.replace('△', "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+        let error = read(text.replace('⏎', "\n"));
+        let error = error.unwrap_err().to_string();
         assert!(error.starts_with(expected), "{text:?}: {error}");
     }
+    let error = read("\0").unwrap_err().to_string();
+    assert!(error.starts_with("this is not plain text (a zero byte or UTF-16)"));
     // Two triangles that touch at a corner, one of them turned over; and one covered twice.
     let touching = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 1 -1 0\nv 0 -2 0\nf 1 2 3 1 4 5";
     let twice = "v 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3 1 2 3";

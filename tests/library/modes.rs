@@ -4,6 +4,7 @@
 //! at thousands of places of a ray, with a bound on what lies between two of them. The sampled ones are those of
 //! `src/reference`, to the bit (`reference.rs`).
 
+use crate::common::suite::film_of;
 use crate::ray_caster::scenes::{PHONG, hash, plain, sampled};
 use glam::{DMat3, DVec3};
 use std::path::Path;
@@ -17,13 +18,12 @@ use volref::naming::{Predictions, Search, likeness};
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::reference;
 use volref::render::classified::modes::ExactField;
-use volref::render::{Event, Sampling, plans, render, render_counted};
+use volref::render::{Event, Sampling, plans, render_counted};
 use volref::scene::{
     Classified, Clip, Conventions, Isosurface, Isosurfaces, Kept, LastStep, Mode, Panel, Projected,
     Projection, Scene, Window,
 };
-use volref::sensitivity::number;
-use volref::suite::{Output, Suite};
+use volref::suite::Output;
 use volref::variations::mistakes;
 use volref::volume::{Cell, Centring, Grid, Lattice, NodeLine};
 
@@ -74,9 +74,7 @@ fn panel(scene: Classified, side: usize) -> Panel {
 
 fn image(scene: &Classified, side: usize) -> Film {
     let scene = Scene::of(panel(scene.clone(), side));
-    render(&plans(&scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
+    film_of(&scene)
 }
 
 /// Numbers in [−1, 1], with as many zeros.
@@ -272,28 +270,6 @@ fn plateaus() -> Arc<Grid<f32>> {
     sampled(lattice, |[i, _, _]| [0.0, 0.0, 1.0, 1.0, 0.0][i])
 }
 
-/// Values of nodes, flat cells and roots at faces: a side is left once and entered once.
-#[test]
-fn a_value_of_nodes_is_passed_once() {
-    let scene = exact(plateaus(), Mode::Composited);
-    let field_along = ExactField::new(&scene);
-    let passed = |value: f64, ray: &Ray| -> Vec<f64> {
-        let found = field_along.passed_along(&surfaces(&[value], 1.0), ray);
-        found.into_iter().map(|(t, _)| t - 2.0).collect()
-    };
-    for y in [0.5, 1.0, 1.5] {
-        let ray = Ray::new(DVec3::new(-2.0, y, 1.0), DVec3::X).unwrap();
-        let back = Ray::new(DVec3::new(6.0, y, 1.0), DVec3::NEG_X).unwrap();
-        assert_eq!(passed(0.5, &ray), [1.5, 3.5]);
-        assert_eq!(passed(1.0, &ray), [2.0, 3.0]);
-        assert_eq!(passed(1.0, &back), [1.0, 2.0]);
-        // Nothing is below the least value, and nothing above the largest is reached.
-        for value in [0.0, -1.0, 1.0 + f64::EPSILON, 7.0] {
-            assert_eq!(passed(value, &ray), [0.0; 0], "{value}");
-        }
-    }
-}
-
 /// A linear field, placed anywhere: along a ray it is a line, between its values at the two ends. Of values of 32 bits, up
 /// to 4, the trilinear interpolant is off by roundings of 2⁻²³ at most where nodes are no multiples of 1/64; these are.
 #[test]
@@ -341,176 +317,6 @@ fn a_ramp_has_closed_forms() {
     }
 }
 
-/// The slab between two planes of a linear field, at a slant: along a ray it is a line, between its values at the two
-/// planes. By samples in the middle of steps the mean and the sum are the same, and extrema are half a step within.
-#[test]
-fn a_slab_of_a_ramp_has_closed_forms() {
-    let (grid, slope) = ramp();
-    let normal = DVec3::new(0.3, 0.2, 1.0);
-    let planes = [[0.0, 0.0, -0.2], [0.0, 0.0, 0.3]].map(DVec3::from_array);
-    let clips = || {
-        let kept = [(planes[0], normal), (planes[1], -normal)].map(|(point, normal)| Kept::Side {
-            point,
-            normal: Direction::of(normal).unwrap(),
-        });
-        kept.map(|kept| Clip {
-            kept,
-            volumes: None,
-        })
-        .to_vec()
-    };
-    for of in ALL {
-        let mut scene = exact(grid.clone(), Mode::Projection(projection(of)));
-        // Values and their attenuation are those of the window itself.
-        scene.mode = Mode::Projection(Projection {
-            window: Some(Window {
-                low: -2.0,
-                high: 2.0,
-            }),
-            ..projection(of)
-        });
-        scene.objects.clips = clips();
-        let eye = DVec3::new(0.3, 0.2, -4.0);
-        scene.camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.4).unwrap();
-        let seen = image(&scene, 12);
-        scene.continuous = false;
-        scene.step = 0.01;
-        let [fast, plain] = by_both(&scene, 12);
-        assert_eq!(fast, plain, "{of:?}");
-        let mut met = 0;
-        for index in 0..144 {
-            let ray = scene.camera.ray([index % 12, index / 12], [12, 12]);
-            let crossing =
-                |plane: DVec3| (plane - ray.origin).dot(normal) / ray.direction.dot(normal);
-            let [near, far] = {
-                let mut ends = planes.map(crossing);
-                ends.sort_by(f64::total_cmp);
-                ends
-            };
-            // Where both planes are crossed within the box: others end at its faces.
-            let within = |t: f64| ray.at(t).abs().max_element() <= 1.0;
-            if !within(near) || !within(far) || matches!(of, Projected::AttenuatedMaximum(_)) {
-                continue;
-            }
-            met += 1;
-            let [a, b] = [near, far].map(|t| slope.dot(ray.at(t)));
-            let length = far - near;
-            let right = match of {
-                Projected::Maximum => a.max(b),
-                Projected::Minimum => a.min(b),
-                Projected::Mean => 0.5 * (a + b),
-                _ => 0.5 * (a + b) * length,
-            };
-            let grey = |value: f64| ((value + 2.0) / 4.0).clamp(0.0, 1.0);
-            // A pixel has 24 bits. An extremum is off by half a step at most; the last step is shorter.
-            let off = (f64::from(seen.radiance()[index][0]) - grey(right)).abs();
-            assert!(off < 1e-6, "{of:?} {off:e}");
-            let off = (f64::from(fast.radiance()[index][0]) - grey(right)).abs();
-            assert!(off < 0.25 * 0.005 * slope.length() + 1e-6, "{of:?} {off:e}");
-        }
-        assert!(
-            met > 20 || matches!(of, Projected::AttenuatedMaximum(_)),
-            "{met}"
-        );
-    }
-}
-
-/// 1 − |x| on a fine lattice. The interpolant is below the field, which is concave but at its tip, by at most
-/// Σ h²/8 |∂²f| ≤ 3h²/(8r); a ray that meets the ball head on passes it so much earlier or later.
-#[test]
-fn a_ball_is_as_far_as_it_is() {
-    let h = 1.0 / 16.0;
-    let lattice = Lattice::new([33; 3], DVec3::splat(h), DVec3::splat(-1.0)).unwrap();
-    let grid = sampled(lattice, |node| {
-        let point = DVec3::from_array(node.map(|i| i as f64)) * h - 1.0;
-        (1.0 - point.length()) as f32
-    });
-    let scene = exact(grid, Mode::Composited);
-    let field_along = ExactField::new(&scene);
-    for direction in [DVec3::Z, DVec3::ONE, DVec3::new(0.3, -0.7, 0.2)] {
-        let ray = Ray::new(-4.0 * direction.normalize(), direction).unwrap();
-        for radius in [0.3, 0.5, 0.7] {
-            let found = field_along.passed_along(&surfaces(&[1.0 - radius], 1.0), &ray);
-            assert_eq!(found.len(), 2);
-            let bound = 3.0 * h * h / (8.0 * (radius - h)) + 1e-7;
-            for ((t, _), right) in found.iter().zip([4.0 - radius, 4.0 + radius]) {
-                assert!((t - right).abs() <= bound, "{} {bound}", t - right);
-            }
-        }
-        let most = field_along.number_along(&projection(Projected::Maximum), &ray);
-        assert!(most.is_some_and(|most| (most - 1.0).abs() <= 2.0 * f64::EPSILON));
-    }
-}
-
-/// Of one value everywhere all but the sum are that value.
-#[test]
-fn a_constant_is_its_own_projection() {
-    let lattice = Lattice::new([3, 1, 4], DVec3::new(0.5, 0.3, 0.2), DVec3::ZERO).unwrap();
-    let scene = exact(sampled(lattice, |_| 0.375), Mode::Composited);
-    let field_along = ExactField::new(&scene);
-    for ray in rays(&scene, 40) {
-        let Some(span) = scene.extent().span(&ray).filter(|span| span.length() > 0.0) else {
-            continue;
-        };
-        let number = |of| field_along.number_along(&projection(of), &ray).unwrap();
-        for of in [Projected::Maximum, Projected::Minimum, Projected::Mean] {
-            assert_eq!(number(of), 0.375);
-        }
-        assert!((number(Projected::Sum) - 0.375 * span.length()).abs() < 1e-15);
-        // The first value is attenuated by nothing.
-        let first = number(Projected::AttenuatedMaximum(2.0));
-        assert!((first - WINDOW.position(0.375)).abs() < 1e-15);
-        assert_eq!(field_along.passed_along(&surfaces(&[0.375], 1.0), &ray), []);
-    }
-}
-
-/// The largest value of a sum of fields is at most the sum of the largest; the smallest is minus the largest of minus the field; the
-/// mean lies between; and attenuation lets no value grow.
-#[test]
-fn laws_of_projections() {
-    let (a, b) = (noise(11, [4, 5, 3]), noise(12, [4, 5, 3]));
-    // Of numbers of 24 bits the sum is rounded: that of 12 bits is not.
-    let short = |grid: &Grid<f32>| {
-        let values = grid
-            .values()
-            .iter()
-            .map(|value| (value * 1024.0).round() / 1024.0);
-        values.collect::<Vec<f32>>()
-    };
-    let of = |values: Vec<f32>| {
-        exact(
-            Arc::new(Grid::new(*a.lattice(), values).unwrap()),
-            Mode::Composited,
-        )
-    };
-    let (a, b) = (short(&a), short(&b));
-    let sum = a.iter().zip(&b).map(|(a, b)| a + b).collect();
-    let minus = a.iter().map(|value| -value).collect();
-    let [a, b, sum, minus] = [a, b, sum, minus].map(of);
-    let [fa, fb, fsum, fminus] = [&a, &b, &sum, &minus].map(ExactField::new);
-    for ray in rays(&a, 100) {
-        let along = |field: &ExactField<'_>, of| field.number_along(&projection(of), &ray);
-        let Some(most) = along(&fa, Projected::Maximum) else {
-            continue;
-        };
-        let both = most + along(&fb, Projected::Maximum).unwrap();
-        assert!(along(&fsum, Projected::Maximum).unwrap() <= both + 1e-14);
-        assert_eq!(along(&fminus, Projected::Minimum), Some(-most));
-        let mean = along(&fa, Projected::Mean).unwrap();
-        assert!(along(&fa, Projected::Minimum).unwrap() <= mean && mean <= most);
-        let total = along(&fa, Projected::Sum).unwrap() + along(&fb, Projected::Sum).unwrap();
-        assert!((along(&fsum, Projected::Sum).unwrap() - total).abs() < 1e-13);
-        let mut before = WINDOW.position(most);
-        for attenuation in [0.0, 0.5, 2.0, 8.0] {
-            let now = along(&fa, Projected::AttenuatedMaximum(attenuation)).unwrap();
-            assert!(now <= before + 1e-14, "{now} {before}");
-            before = now;
-        }
-        let unattenuated = along(&fa, Projected::AttenuatedMaximum(0.0)).unwrap();
-        assert!((unattenuated - WINDOW.position(most)).abs() < 1e-14);
-    }
-}
-
 fn modes() -> Vec<Mode> {
     let projections = ALL.map(|of| Mode::Projection(projection(of)));
     let isosurfaces = Mode::Isosurfaces(surfaces(&[0.15, -0.3, 0.45], 0.4));
@@ -542,40 +348,6 @@ fn samples_converge_to_what_is_exact() {
             "{:?}: {coarse} {fine}",
             scene.mode
         );
-    }
-}
-
-/// A quarter turn of volume, eye and light about an axis changes nothing but roundings, and a mirror mirrors.
-#[test]
-fn a_rigid_motion_changes_nothing() {
-    let turn = Transform::from_rows([
-        [0.0, -1.0, 0.0, 0.5],
-        [1.0, 0.0, 0.0, -2.0],
-        [0.0, 0.0, 1.0, 1.0],
-    ])
-    .unwrap();
-    for mode in modes() {
-        let scene = Classified {
-            phong: matches!(mode, Mode::Isosurfaces(_)).then_some(PHONG),
-            ..exact(noise(31, [5, 6, 4]), mode)
-        };
-        let turned = Classified {
-            to_world: Some(turn),
-            camera: Camera::new(
-                turn.point(scene.camera.eye()),
-                turn.point(scene.extent().bounds.centre()),
-                DVec3::NEG_X,
-                0.8,
-            )
-            .unwrap(),
-            light: turn.point(scene.light),
-            ..scene.clone()
-        };
-        let [here, there] = [&scene, &turned].map(|scene| image(scene, 24));
-        let pairs = here.radiance().iter().zip(there.radiance());
-        let off = pairs.filter(|(a, b)| (0..3).any(|i| (a[i] - b[i]).abs() > 1e-5));
-        // A ray that touches a surface may pass it or not.
-        assert!(off.count() <= 2, "{:?}", scene.mode);
     }
 }
 
@@ -906,37 +678,11 @@ fn modes_refuse_other_conventions() {
     assert!(error.contains("no samples"), "{error}");
 }
 
-/// Numbers that can be off: an attenuation, and no opacity over a length.
-#[test]
-fn numbers_of_a_mode() {
-    for mode in modes() {
-        let is_attenuated = matches!(&mode, Mode::Projection(projection)
-            if matches!(projection.of, Projected::AttenuatedMaximum(_)));
-        let scene = Scene::of(panel(exact(noise(61, [4, 5, 3]), mode), 12));
-        assert!(number(&scene, "density").is_err());
-        let found = number(&scene, "attenuation");
-        assert_eq!(found.is_ok(), is_attenuated);
-        if let Ok(number) = found {
-            let more = number.changed(&scene, 0.5).unwrap();
-            let [less, more] = [&scene, &more].map(|scene| {
-                let film = render(&plans(scene), Sampling::default(), &|| ())
-                    .unwrap()
-                    .film;
-                film.radiance()
-                    .iter()
-                    .map(|pixel| f64::from(pixel[0]))
-                    .sum::<f64>()
-            });
-            assert!(more < 0.95 * less, "{more} {less}");
-        }
-    }
-}
-
 /// Mistakes that a case of the family lists: each fails there; what is said to explain it is that mistake, or one that makes
 /// the same image.
 #[test]
 fn mistakes_of_the_family_are_named() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let mut unnamed = Vec::new();
     let mut named = 0;
     for case in suite.select(&["scenes".to_owned()]).unwrap() {
@@ -947,9 +693,7 @@ fn mistakes_of_the_family_are_named() {
         for name in &case.mistakes {
             let mistake = mistakes::named(name).unwrap();
             let wrong = mistake.in_scene(&scene).unwrap();
-            let film = render(&plans(&wrong), Sampling::default(), &|| ())
-                .unwrap()
-                .film;
+            let film = film_of(&wrong);
             let output = Output::Picture(Box::new(Picture::Radiance(film)));
             let mut judged = vec![validate(case, &suite.store(), output, None)];
             let verdict = judged[0].result.verdict;

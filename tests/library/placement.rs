@@ -4,6 +4,7 @@
 //! between its faces by Cramer's rule, distances and directions are of the world from the start.
 //! Its field is linear, so that it has a closed form between and at the nodes.
 
+use crate::common::suite::film_of as rendered;
 use glam::{DMat3, DVec3};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,7 +13,7 @@ use volref::film::Film;
 use volref::geometry::{Direction, Ray, Transform};
 use volref::math::{exp_m1, ln_1p, powu};
 use volref::reference;
-use volref::render::{Sampling, plans, render};
+use volref::render::Sampling;
 use volref::scene::{Classified, Scene};
 use volref::variations::mistakes;
 use volref::volume::{LoadOptions, Orientation, load_hashed};
@@ -104,12 +105,6 @@ fn scene_of(folder: &Path, volume: &str, more: &str, view: &str) -> Scene {
 
 fn volume(scene: &Scene) -> &Classified {
     scene.panels[0].classified().unwrap()
-}
-
-fn rendered(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| {})
-        .unwrap()
-        .film
 }
 
 /// The fast, the plain and the counted caster, which agree to the bit.
@@ -582,72 +577,6 @@ fn files_stand_where_their_headers_put_them() {
                 "{header}: {place} {right}"
             );
         }
-    }
-}
-
-/// An oblique, left-handed `sform`, whose numbers have 32 bits.
-#[test]
-fn an_oblique_nifti_stands_where_its_header_puts_it() {
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/volumes/formats");
-    let mut bytes = std::fs::read(fixtures.join("grid.nii")).unwrap();
-    let rows: [[f32; 4]; 3] = [
-        [0.5, -0.25, 0.0, -1.0],
-        [0.25, 0.5, 0.125, 2.0],
-        [0.0, 0.5, -2.0, 3.0],
-    ];
-    for (index, number) in rows.as_flattened().iter().enumerate() {
-        bytes[280 + 4 * index..][..4].copy_from_slice(&number.to_be_bytes());
-    }
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("ramp.nii"), &bytes).unwrap();
-    let text = "[classified]\n[classified.volume]\nfile = \"ramp.nii\"\n";
-    let scene = Scene::parse(text, &folder.path().join("scene.toml")).unwrap();
-    let lattice = volume(&scene).grid.lattice();
-    let to_world = volume(&scene).to_world.unwrap();
-    assert!(to_world.mirrors());
-    for index in 0..lattice.node_count() {
-        let node = lattice.node(index);
-        let place = to_world.point(lattice.position(node));
-        let [i, j, k] = node.map(|n| n as f64);
-        let right = rows.map(|row| {
-            let [x, y, z, o] = row.map(f64::from);
-            x * i + y * j + z * k + o
-        });
-        assert!(place.distance(right.into()) < 1e-14, "{node:?}: {place}");
-    }
-    // As stored: the lengths of the steps, without a map.
-    let stored = format!("{text}orientation = \"as-stored\"\n");
-    let stored = Scene::parse(&stored, &folder.path().join("scene.toml")).unwrap();
-    assert!(volume(&stored).to_world.is_none());
-}
-
-/// What the file says comes first, what the scene says second.
-#[test]
-fn the_map_of_the_scene_follows_that_of_the_file() {
-    let folder = tempfile::tempdir().unwrap();
-    let header = "space dimension: 3\nspace directions: (0.2,0.15,0) (-0.3,0.4,0) (0,0,0.5)\nspace origin: (-0.25,1,-0.5)";
-    std::fs::write(folder.path().join("ramp.nrrd"), nrrd(header, ramp(CHANGES))).unwrap();
-    let linear = DMat3::from_cols(
-        DVec3::new(0.8, 0.6, 0.0),
-        DVec3::new(-0.6, 0.8, 0.0),
-        DVec3::Z,
-    );
-    // The file turns about its first sample, which is where the upright file has it.
-    let offset = FIRST - linear * FIRST;
-    let file = Transform::from_matrix(linear, offset).unwrap();
-    for rows in MAPS {
-        let scene = Transform::from_rows(rows).unwrap();
-        let both = file.then(&scene).rows();
-        let (map, light, eye) = placed(rows);
-        let scene = scene_of(folder.path(), &map, &format!("{light}\n{LIT}"), &eye);
-        let (worst, seen) = off(
-            &by_all(&scene),
-            volume(&scene),
-            CHANGES,
-            both,
-            volume(&scene).step,
-        );
-        assert!(worst < ROUNDING && seen >= 5, "{worst:e} {seen}: {rows:?}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! Plain English in the guide, the README, the changelog, the help, the messages and the schemas: how long they may be,
 //! how no sentence begins, and which words of our own do not occur.
 
+use crate::common::suite::root;
 use std::path::{Path, PathBuf};
 
 /// Words of the guide in all, without the definitions of links for rustdoc.
@@ -26,10 +27,6 @@ const OWN_WORDS: [&str; 8] = [
     "hunt",
     "misfit",
 ];
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 /// Files below `folder` with the extension, in order.
 fn files(folder: &str, extension: &str) -> Vec<PathBuf> {

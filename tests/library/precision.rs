@@ -1,18 +1,13 @@
 //! Images of 8 bits: of right ones none is rejected, whatever the case, and faults beyond the rounding are.
 
-use std::path::Path;
+use crate::common::suite::film_with;
+use crate::common::suite::{silent, suite};
 use volref::compare::Picture;
 use volref::compare::flip::SrgbImage;
 use volref::film::{Bits, Encoding, Film, Origin, Quantisation};
 use volref::judging::{CaseResult, Verdict, declared, validate};
-use volref::math;
-use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Length, Panel, Scene};
 use volref::suite::{Case, Golden, Output, Suite};
-
-fn suite() -> Suite {
-    Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
 
 /// The roundings of 8 bits that renderers have, at the exposure of a case.
 fn roundings(exposure: f64) -> [Quantisation; 2] {
@@ -22,11 +17,6 @@ fn roundings(exposure: f64) -> [Quantisation; 2] {
         origin: Origin::Declared,
         blended: false,
     })
-}
-
-/// `film` as a file holds it that says nothing of its rounding.
-fn silent(film: &Film) -> Film {
-    Film::new(film.width(), film.height(), film.radiance().to_vec())
 }
 
 fn scaled(film: &Film, factor: f64) -> Film {
@@ -61,11 +51,7 @@ fn golden(suite: &Suite, case: &Case) -> Film {
 
 /// The picture of a case with `samples` per pixel, and seeds of its own.
 fn rendered(scene: &Scene, samples: u32) -> Film {
-    let sampling = Sampling {
-        samples: Some(samples),
-        seed: Seed::Given(scene.seed().unwrap_or(0) ^ 0x38_6269_7473),
-    };
-    render(&plans(scene), sampling, &|| ()).unwrap().film
+    film_with(scene, samples, scene.seed().unwrap_or(0) ^ 0x38_6269_7473)
 }
 
 /// The scene of a case without a step, with its step times `factor` and samples at `first` in each.
@@ -114,31 +100,6 @@ fn no_rounded_image_is_rejected() {
         passed > 100 && said > 30,
         "{passed} passed, {said} recognised"
     );
-}
-
-/// Of few samples, which do not state their noise.
-#[test]
-fn no_rounded_image_with_noise_is_rejected() {
-    let suite = suite();
-    let (mut rejected, mut passed) = (Vec::new(), 0);
-    for case in suite.cases().iter().filter(|case| case.sampling.is_some()) {
-        let film = rendered(&case.load_scene().unwrap(), 4);
-        for rounding in roundings(case.exposure) {
-            let test = silent(&rounding.rounded(&film));
-            let bits = format!("8-{}", rounding.encoding.name());
-            let result = judged(&suite, case, vec![test], Some(&bits));
-            let [note] = &result.notes[..] else {
-                panic!("{}: {:?}", case.name, result.notes);
-            };
-            assert!(note.starts_with("8 bits, "), "{note}");
-            if !is_accepted(&result) {
-                rejected.push(format!("{} {bits}: {}; {note}", case.name, result.reason));
-            }
-            passed += usize::from(result.verdict == Verdict::Pass);
-        }
-    }
-    assert!(rejected.is_empty(), "{rejected:#?}");
-    assert!(passed > 10, "{passed}");
 }
 
 /// Ladders of steps, by rules of first and of second order.
@@ -274,36 +235,6 @@ fn shifted(film: &Film) -> Film {
     let from = |index: usize| index - usize::from(!index.is_multiple_of(width));
     let pixels = (0..film.radiance().len()).map(|index| film.radiance()[from(index)]);
     Film::new(width, film.height(), pixels.collect())
-}
-
-/// A gain of 3 % is seen where codes are finer than that, and half a code is not.
-#[test]
-fn half_a_code_and_the_tolerance_agree() {
-    let suite = suite();
-    let cases = suite.select(&["figures/figure-3".to_owned()]).unwrap();
-    let case = cases[0];
-    let golden = golden(&suite, case);
-    for rounding in roundings(case.exposure) {
-        let bits = format!("8-{}", rounding.encoding.name());
-        let verdict = |factor: f64| {
-            let test = silent(&rounding.rounded(&scaled(&golden, factor)));
-            judged(&suite, case, vec![test], Some(&bits)).verdict
-        };
-        assert_eq!(verdict(1.0), Verdict::Pass);
-        assert_eq!(verdict(1.03), Verdict::Fail, "{rounding}");
-        // Judged by the bits alone, that is not agreement of a radiance of 32 bits.
-        let half = math::exp2(-9.0);
-        let off = Film::new(
-            golden.width(),
-            golden.height(),
-            golden
-                .radiance()
-                .iter()
-                .map(|p| p.map(|x| x + half as f32))
-                .collect(),
-        );
-        assert_eq!(judged(&suite, case, vec![off], None).verdict, Verdict::Fail);
-    }
 }
 
 /// A renderer that casts 255 x to a byte, or writes codes as numbers, is told so, and no other.

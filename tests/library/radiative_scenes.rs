@@ -6,7 +6,6 @@ use std::path::Path;
 use std::sync::Arc;
 use volref::geometry::{Boundary, Direction, Emitter, Luminous, Ray, Shape, Solid, Surface};
 use volref::optics::{Asymmetry, Draine, Droplets, Light, Material, Phase, Sides};
-use volref::render::{Effect, Plan};
 use volref::scene::format::json_schema;
 use volref::scene::{Model, Radiative, SCENE, Scattering, Scene, SceneError};
 
@@ -82,8 +81,13 @@ fn said_about(text: &str) -> String {
         None => "-".to_owned(),
     };
     let inside = format!("{}{}", folder.path().display(), std::path::MAIN_SEPARATOR);
-    let help = error.help_text().unwrap_or("none");
-    format!("{place}: {}\n    {help}\n", error.message()).replace(&inside, "")
+    let mut said = format!("{place}: {}", error.message());
+    // What a key means is held by the schema.
+    match error.help_text() {
+        Some(doc) if doc.starts_with('`') && doc.contains("`: ") => {}
+        help => said += &format!(" help: {}", help.unwrap_or("none")),
+    }
+    said.replace(&inside, "") + "\n"
 }
 
 /// What is said about [`BASE`] after each of the edits.
@@ -385,13 +389,9 @@ fn bounces() {
         ("[radiative]", "[radiative]\nscattering = \"twice\""),
     ]), @r#"
     6:15: `max_bounces` must lie in [2, 67108863], got 1
-        `radiative.max_bounces`: Maximum scattering order, with `scattering = "multiple"`. If left out, it is unlimited.
     6:15: `max_bounces` must lie in [2, 67108863], got 67108864
-        `radiative.max_bounces`: Maximum scattering order, with `scattering = "multiple"`. If left out, it is unlimited.
-    7:15: `max_bounces` has no effect with single scattering
-        remove it, or set `scattering = "multiple"`
+    7:15: `max_bounces` has no effect with single scattering help: remove it, or set `scattering = "multiple"`
     6:14: `scattering` must be one of "none", "single", "multiple", but is "twice"
-        `radiative.scattering`: Scattering order of light on its way to the eye, bounces of media and surfaces together: none, one, or any number.
     "#);
 }
 
@@ -414,33 +414,19 @@ fn coefficients() {
         (COEFFICIENTS, "emission = -1"),
     ]), @r#"
     13:11: `sigma_a` must not be negative, got [-0.5, -0.5, -0.5]
-        `radiative.medium[0].sigma_a`: Absorption per world length.
     13:11: `sigma_a` must be finite, got inf
-        `radiative.medium[0].sigma_a`: Absorption per world length.
     14:11: `sigma_s` must be finite, got nan
-        `radiative.medium[0].sigma_s`: Scattering per world length.
     14:11: `sigma_s` must be three numbers, not 2
-        `radiative.medium[0].sigma_s`: Scattering per world length.
-    13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf]
-        give smaller coefficients, or choose another unit of length
+    13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf] help: give smaller coefficients, or choose another unit of length
     14:10: `albedo` must lie in [0, 1] in every channel, got [1.2, 1.2, 1.2]
-        `radiative.medium[0].albedo`: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
     14:10: `albedo` must not be negative, got [0, -0.5, 0]
-        `radiative.medium[0].albedo`: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
-    13:11: [radiative.medium[0]] gives `sigma_t` without `albedo`
-        give `albedo` too: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
-    13:10: [radiative.medium[0]] gives `albedo` without `sigma_t`
-        give `sigma_t` too: Extinction per world length, absorption and scattering together; goes with `albedo`.
-    14:11: [radiative.medium[0]] mixes `sigma_s` with `sigma_t`
-        give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
-    15:11: [radiative.medium[0]] mixes `sigma_a`, `sigma_s` with `albedo`
-        give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
+    13:11: [radiative.medium[0]] gives `sigma_t` without `albedo` help: give `albedo` too: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
+    13:10: [radiative.medium[0]] gives `albedo` without `sigma_t` help: give `sigma_t` too: Extinction per world length, absorption and scattering together; goes with `albedo`.
+    14:11: [radiative.medium[0]] mixes `sigma_s` with `sigma_t` help: give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
+    15:11: [radiative.medium[0]] mixes `sigma_a`, `sigma_s` with `albedo` help: give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
     13:5: `g` must lie in (-1, 1), got 1
-        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is isotropic.
     13:5: `g` must lie in (-1, 1), got -1.5
-        `radiative.medium[0].g`: Mean cosine of the scattering angle (Henyey–Greenstein), between -1 and 1: positive is forward, 0 is isotropic.
     13:12: `emission` must not be negative, got [-1, -1, -1]
-        `radiative.medium[0].emission`: Radiance emitted per world length.
     "#);
 }
 
@@ -574,32 +560,11 @@ fn phase_functions() {
     ];
     insta::assert_snapshot!(wrong.concat(), @r"
     15:16: `g` must lie in (-1, 1), got 1
-        `radiative.medium[0].draine.g`: Parameter of the Henyey–Greenstein factor, between -1 and 1; not the mean cosine.
     15:20: `alpha` must be finite and at least 0, got -0.5
-        `radiative.medium[0].draine.alpha`: Weight of cos²; 0 is Henyey–Greenstein.
     15:12: missing key `diameter` in [radiative.medium[0].droplets]
-        `radiative.medium[0].droplets.diameter`: Diameter of the droplets, micrometres, in [5, 50].
     15:25: `diameter` must lie in [5, 50], got 0.5
-        `radiative.medium[0].droplets.diameter`: Diameter of the droplets, micrometres, in [5, 50].
-    16:10: [radiative.medium[0]] has more than one phase function: `g`, `draine`
-        keep at most one of `g`, `draine`
+    16:10: [radiative.medium[0]] has more than one phase function: `g`, `draine` help: keep at most one of `g`, `draine`
     ");
-}
-
-/// The plan says which phase function scatters.
-#[test]
-fn the_plan_names_the_phase_function() {
-    let text = edited(&[(COEFFICIENTS, &format!("{COEFFICIENTS}\ndraine = {{}}"))]);
-    let scene = parse(&text).unwrap();
-    let plan = Plan::new(&scene.panels[0]);
-    let mut decisions = plan.decisions.iter();
-    let decision = decisions.find(|decision| decision.effect == Effect::AnisotropicPhase);
-    let reason = &decision.unwrap().why;
-    assert_eq!(
-        reason.reason,
-        "a scattering medium has the phase function Rayleigh"
-    );
-    assert_eq!(reason.field.as_deref(), Some("radiative.medium[0].draine"));
 }
 
 #[test]
@@ -644,44 +609,25 @@ fn densities_that_are_none() {
         block("<medium type=\"procedural\">\n  <color name=\"sigma_a\" value=\"1 1\"/>\n</medium>"),
     ];
     insta::assert_snapshot!(all.concat(), @r#"
-    12:9: a heterogeneous medium needs a shape: without one it is unbounded
-        give the medium a `box`, `sphere` or `mesh`
+    12:9: a heterogeneous medium needs a shape: without one it is unbounded help: give the medium a `box`, `sphere` or `mesh`
     12:17: none.vol: there is no such file
-        `radiative.medium[0].grid.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
-    14:8: [radiative.medium[0]] has more than one density: `noise`, `blob`
-        keep at most one of `noise`, `blob`
-    15:11: [radiative.medium[0]] mixes `procedural` with `sigma_a`, `sigma_s`
-        give either `procedural`, or `sigma_a`, `sigma_s`, `sigma_t`, `albedo`
-    13:17: `interpolation` belongs to a grid, and the medium has none
-        remove it, or give the medium a `grid`
+    14:8: [radiative.medium[0]] has more than one density: `noise`, `blob` help: keep at most one of `noise`, `blob`
+    15:11: [radiative.medium[0]] mixes `procedural` with `sigma_a`, `sigma_s` help: give either `procedural`, or `sigma_a`, `sigma_s`, `sigma_t`, `albedo`
+    13:17: `interpolation` belongs to a grid, and the medium has none help: remove it, or give the medium a `grid`
     13:21: `octaves` must lie in [1, 32], got 99
-        `radiative.medium[0].noise.octaves`: Layers of noise.
     13:18: `gain` must be finite and above 0, got 0
-        `radiative.medium[0].noise.gain`: Factor on the amplitude from one octave to the next.
     13:24: lacunarity 1e300 makes the frequency of octave 4 overflow
-        `radiative.medium[0].noise.lacunarity`: Factor on the frequency from one octave to the next.
     13:38: `width` must be finite and above 0, got 0
-        `radiative.medium[0].blob.width`: Its standard deviation along any line, world units.
     13:40: up must be finite and not zero, got [0, 0, 0]
-        `radiative.medium[0].exponential.up`: The direction of rising height, any length but 0.
     13:15: missing key `scale_height` in [radiative.medium[0].exponential]
-        `radiative.medium[0].exponential.scale_height`: Height over which the density falls by a factor of e, world units.
-    14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 over a length of up to 3.4641e0 is beyond the largest number
-        give smaller coefficients, densities or lengths
-    14:11: the medium is up to 1.2124e8 optical depths thick, and its density varies: light is traced through at most 1.6777e7
-        give smaller coefficients, densities or lengths
-    12:8: the medium has a density but no coefficients, so it has no effect on light
-        give it `sigma_a`, `sigma_s` or `emission`, those of density 1
-    14:17: [radiative.medium[0]] mixes `procedural` with `interpolation`
-        give either `procedural` or `interpolation`
+    14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 over a length of up to 3.4641e0 is beyond the largest number help: give smaller coefficients, densities or lengths
+    14:11: the medium is up to 1.2124e8 optical depths thick, and its density varies: light is traced through at most 1.6777e7 help: give smaller coefficients, densities or lengths
+    12:8: the medium has a density but no coefficients, so it has no effect on light help: give it `sigma_a`, `sigma_s` or `emission`, those of density 1
+    14:17: [radiative.medium[0]] mixes `procedural` with `interpolation` help: give either `procedural` or `interpolation`
     13:23: there is no file none.xml
-        `radiative.medium[0].procedural.file`: XML file that holds the element, relative to the folder of the scene.
-    13:14: [radiative.medium[0].procedural] has no source
-        give one of `file`, `text`
-    16:3: unknown element <flaot>
-        did you mean <float>?
-    16:32: `sigma_a` must be three numbers, or one for all three, not 2
-        `sigma_a`: absorption of density 1, per world length: three numbers, or one for all three, at least 0
+    13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
+    16:3: unknown element <flaot> help: did you mean <float>?
+    16:32: `sigma_a` must be three numbers, not 2
     "#);
 }
 
@@ -701,27 +647,16 @@ fn matter() {
         (DIFFUSE, "emitter = { radiance = -1 }"),
     ]), @r#"
     9:27: `reflectance` must lie in [0, 1] in every channel, got [1.5, 1.5, 1.5]
-        `radiative.surface[0].diffuse.reflectance`: Fraction of the light that is reflected, by channel, in [0, 1].
     9:27: `reflectance` must not be negative, got [0, 0, -0.1]
-        `radiative.surface[0].diffuse.reflectance`: Fraction of the light that is reflected, by channel, in [0, 1].
     9:11: missing key `reflectance` in [radiative.surface[0].diffuse]
-        `radiative.surface[0].diffuse.reflectance`: Fraction of the light that is reflected, by channel, in [0, 1].
-    7:1: [radiative.surface[0]] has no material
-        give one of `diffuse`, `mirror`, `glass`, `emitter`
-    10:9: [radiative.surface[0]] has more than one material: `diffuse`, `glass`
-        keep exactly one of `diffuse`, `glass`
+    7:1: [radiative.surface[0]] has no material help: give one of `diffuse`, `mirror`, `glass`, `emitter`
+    10:9: [radiative.surface[0]] has more than one material: `diffuse`, `glass` help: keep exactly one of `diffuse`, `glass`
     9:19: `index` must be finite and above 0, got 0
-        `radiative.surface[0].glass.index`: Index of refraction of the inside relative to the outside, such as 1.5.
     9:9: missing key `index` in [radiative.surface[0].glass]
-        `radiative.surface[0].glass.index`: Index of refraction of the inside relative to the outside, such as 1.5.
-    9:1: unknown key `difuse` in [radiative.surface[0]]
-        did you mean `diffuse`?
-    9:13: unknown key `reflectence` in [radiative.surface[0].diffuse]
-        did you mean `reflectance`?
+    9:1: unknown key `difuse` in [radiative.surface[0]] help: did you mean `diffuse`?
+    9:13: unknown key `reflectence` in [radiative.surface[0].diffuse] help: did you mean `reflectance`?
     9:35: `sides` must be one of "front", "both", but is "back"
-        `radiative.surface[0].emitter.sides`: Sides that emit; the front of a closed shape is its outside.
     9:24: `radiance` must not be negative, got [-1, -1, -1]
-        `radiative.surface[0].emitter.radiance`: Linear radiance, the same in every direction.
     "#);
 }
 
@@ -748,44 +683,25 @@ fn shapes() {
         (BOX, "rectangle = { corner = [0, 0, 0] }"),
         (BOX, "translate = [1, 0, 0]"),
     ]), @r#"
-    7:1: [radiative.surface[0]] has no shape
-        give one of `rectangle`, `sphere`, `box`, `mesh`
-    9:8: [radiative.surface[0]] has more than one shape: `sphere`, `mesh`
-        keep exactly one of `sphere`, `mesh`
+    7:1: [radiative.surface[0]] has no shape help: give one of `rectangle`, `sphere`, `box`, `mesh`
+    9:8: [radiative.surface[0]] has more than one shape: `sphere`, `mesh` help: keep exactly one of `sphere`, `mesh`
     8:41: `radius` must be finite and above 0, got 0
-        `radiative.surface[0].sphere.radius`: Its radius, world units.
     8:41: `radius` must be finite and above 0, got -1
-        `radiative.surface[0].sphere.radius`: Its radius, world units.
     8:41: a sphere of radius 0.00000000000000000001 vanishes at [1, 0, 0]: coordinates there are too coarse; move the scene nearer to the origin
-        `radiative.surface[0].sphere.radius`: Its radius, world units.
-    8:32: unknown key `raduis` in [radiative.surface[0].sphere]
-        did you mean `radius`?
+    8:32: unknown key `raduis` in [radiative.surface[0].sphere] help: did you mean `radius`?
     8:64: a rectangle with edges [1, 0, 0] and [2, 0, 0] has no area; give two edges that are not parallel
-        `radiative.surface[0].rectangle.edge_v`: From the corner to the other neighbour, world units.
     8:15: the box's min [0, 2, 0] must not exceed its max [1, 1, 1] on any axis; swap them where it does
-        `radiative.surface[0].box.min`: The corner with the smallest coordinates, world units.
-    8:7: the box is a line or a point: no ray can meet it
-        give `max` larger coordinates than `min` on two axes or all three
+    8:7: the box is a line or a point: no ray can meet it help: give `max` larger coordinates than `min` on two axes or all three
     8:17: there is no file none.obj
-        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     8:17: cannot read the mesh folder.obj: this is a directory, not a file
-        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     8:17: points.obj: the mesh has no faces; a file of bare points is a point cloud, not a mesh
-        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     8:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
-        `radiative.surface[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium or glass needs a closed boundary, so fill the hole
-        `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
     12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
-        `radiative.medium[0].mesh.file`: Wavefront OBJ file, relative to the folder of the scene; the corners of a face run anticlockwise seen from its front.
-    12:7: the box is flat: it has no inside, as a medium needs
-        give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
-    13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box`
-        keep at most one of `sphere`, `box`
-    12:1: unknown key `rectangle` in [radiative.medium[0]]
-        allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
-    12:13: a medium without a shape fills all space: `translate` has no effect
-        give the medium a `sphere`, `box` or `mesh`, or remove `translate`
+    12:7: the box is flat: it has no inside, as a medium needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
+    13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box` help: keep at most one of `sphere`, `box`
+    12:1: unknown key `rectangle` in [radiative.medium[0]] help: allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
+    12:13: a medium without a shape fills all space: `translate` has no effect help: give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
 }
 
@@ -825,37 +741,21 @@ fn places() {
     }
     insta::assert_snapshot!(all, @r#"
     9:9: scaling by [1, 0, 1] flattens the object; give a factor other than 0 on every axis
-        `radiative.surface[0].scale`: Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.
     9:9: `scale` must be three numbers, such as [0, 1, 0], not an integer
-        `radiative.surface[0].scale`: Scales the shape along x, y, z about the origin, before its rotation; not 0, negative factors mirror.
     9:19: a rotation needs an axis other than the zero vector
-        `radiative.surface[0].rotate.axis`: The axis, any length but 0.
     9:10: missing key `angle` in [radiative.surface[0].rotate]
-        `radiative.surface[0].rotate.angle`: Degrees; anticlockwise where the axis points at the viewer.
     9:38: `angle` must be finite, got inf
-        `radiative.surface[0].rotate.angle`: Degrees; anticlockwise where the axis points at the viewer.
     9:10: `rotate` must be a table, not an array
-        `radiative.surface[0].rotate`: Rotates the shape about an axis through the origin, after its scaling and before its translation.
-    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest
-        scale it less, or move the scene nearer to the origin
-    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest
-        scale it less, or move the scene nearer to the origin
-    9:1: unknown key `rotat` in [radiative.surface[0]]
-        did you mean `rotate`?
-    8:7: the box is flat: it has no inside, as glass needs
-        give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
-    9:9: an emitting sphere cannot be stretched to an ellipsoid
-        scale by the same factor along x, y and z, or give a mesh of the ellipsoid
-    8:10: the area of this light is inf, beyond the range of numbers
-        choose other units of length
-    8:7: the box is flat: it has no inside, as a light in the shape of a box needs
-        give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
+    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest help: scale it less, or move the scene nearer to the origin
+    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest help: scale it less, or move the scene nearer to the origin
+    9:1: unknown key `rotat` in [radiative.surface[0]] help: did you mean `rotate`?
+    8:7: the box is flat: it has no inside, as glass needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
+    9:9: an emitting sphere cannot be stretched to an ellipsoid help: scale by the same factor along x, y and z, or give a mesh of the ellipsoid
+    8:10: the area of this light is inf, beyond the range of numbers help: choose other units of length
+    8:7: the box is flat: it has no inside, as a light in the shape of a box needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     8:64: a rectangle with edges [0, 0, 0] and [0, 1, 0] has no area; give two edges that are not parallel
-        `radiative.surface[0].rectangle.edge_v`: From the corner to the other neighbour, world units.
     8:13: after its transform: a rectangle with edges [0.000000000000000000000000000001, 0, 0] and [0, 0.000000000000000000000000000001, 0] has no area; give two edges that are not parallel
-        `radiative.surface[0].rectangle`: Shape: a rectangle or parallelogram.
     8:8: after its transform: the face in line 5 has no area: its corners [1, 1, 1], [1, 1, 1] and [1, 1, 1] lie on a line; remove it
-        `radiative.surface[0].mesh`: Shape: a triangle mesh.
     "#);
 }
 
@@ -876,32 +776,19 @@ fn lights() {
         ("[[radiative.light]]", "[radiative.light]"),
         ("[[radiative.light]]\npoint = { position = [0, 3, 0], intensity = 10 }", "[[panel]]\nradiative.light = [1]"),
     ]), @r#"
-    16:1: [radiative.light[0]] has no kind of light
-        give one of `point`, `spot`, `directional`
+    16:1: [radiative.light[0]] has no kind of light help: give one of `point`, `spot`, `directional`
     17:45: `intensity` must not be negative, got [-1, -1, -1]
-        `radiative.light[0].point.intensity`: Radiant intensity, power per steradian, on the axis of a spot: the irradiance at distance r is intensity / r².
     17:22: `position` must be three numbers, not 2
-        `radiative.light[0].point.position`: Position of the light, world units.
-    18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional`
-        keep exactly one of `point`, `directional`
+    18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional` help: keep exactly one of `point`, `directional`
     17:41: the spotlight has no direction: its target is its position
-        `radiative.light[0].spot.target`: A point on the axis of the cone, other than `position`, world units.
     17:98: a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got 3 and 2
-        `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
     17:98: `outer_angle` must lie in [0, 180], got 181
-        `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
     17:98: a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got 0 and 0
-        `radiative.light[0].spot.outer_angle`: Half-angle of the cone outside which nothing is lit, degrees; above 0.
     17:8: missing key `inner_angle` in [radiative.light[0].spot]
-        `radiative.light[0].spot.inner_angle`: Half-angle of the cone that is lit fully, degrees; at most `outer_angle`.
     17:29: the direction of the light is the zero vector
-        `radiative.light[0].directional.direction`: Direction of travel, any length but 0.
-    17:1: unknown key `sun` in [radiative.light[0]]
-        allowed keys in [radiative.light[0]]: point, spot, directional
+    17:1: unknown key `sun` in [radiative.light[0]] help: allowed keys in [radiative.light[0]]: point, spot, directional
     16:1: `light` must be tables in double brackets, [[…]], not a table
-        `radiative.light`: Point, spot and directional lights. Area lights are surfaces with an emitter.
     17:19: `light` must be tables in double brackets, [[…]], not an integer
-        `radiative.light`: Point, spot and directional lights. Area lights are surfaces with an emitter.
     "#);
 }
 
@@ -917,22 +804,14 @@ fn more_than_an_image_holds() {
         (COEFFICIENTS, "emission = 1e38\nsigma_a = 1e-3"),
         (&format!("{BOX}\n{COEFFICIENTS}"), "emission = 1e38\nsigma_a = 1e-3"),
     ]), @r#"
-    6:15: `environment` is 1e39, but an image holds at most 1.701e38
-        an image holds 32-bit numbers; choose another unit of radiance
-    17:45: `intensity` is 2e38, but an image holds at most 1.701e38
-        an image holds 32-bit numbers; choose another unit of radiance
-    17:53: `irradiance` is 1e300, but an image holds at most 1.701e38
-        an image holds 32-bit numbers; choose another unit of radiance
-    9:24: `radiance` is 1e39, but an image holds at most 1.701e38
-        an image holds 32-bit numbers; choose another unit of radiance
-    13:12: `emission` is 1e39, but an image holds at most 1.701e38
-        an image holds 32-bit numbers; choose another unit of radiance
-    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38
-        give a smaller emission or a smaller shape
-    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38
-        give a smaller emission or a smaller shape
-    12:12: the medium emits up to 1.000e41 towards the eye; an image holds at most 1.701e38
-        give a smaller emission or a smaller shape
+    6:15: `environment` is 1e39, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
+    17:45: `intensity` is 2e38, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
+    17:53: `irradiance` is 1e300, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
+    9:24: `radiance` is 1e39, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
+    13:12: `emission` is 1e39, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
+    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38 help: give a smaller emission or a smaller shape
+    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38 help: give a smaller emission or a smaller shape
+    12:12: the medium emits up to 1.000e41 towards the eye; an image holds at most 1.701e38 help: give a smaller emission or a smaller shape
     "#);
     // What the medium itself takes away is not seen.
     let dense = edited(&[(COEFFICIENTS, "emission = 1e38\nsigma_a = 2")]);
@@ -973,26 +852,16 @@ fn parts_that_make_no_picture_together() {
         all.push_str(&said_about(&edited(&edits)));
     }
     insta::assert_snapshot!(all, @r#"
-    6:15: `environment` is infinitely far away, and a medium fills all space: none of its light arrives
-        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    13:12: a medium that fills all space and emits without absorbing is infinitely bright
-        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:12: a medium that fills all space and emits without absorbing is infinitely bright
-        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:11: a medium that fills all space and scatters without absorbing scatters light for ever
-        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and scatters without absorbing scatters light for ever
-        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    14:10: a medium that fills all space and scatters without absorbing scatters light for ever
-        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    16:15: a directional light is infinitely far away, and a medium fills all space: none of its light arrives
-        give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    17:9: camera paths cannot sample light from a point light that arrives by way of a glass surface
-        use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
-    17:8: camera paths cannot sample light from a spot light that arrives by way of a mirror surface
-        use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
-    17:15: camera paths cannot sample light from a directional light that arrives by way of a mirror surface
-        use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
+    6:15: `environment` is infinitely far away, and a medium fills all space: none of its light arrives help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
+    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
+    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
+    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
+    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
+    14:10: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
+    16:15: a directional light is infinitely far away, and a medium fills all space: none of its light arrives help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
+    17:9: camera paths cannot sample light from a point light that arrives by way of a glass surface help: use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
+    17:8: camera paths cannot sample light from a spot light that arrives by way of a mirror surface help: use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
+    17:15: camera paths cannot sample light from a directional light that arrives by way of a mirror surface help: use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
     "#);
 }
 
@@ -1022,10 +891,8 @@ fn lights_exactly_in_surfaces() {
     }
     let said = [point(5.0, 0.0), lamp(5.0)].map(|light| said_about(&scene(&light)));
     insta::assert_snapshot!(said.concat(), @r"
-    9:9: the light stands exactly in a rectangle, on neither side of it
-        move the light a little off the surface, to the side that it shines on
-    5:1: an emitting rectangle lies exactly in another surface: either hides the other
-        move the light a little off the surface, to the side that it shines on
+    9:9: the light stands exactly in a rectangle, on neither side of it help: move the light a little off the surface, to the side that it shines on
+    5:1: an emitting rectangle lies exactly in another surface: either hides the other help: move the light a little off the surface, to the side that it shines on
     ");
 }
 
@@ -1080,8 +947,7 @@ fn at_most_64_media() {
     };
     assert_eq!(radiative(&parse(&with(64)).unwrap(), 0).media.len(), 64);
     insta::assert_snapshot!(said_about(&with(65)), @r#"
-    142:1: this is medium 65, one too many
-        a scene holds at most 64 media
+    142:1: this is medium 65, one too many help: a scene holds at most 64 media
     "#);
 }
 
@@ -1112,33 +978,19 @@ fn what_belongs_to_other_models() {
     }
     insta::assert_snapshot!(all, @r#"
     1:1: a radiative scene has no densities for a transfer function
-        `transfer_function`: Colour and opacity by density; not for radiative scenes.
     2:11: `samples` must lie in [1, 2147483648], got 0
-        `sampling.samples`: Samples per pixel; four times as many halve the noise.
     2:11: `samples` must lie in [1, 2147483648], got 4294967296
-        `sampling.samples`: Samples per pixel; four times as many halve the noise.
     2:8: `seed` must lie in [0, 9223372036854775807], got -1
-        `sampling.seed`: Chooses the random numbers: the same seed gives the same image.
-    2:1: unknown key `spp` in [sampling]
-        allowed keys in [sampling]: samples, seed
-    7:1: the file has more than one model: [classified], [radiative]
-        keep exactly one of [classified], [radiative]
-    1:1: missing key `eye` in [camera]
-        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
-    1:1: missing key `target` in [camera]
-        a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
+    2:1: unknown key `spp` in [sampling] help: allowed keys in [sampling]: samples, seed
+    7:1: the file has more than one model: [classified], [radiative] help: keep exactly one of [classified], [radiative]
+    1:1: missing key `eye` in [camera] help: a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
+    1:1: missing key `target` in [camera] help: a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
     2:7: the camera is at its target, so it has no direction
-        `camera.eye`: Position of the camera, world units; required in a radiative scene.
-    2:1: a radiative scene needs a camera
-        give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`
-    6:1: unknown key `scatering` in [radiative]
-        did you mean `scattering`?
-    16:13: unknown key `lights` in [radiative]
-        did you mean `light`?
-    3:1: a plot of the curve is drawn without random numbers
-        remove [sampling]
-    3:1: a classified volume is rendered without random numbers
-        remove [sampling]
+    2:1: a radiative scene needs a camera help: give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`
+    6:1: unknown key `scatering` in [radiative] help: did you mean `scattering`?
+    16:13: unknown key `lights` in [radiative] help: did you mean `light`?
+    3:1: a plot of the curve is drawn without random numbers help: remove [sampling]
+    3:1: a classified volume is rendered without random numbers help: remove [sampling]
     "#);
 }
 
@@ -1185,93 +1037,4 @@ fn the_schema_knows_which_keys_exclude_each_other() {
     // A scene may leave its model to its panels.
     assert!(schema_accepts("[[panel]]\n[panel.curve]\n"));
     parse("[[panel]]\n[panel.curve]\n").unwrap();
-}
-
-/// A table of the schema, and the steps from the root of a scene to it: names of tables, and
-/// numbers into lists.
-fn tables<'s>(path: &str, schema: &'s Value, found: &mut Vec<(String, &'s Value)>) {
-    if let Some(properties) = schema["properties"].as_object() {
-        found.push((path.to_owned(), schema));
-        for (name, property) in properties {
-            let below = format!("{path}/{name}");
-            tables(&below, property, found);
-            tables(&format!("{below}/0"), &property["items"], found);
-        }
-    }
-}
-
-/// The reader knows no key that the schema does not have, and takes every default that the
-/// schema states.
-#[test]
-fn schema_and_reader_agree_on_keys_and_defaults() {
-    let schema = json_schema("scene", &SCENE);
-    let mut found = Vec::new();
-    tables("", &schema["properties"]["radiative"], &mut found);
-    assert!(found.len() >= 15, "only {} tables", found.len());
-    let mut checked = 0;
-    for (path, table) in found {
-        // A scene that holds the table: entries of lists that have none of their own are made
-        // from the base, where only one shape and one material may stand.
-        let mut base = as_json(BASE);
-        let steps: Vec<&str> = path.split('/').filter(|step| !step.is_empty()).collect();
-        if let ["surface" | "medium" | "light", "0", key, ..] = steps[..] {
-            let entry = base["radiative"][steps[0]][0].as_object_mut().unwrap();
-            if key == "procedural" {
-                // It brings coefficients of its own.
-                entry.retain(|name, _| !name.starts_with("sigma"));
-            }
-            let rivals: &[&[&str]] = &[
-                &["rectangle", "sphere", "box", "mesh"],
-                &["diffuse", "mirror", "glass", "emitter"],
-                &["point", "spot", "directional"],
-            ];
-            for group in rivals.iter().filter(|group| group.contains(&key)) {
-                entry.retain(|name, _| name == key || !group.contains(&name.as_str()));
-            }
-        }
-        let read = |key: &str, value: &Value| {
-            let mut root = base.clone();
-            let mut place = &mut root["radiative"];
-            for step in &steps {
-                place = match step.parse::<usize>() {
-                    Ok(index) => &mut place[index],
-                    Err(_) => &mut place[*step],
-                };
-                if place.is_null() {
-                    *place = serde_json::json!({});
-                }
-            }
-            // Keys that must be there are filled with something before the one in question.
-            for needed in table["required"].as_array().into_iter().flatten() {
-                let name = needed.as_str().unwrap();
-                let property = &table["properties"][name];
-                if place[name].is_null() {
-                    place[name] = match (&property["type"], &property["anyOf"]) {
-                        (Value::String(kind), _) if kind == "array" => serde_json::json!([1, 2, 3]),
-                        (Value::String(kind), _) if kind == "string" => {
-                            serde_json::json!("../../meshes/gem.obj")
-                        }
-                        _ => serde_json::json!(1),
-                    };
-                }
-            }
-            place[key] = value.clone();
-            let text = toml::to_string(&toml::Value::try_from(&root).unwrap()).unwrap();
-            parse(&text)
-        };
-        let error = read("no_such_key", &serde_json::json!(1)).unwrap_err();
-        assert!(
-            error.message().starts_with("unknown key `no_such_key`"),
-            "{path}: {error}"
-        );
-        for (key, property) in table["properties"].as_object().unwrap() {
-            if let Some(default) = property.get("default") {
-                if let Err(error) = read(key, default) {
-                    panic!("{path}/{key} = {default}: {error}");
-                }
-                checked += 1;
-            }
-        }
-    }
-    assert!(checked >= 7, "only {checked} defaults in the schema");
 }

@@ -193,7 +193,7 @@ fn is_told(report: &Report, result: &CaseResult) -> bool {
 
 #[test]
 fn every_report_is_told() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let predictions = Predictions::default();
     let reports = reports();
     let wanted = std::env::var("VOLREF_REPORT").unwrap_or_default();
@@ -232,7 +232,7 @@ fn every_report_is_told() {
 /// Links stand in the manifests of the cases, too.
 #[test]
 fn manifests_of_reported_cases_have_the_links() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let reports = reports();
     for case in suite.select(&["reported".to_owned()]).unwrap() {
         let of_case: Vec<_> = reports.iter().filter(|it| it.case == case.name).collect();

@@ -1,25 +1,16 @@
 //! The family `sampled`: what each of its cases promises, and goldens against closed forms.
 
+use crate::common::suite::{golden_of, root};
 use glam::{DVec3, dvec3};
 use std::path::{Path, PathBuf};
 use volref::exchange::{Format, export};
-use volref::film::Film;
 use volref::math::{pow, tan};
-use volref::suite::{Case, Suite};
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
+use volref::suite::Case;
 
 fn family() -> Vec<Case> {
-    let suite = Suite::open(root()).unwrap();
+    let suite = crate::common::suite::suite();
     let cases = suite.select(&["sampled".to_owned()]).unwrap();
     cases.into_iter().cloned().collect()
-}
-
-fn golden(name: &str) -> Film {
-    let file = root().join(format!("golden/sampled/{name}.exr"));
-    Film::from_exr(&std::fs::read(file).unwrap()).unwrap()
 }
 
 pub fn table_of(scene: &Path) -> toml::Table {
@@ -85,7 +76,7 @@ fn every_case_can_be_met() {
         }
         export(&loaded, Format::Bundle, "scene")
             .unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
-        let film = golden(name.trim_start_matches("sampled/"));
+        let film = golden_of(name);
         assert!([film.width(), film.height()].iter().all(|&side| side <= 96));
         let mut values = film.radiance().as_flattened().iter();
         assert!(values.all(|value| (0.0..=1.0).contains(value)), "{name}");
@@ -173,7 +164,7 @@ pub fn composited(scene: &toml::Table, samples: &[(f64, f64)]) -> DVec3 {
 /// The golden has the radiance of the samples of each ray, to the rounding of its 32 bits; a share of
 /// the pixels, at least, shows the volume.
 fn has_pixels(name: &str, shown: f64, samples: impl Fn((DVec3, DVec3)) -> Vec<(f64, f64)>) {
-    let (scene, film) = (scene(name), golden(name));
+    let (scene, film) = (scene(name), golden_of(&format!("sampled/{name}")));
     let rays = rays(&scene);
     assert_eq!(rays.len(), film.radiance().len());
     let mut seen = 0;

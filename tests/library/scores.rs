@@ -1,6 +1,6 @@
 //! Score tests of the stochastic gate: sizes without bias, alarms no more often than promised.
 
-use crate::common::simulated::{Bits, Sampling, Shape, edited, sampled, scene};
+use crate::common::simulated::{Bits, Sampling, Shape, sampled, scene};
 use volref::compare::stochastic::{BLOCK, FINE_BLOCK, judge_scores};
 use volref::compare::{Judgement, Sensitivity};
 use volref::film::Film;
@@ -226,26 +226,4 @@ fn a_change_of_details_is_seen_and_named() {
     let first = &judgement.changes[0];
     assert_eq!(first.name, "ripple", "{judgement:?}");
     assert!((first.change - 0.2).abs() < 4.0 * first.error, "{first:?}");
-}
-
-/// Derivatives of another size are not used, and none where one image states no noise; nothing panics.
-#[test]
-fn useless_derivatives_are_left_alone() {
-    let shapes = Shape::all();
-    let pair = pair(5, &shapes[0], 16, scene);
-    let mut nothing = sensitivities(5);
-    for sensitivity in &mut nothing {
-        sensitivity.derivative = Film::new(2, 2, vec![[1.0; 3]; 4]);
-    }
-    let without = judged(&pair, &nothing, 1e-6);
-    assert!(without.passed);
-    // Those of the values of the image are left.
-    assert_eq!(without.metrics["scores"], 6.0);
-    assert!(judged(&pair, &[], 1e-6).detectable.is_empty());
-    let zero = sensitivity("density", BLOCK, 0.0, 1, |_, _| [0.0; 3]);
-    assert!(judged(&pair, &[zero], 1e-6).passed);
-    let silent = Film::new(SIDE, SIDE, pair[1].radiance().to_vec());
-    assert!(judged(&[pair[0].clone(), silent], &sensitivities(5), 1e-6).passed);
-    let black = edited(&pair[1], |_, _, _| [0.0; 3]);
-    assert!(!judged(&[pair[0].clone(), black], &sensitivities(5), 1e-6).passed);
 }

@@ -1,6 +1,7 @@
 //! Derivatives of images by the numbers of their scenes: against closed forms, quadrature and laws.
 
 use crate::common::quadrature::integral;
+use crate::common::suite::film_of as image;
 use glam::DVec3;
 use std::path::Path;
 use volref::film::Film;
@@ -34,12 +35,6 @@ fn derivative_by(scene: &Scene, name: &str, differences: &Differences) -> Deriva
     derivative(scene, &number, differences, &|| false)
         .unwrap()
         .unwrap()
-}
-
-fn image(scene: &Scene) -> Film {
-    render(&plans(scene), Sampling::default(), &|| ())
-        .unwrap()
-        .film
 }
 
 /// Every channel of every pixel of `found` is what `expected` makes of that of the image, within
@@ -169,86 +164,6 @@ fn nothing_of_a_furnace_is_seen() {
     }
 }
 
-/// Lengths times 2^k and coefficients by 2^−k make the same image, to the bit, and so the same
-/// derivative by a share; one by a length is smaller by 2^−k.
-#[test]
-fn derivatives_scale_as_their_numbers() {
-    let [small, large] =
-        ["g8-two-bodies", "g8-scaled-up"].map(|name| scene(&format!("hard/{name}"), [16, 16]));
-    for name in [
-        "density",
-        "density.1",
-        "emission.2",
-        "camera.view",
-        "environment",
-    ] {
-        let [a, b] =
-            [&small, &large].map(|scene| derivative_by(scene, name, &differences(1, None)));
-        assert_eq!(a.film.radiance(), b.film.radiance(), "{name}");
-    }
-    let factor = (1_u64 << 40) as f64;
-    let [a, b] = [(&small, 1.0), (&large, factor)].map(|(scene, factor)| {
-        derivative_by(scene, "medium.x.1", &differences(1, Some(factor / 64.0)))
-    });
-    for (a, b) in a
-        .film
-        .radiance()
-        .as_flattened()
-        .iter()
-        .zip(b.film.radiance().as_flattened())
-    {
-        // Powers of two: the same digits.
-        assert_eq!(f64::from(*a), f64::from(*b) * factor);
-    }
-}
-
-/// A scene of each family: differences with the step, half and a quarter of it agree, as a
-/// derivative does and a jump does not.
-#[test]
-fn differences_of_three_sizes_agree() {
-    for (name, number, samples) in [
-        ("figures/figure-3", "density", 1),
-        ("fog/rate-0.1", "reflectance", 512),
-        ("fog/rate-0.1", "camera.view", 512),
-        ("smoke/cornell", "density", 512),
-        ("smoke/cornell", "reflectance", 512),
-        ("procedural/coloured", "light", 512),
-        ("fog/isotropic", "light", 512),
-    ] {
-        let scene = scene(name, [12, 12]);
-        let step = volref::sensitivity::number(&scene, number).unwrap().step;
-        let of = [1.0, 0.5, 0.25].map(|factor| {
-            let found = derivative_by(&scene, number, &differences(samples, Some(factor * step)));
-            let count = (3 * 144) as f64;
-            let sum = |values: &[[f32; 3]]| -> f64 {
-                values
-                    .as_flattened()
-                    .iter()
-                    .map(|&value| f64::from(value))
-                    .sum()
-            };
-            let mean = sum(found.film.radiance()) / count;
-            // The channels may share all their noise.
-            let error = (3.0 * sum(found.film.noise().unwrap().variance())).sqrt() / count;
-            (mean, error)
-        });
-        for (mean, error) in &of[..2] {
-            let (last, of_last) = of[2];
-            let noise = (error * error + of_last * of_last).sqrt();
-            // The square of a step of a tenth is a hundredth of what it changes by.
-            let apart = (mean - last).abs();
-            assert!(
-                apart <= 4.0 * noise + 0.02 * last.abs(),
-                "{name} {number}: {of:?}"
-            );
-        }
-        assert!(
-            of[0].0.abs() > 4.0 * of[0].1,
-            "{name} {number}: nothing is seen: {of:?}"
-        );
-    }
-}
-
 /// Derivatives by the place of a volume are the differences of images whose map is another one.
 #[test]
 fn a_placed_volume_is_moved_turned_and_stretched() {
@@ -297,62 +212,6 @@ fn a_placed_volume_is_moved_turned_and_stretched() {
         let off = off.count();
         assert!(largest > 0.0 && off * 100 < found.len(), "{name}: {off}");
     }
-}
-
-/// Two constant volumes of extinctions a and b, from −2 to 0 and from 0.25 to 1.25 along the rays, the first cut at −1, before a
-/// surface of colour 1: the radiance is (1 − e^(−a)) + 0 + e^(−a−b), for the second is black.
-#[test]
-fn numbers_of_several_volumes_have_the_derivatives_of_their_closed_form() {
-    let folder = tempfile::tempdir().unwrap();
-    let nrrd = |near: f64, far: f64| {
-        let size = far - near;
-        let mut bytes = format!(
-            "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nendian: little\nspace dimension: 3\n\
-             space directions: (4,0,0) (0,4,0) (0,0,{size})\nspace origin: (-2,-2,{near})\n\n"
-        )
-        .into_bytes();
-        bytes.extend([1_f32; 8].iter().flat_map(|one| one.to_le_bytes()));
-        bytes
-    };
-    std::fs::write(folder.path().join("a.nrrd"), nrrd(-2.0, 0.0)).unwrap();
-    std::fs::write(folder.path().join("b.nrrd"), nrrd(0.25, 1.25)).unwrap();
-    let volume = |file: &str, colour: f64, opacity: f64| {
-        format!(
-            "[[classified.volume]]\nfile = '{file}.nrrd'\nname = '{file}'\ntransfer_function = {{ reference_length = 1, \
-             point = [{{ value = 0, colour = {colour}, opacity = {opacity} }}] }}\n"
-        )
-    };
-    let text = format!(
-        "film = {{ width = 4, height = 4 }}\n[camera]\neye = [0, 0, -4]\ntarget = [0, 0, 0]\northographic_height = 2\n\
-         [classified]\nstep = 0.3\ncompositing = 'continuous'\n{}{}[[classified.clip]]\npoint = [0, 0, -1]\n\
-         normal = [0, 0, 2]\nvolumes = ['a']\n[[classified.surface]]\ncolour = 1\n\
-         rectangle = {{ corner = [-3, -3, 2], edge_u = [0, 6, 0], edge_v = [6, 0, 0] }}\n",
-        volume("a", 1.0, 0.3),
-        volume("b", 0.0, 0.6),
-    );
-    let scene = Scene::parse(&text, &folder.path().join("scene.toml")).unwrap();
-    let [a, b] = [0.3, 0.6].map(|opacity: f64| -volref::math::ln_1p(-opacity));
-    let [first, both] = [-a, -a - b].map(volref::math::exp);
-    for (name, exact) in [
-        ("density.1", a * (first - both)),
-        ("density.2", -b * both),
-        ("surface.colour", both),
-        // Forward, less of the first is left.
-        ("clip.offset", -a * (first - both)),
-        // Nearer to the eye or farther, what the plane keeps of it begins where it did, and ends elsewhere.
-        ("grid.z.1", 2.0 * a * (first - both)),
-        ("size.z.2", -b * both),
-    ] {
-        let found = derivative_by(&scene, name, &differences(1, None)).film;
-        for value in found.radiance().as_flattened() {
-            // Central differences of steps of 2 % at most leave a sixth of their square, of derivatives of a few
-            // units; images of 32 bits, divided by the steps, as much.
-            let off = (f64::from(*value) - exact).abs();
-            assert!(off <= 1e-3 * exact.abs() + 1e-4, "{name}: {value} {exact}");
-        }
-    }
-    let said = number(&scene, "clip.offzet").unwrap_err();
-    assert!(said.contains("clip.offset"), "{said}");
 }
 
 /// An edge moves over pixels: these have no derivative, and it is said how many.

@@ -2,21 +2,21 @@
 //! must not.
 
 use crate::common::simulated::{Sampling, Shape, edited, replicates, sampled, scene, silent};
-use std::path::Path;
+use crate::common::suite::{case_of, film_with, searched};
 use volref::compare::stochastic::{judge_at, judge_scores};
 use volref::compare::{
     Conditions, Detectable, Deterministic, Picture, Seen, Sensitivity, change_with_step, judge,
     measured_difference,
 };
 use volref::film::Film;
-use volref::judging::{CaseResult, Verdict, validate};
+use volref::judging::{Verdict, validate};
 use volref::math;
-use volref::naming::{Likenesses, Predictions, Search, SearchStep, Stage, likeness};
+use volref::naming::{Likenesses, SearchStep, Stage};
 use volref::render::{Sampling as Rendering, Seed, plans, render};
 use volref::report::{likely_text, verdict_text};
 use volref::scene::{Model, Scene};
 use volref::sensitivity::numbers_of_place;
-use volref::suite::{Output, Suite};
+use volref::suite::Output;
 
 /// A sentence, and what is said of two images.
 struct Row {
@@ -462,7 +462,7 @@ fn reasons_by_numbers() {
 /// Beside the factors that make the image of the golden, two gains are not said to be as if they were off.
 #[test]
 fn no_as_if_beside_a_finding() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let case = suite.select(&["fog/rate-0.1".to_owned()]).unwrap()[0];
     let sampling = Rendering {
         samples: Some(64),
@@ -498,46 +498,28 @@ fn no_as_if_beside_a_finding() {
 /// its pixels by column and row.
 fn of_scene(case: &str, edit: impl Fn(&mut Scene), map: impl Fn(usize, usize) -> f32) -> String {
     let film = rendered(case, edit);
-    judged(case, scaled(&film, map)).difference.join("; ")
+    searched(&case_of(case), scaled(&film, map))
+        .difference
+        .join("; ")
 }
 
 /// An image of `case` with an edit of its scene.
 fn rendered(case: &str, edit: impl Fn(&mut Scene)) -> Film {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let case = suite.select(&[case.to_owned()]).unwrap()[0];
     let mut scene = case.load_scene().unwrap();
     edit(&mut scene);
-    let sampling = Rendering {
-        samples: Some(64),
-        seed: Seed::Given(0x7365_6e74),
-    };
-    render(&plans(&scene), sampling, &|| ()).unwrap().film
-}
-
-/// The verdict on an image of `case`, with its cause looked for.
-fn judged(case: &str, film: Film) -> CaseResult {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let case = suite.select(&[case.to_owned()]).unwrap()[0];
-    let output = Output::Picture(Box::new(Picture::Radiance(film)));
-    let mut judged = vec![validate(case, &suite.store(), output, None)];
-    let search = Search {
-        budget: None,
-        predictions: &Predictions::default(),
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
-    likeness(&[case], &[], None, &mut judged, &search);
-    judged.remove(0).result
+    film_with(&scene, 64, 0x7365_6e74)
 }
 
 /// An image that shows the background alone is told so, and nothing is measured of it.
 #[test]
 fn nothing_is_measured_of_what_is_not_drawn() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     for (case, grey) in [("scenes/opacity-over-grey", 0.1), ("smoke/cornell", 0.0)] {
         let right = rendered(case, |_| ());
         let nothing = silent(&edited(&right, |_, _, _| [grey; 3]));
-        let result = judged(case, nothing.clone());
+        let result = searched(&case_of(case), nothing.clone());
         let sentence = format!(
             "nothing was drawn: every pixel is the background of the scene, ({grey}, {grey}, {grey})"
         );
@@ -592,7 +574,7 @@ fn what_a_search_left_out() {
 /// A pass that could not have seen an error of 2 % in the first number of the scene says so.
 #[test]
 fn what_a_pass_would_not_have_seen() {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let case = suite.select(&["sampled/thin".to_owned()]).unwrap()[0];
     let right = rendered("sampled/thin", |_| ());
     let output = Output::Picture(Box::new(Picture::Radiance(right)));
@@ -623,7 +605,9 @@ fn axes_of_turns() {
         let mut turn = turn.filter(|number| number.name() == "turn.z");
         *scene = turn.next().unwrap().changed(scene, 2.0).unwrap();
     });
-    let said = judged("reported/head", turned).difference.join("; ");
+    let said = searched(&case_of("reported/head"), turned)
+        .difference
+        .join("; ");
     assert!(
         said.contains("turn of the volume about z off by +2.0"),
         "{said}"

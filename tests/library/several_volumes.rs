@@ -4,17 +4,15 @@
 //! generated scenes the fast caster, which streams a merge of steps and adds optical depths, is compared
 //! with the plain one, which lists all pieces and multiplies transparencies.
 
-use crate::effects::scenes::off_is_off;
+use crate::common::suite::film_of as fast;
 use glam::{DMat3, DVec3};
 use std::path::Path;
 use volref::film::Film;
-use volref::geometry::Direction;
 use volref::math::rng::philox4x32_10;
 use volref::math::{exp, exp_m1, ln_1p};
 use volref::reference;
-use volref::render::{Effect, Event, Sampling, State, plans, render, render_counted};
-use volref::scene::{Clip, Fault, Kept, Length, Model, Scene};
-use volref::sensitivity::number;
+use volref::render::{Sampling, plans, render};
+use volref::scene::{Fault, Scene};
 use volref::variations::mistakes;
 
 const SIDE: usize = 8;
@@ -67,11 +65,6 @@ fn scene_of(folder: &Path, classified: &str) -> Scene {
 
 fn parsed(folder: &Path, text: &str) -> Scene {
     Scene::parse(text, &folder.join("scene.toml")).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
-fn fast(scene: &Scene) -> Film {
-    let rendered = render(&plans(scene), Sampling::default(), &|| {});
-    rendered.unwrap().film
 }
 
 fn plain(scene: &Scene) -> Film {
@@ -281,46 +274,6 @@ fn a_plane_cuts_a_constant_volume() {
     }
 }
 
-/// A volume is the sum of the parts on both sides of a plane.
-///
-/// Each of the images is off the integral by what values change from the middle of a step to its ends: with
-/// slopes s of the extinction and c of the colour along a ray, by at most s h/2 and c h/2 at any place, on
-/// average half of that. Over a length l the depth is off by s h l/4, and so is the radiance times twice
-/// the brightest colour, which is what a change of depth can hide or show; and by c h/4 as opacities are at most
-/// 1. Of two images it is twice as much.
-#[test]
-fn a_volume_split_by_a_plane_is_the_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let bounds = [DVec3::new(-1.0, -1.0, -2.0), DVec3::new(1.0, 1.0, 2.0)];
-    // From 0 to 1 along z.
-    let ramp: Vec<f32> = (0..20).map(|index| (index / 4) as f32 / 4.0).collect();
-    write_grid(folder.path(), "ramp.nrrd", [2, 2, 5], bounds, &ramp);
-    let volume = |name: &str| {
-        format!(
-            "[[classified.volume]]\nfile = 'ramp.nrrd'\nname = '{name}'\n\
-             transfer_function = {{ reference_length = 1, point = [\
-             {{ value = 0, colour = [1, 0, 0], opacity = 0 }}, {{ value = 1, colour = [0, 1, 1], opacity = 0.6 }}] }}\n"
-        )
-    };
-    let whole = scene_of(folder.path(), &volume("a"));
-    let clips = "[[classified.clip]]\npoint = [0, 0.1, 0.2]\nnormal = [0.3, -0.4, 1]\nvolumes = ['a']\n\
-                 [[classified.clip]]\npoint = [0, 0.1, 0.2]\nnormal = [-0.3, 0.4, -1]\nvolumes = ['b']\n";
-    let split = scene_of(
-        folder.path(),
-        &format!("{}{}{clips}", volume("a"), volume("b")),
-    );
-    let (step, length) = (0.3, 4.0);
-    // The slope of −ln(1 − 0.6 v) is steepest at v = 1; v grows by 1/4 per world unit.
-    let (slope, colour) = (0.6 / (1.0 - 0.6) / 4.0, 1.0 / 4.0);
-    let bound = 2.0 * (2.0 * slope * step * length / 4.0 + colour * step / 4.0);
-    let off = difference(&fast(&whole), &by_both(&split));
-    assert!(off > 0.0 && off <= bound, "{off} {bound}");
-    // It vanishes with the step.
-    let [whole, split] = [whole, split].map(|scene| fast(&scene.with_halved_steps(6)));
-    let finer = difference(&whole, &split);
-    assert!(finer <= bound / 64.0, "{finer}");
-}
-
 #[test]
 fn a_surface_in_fog_and_its_shadow() {
     let folder = tempfile::tempdir().unwrap();
@@ -397,28 +350,6 @@ fn clipped_parts_cast_no_shadow() {
         .in_scene(&mistaken)
         .unwrap();
     assert!(pixels(&fast(&mistaken)).all(|(radiance, _)| radiance.x < 0.01));
-}
-
-#[test]
-fn clips_that_keep_nothing_leave_the_background() {
-    let folder = tempfile::tempdir().unwrap();
-    slab(folder.path(), "a.nrrd", -2.0, 0.0);
-    let mut scene = scene_of(folder.path(), "[classified.volume]\nfile = 'a.nrrd'\n");
-    let Model::Classified(classified) = &mut scene.panels[0].model else {
-        unreachable!()
-    };
-    // No file may say so.
-    for normal in [Direction::Z, -Direction::Z] {
-        let kept = Kept::Side {
-            point: DVec3::new(0.0, 0.0, -1.0),
-            normal,
-        };
-        classified.objects.clips.push(Clip {
-            kept,
-            volumes: None,
-        });
-    }
-    assert!(pixels(&by_both(&scene)).all(|pixel| pixel == (BACKGROUND, 0.0)));
 }
 
 /// Numbers in [0, 1) for a generated scene.
@@ -561,41 +492,6 @@ fn generated_scenes_agree_and_turn_with_their_camera() {
     assert!(compared > 150, "{compared}");
 }
 
-/// The order of volumes, and a volume that is empty, change no more than rounding.
-#[test]
-fn generated_scenes_in_another_order() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut compared = 0;
-    for number in 0..120 {
-        let text = generated(folder.path(), number, 0.0);
-        let Ok(mut scene) = Scene::parse(&text, &folder.path().join("scene.toml")) else {
-            continue;
-        };
-        let before = fast(&scene);
-        let Model::Classified(classified) = &mut scene.panels[0].model else {
-            unreachable!()
-        };
-        let count = classified.objects.volumes.len();
-        if count < 2 {
-            continue;
-        }
-        compared += 1;
-        classified.objects.volumes.swap(0, count - 1);
-        for clip in &mut classified.objects.clips {
-            for index in clip.volumes.iter_mut().flatten() {
-                *index = match *index {
-                    1 => count,
-                    last if last == count => 1,
-                    other => other,
-                };
-            }
-        }
-        let off = difference(&before, &fast(&scene));
-        assert!(off <= 1.01 * ULP, "{off:e}\n{text}");
-    }
-    assert!(compared > 30, "{compared}");
-}
-
 /// Every mistake about several objects makes a picture of its own, and the right one is without.
 #[test]
 fn mistakes_of_several_objects_are_seen() {
@@ -730,85 +626,6 @@ fn common_steps_show_one_volume_over_the_next() {
     }
 }
 
-/// A step given for the scene is that of each volume, by its own voxels.
-#[test]
-fn a_step_for_all_is_the_step_of_each() {
-    let folder = tempfile::tempdir().unwrap();
-    slab(folder.path(), "a.nrrd", -1.0, 0.5);
-    slab(folder.path(), "b.nrrd", -0.5, 1.0);
-    let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.6));
-    let scene = |first: &str, second: &str| {
-        let text = format!(
-            "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n{first}\n\
-             [[classified.volume]]\nfile = 'b.nrrd'\nscale = [0.5, 0.5, 0.5]\n{blue}\n{second}\n"
-        );
-        // Opacities that add depend on the steps, even in a uniform volume.
-        scene_of(folder.path(), &text)
-            .with_volumes(|volume| volume.conventions.fault = Some(Fault::OpacitiesAdded))
-    };
-    let mut changed = scene("", "step = 0.4");
-    let Model::Classified(classified) = &mut changed.panels[0].model else {
-        unreachable!()
-    };
-    classified.set_step(Length::Voxels(0.1)).unwrap();
-    let written = fast(&scene("step = '0.1 voxels'", "step = 0.075"));
-    assert_eq!(difference(&fast(&changed), &written), 0.0);
-    assert!(difference(&fast(&scene("", "step = 0.4")), &written) > 1e-3);
-}
-
-/// A clip may be moved as long as something is left of each volume, and steps be shorter as long as a ray ends.
-#[test]
-fn numbers_change_as_far_as_a_scene_is_left() {
-    let folder = tempfile::tempdir().unwrap();
-    slab(folder.path(), "a.nrrd", -1.0, 1.0);
-    slab(folder.path(), "b.nrrd", -1.0, 0.5);
-    let (red, _) = look(RED, 0.3);
-    let text = format!(
-        "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n[[classified.volume]]\nfile = 'b.nrrd'\n{red}\n\
-         [[classified.clip]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
-    );
-    let scene = scene_of(folder.path(), &text);
-    let offset = number(&scene, "clip.offset").unwrap();
-    for (change, is_left) in [(-3.0, true), (0.4, true), (0.6, false), (5.0, false)] {
-        assert_eq!(
-            offset.changed(&scene, change).is_some(),
-            is_left,
-            "{change}"
-        );
-    }
-    // Nor is a step so short that rays would have more than 1e8 samples.
-    for name in ["step.1", "step.2"] {
-        let step = number(&scene, name).unwrap();
-        assert!(step.changed(&scene, -0.999).is_some());
-        assert!(step.changed(&scene, -1.0 + 1e-9).is_none());
-    }
-}
-
-/// Common steps that become shorter come to what volref has in their place, in proportion to the step.
-#[test]
-fn common_steps_converge_to_merged_volumes() {
-    let folder = tempfile::tempdir().unwrap();
-    slab(folder.path(), "a.nrrd", -1.0, 0.5);
-    slab(folder.path(), "b.nrrd", -0.5, 1.0);
-    let ((red, _), (blue, _)) = (look(RED, 0.3), look(BLUE, 0.6));
-    let image = |conventions: &str, step: f64| {
-        let text = format!(
-            "[[classified.volume]]\nfile = 'a.nrrd'\n{red}\nstep = {step}\n\
-             [[classified.volume]]\nfile = 'b.nrrd'\n{blue}\nstep = {step}\n{conventions}"
-        );
-        fast(&scene_of(folder.path(), &text))
-    };
-    let merged = image("", 0.5);
-    let common = "[classified.conventions]\nvolume_steps = 'common'\n";
-    // Faces of the volumes lie between steps of 2⁻ⁿ.
-    let off = [0.125, 0.0625, 0.03125].map(|step| difference(&image(common, step), &merged));
-    assert!(off[0] > 1e-3);
-    for pair in off.windows(2) {
-        let ratio = pair[0] / pair[1];
-        assert!((1.9..2.1).contains(&ratio), "{off:?}");
-    }
-}
-
 /// Fog of one density before a wall, or before its own cut: samples at the ends of steps of 0.3, each for a whole one. As
 /// many as lie within, and one more behind the end, as long as the fog goes on there.
 #[test]
@@ -894,52 +711,6 @@ fn conventions_of_one_volume_among_surfaces() {
         let error = Scene::parse(&text, &folder.path().join("scene.toml")).unwrap_err();
         assert!(error.to_string().contains(message), "{error}");
     }
-}
-
-#[test]
-fn plans_say_what_is_merged_and_count_it() {
-    let folder = tempfile::tempdir().unwrap();
-    slab(folder.path(), "a.nrrd", -2.0, 0.0);
-    let (red, _) = look(RED, 0.3);
-    let text = format!(
-        "[classified.shadow]\n[[classified.volume]]\nfile = 'a.nrrd'\n{red}\n\
-         [[classified.volume]]\nfile = 'a.nrrd'\ntranslate = [0, 0, 1]\n{red}\n\
-         [[classified.surface]]\ncolour = 1\nsphere = {{ centre = [0, 0, 0], radius = 0.5 }}\n"
-    );
-    let scene = scene_of(folder.path(), &text);
-    let plans = plans(&scene);
-    assert_eq!(
-        plans[0].kernel.to_string(),
-        "ray caster: 2 volumes, 1 surface, 0 clips merged"
-    );
-    for (effect, state) in [
-        (Effect::Surfaces, State::On),
-        (Effect::SurfaceShadow, State::On),
-        (Effect::MediumShadow, State::On),
-        (Effect::GradientShading, State::Omitted),
-        (Effect::AnisotropicPhase, State::Elided),
-    ] {
-        assert_eq!(plans[0].state(effect), state, "{effect}");
-    }
-    assert_eq!(plans[0].warnings, []);
-    // A transfer function that no volume has.
-    let text =
-        format!("[transfer_function]\n[classified]\n[classified.volume]\nfile = 'a.nrrd'\n{red}\n");
-    let unused = parsed(folder.path(), &text);
-    let warnings = &volref::render::plans(&unused)[0].warnings;
-    assert_eq!(warnings[0].field.as_deref(), Some("transfer_function"));
-    let work = render_counted(&plans, Sampling::default(), &|| {})
-        .unwrap()
-        .work[0];
-    for event in [
-        Event::DensityLookup,
-        Event::SurfaceTest,
-        Event::ShadowRay,
-        Event::Attenuation,
-    ] {
-        assert!(work[event] > 0, "{event:?}");
-    }
-    off_is_off("several volumes", &plans[0], &work);
 }
 
 /// Without samples the image of constant volumes, clips and a surface is the closed form, in any order; the opaque hide

@@ -1,8 +1,6 @@
 //! Loading volumes, and what happens to files that are none.
 
-use crate::common;
 use glam::DVec3;
-use proptest::prelude::*;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use volref::scene::{Model, Scene};
@@ -38,109 +36,6 @@ fn course_grid(nodes: [i32; 3], value: f32) -> Vec<u8> {
     let numbers = sizes.into_iter().chain(values);
     let counts = nodes.into_iter().flat_map(i32::to_le_bytes);
     counts.chain(numbers.flat_map(f32::to_le_bytes)).collect()
-}
-
-#[test]
-fn clouds_and_grids_load() {
-    let folder = folder("clouds_and_grids_load");
-    let cloud = folder.join("two.OBJ");
-    fs::write(&cloud, "v 0 0 0\nv 1 0 0 0.5\n").unwrap();
-    let grid = load(&cloud, &SPLATTING.into()).unwrap();
-    assert_eq!(grid.lattice().nodes(), [4, 3, 3]);
-    assert_eq!(grid.range(), (0.0, 1.0));
-    let course = folder.join("course.bin");
-    fs::write(&course, course_grid([3, 2, 1], 2.5)).unwrap();
-    let grid = load(&course, &SPLATTING.into()).unwrap();
-    assert_eq!(grid.lattice().nodes(), [3, 2, 1]);
-    assert_eq!(grid.range(), (2.5, 2.5));
-}
-
-#[test]
-fn faults_inside_a_file_name_file_line_and_column() {
-    let folder = folder("faults_inside_a_file");
-    for (name, bytes, expected) in [
-        (
-            "short.obj",
-            &b"# cloud\nv 1 2\n"[..],
-            "short.obj:2:1: a `v` line has 3 numbers",
-        ),
-        ("empty.obj", b"", "empty.obj: the file is empty"),
-        (
-            "single.obj",
-            b"v 1 2 3",
-            "single.obj: the point cloud has zero extent (1 point, all at one position)",
-        ),
-        (
-            "empty.bin",
-            b"",
-            "empty.bin: the file ends after 0 of the 24 bytes",
-        ),
-        (
-            "cut.bin",
-            &course_grid([2, 2, 2], 1.0)[..40],
-            "cut.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but \
-             the file has 40 bytes",
-        ),
-    ] {
-        let path = folder.join(name);
-        fs::write(&path, bytes).unwrap();
-        let message = message(&folder, &path);
-        assert!(message.starts_with(expected), "{message}");
-    }
-}
-
-#[test]
-fn what_is_no_volume_file() {
-    let folder = folder("what_is_no_volume_file");
-    fs::create_dir(folder.join("folder.obj")).unwrap();
-    fs::write(folder.join("file.obj"), "v 0 0 0").unwrap();
-    for (name, expected) in [
-        ("missing.obj", "missing.obj: there is no such file"),
-        (
-            "folder.obj",
-            "folder.obj: this is a directory, not a volume file; the slices of a folder become one file by \
-             `dcm2niix FOLDER`, or in Python by \
-             `SimpleITK.ReadImage(SimpleITK.ImageSeriesReader.GetGDCMSeriesFileNames(\"FOLDER\"))` and \
-             `SimpleITK.WriteImage`",
-        ),
-        (
-            "smoke.xyzw",
-            "smoke.xyzw: unsupported file extension; supported are .obj (Wavefront point cloud), \
-             .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
-             .mha or .mhd (MetaImage), .npy (NumPy array), .npz (NumPy archive of one array), \
-             .toml (raw samples, described in TOML)",
-        ),
-        (
-            "bare",
-            "bare: unsupported file extension; supported are .obj (Wavefront point cloud), \
-             .bin (binary grid), .vol (Mitsuba volume), .nrrd or .nhdr (NRRD), .nii or .nii.gz (NIfTI-1), \
-             .mha or .mhd (MetaImage), .npy (NumPy array), .npz (NumPy archive of one array), \
-             .toml (raw samples, described in TOML)",
-        ),
-    ] {
-        assert_eq!(message(&folder, &folder.join(name)), expected);
-    }
-    #[cfg(unix)]
-    {
-        let below = folder.join("file.obj/cloud.obj");
-        let message = message(&folder, &below);
-        assert!(
-            message.starts_with("file.obj/cloud.obj: cannot be read: "),
-            "{message}"
-        );
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn devices_are_not_read() {
-    let folder = folder("devices_are_not_read");
-    let path = folder.join("endless.bin");
-    std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
-    assert_eq!(
-        message(&folder, &path),
-        "endless.bin: this is a device or pipe, not a volume file"
-    );
 }
 
 /// The files have holes instead of bytes: reading them would take minutes.
@@ -226,47 +121,6 @@ fn all_formats_give_the_same_grid() {
 }
 
 #[test]
-fn the_hash_of_every_file_is_told() {
-    for (name, others) in [
-        ("grid.bin", &[][..]),
-        ("grid.vol", &[]),
-        ("gzip.nrrd", &[]),
-        ("grid.nii.gz", &[]),
-        ("detached.nhdr", &["detached.raw"]),
-        ("packed.mhd", &["packed.zraw"]),
-        ("grid.npz", &[]),
-        ("bare.raw.toml", &["bare.raw"]),
-    ] {
-        let loaded = load_hashed(&fixture(name), &LoadOptions::default()).unwrap();
-        let expected: Vec<FileRead> = [name]
-            .iter()
-            .chain(others)
-            .map(|name| FileRead {
-                path: fixture(name),
-                hash: blake3::hash(&fs::read(fixture(name)).unwrap())
-                    .to_hex()
-                    .to_string(),
-            })
-            .collect();
-        assert_eq!(loaded.files, expected);
-    }
-}
-
-#[test]
-fn centring_moves_the_nodes_of_a_box_and_the_box_of_nodes() {
-    let cells = LoadOptions {
-        centring: Some(Centring::Cells),
-        ..LoadOptions::default()
-    };
-    let vol = load(&fixture("grid.vol"), &cells).unwrap();
-    assert_eq!(vol.lattice().bounds().min, DVec3::new(-1.0, 2.0, 3.0));
-    assert_eq!(vol.lattice().first().x, -1.0 + 1.5 / 8.0);
-    let nrrd = load(&fixture("raw.nrrd"), &cells).unwrap();
-    assert_eq!(nrrd.lattice().bounds().min, DVec3::new(-1.25, 1.5, 2.0));
-    assert_eq!(nrrd.lattice().first().x, -1.0);
-}
-
-#[test]
 fn data_elsewhere_are_read_only_when_asked_for() {
     let folder = folder("data_elsewhere");
     fs::create_dir(folder.join("below")).unwrap();
@@ -323,107 +177,6 @@ fn data_elsewhere_are_read_only_when_asked_for() {
             message.ends_with("nothing.raw: there is no such file"),
             "{message}"
         );
-    }
-}
-
-/// A link is no way round: where it leads counts. The folder itself may be reached by one.
-#[cfg(unix)]
-#[test]
-fn links_to_data_elsewhere_are_followed_only_when_asked_for() {
-    use std::os::unix::fs::symlink;
-    let folder = folder("links_to_data");
-    for name in ["below", "store"] {
-        fs::create_dir(folder.join(name)).unwrap();
-    }
-    fs::write(folder.join("store/samples.raw"), [1, 2, 3, 4]).unwrap();
-    let text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nencoding: raw\ndata file: \
-                samples.raw\n";
-    fs::write(folder.join("below/header.nhdr"), text).unwrap();
-    fs::write(folder.join("store/header.nhdr"), text).unwrap();
-    symlink("../store/samples.raw", folder.join("below/samples.raw")).unwrap();
-    let linked = folder.join("below/header.nhdr");
-    let message = load(&linked, &LoadOptions::default())
-        .unwrap_err()
-        .to_string();
-    let real = folder.join("store/samples.raw").canonicalize().unwrap();
-    assert!(
-        message.contains(&format!(": its data are in {real:?}, outside its folder, ")),
-        "{message}"
-    );
-    let anywhere = LoadOptions {
-        detached_anywhere: true,
-        ..LoadOptions::default()
-    };
-    let inside = LoadOptions::default();
-    assert_eq!(load(&linked, &anywhere).unwrap().range(), (1.0, 4.0));
-    // Header and data of one folder, both reached by links, or the folder itself.
-    fs::remove_file(&linked).unwrap();
-    symlink("../store/header.nhdr", &linked).unwrap();
-    assert_eq!(load(&linked, &inside).unwrap().range(), (1.0, 4.0));
-    symlink("store", folder.join("alias")).unwrap();
-    let alias = folder.join("alias/header.nhdr");
-    assert_eq!(load(&alias, &inside).unwrap().range(), (1.0, 4.0));
-    // A folder of links below.
-    symlink("../store", folder.join("below/deep")).unwrap();
-    let header = folder.join("below/deep.nhdr");
-    fs::write(&header, text.replace("samples.raw", "deep/samples.raw")).unwrap();
-    assert!(load(&header, &inside).is_err());
-}
-
-/// The message begins with the file, and with the line where there is one.
-#[test]
-fn faults_of_grids_name_their_file() {
-    let folder = folder("faults_of_grids");
-    let nrrd = fs::read(fixture("raw.nrrd")).unwrap();
-    let nifti = fs::read(fixture("grid.nii")).unwrap();
-    let vol = fs::read(fixture("grid.vol")).unwrap();
-    let with_nan = |bytes: &[u8], at: usize| {
-        let mut bytes = bytes.to_vec();
-        bytes[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
-        bytes
-    };
-    for (name, bytes, expected) in [
-        (
-            "cut.vol",
-            &vol[..100],
-            "cut.vol: the header declares 4 × 3 × 2 samples of float32, 96",
-        ),
-        (
-            "cut.nii",
-            &nifti[..390],
-            "cut.nii: the header declares 4 × 3 × 2 samples of int16, 48",
-        ),
-        (
-            "cut.nrrd",
-            &nrrd[..nrrd.len() - 1],
-            "cut.nrrd: the header declares 4 × 3 × 2 samples",
-        ),
-        (
-            "odd.nrrd",
-            b"NRRD0004\nshape: 3\n",
-            "odd.nrrd:2: \"shape\" is not a field of the format",
-        ),
-        (
-            "cut.nii.gz",
-            &[0x1f, 0x8b, 8],
-            "cut.nii.gz: the gzip stream is damaged",
-        ),
-        ("odd.toml", b"nodes = 3\n", "odd.toml:1:"),
-        (
-            "odd2.toml",
-            b"\xff",
-            "odd2.toml: the description is not UTF-8 text",
-        ),
-        (
-            "nan.vol",
-            &with_nan(&vol, 48 + 4 * (1 + 4 * (2 + 3))),
-            "nan.vol: voxel (1, 2, 1), counted as stored, holds NaN: values must be finite",
-        ),
-    ] {
-        let path = folder.join(name);
-        fs::write(&path, bytes).unwrap();
-        let message = message(&folder, &path);
-        assert!(message.starts_with(expected), "{message}");
     }
 }
 
@@ -553,246 +306,29 @@ fn keys_of_volume_files() {
     let other = scene(&folder, "file = \"xyz.raw.toml\"\naxes = \"zyx\"").unwrap();
     assert_ne!(grid_of(&other).values(), expected.values());
 
-    for (keys, expected) in [
-        (
-            "file = \"grid.npy\"\nspacing = [1, 0, 1]",
-            ":5:11: the node spacing must be positive and finite on every axis",
-        ),
-        (
-            "file = \"nan.vol\"\nspacing = [1, 1, 1]",
-            ":5:11: `spacing` applies to .npy and .npz files; \"nan.vol\" states its own",
-        ),
-        ("file = \"grid.npy\"\nnodes = [1, 1, 1]", "`nodes`"),
-        (
-            "file = \"nan.vol\"\naxes = \"xyz\"",
-            ":5:8: `axes` applies to arrays and raw samples; the format of \"nan.vol\" says in which order",
-        ),
-        (
-            "file = \"two.obj\"\naxes = \"zyx\"",
-            ":5:8: `axes` applies to arrays and raw samples",
-        ),
-        ("file = \"grid.npy\"\naxes = \"yxz\"", "`axes`"),
-        (
-            "file = \"a\\b.vol\"",
-            "there is no such file; in double quotes `\\t`, `\\n` and the like are single letters",
-        ),
-        ("file = \"a\\q.vol\"", ":4:11: missing escaped value"),
-        ("file = \"nan.vol\"", ":4:8: "),
-        (
-            "file = \"nan.vol\"",
-            "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
-             3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene",
-        ),
-        (
-            "file = \"nan.vol\"\npadding = 1",
-            ":5:11: `padding` applies to point clouds; \"nan.vol\" brings a grid of its own",
-        ),
-        (
-            "file = \"two.obj\"\ncentring = \"cells\"",
-            ":5:12: `centring` applies to grids; \"two.obj\" is a point cloud",
-        ),
-        (
-            "file = \"scan.raw\"\ncentring = \"cells\"",
-            "scan.raw: unsupported file extension; supported are",
-        ),
-        (
-            "file = \"nan.vol\"\ndetached_anywhere = 1",
-            ":5:21: `detached_anywhere` must be true or false, not an integer",
-        ),
-        (
-            "file = \"nan.vol\"\nreplace_non_finite = 1e39",
-            "`replace_non_finite` must lie in",
-        ),
-    ] {
-        let message = scene(&folder, keys).unwrap_err();
+    for row in r#"
+file = "grid.npy"; spacing = [1, 0, 1] | :5:11: the node spacing must be positive and finite on every axis
+file = "nan.vol"; spacing = [1, 1, 1] | :5:11: `spacing` applies to .npy and .npz files; "nan.vol" states its own
+file = "grid.npy"; nodes = [1, 1, 1] | `nodes`
+file = "nan.vol"; axes = "xyz" | :5:8: `axes` applies to arrays and raw samples; the format of "nan.vol" says in which order
+file = "two.obj"; axes = "zyx" | :5:8: `axes` applies to arrays and raw samples
+file = "grid.npy"; axes = "yxz" | `axes`
+file = "a\b.vol" | there is no such file; in double quotes `\t`, `\n` and the like are single letters
+file = "a\q.vol" | :4:11: missing escaped value
+file = "nan.vol" | :4:8: 
+file = "nan.vol" | voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond 3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene
+file = "nan.vol"; padding = 1 | :5:11: `padding` applies to point clouds; "nan.vol" brings a grid of its own
+file = "two.obj"; centring = "cells" | :5:12: `centring` applies to grids; "two.obj" is a point cloud
+file = "scan.raw"; centring = "cells" | scan.raw: unsupported file extension; supported are
+file = "nan.vol"; detached_anywhere = 1 | :5:21: `detached_anywhere` must be true or false, not an integer
+file = "nan.vol"; replace_non_finite = 1e39 | `replace_non_finite` must lie in"#
+        .lines()
+        .skip(1)
+    {
+        let (keys, expected) = row.split_once(" | ").unwrap();
+        let message = scene(&folder, &keys.replace("; ", "\n")).unwrap_err();
         assert!(message.contains(expected), "{message}");
     }
 }
 
 // No bytes make a reader panic, and what it accepts is sound.
-
-fn config() -> ProptestConfig {
-    ProptestConfig {
-        cases: 1024,
-
-        ..common::failures_in("fixtures/proptest-regressions/volume_files.txt")
-    }
-}
-
-const CLOUD: &[u8] = b"\xef\xbb\xbf# cloud\r\no a\nv 1 2 3\nv -1.5e0 2 \\\n3 0.25\nvn 0 0 1\n\
-                       v 0 0 1 1 0.5 .25 # red\n\tp 1 2 3\n";
-
-/// `valid` with some bytes replaced, removed and inserted, perhaps cut.
-fn mutated(valid: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
-    let text = prop::sample::select(&b"0123456789+-.eEvnfpia #\\\t\r\n\0\xff"[..]);
-    let byte = prop_oneof![any::<u8>(), text];
-    let edit = (any::<prop::sample::Index>(), 0..3_usize, byte);
-    prop::collection::vec(edit, 1..6).prop_map(move |edits| {
-        let mut bytes = valid.clone();
-        for (place, removed, byte) in edits {
-            let start = place.index(bytes.len() + 1);
-            let end = bytes.len().min(start + removed);
-            bytes.splice(start..end, [byte]);
-        }
-        bytes
-    })
-}
-
-fn words() -> impl Strategy<Value = Vec<u8>> {
-    let word = prop::sample::select(vec![
-        "v",
-        "v",
-        "v",
-        "vn",
-        "f",
-        "#",
-        "\\",
-        "\\\n",
-        "\n",
-        "\n",
-        "\r\n",
-        "1",
-        "-2.5",
-        "0",
-        "1e400",
-        "nan",
-        "inf",
-        "1e-320",
-        "9e307",
-        "v 1 2 3\n",
-        "v 4 5 6 7\n",
-        ",",
-        "é",
-    ]);
-    prop::collection::vec(word, 0..40).prop_map(|words| words.join(" ").into_bytes())
-}
-
-fn check_cloud(bytes: &[u8]) -> Result<(), TestCaseError> {
-    match read_obj_points(bytes) {
-        Ok(points) => {
-            prop_assert!(points.iter().any(|point| point.weight > 0.0));
-            for point in &points {
-                prop_assert!(point.position.is_finite() && point.weight.is_finite());
-                prop_assert!(point.weight >= 0.0);
-            }
-            check_splat(&points)?;
-        }
-        Err(error) => prop_assert!(!error.to_string().is_empty()),
-    }
-    Ok(())
-}
-
-fn check_splat(points: &[CloudPoint]) -> Result<(), TestCaseError> {
-    match splat(points, SPLATTING) {
-        Ok(grid) => {
-            prop_assert!(grid.check_densities().is_ok());
-            prop_assert_eq!(grid.range().1, 1.0);
-        }
-        Err(error) => prop_assert!(!error.to_string().is_empty()),
-    }
-    Ok(())
-}
-
-fn check_course_grid(bytes: &[u8]) -> Result<(), TestCaseError> {
-    match read_volume("grid.bin", bytes, None, &LoadOptions::default()) {
-        Ok(grid) => {
-            prop_assert_eq!(bytes.len(), 24 + 4 * grid.values().len());
-            prop_assert!(grid.values().iter().all(|value| value.is_finite()));
-        }
-        Err(error) => prop_assert!(!error.to_string().is_empty()),
-    }
-    Ok(())
-}
-
-/// Whatever a reader of grids returns is finite, or an error that says something.
-fn check_grid<E: std::error::Error>(read: Result<Grid<f32>, E>) -> Result<(), TestCaseError> {
-    match read {
-        Ok(grid) => prop_assert!(grid.values().iter().all(|value| value.is_finite())),
-        Err(error) => prop_assert!(!error.to_string().is_empty()),
-    }
-    Ok(())
-}
-
-fn check_all_grids(bytes: &[u8]) -> Result<(), TestCaseError> {
-    let options = LoadOptions::default();
-    for extension in ["vol", "nrrd", "npy", "npz", "mha", "nii", "nii.gz", "toml"] {
-        let name = format!("grid.{extension}");
-        check_grid(read_volume(&name, bytes, None, &options))?;
-    }
-    Ok(())
-}
-
-fn small_volumes() -> impl Strategy<Value = Vec<u8>> {
-    let names = [
-        "grid.vol",
-        "raw.nrrd",
-        "gzip.nrrd",
-        "text.nrrd",
-        "detached.nhdr",
-        "grid.nii",
-    ];
-    let more = [
-        "grid.nii.gz",
-        "grid.mha",
-        "packed.mhd",
-        "bare.raw.toml",
-        "grid.npy",
-        "fortran.npy",
-        "grid.npz",
-        "stored.npz",
-    ];
-    let names: Vec<&str> = names.into_iter().chain(more).collect();
-    prop::sample::select(names).prop_flat_map(|name| mutated(fs::read(fixture(name)).unwrap()))
-}
-
-proptest! {
-    #![proptest_config(config())]
-
-    #[test]
-    fn volumes_with_mistakes_are_read_or_refused(bytes in small_volumes()) {
-        check_all_grids(&bytes)?;
-    }
-
-    #[test]
-    fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        check_cloud(&bytes)?;
-        check_course_grid(&bytes)?;
-        check_all_grids(&bytes)?;
-    }
-
-    #[test]
-    fn clouds_with_mistakes_are_read_or_refused(bytes in mutated(CLOUD.to_vec())) {
-        check_cloud(&bytes)?;
-    }
-
-    #[test]
-    fn words_in_any_order_are_read_or_refused(bytes in words()) {
-        check_cloud(&bytes)?;
-    }
-
-    #[test]
-    fn grids_with_mistakes_are_read_or_refused(bytes in mutated(course_grid([3, 2, 2], 1.0))) {
-        check_course_grid(&bytes)?;
-    }
-
-    #[test]
-    fn any_numbers_are_splatted_or_refused(
-        numbers in prop::collection::vec((prop::array::uniform3(any::<f64>()), any::<f64>()), 0..9)
-    ) {
-        let points: Vec<CloudPoint> = numbers
-            .into_iter()
-            .map(|(position, weight)| CloudPoint { position: position.into(), weight: weight.abs() })
-            .collect();
-        check_splat(&points)?;
-    }
-
-    #[test]
-    fn any_point_can_be_looked_up(point in prop::array::uniform3(any::<f64>())) {
-        let lattice = Lattice::new([3, 1, 2], DVec3::ONE, DVec3::ZERO).unwrap();
-        let grid = Grid::new(lattice, vec![1.0; 6]).unwrap();
-        let cell = Cell::around(&lattice, NodePoint(point.into()));
-        prop_assert_eq!(cell.nearest(&grid), 1.0);
-        let value = cell.trilinear(&grid);
-        prop_assert!(value == 1.0 || !DVec3::from(point).is_finite());
-    }
-}

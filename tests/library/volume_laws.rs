@@ -101,75 +101,12 @@ proptest! {
         prop_assert!((given - spread).abs() <= bound, "{given} became {spread}");
     }
 
-    #[test]
-    fn splatted_grids_fit_their_cloud(points in cloud(), splatting in splatting()) {
-        let lattice = *splat_weights(&points, splatting).unwrap().lattice();
-        let longest = lattice.nodes().into_iter().max();
-        prop_assert_eq!(longest, splatting.resolution);
-        let padding = splatting.padding as f64;
-        let last = in_node_units(lattice.nodes().map(|n| n - 1)) - padding;
-        // In nodes, with B the largest coordinate, h the spacing, n the longest side: rounding
-        // moves the first node by u(B/h + 2·padding), `to_nodes` the point by 2un, and points
-        // within 16u(B/h + n) of a node count as on it.
-        let largest = points.iter().map(|point| point.position.abs().max_element());
-        let largest = largest.fold(0.0, f64::max);
-        let slack = 20.0 * U * (largest / lattice.voxel() + longest.unwrap() as f64);
-        for point in &points {
-            let position = lattice.to_nodes(point.position).0;
-            prop_assert!(position.cmpge(DVec3::splat(padding - slack)).all());
-            prop_assert!(position.cmple(last + slack).all());
-        }
-    }
-
-    #[test]
-    fn the_densest_node_is_one_and_the_rest_in_proportion(
-        points in cloud(), splatting in splatting()
-    ) {
-        prop_assume!(points.iter().any(|point| point.weight > 0.0));
-        let weights = splat_weights(&points, splatting).unwrap();
-        let densities = splat(&points, splatting).unwrap();
-        prop_assert_eq!(densities.range().1, 1.0);
-        prop_assert!(densities.check_densities().is_ok());
-        let (_, largest) = weights.range();
-        for (weight, density) in weights.values().iter().zip(densities.values()) {
-            prop_assert_eq!(*density, (weight / largest) as f32);
-        }
-    }
 }
 
 // Interpolation.
 
 proptest! {
     #![proptest_config(config())]
-
-    #[test]
-    fn a_node_has_its_own_value_f32(grid in grid(any::<f32>().prop_map(f32::abs))) {
-        prop_assume!(grid.check_densities().is_ok());
-        check_nodes(&grid, f64::from)?;
-    }
-
-    #[test]
-    fn a_node_has_its_own_value_f64(grid in grid(0.0..1e300_f64)) {
-        check_nodes(&grid, |value| value)?;
-    }
-
-    #[test]
-    fn a_node_has_its_own_gradient(grid in grid(prop::array::uniform3(-1e9..1e9_f32))) {
-        check_nodes(&grid, |value| DVec3::from_array(value.map(f64::from)))?;
-    }
-
-    #[test]
-    fn a_constant_grid_is_constant(
-        lattice in lattice(1), value in 0.0..1e300_f64, single in 0.0..1e30_f32, at in position()
-    ) {
-        let cell = Cell::around(&lattice, NodePoint(at));
-        let grid = sampled(lattice, |_| value);
-        prop_assert_eq!(cell.trilinear(&grid).to_bits(), value.to_bits());
-        prop_assert_eq!(cell.nearest(&grid).to_bits(), value.to_bits());
-        let grid = sampled(lattice, |_| single);
-        prop_assert_eq!(cell.trilinear(&grid).to_bits(), f64::from(single).to_bits());
-        prop_assert_eq!(cell.nearest(&grid).to_bits(), f64::from(single).to_bits());
-    }
 
     #[test]
     fn trilinear_fields_are_reproduced(
@@ -209,19 +146,6 @@ proptest! {
         let found = Cell::around(&lattice, NodePoint(at)).nearest(&indices);
         prop_assert_eq!(Some(lattice.node(found as usize)), nearest);
     }
-}
-
-fn check_nodes<T: Node>(grid: &Grid<T>, value: impl Fn(T) -> T::Value) -> Result<(), TestCaseError>
-where
-    T::Value: PartialEq + std::fmt::Debug,
-{
-    for (index, &stored) in grid.values().iter().enumerate() {
-        let node = grid.lattice().node(index);
-        let cell = Cell::around(grid.lattice(), NodePoint(in_node_units(node)));
-        prop_assert_eq!(cell.trilinear(grid), value(stored), "{:?}", node);
-        prop_assert_eq!(cell.nearest(grid), value(stored), "{:?}", node);
-    }
-    Ok(())
 }
 
 // Gradients.
@@ -306,66 +230,6 @@ proptest! {
         }
     }
 
-    #[test]
-    fn reflecting_the_field_reflects_the_gradient(grid in grid(density()), axis in 0..3_usize) {
-        let lattice = *grid.lattice();
-        let mirror = |mut node: [usize; 3]| {
-            node[axis] = lattice.nodes()[axis] - 1 - node[axis];
-            lattice.index(node)
-        };
-        let mirrored = gradients(&sampled(lattice, |node| grid.values()[mirror(node)]));
-        let direct = gradients(&grid);
-        for node in nodes_of(&lattice) {
-            let mut expected = direct.values()[mirror(node)];
-            expected[axis] = -expected[axis];
-            // As numbers: where the difference is 0, it is +0 from both sides.
-            prop_assert_eq!(mirrored.values()[lattice.index(node)], expected);
-        }
-    }
-
-    #[test]
-    fn permuting_the_axes_permutes_the_gradient(
-        grid in grid(density()),
-        order in Just([0, 1, 2]).prop_shuffle(),
-    ) {
-        let lattice = *grid.lattice();
-        let permuted = Lattice::new(
-            order.map(|axis| lattice.nodes()[axis]),
-            DVec3::from_array(order.map(|axis| lattice.spacing()[axis])),
-            DVec3::from_array(order.map(|axis| lattice.first()[axis])),
-        ).unwrap();
-        let original = |node: [usize; 3]| {
-            let mut original = [0; 3];
-            for (axis, index) in order.into_iter().zip(node) {
-                original[axis] = index;
-            }
-            lattice.index(original)
-        };
-        let turned = gradients(&sampled(permuted, |node| grid.values()[original(node)]));
-        let direct = gradients(&grid);
-        for node in nodes_of(&permuted) {
-            let gradient = direct.values()[original(node)];
-            let expected = order.map(|axis| gradient[axis].to_bits());
-            let found = turned.values()[permuted.index(node)].map(f32::to_bits);
-            prop_assert_eq!(found, expected);
-        }
-    }
-
-    #[test]
-    fn gradients_are_per_world_unit(grid in grid(density()), exponent in -20..=20_i32) {
-        let lattice = *grid.lattice();
-        let factor = power_of_two(exponent);
-        let spacing = lattice.spacing() * factor;
-        let stretched = Lattice::new(lattice.nodes(), spacing, lattice.first()).unwrap();
-        let stretched = gradients(&Grid::new(stretched, grid.values().to_vec()).unwrap());
-        for (before, after) in gradients(&grid).values().iter().zip(stretched.values()) {
-            for axis in 0..3 {
-                // A power of two moves no digit, as long as nothing leaves the normal numbers.
-                let expected = f64::from(before[axis]) / factor;
-                prop_assert_eq!(f64::from(after[axis]), expected);
-            }
-        }
-    }
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -404,23 +268,6 @@ proptest! {
         let bounds = Aabb::new(min, min + DVec3::from(size) * spacing).unwrap();
         let range = density.range_over(&bounds);
         let found = density.density(within(&bounds, place));
-        prop_assert!(range.low <= found && found <= range.high, "{found} {range:?}");
-    }
-
-    /// The same of a blob.
-    #[test]
-    fn ranges_of_blobs_hold(
-        centre in prop::array::uniform3(-2.0..2.0_f64),
-        width in 0.01..3.0_f64,
-        corner in prop::array::uniform3(-3.0..3.0_f64),
-        size in prop::array::uniform3(0.0..2.0_f64),
-        place in prop::array::uniform3(-0.5..1.5_f64),
-    ) {
-        let blob = Blob { centre: centre.into(), peak: 3.0, width };
-        let min = DVec3::from(corner);
-        let bounds = Aabb::new(min, min + DVec3::from(size)).unwrap();
-        let range = blob.range_over(&bounds);
-        let found = blob.density(within(&bounds, place));
         prop_assert!(range.low <= found && found <= range.high, "{found} {range:?}");
     }
 

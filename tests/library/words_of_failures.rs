@@ -1,7 +1,7 @@
 //! Sentences on failing images that nobody has a ready name for.
 
+use crate::common::suite::{case_of as case, film_with, output_of};
 use glam::DVec3;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use volref::compare::Picture;
@@ -9,16 +9,10 @@ use volref::film::Film;
 use volref::judging::{CaseResult, Judged, Verdict, validate};
 use volref::math::powu;
 use volref::naming::{Predictions, Search, Stage, likeness};
-use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::{Classified, Model, Scene};
-use volref::suite::{Case, Golden, Output, Suite};
+use volref::suite::{Case, Golden, Output};
 use volref::variations::mistakes;
 use volref::volume::{Grid, Interpolation, Lattice};
-
-fn case(name: &str) -> Case {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    suite.select(&[name.to_owned()]).unwrap()[0].clone()
-}
 
 /// The result of `case` with `output`, which fails, and the number of predictions that were rendered;
 /// `go_on` is asked before each step of the search.
@@ -27,7 +21,7 @@ fn searched(
     output: Output,
     go_on: impl Fn(Stage, usize) -> bool + Sync,
 ) -> (CaseResult, usize) {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let predictions = Predictions::default();
     let is_over = AtomicBool::new(!go_on(Stage::Singles, 0));
     let search = Search {
@@ -55,15 +49,7 @@ fn result_of(
 
 /// The image of `scene`, by random numbers of its own where it is sampled.
 fn image(scene: &Scene, samples: u32) -> Film {
-    let sampling = Sampling {
-        samples: Some(samples),
-        seed: Seed::Given(0x776f_7264_7300),
-    };
-    render(&plans(scene), sampling, &|| ()).unwrap().film
-}
-
-fn picture(film: &Film) -> Output {
-    Output::Picture(Box::new(Picture::Radiance(film.clone())))
+    film_with(scene, samples, 0x776f_7264_7300)
 }
 
 /// Nearest nodes of a grid that lies half a voxel further along every axis, or back.
@@ -97,7 +83,7 @@ fn nearest_nodes_half_a_voxel_off_are_named() {
         });
         let images: Vec<Film> = images.collect();
         let output = match &images[..] {
-            [only] => picture(only),
+            [only] => output_of(only.clone()),
             several => Output::Refined(several.iter().cloned().map(Picture::Radiance).collect()),
         };
         let found = result_of(&case, output, |stage, _| stage == Stage::Singles);
@@ -108,7 +94,7 @@ fn nearest_nodes_half_a_voxel_off_are_named() {
     let scene = case.load_scene().unwrap();
     for name in ["nearest-for-trilinear", "volume-half-voxel-off"] {
         let scene = mistakes::named(name).unwrap().in_scene(&scene).unwrap();
-        let found = result_of(&case, picture(&image(&scene, 1)), |stage, _| {
+        let found = result_of(&case, output_of(image(&scene, 1)), |stage, _| {
             stage == Stage::Singles
         });
         assert_eq!(found.looks_like, [name]);
@@ -123,7 +109,7 @@ fn measured(case: &Case, output: Output) -> String {
 /// Parts of `case`, its golden times these factors where it is faint, and elsewhere, by halvings of the
 /// step.
 fn darkened(case: &Case, images: i32, factors: impl Fn(f64) -> [f64; 2]) -> String {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let golden = Golden::read(&suite.store(), case).unwrap().film;
     let opacity = golden.opacity().unwrap();
     let images = (0..images).map(|halvings| {
@@ -163,7 +149,7 @@ fn shifts_of_a_volume_are_said_in_voxels() {
     };
     // 0.4 pixels of 80, to the right: of 0.11 voxels each.
     volume.camera = volume.camera.with_image_moved([0.4 / 80.0, 0.0]);
-    let said = measured(&case, picture(&image(&scene, 1)));
+    let said = measured(&case, output_of(image(&scene, 1)));
     assert!(
         said.contains("moved by 0.") && said.contains("pixels right"),
         "{said}"
@@ -183,11 +169,13 @@ fn a_number_far_off_is_no_cause_before_mistakes_are_tried() {
     let single = mistakes::named("single-scattering").unwrap();
     let far = image(&single.in_scene(&scene).unwrap(), 8);
     let as_if = "is as if this were so, or a mistake that looks like it: albedo off by";
-    let (found, rendered) = searched(&case, picture(&far), |_, tried| tried < 1);
+    let (found, rendered) = searched(&case, output_of(far.clone()), |_, tried| tried < 1);
     assert!(found.reason.contains(as_if), "{}", found.reason);
     // The first mistakes, of the image, take no rendering; a fit begins with one.
     assert_eq!(rendered, 0, "{:?}", found.difference);
-    let (found, rendered) = searched(&case, picture(&far), |stage, _| stage == Stage::Singles);
+    let (found, rendered) = searched(&case, output_of(far.clone()), |stage, _| {
+        stage == Stage::Singles
+    });
     assert!(rendered > 0);
     assert_eq!(
         found.looks_like,

@@ -8,18 +8,26 @@
 /// The smallest number above 0.
 const SMALLEST: f64 = f64::from_bits(1);
 
-/// The numbers that a key may take, both ends included.
-#[derive(Clone, Copy, Debug)]
-pub struct Legal(pub f64, pub f64);
-
-/// Any finite number.
-pub const FINITE: Legal = Legal(f64::MIN, f64::MAX);
-/// Finite and not negative.
-pub const NOT_NEGATIVE: Legal = Legal(0.0, f64::MAX);
-/// Finite and above 0.
-pub const POSITIVE: Legal = Legal(SMALLEST, f64::MAX);
-/// From 0 to 1.
-pub const SHARE: Legal = Legal(0.0, 1.0);
+/// The numbers that a key may take, both ends included, by the letter that the grammar has for them.
+fn legal(letter: &str) -> [f64; 2] {
+    match letter {
+        "f" => [f64::MIN, f64::MAX],
+        "z" => [0.0, f64::MAX],
+        "+" => [SMALLEST, f64::MAX],
+        "s" => [0.0, 1.0],
+        // Below 1, and below 180.
+        "u" => [0.0, 1.0_f64.next_down()],
+        "v" => [SMALLEST, 180.0_f64.next_down()],
+        // Angles, mean cosines, diameters of droplets.
+        "d" => [0.0, 180.0],
+        "a" => [(-1.0_f64).next_up(), 1.0_f64.next_down()],
+        "m" => [5.0, 50.0],
+        // 32-bit numbers, of both signs and not.
+        "h" => [f64::from(f32::MIN), f64::from(f32::MAX)],
+        "t" => [0.0, f64::from(f32::MAX)],
+        _ => panic!("{letter}"),
+    }
+}
 
 /// Decisions, in the order of the list.
 pub struct Choices<'l> {
@@ -98,26 +106,24 @@ impl<'l> Choices<'l> {
         self.below(64) >= 64 - wild
     }
 
-    /// A number between two usual ones, or any legal one.
-    pub fn number(&mut self, legal: Legal, usual: [f64; 2]) -> f64 {
+    /// A number between two usual ones, or any legal one: of no length (`n`), a length or coordinate, whose usual
+    /// size is that of the scene (`l`), or something per length (`g`).
+    pub fn of_kind(&mut self, kind: &str, letter: &str, usual: [f64; 2]) -> f64 {
+        let factor = match kind {
+            "l" => self.unit,
+            "g" => 1.0 / self.unit,
+            _ => 1.0,
+        };
+        self.number(legal(letter), usual.map(|number| number * factor))
+    }
+
+    fn number(&mut self, legal: [f64; 2], usual: [f64; 2]) -> f64 {
         let number = if self.is_wild() {
             self.any_number(legal)
         } else {
             self.between(usual)
         };
-        number.clamp(legal.0, legal.1)
-    }
-
-    /// A length, or coordinate, whose usual size is that of the scene.
-    pub fn length(&mut self, legal: Legal, [low, high]: [f64; 2]) -> f64 {
-        let unit = self.unit;
-        self.number(legal, [low * unit, high * unit])
-    }
-
-    /// Something per length, whose usual size follows from that of the scene.
-    pub fn per_length(&mut self, legal: Legal, [low, high]: [f64; 2]) -> f64 {
-        let unit = self.unit;
-        self.number(legal, [low / unit, high / unit])
+        number.clamp(legal[0], legal[1])
     }
 
     /// A number between `low` and `high`: on the marks of a ruler, so that places coincide as
@@ -131,8 +137,7 @@ impl<'l> Choices<'l> {
         low + (high - low) * share
     }
 
-    fn any_number(&mut self, legal: Legal) -> f64 {
-        let Legal(low, high) = legal;
+    fn any_number(&mut self, [low, high]: [f64; 2]) -> f64 {
         let magnitude = match self.below(12) {
             0 => return low,
             1 => return high,
@@ -159,70 +164,33 @@ impl<'l> Choices<'l> {
         }
     }
 
-    /// Three coordinates, as TOML.
-    pub fn place(&mut self, usual: [f64; 2]) -> String {
-        let place: Vec<_> = (0..3).map(|_| self.length(FINITE, usual)).collect();
-        format!("{place:?}")
-    }
-
-    /// Three numbers of no length, as TOML.
-    pub fn vector(&mut self, usual: [f64; 2]) -> String {
-        let vector: Vec<_> = (0..3).map(|_| self.number(FINITE, usual)).collect();
-        format!("{vector:?}")
-    }
-
-    /// Three numbers per length, as TOML.
-    pub fn gradient(&mut self, usual: [f64; 2]) -> String {
-        let vector: Vec<_> = (0..3).map(|_| self.per_length(FINITE, usual)).collect();
-        format!("{vector:?}")
-    }
-
-    /// A colour, as TOML: one number or three.
-    pub fn colour(&mut self, mut channel: impl FnMut(&mut Self) -> f64) -> String {
-        if self.one_in(2) {
-            let colour: Vec<_> = (0..3).map(|_| channel(self)).collect();
-            return format!("{colour:?}");
-        }
-        format!("{:?}", channel(self))
-    }
-
-    /// Radiance by channel, as TOML.
-    pub fn radiance(&mut self) -> String {
-        let light = self.light;
-        self.colour(|choices| choices.number(NOT_NEGATIVE, [0.0, 2.0 * light]))
-    }
-
-    /// Radiant intensity by channel, as TOML: such that the irradiance is usual at usual distances.
-    pub fn intensity(&mut self) -> String {
-        let intensity = (2.0 * self.light * self.unit * self.unit).min(f64::MAX);
-        self.colour(|choices| choices.number(NOT_NEGATIVE, [0.0, intensity]))
-    }
-
-    /// Radiance per length by channel, as TOML.
-    pub fn emission(&mut self) -> String {
-        let emission = (self.light / self.unit).min(f64::MAX);
-        self.colour(|choices| choices.number(NOT_NEGATIVE, [0.0, emission]))
-    }
-
-    /// Extinction, absorption or scattering by channel, as TOML.
-    pub fn coefficient(&mut self) -> String {
-        self.colour(|choices| choices.per_length(NOT_NEGATIVE, [0.0, 4.0]))
-    }
-
-    /// A share of light by channel, as TOML.
-    pub fn share(&mut self) -> String {
-        self.colour(|choices| choices.number(SHARE, [0.0, 1.0]))
-    }
-
-    /// Bytes of samples: 32-bit numbers that are finite, of both signs if asked for.
-    pub fn sample(&mut self, signed: bool) -> f32 {
-        let legal = if signed {
-            Legal(f64::from(f32::MIN), f64::from(f32::MAX))
-        } else {
-            Legal(0.0, f64::from(f32::MAX))
+    /// A colour, as TOML, of one number or three: radiance; intensity, such that the irradiance is usual at
+    /// usual distances; emission per length; coefficients of a medium; a share of light.
+    pub fn colour(&mut self, what: &str) -> String {
+        let (light, unit) = (self.light, self.unit);
+        let (letter, most) = match what {
+            "radiance" => ("z", 2.0 * light),
+            "intensity" => ("z", (2.0 * light * unit * unit).min(f64::MAX)),
+            "emission" => ("z", (light / unit).min(f64::MAX)),
+            "coefficient" => ("z", 4.0 / unit),
+            _ => ("s", 1.0),
         };
-        let usual = if signed { [-1.0, 1.0] } else { [0.0, 1.5] };
-        self.number(legal, usual) as f32
+        let mut channel = || self.number(legal(letter), [0.0, most]);
+        let colour = [channel(), channel(), channel()];
+        match self.one_in(2) {
+            true => format!("{colour:?}"),
+            false => format!("{:?}", colour[0]),
+        }
+    }
+
+    /// A 32-bit number that is finite, of both signs if asked for.
+    pub fn sample(&mut self, signed: bool) -> f32 {
+        let (letter, usual) = if signed {
+            ("h", [-1.0, 1.0])
+        } else {
+            ("t", [0.0, 1.5])
+        };
+        self.of_kind("n", letter, usual) as f32
     }
 }
 

@@ -1,10 +1,10 @@
 //! Scenes as a user could write them, with any legal number at any key.
 //!
-//! Every key of the format is here, and each may hold its limits, zeros of both signs, the
-//! smallest and the largest numbers. Kept small is only what a scene must be small in to be
+//! Every key of the format is in the [grammar](GRAMMAR), and each may hold its limits, zeros of both
+//! signs, the smallest and the largest numbers. Kept small is only what a scene must be small in to be
 //! rendered at all within a test: how many things it holds, and the grids and meshes beside it.
 
-use super::choices::{Choices, FINITE, Legal, NOT_NEGATIVE, POSITIVE, SHARE};
+use super::choices::Choices;
 
 /// A scene file, and the files it names.
 pub struct Written {
@@ -27,813 +27,389 @@ impl std::fmt::Debug for Written {
 
 /// The scene that the decisions of `list` make.
 pub fn written(list: &[u32]) -> Written {
-    let mut choices = Choices::new(list);
-    let mut scene = Written {
-        text: String::new(),
-        files: Vec::new(),
+    let (mut choices, mut files) = (Choices::new(list), Vec::new());
+    let text = rule("scene", &mut choices, &mut files);
+    Written { text, files }
+}
+
+/// `% NAME` begins a rule, and an empty line ends one of whole lines. In it `⟦a¦b⟧` is one of its parts, the first of which is the plainest, `⟦3|a⟧` is there in
+/// one of three cases, and `⟨…⟩` stands for another rule or for what [`call`] makes.
+const GRAMMAR: &str = r#"
+% scene
+[film]
+width = ⟨c 8 8 16384⟩
+height = ⟨c 8 8 16384⟩
+⟦⟨classified⟩¦⟨classified⟩¦⟨classified⟩¦⟨curve⟩¦⟨radiative⟩¦⟨radiative⟩¦⟨radiative⟩¦⟨radiative⟩⟧
+% eye
+eye = [⟨l f -1 1⟩, ⟨l f 0 2⟩, ⟨l f -4 4⟩]
+
+% target
+target = ⟨3l f -1 1⟩
+
+% look
+⟦2|up = ⟨3n f -1 1⟩
+⟧⟦2|vertical_fov = ⟨n v 1 170⟩
+⟧
+% formula-look
+[transfer_function]
+⟦2|floor = ⟨n u 0 0.9⟩
+⟧
+% curve
+⟦⟨formula-look⟩[curve]
+⟦2|densities = ⟨n + 0.5 2⟩
+⟧¦[transfer_function]
+⟨points⟩[curve]
+⟧
+% classified
+⟦⟨of-formula⟩¦⟨of-formula⟩¦⟨of-points⟩⟧
+% of-formula
+⟨formula-look⟩⟦2|reference_length = ⟨length 0.5 2⟩
+⟧⟦2|colormap = "⟦heat¦grey¦display-grey¦bone¦white¦viridis¦magma¦inferno¦plasma¦turbo⟧"
+⟧⟨body⟩⟦⟨of-samples⟩⟦2|shadow = { ⟦2|step = ⟨length 0.25 2⟩, ⟧reference_step = ⟨length 0.01 2⟩ }
+⟧¦⟨of-samples⟩¦⟨integral⟩¦⟨numbers⟩⟧volume = { ⟨place⟩⟦⟨volume u⟩¦⟨volume u⟩¦⟨volume u⟩¦⟨formula⟩⟧ }
+% of-points
+[transfer_function]
+⟦2|reference_length = ⟨length 0.5 2⟩
+⟧⟨points⟩⟨body⟩⟦⟨of-samples⟩⟦2|shadow = { ⟦2|step = ⟨length 0.25 2⟩, ⟧⟦2|reference_step = ⟨length 0.01 2⟩⟧ }
+⟧¦⟨of-samples⟩¦⟨integral⟩¦⟨numbers⟩⟧volume = { ⟨place⟩⟦⟨volume s⟩¦⟨volume s⟩¦⟨volume s⟩¦⟨formula⟩⟧ }
+% body
+⟦2|[camera]
+⟦2|⟨eye⟩⟧⟦2|⟨target⟩⟧⟨look⟩⟧[classified]
+⟦2|interpolation = "⟦trilinear¦nearest⟧"
+⟧⟦2|step = ⟨length 0.25 2⟩
+⟧⟦2|background = ⟨radiance⟩
+⟧⟦2|light = { position = ⟨3l f -4 4⟩ }
+⟧
+% phong
+⟦2|phong = { ⟦2|ambient = ⟨n z 0 1⟩, ⟧⟦2|diffuse = ⟨n z 0 1⟩, ⟧⟦2|specular = ⟨n z 0 1⟩, ⟧⟦2|shininess = ⟨c 1 64 1048576⟩⟧ }
+⟧
+% of-samples
+⟦2|compositing = "⟦front-to-back¦back-to-front⟧"
+⟧⟨phong⟩
+% integral
+compositing = "continuous"
+
+% numbers
+⟦2|compositing = "⟦front-to-back¦continuous⟧"
+⟧⟦mode = "⟦maximum¦minimum¦mean¦sum⟧"
+⟦2|⟨window⟩⟧¦mode = "attenuated-maximum"
+attenuation = ⟨n z 0 4⟩
+⟨window⟩¦mode = "isosurface"
+isosurface = [⟨isosurface⟩⟦2|, ⟨isosurface⟩⟧⟦4|, ⟨isosurface⟩⟧]
+⟨phong⟩⟧
+% window
+window = { low = ⟨n h -0.5 0.5⟩, high = ⟨n h 0.5 1.5⟩ }
+
+% isosurface
+{ value = ⟨n h -0.5 1⟩, colour = ⟨radiance⟩, opacity = ⟨n s 0.1 1⟩ }
+% place
+⟦¦transform = [⟨row 0⟩, ⟨row 1⟩, ⟨row 2⟩], ¦⟨steps⟩¦⟨steps⟩⟧
+% steps
+⟦6|scale = ⟨3n f -2 2⟩, ⟧⟦6|rotate = { axis = ⟨3n f -1 1⟩, angle = ⟨n f -180 180⟩ }, ⟧⟦6|translate = ⟨3l f -2 2⟩, ⟧
+% formula
+⟦2|spacing = ⟨3l + 0.1 1⟩, ⟧⟦4|origin = ⟨3l f -2 2⟩, ⟧⟦2|value = ⟨exact⟩, ⟧⟦4|centring = "⟦nodes¦cells⟧", ⟧⟦field = "ramp", nodes = ⟨nodes⟩, slope = [⟨exact⟩, ⟨exact⟩, ⟨exact⟩]¦field = "spots", nodes = ⟨nodes⟩, every = ⟨c 2 4 134217728⟩⟦2|, bright = ⟨exact⟩⟧¦field = "spots", nodes = [3, 5, 2], spot = [{ node = [⟦0¦1¦2⟧, ⟦0¦4⟧, 1], value = ⟨exact⟩ }⟦2|, { node = [0, 3, 0], value = ⟨exact⟩ }⟧]⟧
+% exact
+⟦0.125¦0.0¦0.5¦1.0¦-0.25¦1.0¦0.5¦⟨n f 0 1⟩⟧
+% radiative
+[camera]
+⟨eye⟩⟨target⟩⟨look⟩[sampling]
+⟦2|samples = ⟨c 1 4 2147483648⟩
+⟧⟦2|seed = ⟨c 0 9 9223372036854775807⟩
+⟧[radiative]
+⟦⟨bounces⟩¦⟨bounces⟩¦⟨bounces⟩¦scattering = "multiple"
+¦scattering = "single"
+¦scattering = "single"
+¦scattering = "none"
+⟧⟦2|environment = ⟨radiance⟩
+⟧⟦⟨medium⟩¦¦⟨medium⟩⟨medium⟩¦⟨medium⟩⟨medium⟩⟨medium⟩⟨medium⟩⟧⟦⟨light⟩¦¦⟨light⟩⟨light⟩¦⟨light⟩⟨light⟩⟨light⟩⟧⟦⟨surface⟩¦¦⟨surface⟩⟨surface⟩¦⟨surface⟩⟨surface⟩⟨surface⟩⟨surface⟩⟧
+% bounces
+max_bounces = ⟨c 2 8 67108863⟩
+
+% medium
+[[radiative.medium]]
+⟦⟨enclosed⟩¦⟨enclosed⟩¦⟨enclosed⟩¦⟨enclosed⟩¦⟨enclosed⟩¦⟧⟦⟨coefficients⟩¦grid = { ⟨volume u⟩ }
+⟦2|interpolation = "⟦trilinear¦nearest⟧"
+⟧⟨coefficients⟩¦⟨noise⟩⟨coefficients⟩¦exponential = { ⟦2|density = ⟨n z 0 2⟩, ⟧⟦2|base = ⟨3l f -2 2⟩, ⟧⟦2|up = ⟨3n f -1 1⟩, ⟧scale_height = ⟨l + 0.25 2⟩ }
+⟨coefficients⟩¦linear = { ⟦2|density = ⟨n f -1 2⟩, ⟧⟦2|origin = ⟨3l f -2 2⟩, ⟧gradient = ⟨3g f -1 1⟩ }
+⟨coefficients⟩¦blob = { centre = ⟨3l f -1 1⟩, width = ⟨l + 0.125 2⟩⟦2|, peak = ⟨n z 0 2⟩⟧ }
+⟨coefficients⟩¦⟨procedural⟩⟧⟦⟨phase⟩¦⟧⟦3|emission = ⟨emission⟩
+⟧
+% phase
+⟦g = ⟨n a -0.9 0.9⟩
+¦g = ⟨n a -0.9 0.9⟩
+¦draine = { g = ⟨n a -0.9 0.9⟩, alpha = ⟨n z 0 2⟩ }
+¦droplets = { diameter = ⟨n m 5 50⟩ }
+⟧
+% coefficients
+⟦sigma_t = ⟨coefficient⟩
+albedo = ⟨share⟩
+¦sigma_a = ⟨coefficient⟩
+sigma_s = ⟨coefficient⟩
+¦sigma_a = ⟨coefficient⟩
+⟧
+% noise
+noise = { ⟦2|octaves = ⟨c 1 4 32⟩, ⟧⟦2|lacunarity = ⟨n + 0.25 4⟩, ⟧⟦2|gain = ⟨n + 0.25 4⟩, ⟧⟦2|scale = ⟨3g f -2 2⟩, ⟧⟦2|offset = ⟨3n f -2 2⟩, ⟧⟦2|max_density = ⟨n z 0 2⟩, ⟧⟦2|threshold = ⟨n f -1 1⟩⟧ }
+
+% procedural
+procedural = { text = '''<medium type="procedural"><color name="sigma_a" value="⟨n z 0 4⟩"/>⟦2|<color name="sigma_s" value="⟨n z 0 4⟩ ⟨n z 0 4⟩ ⟨n z 0 4⟩"/>⟧⟦2|<integer name="nrOctaves" value="⟨c 1 4 32⟩"/>⟧⟦3|<float name="lacunarity" value="⟨n + 0.25 4⟩"/>⟧⟦3|<float name="gain" value="⟨n + 0.25 4⟩"/>⟧⟦3|<float name="maxDensity" value="⟨n z 0 2⟩"/>⟧⟦3|<float name="threshold" value="⟨n f -1 1⟩"/>⟧⟦3|<vector name="scale" value="⟨g f -2 2⟩, ⟨g f -2 2⟩, ⟨g f -2 2⟩"/>⟧</medium>''' }
+
+% enclosed
+⟦⟨box⟩¦⟨sphere⟩¦mesh = { file = "closed.obj" }⟨mesh closed⟩
+⟧⟨moved⟩
+% moved
+⟦6|scale = ⟨3n f -2 2⟩
+⟧⟦6|rotate = { axis = ⟨3n f -1 1⟩, angle = ⟨n f -180 180⟩ }
+⟧⟦6|translate = ⟨3l f -2 2⟩
+⟧
+% box
+box = { ⟨corners⟩ }
+
+% sphere
+sphere = { centre = ⟨3l f -1 1⟩, radius = ⟨l + 0.25 2⟩ }
+
+% light
+[[radiative.light]]
+⟦directional = { direction = ⟨3n f -1 1⟩, irradiance = ⟨radiance⟩ }
+¦point = { position = ⟨3l f -3 3⟩, intensity = ⟨intensity⟩ }
+¦spot = { position = ⟨3l f -3 3⟩, intensity = ⟨intensity⟩, target = ⟨3l f -1 1⟩, inner_angle = ⟨n d 0 30⟩, outer_angle = ⟨n d 30 120⟩ }
+⟧
+% surface
+[[radiative.surface]]
+⟦rectangle = { corner = ⟨3l f -2 2⟩, edge_u = [⟨l f 4 0.5⟩, ⟨l f 0 0.25⟩, ⟨l f 0 0.25⟩], edge_v = [⟨l f 0 0.25⟩, ⟨l f 4 0.5⟩, ⟨l f 0 4⟩] }
+¦⟨sphere⟩¦⟨box⟩¦mesh = { file = "open.obj" }⟨mesh open⟩
+⟧⟨moved⟩⟦diffuse = { reflectance = ⟨share⟩ }
+¦diffuse = { reflectance = ⟨share⟩ }
+¦emitter = { radiance = ⟨radiance⟩⟦2|, sides = "⟦front¦both⟧"⟧ }
+¦emitter = { radiance = ⟨radiance⟩ }
+¦mirror = { reflectance = ⟨share⟩ }
+¦glass = { index = ⟨n + 0.5 2.5⟩ }
+⟧
+"#;
+
+type Files = Vec<(&'static str, Vec<u8>)>;
+
+fn rule(name: &str, choices: &mut Choices<'_>, files: &mut Files) -> String {
+    let mut rules = GRAMMAR.split("\n% ");
+    let is_it = |rule: &&str| rule.split('\n').next() == Some(name);
+    let rule = rules.find(is_it).unwrap_or_else(|| panic!("{name}"));
+    expanded(&rule[name.len() + 1..], choices, files)
+}
+
+fn expanded(text: &str, choices: &mut Choices<'_>, files: &mut Files) -> String {
+    let Some(at) = text.find(['⟦', '⟨']) else {
+        return text.to_owned();
     };
-    scene.film(&mut choices);
-    match choices.below(8) {
-        0..=2 => scene.classified(&mut choices),
-        3 => scene.curve(&mut choices),
-        _ => scene.radiative(&mut choices),
+    let (before, rest) = text.split_at(at);
+    if let Some(rest) = rest.strip_prefix('⟨') {
+        let (inside, after) = rest.split_once('⟩').unwrap();
+        let made = call(inside, choices, files);
+        return before.to_owned() + &made + &expanded(after, choices, files);
     }
-    scene
-}
-
-/// The keys of a table, one by one.
-#[derive(Default)]
-struct Keys(Vec<String>);
-
-impl Keys {
-    fn give(&mut self, key: &str, value: impl std::fmt::Display) {
-        self.0.push(format!("{key} = {value}"));
-    }
-
-    /// The keys as a table in one line.
-    fn inline(&self) -> String {
-        format!("{{ {} }}", self.0.join(", "))
-    }
-}
-
-/// A word in quotes.
-fn quoted(word: &str) -> String {
-    format!("{word:?}")
-}
-
-impl Written {
-    fn table(&mut self, heading: &str, keys: &Keys) {
-        self.text.push_str(&format!("[{heading}]\n"));
-        for key in &keys.0 {
-            self.text.push_str(key);
-            self.text.push('\n');
-        }
-    }
-
-    fn add_file(&mut self, name: &'static str, bytes: Vec<u8>) {
-        // A second of that name would be another file.
-        if self.files.iter().all(|(other, _)| *other != name) {
-            self.files.push((name, bytes));
-        }
-    }
-
-    fn film(&mut self, choices: &mut Choices<'_>) {
-        let mut keys = Keys::default();
-        for key in ["width", "height"] {
-            keys.give(key, choices.count(8, 8, 16384));
-        }
-        self.table("film", &keys);
-    }
-
-    fn camera(&mut self, choices: &mut Choices<'_>, required: bool) {
-        if !required && !choices.one_in(2) {
-            return;
-        }
-        let mut keys = Keys::default();
-        if required || choices.one_in(2) {
-            // Before most of what there is, in the middle of it, or behind.
-            let eye =
-                [[-1.0, 1.0], [0.0, 2.0], [-4.0, 4.0]].map(|usual| choices.length(FINITE, usual));
-            keys.give("eye", format!("{eye:?}"));
-        }
-        if required || choices.one_in(2) {
-            keys.give("target", choices.place([-1.0, 1.0]));
-        }
-        if choices.one_in(2) {
-            keys.give("up", choices.vector([-1.0, 1.0]));
-        }
-        if choices.one_in(2) {
-            let below_180 = Legal(POSITIVE.0, 180.0_f64.next_down());
-            keys.give(
-                "vertical_fov",
-                format!("{:?}", choices.number(below_180, [1.0, 170.0])),
-            );
-        }
-        self.table("camera", &keys);
-    }
-
-    fn transfer_function(&mut self, choices: &mut Choices<'_>, points: bool, curve: bool) {
-        let mut keys = Keys::default();
-        if !curve && choices.one_in(2) {
-            keys.give("reference_length", length(choices, [0.5, 2.0]));
-        }
-        if !points {
-            if choices.one_in(2) {
-                let below_1 = Legal(0.0, 1.0_f64.next_down());
-                keys.give(
-                    "floor",
-                    format!("{:?}", choices.number(below_1, [0.0, 0.9])),
-                );
-            }
-            if !curve && choices.one_in(2) {
-                let names = [
-                    "heat",
-                    "grey",
-                    "display-grey",
-                    "bone",
-                    "white",
-                    "viridis",
-                    "magma",
-                    "inferno",
-                    "plasma",
-                    "turbo",
-                ];
-                keys.give("colormap", quoted(choices.pick(&names)));
-            }
-        }
-        self.table("transfer_function", &keys);
-        if !points {
-            return;
-        }
-        let mut values: Vec<f32> = (0..1 + choices.below(4))
-            .map(|_| choices.sample(true))
-            .collect();
-        values.sort_by(f32::total_cmp);
-        for value in values {
-            let mut keys = Keys::default();
-            keys.give("value", format!("{:?}", f64::from(value)));
-            keys.give("colour", choices.radiance());
-            keys.give(
-                "opacity",
-                format!("{:?}", choices.number(SHARE, [0.0, 1.0])),
-            );
-            self.table("[transfer_function.point]", &keys);
-        }
-    }
-
-    fn curve(&mut self, choices: &mut Choices<'_>) {
-        let points = choices.one_in(2);
-        self.transfer_function(choices, points, true);
-        let mut keys = Keys::default();
-        if !points && choices.one_in(2) {
-            keys.give(
-                "densities",
-                format!("{:?}", choices.number(POSITIVE, [0.5, 2.0])),
-            );
-        }
-        self.table("curve", &keys);
-    }
-
-    fn classified(&mut self, choices: &mut Choices<'_>) {
-        let points = choices.one_in(3);
-        self.transfer_function(choices, points, false);
-        self.camera(choices, false);
-        let mut keys = Keys::default();
-        if choices.one_in(2) {
-            keys.give(
-                "interpolation",
-                quoted(choices.pick(&["trilinear", "nearest"])),
-            );
-        }
-        let mode = choices.one_in(4).then(|| mode(choices, &mut keys));
-        let orders: &[&str] = match mode {
-            None => &["front-to-back", "back-to-front"],
-            Some(_) => &["front-to-back", "continuous"],
-        };
-        if choices.one_in(2) {
-            keys.give("compositing", quoted(choices.pick(orders)));
-        }
-        if choices.one_in(2) {
-            keys.give("step", length(choices, [0.25, 2.0]));
-        }
-        if choices.one_in(2) {
-            keys.give("background", choices.radiance());
-        }
-        let map = place_of_volume(choices);
-        let volume = match choices.one_in(4) {
-            true => formula(choices, map),
-            false => self.volume(choices, points, map),
-        };
-        keys.give("volume", volume);
-        if choices.one_in(2) {
-            keys.give(
-                "light",
-                format!("{{ position = {} }}", choices.place([-4.0, 4.0])),
-            );
-        }
-        if choices.one_in(2) {
-            let mut phong = Keys::default();
-            for key in ["ambient", "diffuse", "specular"] {
-                if choices.one_in(2) {
-                    phong.give(
-                        key,
-                        format!("{:?}", choices.number(NOT_NEGATIVE, [0.0, 1.0])),
-                    );
-                }
-            }
-            if choices.one_in(2) {
-                phong.give("shininess", choices.count(1, 64, 1 << 20));
-            }
-            if mode != Some(Shown::Numbers) {
-                keys.give("phong", phong.inline());
-            }
-        }
-        if choices.one_in(2) && mode.is_none() {
-            let mut shadow = Keys::default();
-            if choices.one_in(2) {
-                shadow.give("step", length(choices, [0.25, 2.0]));
-            }
-            if !points || choices.one_in(2) {
-                shadow.give("reference_step", length(choices, [0.01, 2.0]));
-            }
-            keys.give("shadow", shadow.inline());
-        }
-        self.table("classified", &keys);
-    }
-
-    /// A volume file, and the table that names it.
-    fn volume(&mut self, choices: &mut Choices<'_>, signed: bool, mut keys: Keys) -> String {
-        let kind = choices.below(4);
-        if kind == 0 {
-            keys.give("file", quoted("cloud.obj"));
-            let flat = choices.one_in(8);
-            self.add_file("cloud.obj", cloud(choices, flat));
-            // Three paddings and a wild one: between them lie grids of gigabytes.
-            let padding = choices.pick(&[2, 0, 1, 1024]);
-            if choices.one_in(2) {
-                keys.give("padding", padding);
-            }
-            if choices.one_in(2) {
-                // A grid of a cloud that is no line has up to the cube of the resolution nodes:
-                // 4096 of them fill a memory.
-                let most = if flat { 4096 } else { 16 };
-                keys.give("resolution", choices.count(2, 12, most));
-            }
-            return keys.inline();
-        }
-        let nodes = std::array::from_fn(|_| choices.pick(&[2, 1, 3, 5, 9]));
-        let mut samples: Vec<f32> = (0..nodes.iter().product())
-            .map(|_| choices.sample(signed))
-            .collect();
-        if choices.one_in(8) {
-            let place = choices.below(samples.len());
-            samples[place] = choices.pick(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
-            let value = choices.number(Legal(f64::from(f32::MIN), f64::from(f32::MAX)), [0.0, 1.0]);
-            keys.give("replace_non_finite", format!("{value:?}"));
-        }
-        if choices.one_in(2) {
-            keys.give("centring", quoted(choices.pick(&["nodes", "cells"])));
-        }
-        if choices.one_in(4) {
-            keys.give("orientation", quoted(choices.pick(&["world", "as-stored"])));
-        }
-        let data: Vec<u8> = samples
-            .iter()
-            .flat_map(|sample| sample.to_le_bytes())
-            .collect();
-        match kind {
-            1 => {
-                keys.give("file", quoted("grid.bin"));
-                self.add_file("grid.bin", course_grid(choices, nodes, &data));
-            }
-            2 => {
-                keys.give("file", quoted("bare.toml"));
-                self.add_file("bare.toml", description(choices, nodes).into_bytes());
-                self.add_file("bare.raw", data);
-            }
-            _ => {
-                keys.give("file", quoted("grid.nrrd"));
-                self.add_file("grid.nrrd", nrrd(choices, nodes, data));
-            }
-        }
-        keys.inline()
-    }
-
-    fn radiative(&mut self, choices: &mut Choices<'_>) {
-        self.camera(choices, true);
-        let mut keys = Keys::default();
-        if choices.one_in(2) {
-            keys.give("samples", choices.count(1, 4, 1 << 31));
-        }
-        if choices.one_in(2) {
-            keys.give("seed", choices.count(0, 9, i64::MAX as u64));
-        }
-        self.table("sampling", &keys);
-
-        let mut keys = Keys::default();
-        let scattering = choices.pick(&["multiple", "single", "none"]);
-        keys.give("scattering", quoted(scattering));
-        // Left out, or many, in few: light that nothing takes away is turned 2^26 times, which
-        // takes seconds for each of its paths and ends in an error that says so.
-        if scattering == "multiple" && !choices.one_in(4) {
-            keys.give("max_bounces", choices.count(2, 8, (1 << 26) - 1));
-        }
-        if choices.one_in(2) {
-            keys.give("environment", choices.radiance());
-        }
-        self.table("radiative", &keys);
-        for _ in 0..choices.pick(&[1, 0, 2, 4]) {
-            self.medium(choices);
-        }
-        for _ in 0..choices.pick(&[1, 0, 2, 3]) {
-            self.light(choices);
-        }
-        for _ in 0..choices.pick(&[1, 0, 2, 4]) {
-            self.surface(choices);
-        }
-    }
-
-    fn medium(&mut self, choices: &mut Choices<'_>) {
-        let mut keys = Keys::default();
-        if !choices.one_in(6) {
-            let shape = choices.pick(&["box", "sphere", "mesh"]);
-            self.shape(choices, &mut keys, shape, true);
-            place(choices, &mut keys);
-        }
-        let kinds = [
-            "none",
-            "grid",
-            "noise",
-            "exponential",
-            "linear",
-            "blob",
-            "procedural",
-        ];
-        let density = choices.pick(&kinds);
-        match density {
-            "grid" => {
-                keys.give("grid", self.volume(choices, false, Keys::default()));
-                if choices.one_in(2) {
-                    keys.give(
-                        "interpolation",
-                        quoted(choices.pick(&["trilinear", "nearest"])),
-                    );
-                }
-            }
-            "noise" => keys.give("noise", noise(choices)),
-            "exponential" => keys.give("exponential", layer(choices)),
-            "linear" => keys.give("linear", ramp(choices)),
-            "blob" => keys.give("blob", blob(choices)),
-            "procedural" => {
-                keys.give(
-                    "procedural",
-                    format!("{{ text = '''{}''' }}", block(choices)),
-                );
-            }
+    let (mut depth, mut cuts) = (0, vec![0]);
+    for (at, letter) in rest.char_indices() {
+        match letter {
+            '⟦' => depth += 1,
+            '¦' if depth == 1 => cuts.push(at),
+            '⟧' => depth -= 1,
             _ => {}
         }
-        if density != "procedural" {
-            match choices.below(3) {
-                0 => {
-                    keys.give("sigma_t", choices.coefficient());
-                    keys.give("albedo", choices.share());
-                }
-                1 => {
-                    keys.give("sigma_a", choices.coefficient());
-                    keys.give("sigma_s", choices.coefficient());
-                }
-                _ => keys.give("sigma_a", choices.coefficient()),
-            }
+        if depth == 0 {
+            cuts.push(at);
+            break;
         }
-        if choices.one_in(2) {
-            keys.give(
-                "g",
-                format!("{:?}", choices.number(asymmetry(), [-0.9, 0.9])),
-            );
-        }
-        if choices.one_in(3) {
-            keys.give("emission", choices.emission());
-        }
-        self.table("[radiative.medium]", &keys);
     }
-
-    fn light(&mut self, choices: &mut Choices<'_>) {
-        let mut keys = Keys::default();
-        let kind = choices.pick(&["directional", "point", "spot"]);
-        if kind == "directional" {
-            keys.give("direction", choices.vector([-1.0, 1.0]));
-            keys.give("irradiance", choices.radiance());
-        } else {
-            keys.give("position", choices.place([-3.0, 3.0]));
-            keys.give("intensity", choices.intensity());
+    let parts = cuts.windows(2).map(|ends| &rest[ends[0]..ends[1]]);
+    let parts: Vec<&str> = parts
+        .map(|part| &part[part.chars().next().unwrap().len_utf8()..])
+        .collect();
+    let chosen = match parts[..] {
+        [optional] => {
+            let (cases, part) = optional.split_once('|').unwrap();
+            let is_there = choices.one_in(cases.parse().unwrap());
+            if is_there { part } else { "" }
         }
-        if kind == "spot" {
-            keys.give("target", choices.place([-1.0, 1.0]));
-            let angle = Legal(0.0, 180.0);
-            keys.give(
-                "inner_angle",
-                format!("{:?}", choices.number(angle, [0.0, 30.0])),
-            );
-            keys.give(
-                "outer_angle",
-                format!("{:?}", choices.number(angle, [30.0, 120.0])),
-            );
-        }
-        let mut light = Keys::default();
-        light.give(kind, keys.inline());
-        self.table("[radiative.light]", &light);
-    }
-
-    fn surface(&mut self, choices: &mut Choices<'_>) {
-        let mut keys = Keys::default();
-        let shape = choices.pick(&["rectangle", "sphere", "box", "mesh"]);
-        self.shape(choices, &mut keys, shape, false);
-        place(choices, &mut keys);
-        match choices.below(8) {
-            0..=2 => keys.give(
-                "diffuse",
-                format!("{{ reflectance = {} }}", choices.share()),
-            ),
-            3..=5 => {
-                let mut emitter = Keys::default();
-                emitter.give("radiance", choices.radiance());
-                if choices.one_in(2) {
-                    emitter.give("sides", quoted(choices.pick(&["front", "both"])));
-                }
-                keys.give("emitter", emitter.inline());
-            }
-            6 => keys.give("mirror", format!("{{ reflectance = {} }}", choices.share())),
-            _ => {
-                let index = choices.number(POSITIVE, [0.5, 2.5]);
-                keys.give("glass", format!("{{ index = {index:?} }}"));
-            }
-        }
-        self.table("[radiative.surface]", &keys);
-    }
-
-    fn shape(&mut self, choices: &mut Choices<'_>, keys: &mut Keys, shape: &str, closed: bool) {
-        let mut of = Keys::default();
-        match shape {
-            "sphere" => {
-                of.give("centre", choices.place([-1.0, 1.0]));
-                of.give(
-                    "radius",
-                    format!("{:?}", choices.length(POSITIVE, [0.25, 2.0])),
-                );
-            }
-            "box" => {
-                let corners: [[f64; 2]; 3] = std::array::from_fn(|_| {
-                    let ends = [
-                        choices.length(FINITE, [-2.0, 0.0]),
-                        choices.length(FINITE, [0.25, 2.0]),
-                    ];
-                    [ends[0].min(ends[1]), ends[0].max(ends[1])]
-                });
-                of.give("min", format!("{:?}", corners.map(|[min, _]| min)));
-                of.give("max", format!("{:?}", corners.map(|[_, max]| max)));
-            }
-            "rectangle" => {
-                of.give("corner", choices.place([-2.0, 2.0]));
-                // One along x and one along y or z, more or less: most have an area.
-                for (key, along) in [("edge_u", 0), ("edge_v", 1 + choices.below(2))] {
-                    let edge: [f64; 3] = std::array::from_fn(|axis| {
-                        let usual = if axis == along {
-                            [4.0, 0.5]
-                        } else {
-                            [0.0, 0.25]
-                        };
-                        choices.length(FINITE, usual)
-                    });
-                    of.give(key, format!("{edge:?}"));
-                }
-            }
-            _ => {
-                let name = if closed { "closed.obj" } else { "open.obj" };
-                of.give("file", quoted(name));
-                self.add_file(name, mesh(choices, closed));
-            }
-        }
-        keys.give(shape, of.inline());
-    }
+        _ => parts[choices.below(parts.len())],
+    };
+    let chosen = expanded(chosen, choices, files);
+    let after = &rest[cuts[cuts.len() - 1] + '⟧'.len_utf8()..];
+    before.to_owned() + &chosen + &expanded(after, choices, files)
 }
 
-/// A positive length: in voxels or world units.
-fn length(choices: &mut Choices<'_>, usual: [f64; 2]) -> String {
-    if choices.one_in(3) {
-        format!("{:?}", choices.length(POSITIVE, usual))
-    } else {
-        quoted(&format!("{:?} voxels", choices.number(POSITIVE, usual)))
-    }
-}
-
-fn place(choices: &mut Choices<'_>, keys: &mut Keys) {
-    if choices.one_in(6) {
-        keys.give("scale", choices.vector([-2.0, 2.0]));
-    }
-    if choices.one_in(6) {
-        let axis = choices.vector([-1.0, 1.0]);
-        let angle = choices.number(FINITE, [-180.0, 180.0]);
-        keys.give("rotate", format!("{{ axis = {axis}, angle = {angle:?} }}"));
-    }
-    if choices.one_in(6) {
-        keys.give("translate", choices.place([-2.0, 2.0]));
-    }
-}
-
-/// The keys of a map that places a volume: none, a matrix, or steps.
-fn place_of_volume(choices: &mut Choices<'_>) -> Keys {
-    let mut keys = Keys::default();
-    match choices.below(4) {
-        0 => {}
-        1 => {
-            let rows: Vec<Vec<f64>> = (0..3)
-                .map(|row| {
-                    let mut numbers = vec![0.0; 4];
-                    for (column, number) in numbers.iter_mut().enumerate().take(3) {
-                        let usual = if row == column {
-                            [2.0, 0.5]
-                        } else {
-                            [0.0, 0.5]
-                        };
-                        *number = choices.number(FINITE, usual);
-                    }
-                    numbers[3] = choices.length(FINITE, [-1.0, 1.0]);
-                    numbers
-                })
+/// Numbers by kind, range and usual ends, three of them behind a 3; colours; files; other rules.
+fn call(inside: &str, choices: &mut Choices<'_>, files: &mut Files) -> String {
+    let words: Vec<&str> = inside.split(' ').collect();
+    match words[..] {
+        ["c", low, usual, high] => {
+            let [low, usual, high] = [low, usual, high].map(|word| word.parse().unwrap());
+            choices.count(low, usual, high).to_string()
+        }
+        [kind, legal, low, high] => {
+            let usual = [low, high].map(|word| word.parse().unwrap());
+            let mut number = || choices.of_kind(kind.trim_start_matches('3'), legal, usual);
+            match kind.starts_with('3') {
+                true => format!("{:?}", [number(), number(), number()]),
+                false => format!("{:?}", number()),
+            }
+        }
+        ["length", low, high] => {
+            let usual = [low, high].map(|word| word.parse().unwrap());
+            match choices.one_in(3) {
+                true => format!("{:?}", choices.of_kind("l", "+", usual)),
+                false => format!("\"{:?} voxels\"", choices.of_kind("n", "+", usual)),
+            }
+        }
+        ["radiance" | "intensity" | "emission" | "coefficient" | "share"] => choices.colour(inside),
+        ["nodes"] => format!("{:?}", nodes(choices)),
+        ["row", row] => {
+            let row: usize = row.parse().unwrap();
+            let mut numbers = [0.0; 4];
+            for (column, number) in numbers.iter_mut().enumerate().take(3) {
+                let usual = if row == column {
+                    [2.0, 0.5]
+                } else {
+                    [0.0, 0.5]
+                };
+                *number = choices.of_kind("n", "f", usual);
+            }
+            numbers[3] = choices.of_kind("l", "f", [-1.0, 1.0]);
+            format!("{numbers:?}")
+        }
+        ["corners"] => {
+            let ends: [[f64; 2]; 3] = std::array::from_fn(|_| {
+                let [a, b] =
+                    [[-2.0, 0.0], [0.25, 2.0]].map(|usual| choices.of_kind("l", "f", usual));
+                [a.min(b), a.max(b)]
+            });
+            format!(
+                "min = {:?}, max = {:?}",
+                ends.map(|end| end[0]),
+                ends.map(|end| end[1])
+            )
+        }
+        ["points"] => {
+            let mut values: Vec<f32> = (0..1 + choices.below(4))
+                .map(|_| choices.sample(true))
                 .collect();
-            keys.give("transform", format!("{rows:?}"));
+            values.sort_by(f32::total_cmp);
+            let point = |value: f32| {
+                let (colour, opacity) = (
+                    choices.colour("radiance"),
+                    choices.of_kind("n", "s", [0.0, 1.0]),
+                );
+                let value = f64::from(value);
+                format!(
+                    "[[transfer_function.point]]\nvalue = {value:?}\ncolour = {colour}\nopacity = {opacity:?}\n"
+                )
+            };
+            values.into_iter().map(point).collect()
         }
-        _ => place(choices, &mut keys),
-    }
-    keys
-}
-
-/// A formula in place of a file: mostly of numbers that are exact in 32 bits.
-fn formula(choices: &mut Choices<'_>, mut keys: Keys) -> String {
-    let nodes: [usize; 3] = std::array::from_fn(|_| choices.pick(&[2, 1, 3, 5, 9]));
-    keys.give("nodes", format!("{nodes:?}"));
-    let value = |choices: &mut Choices<'_>| match choices.one_in(8) {
-        true => choices.number(FINITE, [0.0, 1.0]),
-        false => choices.pick(&[0.125, 0.0, 0.5, 1.0, -0.25]),
-    };
-    if choices.one_in(2) {
-        let spacing = [0; 3].map(|_| choices.length(POSITIVE, [0.1, 1.0]));
-        keys.give("spacing", format!("{spacing:?}"));
-    }
-    if choices.one_in(4) {
-        keys.give("origin", choices.place([-2.0, 2.0]));
-    }
-    if choices.one_in(2) {
-        keys.give("value", format!("{:?}", value(choices)));
-    }
-    if choices.one_in(4) {
-        keys.give("centring", quoted(choices.pick(&["nodes", "cells"])));
-    }
-    if choices.one_in(2) {
-        keys.give("field", quoted("ramp"));
-        let slope = [0; 3].map(|_| value(choices));
-        keys.give("slope", format!("{slope:?}"));
-        return keys.inline();
-    }
-    keys.give("field", quoted("spots"));
-    let few = choices.one_in(2);
-    if few {
-        keys.give("every", choices.count(2, 4, 1 << 27));
-        if choices.one_in(2) {
-            keys.give("bright", format!("{:?}", value(choices)));
+        ["volume", signed] => volume(signed == "s", choices, files),
+        ["mesh", kind] => {
+            let faces = ["f 1 2 3\nf 2 4 3\n", "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"];
+            let [name, faces] = match kind {
+                "open" => ["open.obj", faces[0]],
+                _ => ["closed.obj", faces[1]],
+            };
+            add(files, name, (corners(choices) + faces).into_bytes());
+            String::new()
         }
+        _ => rule(inside, choices, files),
     }
-    if !few || choices.one_in(2) {
-        let spots: Vec<String> = (0..1 + choices.below(3))
-            .map(|_| {
-                let node = nodes.map(|count| choices.below(count + 1).min(count - 1));
-                format!("{{ node = {node:?}, value = {:?} }}", value(choices))
-            })
-            .collect();
-        keys.give("spot", format!("[{}]", spots.join(", ")));
-    }
-    keys.inline()
 }
 
-/// Values of g: between −1 and 1.
-fn asymmetry() -> Legal {
-    Legal((-1.0_f64).next_up(), 1.0_f64.next_down())
+fn add(files: &mut Files, name: &'static str, bytes: Vec<u8>) {
+    // A second of that name would be another file.
+    if files.iter().all(|(other, _)| *other != name) {
+        files.push((name, bytes));
+    }
 }
 
-fn noise(choices: &mut Choices<'_>) -> String {
-    let mut keys = Keys::default();
-    if choices.one_in(2) {
-        keys.give("octaves", choices.count(1, 4, 32));
-    }
-    for key in ["lacunarity", "gain"] {
-        if choices.one_in(2) {
-            keys.give(key, format!("{:?}", choices.number(POSITIVE, [0.25, 4.0])));
-        }
-    }
-    if choices.one_in(2) {
-        keys.give("scale", choices.gradient([-2.0, 2.0]));
-    }
-    if choices.one_in(2) {
-        keys.give("offset", choices.vector([-2.0, 2.0]));
-    }
-    if choices.one_in(2) {
-        keys.give(
-            "max_density",
-            format!("{:?}", choices.number(NOT_NEGATIVE, [0.0, 2.0])),
-        );
-    }
-    if choices.one_in(2) {
-        keys.give(
-            "threshold",
-            format!("{:?}", choices.number(FINITE, [-1.0, 1.0])),
-        );
-    }
-    keys.inline()
+fn nodes(choices: &mut Choices<'_>) -> [usize; 3] {
+    std::array::from_fn(|_| choices.pick(&[2, 1, 3, 5, 9]))
 }
 
-fn layer(choices: &mut Choices<'_>) -> String {
-    let mut keys = Keys::default();
-    if choices.one_in(2) {
-        keys.give(
-            "density",
-            format!("{:?}", choices.number(NOT_NEGATIVE, [0.0, 2.0])),
-        );
-    }
-    if choices.one_in(2) {
-        keys.give("base", choices.place([-2.0, 2.0]));
-    }
-    if choices.one_in(2) {
-        keys.give("up", choices.vector([-1.0, 1.0]));
-    }
-    keys.give(
-        "scale_height",
-        format!("{:?}", choices.length(POSITIVE, [0.25, 2.0])),
-    );
-    keys.inline()
-}
-
-fn ramp(choices: &mut Choices<'_>) -> String {
-    let mut keys = Keys::default();
-    if choices.one_in(2) {
-        keys.give(
-            "density",
-            format!("{:?}", choices.number(FINITE, [-1.0, 2.0])),
-        );
-    }
-    if choices.one_in(2) {
-        keys.give("origin", choices.place([-2.0, 2.0]));
-    }
-    keys.give("gradient", choices.gradient([-1.0, 1.0]));
-    keys.inline()
-}
-
-fn blob(choices: &mut Choices<'_>) -> String {
-    let mut keys = Keys::default();
-    keys.give("centre", choices.place([-1.0, 1.0]));
-    keys.give(
-        "width",
-        format!("{:?}", choices.length(POSITIVE, [0.125, 2.0])),
-    );
-    if choices.one_in(2) {
-        keys.give(
-            "peak",
-            format!("{:?}", choices.number(NOT_NEGATIVE, [0.0, 2.0])),
-        );
-    }
-    keys.inline()
-}
-
-/// A procedural medium in XML.
-fn block(choices: &mut Choices<'_>) -> String {
-    let mut text = String::from("<medium type=\"procedural\">");
-    let mut give = |element: &str, name: &str, value: &str| {
-        // Lists of TOML, but for the brackets, are lists of the block.
-        let value = value.trim_matches(['[', ']']);
-        text.push_str(&format!("<{element} name=\"{name}\" value=\"{value}\"/>"));
-    };
-    give("color", "sigma_a", &choices.coefficient());
-    if choices.one_in(2) {
-        give("color", "sigma_s", &choices.coefficient());
-    }
-    if choices.one_in(2) {
-        give("integer", "nrOctaves", &choices.count(1, 4, 32).to_string());
-    }
-    for (name, legal, usual) in [
-        ("lacunarity", POSITIVE, [0.25, 4.0]),
-        ("gain", POSITIVE, [0.25, 4.0]),
-        ("maxDensity", NOT_NEGATIVE, [0.0, 2.0]),
-        ("threshold", FINITE, [-1.0, 1.0]),
-        ("g", asymmetry(), [-0.9, 0.9]),
-    ] {
-        if choices.one_in(3) {
-            give(
-                "float",
-                name,
-                &format!("{:?}", choices.number(legal, usual)),
-            );
-        }
-    }
-    if choices.one_in(3) {
-        give("vector", "scale", &choices.gradient([-2.0, 2.0]));
-    }
-    if choices.one_in(3) {
-        give("vector", "offset", &choices.vector([-2.0, 2.0]));
-    }
-    text.push_str("</medium>");
-    text
-}
-
-/// A cloud of a few points, on a line along x if it is to be `flat`.
-fn cloud(choices: &mut Choices<'_>, flat: bool) -> Vec<u8> {
-    let mut text = String::new();
-    for point in 0..2 + choices.below(6) {
-        let [x, y, z] = std::array::from_fn(|_| {
-            let usual = f64::from(point as u32) - 1.0;
-            choices.length(FINITE, [usual, usual + 1.0])
-        });
-        let [y, z] = if flat { [0.0, 0.0] } else { [y, z] };
-        text.push_str(&format!("v {x:?} {y:?} {z:?}"));
-        if choices.one_in(2) {
-            text.push_str(&format!(" {:?}", choices.number(NOT_NEGATIVE, [0.25, 1.0])));
-        }
-        text.push('\n');
-    }
-    text.into_bytes()
-}
-
-/// A tetrahedron, or a bent strip of two triangles.
-fn mesh(choices: &mut Choices<'_>, closed: bool) -> Vec<u8> {
+/// The corners of a tetrahedron, or of a bent strip of two triangles.
+fn corners(choices: &mut Choices<'_>) -> String {
     let corners = [
         [-1.0, -1.0, -1.0],
         [1.0, -1.0, 0.5],
         [-0.5, -0.5, 1.0],
         [0.0, 1.0, 0.0],
     ];
+    let corner = |corner: [f64; 3]| {
+        let [x, y, z] = corner.map(|usual| choices.of_kind("l", "f", [usual, usual]));
+        format!("v {x:?} {y:?} {z:?}\n")
+    };
+    corners.map(corner).concat()
+}
+
+/// A volume file, and the keys that name it.
+fn volume(signed: bool, choices: &mut Choices<'_>, files: &mut Files) -> String {
+    let kind = choices.below(4);
+    if kind == 0 {
+        // A grid of a cloud that is no line has up to the cube of the resolution nodes: 4096 of them fill a
+        // memory. Three paddings and a wild one: between them lie grids of gigabytes.
+        let flat = choices.one_in(8);
+        add(files, "cloud.obj", cloud(choices, flat));
+        let most = if flat { 4096 } else { 16 };
+        let keys = format!(
+            "file = \"cloud.obj\"⟦2|, padding = ⟦2¦0¦1¦1024⟧⟧⟦2|, resolution = ⟨c 2 12 {most}⟩⟧"
+        );
+        return expanded(&keys, choices, files);
+    }
+    let nodes = nodes(choices);
+    let mut samples: Vec<f32> = (0..nodes.iter().product())
+        .map(|_| choices.sample(signed))
+        .collect();
+    let mut keys =
+        "⟦2|, centring = \"⟦nodes¦cells⟧\"⟧⟦4|, orientation = \"⟦world¦as-stored⟧\"⟧".to_owned();
+    if choices.one_in(8) {
+        let place = choices.below(samples.len());
+        samples[place] = choices.pick(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
+        keys += ", replace_non_finite = ⟨n h 0 1⟩";
+    }
+    let data: Vec<u8> = samples
+        .iter()
+        .flat_map(|sample| sample.to_le_bytes())
+        .collect();
+    let [x, y, z] = nodes;
+    let name = ["", "grid.bin", "bare.toml", "grid.nrrd"][kind];
+    let bytes = match kind {
+        // The course's binary grid: its size is that of 32-bit numbers.
+        1 => {
+            let header = nodes.map(|count| (count as i32).to_le_bytes());
+            let size = [0; 3].map(|_| (choices.of_kind("l", "t", [0.5, 2.0]) as f32).to_le_bytes());
+            [header.concat(), size.concat(), data].concat()
+        }
+        2 => {
+            let text = format!(
+                "file = \"bare.raw\"\ntype = \"float32\"\nendian = \"little\"\nnodes = {nodes:?}\n\
+                 ⟦2|spacing = ⟨3l + 0.125 1⟩\n⟧⟦2|origin = ⟨3l f -1 1⟩\n⟧"
+            );
+            add(files, "bare.raw", data);
+            expanded(&text, choices, files).into_bytes()
+        }
+        _ => {
+            let text = format!(
+                "NRRD0004\ntype: float\ndimension: 3\nsizes: {x} {y} {z}\n\
+                 spacings: ⟨l + 0.125 1⟩ ⟨l + 0.125 1⟩ ⟨l + 0.125 1⟩\nendian: little\nencoding: raw\n\n"
+            );
+            [expanded(&text, choices, files).into_bytes(), data].concat()
+        }
+    };
+    add(files, name, bytes);
+    format!("file = \"{name}\"{}", expanded(&keys, choices, files))
+}
+
+/// A cloud of a few points, on a line along x if it is to be `flat`.
+fn cloud(choices: &mut Choices<'_>, flat: bool) -> Vec<u8> {
     let mut text = String::new();
-    for corner in corners {
-        let [x, y, z] = corner.map(|usual| choices.length(FINITE, [usual, usual]));
-        text.push_str(&format!("v {x:?} {y:?} {z:?}\n"));
+    for point in 0..2 + choices.below(6) {
+        let usual = point as f64 - 1.0;
+        let [x, y, z] = [0; 3].map(|_| choices.of_kind("l", "f", [usual, usual + 1.0]));
+        let [y, z] = if flat { [0.0, 0.0] } else { [y, z] };
+        let weight = expanded("⟦2| ⟨n z 0.25 1⟩⟧", choices, &mut Vec::new());
+        text += &format!("v {x:?} {y:?} {z:?}{weight}\n");
     }
-    text.push_str(if closed {
-        "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
-    } else {
-        "f 1 2 3\nf 2 4 3\n"
-    });
     text.into_bytes()
-}
-
-/// The course's binary grid: its size is that of 32-bit numbers.
-fn course_grid(choices: &mut Choices<'_>, nodes: [usize; 3], data: &[u8]) -> Vec<u8> {
-    let header = nodes.map(|count| (count as i32).to_le_bytes());
-    let size: [f64; 3] =
-        std::array::from_fn(|_| choices.length(Legal(0.0, f64::from(f32::MAX)), [0.5, 2.0]));
-    let size = size.map(|size| (size as f32).to_le_bytes());
-    [header.concat(), size.concat(), data.to_vec()].concat()
-}
-
-/// A file of bare samples, described.
-fn description(choices: &mut Choices<'_>, nodes: [usize; 3]) -> String {
-    let mut keys = Keys::default();
-    keys.give("file", quoted("bare.raw"));
-    keys.give("type", quoted("float32"));
-    keys.give("endian", quoted("little"));
-    keys.give("nodes", format!("{nodes:?}"));
-    if choices.one_in(2) {
-        let spacing: [f64; 3] = std::array::from_fn(|_| choices.length(POSITIVE, [0.125, 1.0]));
-        keys.give("spacing", format!("{spacing:?}"));
-    }
-    if choices.one_in(2) {
-        keys.give("origin", choices.place([-1.0, 1.0]));
-    }
-    keys.0.join("\n")
-}
-
-fn nrrd(choices: &mut Choices<'_>, [x, y, z]: [usize; 3], data: Vec<u8>) -> Vec<u8> {
-    let spacing: [f64; 3] = std::array::from_fn(|_| choices.length(POSITIVE, [0.125, 1.0]));
-    let [a, b, c] = spacing;
-    let header = format!(
-        "NRRD0004\ntype: float\ndimension: 3\nsizes: {x} {y} {z}\nspacings: {a:?} {b:?} {c:?}\n\
-         endian: little\nencoding: raw\n\n"
-    );
-    [header.into_bytes(), data].concat()
-}
-
-/// What a pixel shows in place of composited samples.
-#[derive(Clone, Copy, PartialEq)]
-enum Shown {
-    Numbers,
-    Surfaces,
-}
-
-/// Gives the keys of a projection or of isosurfaces.
-fn mode(choices: &mut Choices<'_>, keys: &mut Keys) -> Shown {
-    let values = Legal(f64::from(f32::MIN), f64::from(f32::MAX));
-    if choices.one_in(3) {
-        keys.give("mode", quoted("isosurface"));
-        let surface = |choices: &mut Choices<'_>| {
-            let value = choices.number(values, [-0.5, 1.0]);
-            let opacity = choices.number(Legal(0.0, 1.0), [0.1, 1.0]);
-            let colour = choices.radiance();
-            format!("{{ value = {value:?}, colour = {colour}, opacity = {opacity:?} }}")
-        };
-        let surfaces: Vec<String> = (0..1 + choices.below(3))
-            .map(|_| surface(choices))
-            .collect();
-        keys.give("isosurface", format!("[{}]", surfaces.join(", ")));
-        return Shown::Surfaces;
-    }
-    let projections = ["maximum", "minimum", "mean", "sum", "attenuated-maximum"];
-    let name = choices.pick(&projections);
-    keys.give("mode", quoted(name));
-    let is_attenuated = name == projections[4];
-    if is_attenuated {
-        let attenuation = choices.number(NOT_NEGATIVE, [0.0, 4.0]);
-        keys.give("attenuation", format!("{attenuation:?}"));
-    }
-    if is_attenuated || choices.one_in(2) {
-        let low = choices.number(values, [-0.5, 0.5]);
-        let high = choices.number(values, [0.5, 1.5]);
-        keys.give("window", format!("{{ low = {low:?}, high = {high:?} }}"));
-    }
-    Shown::Numbers
 }

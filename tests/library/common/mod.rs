@@ -4,6 +4,7 @@ pub mod entries;
 pub mod estimators;
 pub mod quadrature;
 pub mod simulated;
+pub mod suite;
 pub mod test_ray;
 pub mod watch;
 

@@ -5,7 +5,6 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
 use volref::geometry::{Aabb, Boundary, Camera};
-use volref::math::rng::{Purpose, Stream};
 use volref::optics::{Coefficients, Density, Field, Homogeneous, Phase};
 use volref::render::counters::Event;
 use volref::render::plan::Kernel;
@@ -58,12 +57,6 @@ fn lattice() -> impl Strategy<Value = Lattice> {
     })
 }
 
-/// Every node another density, none of them 0.
-fn uneven(lattice: Lattice) -> Arc<Grid<f32>> {
-    let nodes = (0..lattice.node_count()).map(|index| 0.1 + 0.01 * index as f32);
-    Arc::new(Grid::new(lattice, nodes.collect()).unwrap())
-}
-
 /// An eye around the middle of a box, near or inside, looking somewhere into it: no ray runs along
 /// an axis or through an edge but by a chance of none.
 fn camera(bounds: Aabb, [x, y, z]: [f64; 3], target: [f64; 3]) -> Camera {
@@ -79,78 +72,8 @@ fn camera(bounds: Aabb, [x, y, z]: [f64; 3], target: [f64; 3]) -> Camera {
     Camera::new(eye, target, up, 0.9).unwrap()
 }
 
-/// Planes between cells, `first + i·spacing` for `i` in `1..cells`, that the ray through each pixel
-/// crosses within the box, and how many rays meet the box.
-fn planes_crossed(
-    camera: &Camera,
-    bounds: Aabb,
-    first: DVec3,
-    spacing: DVec3,
-    cells: [usize; 3],
-) -> [u64; 2] {
-    let mut planes = 0;
-    let mut rays = 0;
-    for pixel in 0..SIZE * SIZE {
-        let ray = camera.ray([pixel % SIZE, pixel / SIZE], [SIZE, SIZE]);
-        // By slabs, as anybody would write it down.
-        let to = |face: DVec3| (face - ray.origin) / *ray.direction;
-        let (a, b) = (to(bounds.min), to(bounds.max));
-        let near = a.min(b).max_element().max(0.0);
-        let far = a.max(b).min_element();
-        if near >= far {
-            continue;
-        }
-        rays += 1;
-        for axis in 0..3 {
-            for plane in 1..cells[axis] {
-                let face = first[axis] + plane as f64 * spacing[axis];
-                let t = (face - ray.origin[axis]) / ray.direction[axis];
-                planes += u64::from(near < t && t < far);
-            }
-        }
-    }
-    [planes, rays]
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
-
-    /// A ray that crosses `n` planes crosses `n + 1` cells, and looks twice into each, once for the
-    /// nearest node: twice that, if the medium emits too.
-    #[test]
-    fn an_absorbing_grid_takes_two_looks_a_cell(
-        lattice in lattice(),
-        eye in prop::array::uniform3(-1.3..1.3_f64),
-        target in prop::array::uniform3(0.05..0.95_f64),
-        nearest in any::<bool>(),
-        emits in any::<bool>(),
-    ) {
-        let bounds = lattice.bounds();
-        let camera = camera(bounds, eye, target);
-        let spacing = lattice.spacing();
-        let (interpolation, first, cells, looks) = match nearest {
-            // Each node has a cell around it.
-            true => (Interpolation::Nearest, bounds.min - 0.5 * spacing, lattice.nodes(), 1),
-            false => (
-                Interpolation::Trilinear,
-                bounds.min,
-                lattice.nodes().map(|nodes| nodes - 1),
-                2,
-            ),
-        };
-        let emission = if emits { 0.5 } else { 0.0 };
-        let scene = grid_scene(uneven(lattice), interpolation, (0.3, 0.0, emission), camera);
-        let plan = plan(&scene);
-        let (_, work) = rendered(&plan);
-        let [planes, rays] = planes_crossed(&camera, bounds, first, spacing, cells);
-        let times = if emits { 2 } else { 1 };
-        prop_assert_eq!(work[Event::DensityLookup], times * looks * (planes + rays));
-        prop_assert_eq!(work, Counters::from([
-            (Event::DensityLookup, work[Event::DensityLookup]),
-            (Event::Attenuation, work[Event::Attenuation]),
-            (Event::EmissionTerm, if emits { rays } else { 0 }),
-        ]));
-    }
 
     /// However light is traced, nothing is looked up in what is the same everywhere.
     #[test]
@@ -183,95 +106,6 @@ fn an_empty_grid_takes_nothing() {
         let (film, work) = rendered(&plan(&scene));
         assert_eq!(work, Counters::default());
         assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
-    }
-}
-
-/// Where a grid is empty along all rays, only its blocks are walked: here by a scattering medium
-/// that is all in a corner which nobody looks at.
-#[test]
-fn the_empty_part_of_a_grid_takes_nothing_but_cells() {
-    let lattice = Lattice::new([64, 16, 16], DVec3::ONE, DVec3::ZERO).unwrap();
-    let mut values = vec![0.0; lattice.node_count()];
-    values[lattice.index([63, 15, 15])] = 1.0;
-    values[lattice.index([62, 15, 15])] = 0.5;
-    let grid = Arc::new(Grid::new(lattice, values).unwrap());
-    let eye = DVec3::new(8.3, 7.4, -30.0);
-    let camera = Camera::new(eye, DVec3::new(8.1, 7.7, 5.0), DVec3::Y, 0.2).unwrap();
-    let scene = grid_scene(grid, Interpolation::Trilinear, (0.1, 0.4, 0.0), camera);
-    let plan = plan(&scene);
-    assert!(matches!(plan.kernel, Kernel::PathTracer { .. }));
-    let (film, work) = rendered(&plan);
-    assert!(film.radiance().iter().all(|pixel| *pixel == [1.0; 3]));
-    assert!(work[Event::CellWalked] > 0);
-    // Every ray meets the box; none has a second tentative collision.
-    let [samples, meeting] = sampled_rays(&scene, lattice.bounds());
-    assert_eq!(meeting, samples);
-    let expected = Counters::from([
-        (Event::CellWalked, work[Event::CellWalked]),
-        (Event::RandomDraw, 2 * samples + 2 * meeting),
-        (Event::Attenuation, work[Event::Attenuation]),
-    ]);
-    assert_eq!(work, expected);
-}
-
-/// Camera rays of all samples, and those of them that meet `bounds`: counted with the numbers of
-/// the generator itself.
-fn sampled_rays(scene: &Scene, bounds: Aabb) -> [u64; 2] {
-    let panel = &scene.panels[0];
-    let Model::Radiative(radiative) = &panel.model else {
-        panic!("no scene of media");
-    };
-    let size = [panel.width, panel.height];
-    let [mut rays, mut meeting] = [0, 0];
-    for pixel in 0..panel.width * panel.height {
-        for sample in 0..radiative.samples {
-            let stream = Stream::new(radiative.seed, pixel as u32, sample);
-            let [x, y] = stream.pair(0, Purpose::Camera, 0);
-            let place = [(pixel % size[0]) as f64 + x, (pixel / size[0]) as f64 + y];
-            let ray = radiative.camera.ray_through(place, size);
-            let to = |face: DVec3| (face - ray.origin) / *ray.direction;
-            let (a, b) = (to(bounds.min), to(bounds.max));
-            let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
-            rays += 1;
-            meeting += u64::from(near < far);
-        }
-    }
-    [rays, meeting]
-}
-
-/// Tracking of what is so thin that no estimate is cut by roulette takes, on every ray that meets
-/// the medium, a pair of numbers for the first tentative collision of the emission, of the flight
-/// and of the transmittance, and another after each lookup.
-#[test]
-fn tracking_takes_a_pair_of_numbers_for_every_look_up_and_one_for_every_end() {
-    for (emission, rows) in [(0.0, 2), (0.1, 3)] {
-        let scene = parsed(&format!(
-            "[film]\nwidth = 12\nheight = 10\n\
-             [camera]\neye = [0.35, 0.4, -3.2]\ntarget = [0.12, 0.1, 0.1]\nvertical_fov = 50\n\
-             [sampling]\nsamples = 8\n[radiative]\nenvironment = 1\n\
-             [[radiative.medium]]\nbox = {{ min = [-1, -1, -1], max = [1, 1, 1] }}\n\
-             noise = {{}}\nsigma_a = 0.05\nemission = {emission}\n"
-        ));
-        let plan = plan(&scene);
-        assert!(matches!(
-            plan.kernel,
-            Kernel::PathTracer {
-                max_order: Some(0),
-                ..
-            }
-        ));
-        let bounds = Aabb {
-            min: DVec3::NEG_ONE,
-            max: DVec3::ONE,
-        };
-        let [rays, meeting] = sampled_rays(&scene, bounds);
-        assert!(0 < meeting && meeting < rays);
-        let (_, work) = rendered(&plan);
-        assert!(work[Event::DensityLookup] > 0);
-        assert_eq!(
-            work[Event::RandomDraw],
-            2 * rays + 2 * rows * meeting + 2 * work[Event::DensityLookup]
-        );
     }
 }
 

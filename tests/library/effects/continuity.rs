@@ -3,7 +3,6 @@
 //! effect comes in would be seen here, and so would a formula that loses its digits next to 0.
 
 use crate::effects::scenes::{parsed, plan, rendered};
-use volref::film::Film;
 use volref::render::{Effect, State};
 
 /// Coefficients that are all but 0.
@@ -34,46 +33,6 @@ fn fades_in(what: &str, slope: f64, scene: impl Fn(f64) -> String) {
                 "{what} {small:e}: {without} becomes {with}"
             );
         }
-    }
-}
-
-/// A picture that is sampled with the effect and exact without: the means must agree within five
-/// standard errors, which fail by chance once in two million times.
-#[track_caller]
-fn fades_in_on_average(what: &str, scene: impl Fn(f64) -> String) {
-    let film = |coefficient: f64| {
-        let scene = parsed(&scene(coefficient));
-        rendered(&plan(&scene)).0
-    };
-    let mean = |film: &Film| {
-        let values = film.radiance().iter().map(|pixel| f64::from(pixel[1]));
-        values.sum::<f64>() / film.radiance().len() as f64
-    };
-    let variance = |film: &Film| -> f64 {
-        let Some(noise) = film.noise() else {
-            return 0.0;
-        };
-        let pixels = noise.variance().len() as f64;
-        let sum: f64 = noise
-            .variance()
-            .iter()
-            .map(|pixel| f64::from(pixel[1]))
-            .sum();
-        sum / (pixels * pixels)
-    };
-    let without = film(0.0);
-    for small in SMALL {
-        let with = film(small);
-        let error = (variance(&with) + variance(&without)).sqrt();
-        let change = (mean(&with) - mean(&without)).abs();
-        let rounding = mean(&without) / f64::from(1 << 23);
-        assert!(error > 0.0, "{what}: neither picture is sampled");
-        assert!(
-            change <= 5.0 * error + rounding,
-            "{what} {small:e}: {} becomes {}, standard error {error}",
-            mean(&without),
-            mean(&with)
-        );
     }
 }
 
@@ -186,34 +145,6 @@ fn heterogeneity_in_closed_form() {
     });
 }
 
-/// Of light turned once, by quadrature to 6e-10: of what the lamp sends, 3 over a distance above
-/// 0.5 squared, below 12, a part of cL is turned; the phase function and its slope in g are below
-/// 1 per steradian. Brighter than 8 is none of it.
-#[test]
-fn light_turned_once() {
-    let single = "scattering = 'single'";
-    fades_in("sigma_s", 48.0, |c| {
-        medium(single, &format!("sigma_s = {c:e}\nsigma_a = 0.5"), LAMP)
-    });
-    fades_in("g", 48.0, |c| {
-        medium(single, &format!("sigma_s = 1\ng = {c:e}"), LAMP)
-    });
-    fades_in("sigma_a", 48.0, |c| {
-        medium(single, &format!("sigma_s = 1\nsigma_a = {c:e}"), LAMP)
-    });
-    fades_in("intensity", 48.0, |c| {
-        let lamps = LAMP.to_owned()
-            + &LAMP
-                .replace("0.9", "-0.9")
-                .replace("= 3", &format!("= {c:e}"));
-        medium(single, "sigma_s = 1", &lamps)
-    });
-    fades_in("reflectance", 48.0, |c| {
-        let floor = FLOOR.replace("0.6 }", &format!("{c:e} }}"));
-        medium(single, "sigma_a = 0.5", &(floor + LAMP))
-    });
-}
-
 /// Path by path: the same random numbers, so each path changes by no more than the coefficient,
 /// times what it crosses and meets. The paths here are turned some ten times at most, and a turn
 /// multiplies a change by a distance over another: the slope is a bound on products of those.
@@ -257,35 +188,6 @@ fn path_by_path() {
     fades_in("reflectance of a floor", slope, |c| {
         let floor = FLOOR.replace("0.6 }", &format!("{c:e} }}"));
         medium("environment = 0.5", fog, &(floor + LAMP))
-    });
-}
-
-/// From what is exact to what is sampled, and from one way of sampling to another.
-#[test]
-fn where_paths_come_in() {
-    // The eye stands in the middle of a ball: every line of sight through it is as long, so it
-    // makes no difference where in its pixel a path begins.
-    let ball = |keys: &str| {
-        format!(
-            "[film]\nwidth = 12\nheight = 12\n\
-             [camera]\neye = [0, 0, 0]\ntarget = [0, 0, 1]\n[sampling]\nsamples = 64\n\
-             [radiative]\nenvironment = 1\n[[radiative.medium]]\n\
-             sphere = {{ centre = [0, 0, 0], radius = 1 }}\n{keys}\n"
-        )
-    };
-    fades_in_on_average("sigma_s in an absorber", |c| {
-        ball(&format!("sigma_a = 1\nsigma_s = {c:e}"))
-    });
-    fades_in_on_average("sigma_s in an absorber that emits", |c| {
-        ball(&format!("sigma_a = 1\nemission = 0.5\nsigma_s = {c:e}"))
-    });
-    fades_in_on_average("gradient of the density of fog", |c| {
-        let density = format!("linear = {{ density = 1, gradient = [{c:e}, 0, 0] }}");
-        medium(
-            "environment = 0.3",
-            &format!("sigma_s = 1\nsigma_a = 0.5\n{density}"),
-            LAMP,
-        )
     });
 }
 

@@ -8,7 +8,6 @@
 
 mod closed_forms;
 mod continuity;
-mod memory;
 pub mod scenes;
 mod subsets;
 mod suite;

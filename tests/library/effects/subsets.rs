@@ -1,14 +1,11 @@
 //! Scenes of every set of effects: the code compiled for what they need against the code for
 //! everything.
 
-use crate::effects::scenes::{
-    Classified, Density, Light, Radiative, Shading, Turns, off_is_off, parsed, plan, rendered,
-};
+use crate::effects::scenes::{Classified, Radiative, Shading, off_is_off, parsed, plan, rendered};
 use std::collections::BTreeSet;
 use volref::film::Film;
-use volref::render::counters::Event;
 use volref::render::plan::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
-use volref::render::{Counters, Effect, Plan, State};
+use volref::render::{Counters, Plan};
 
 /// Everything on.
 const ALL_FEATURES: RadiativeFeatures = RadiativeFeatures {
@@ -75,67 +72,12 @@ fn media_surfaces_and_lights() {
         let (film, work) = rendered(&plan);
         same_bits(&what, &film, &general(&plan));
         off_is_off(&what, &plan, &work);
-        as_made(&made_of, &plan);
         kernels.insert(plan.kernel.to_string());
         lit += usize::from(film.radiance().iter().any(|pixel| *pixel != [0.0; 3]));
     }
     // Where there is nothing but an absorber and a lamp, all is black; most scenes are not.
     assert!(lit > 2000, "{lit}");
     assert!(kernels.len() > 50, "{}", kernels.len());
-}
-
-/// The plan is that of what the scene was made of, by the table in the documentation of plans.
-#[track_caller]
-fn as_made(made_of: &Radiative, plan: &Plan) {
-    let Radiative {
-        surfaces,
-        absorption,
-        scattering,
-        emission,
-        density,
-        chromatic,
-        anisotropic,
-        turns,
-        light,
-    } = *made_of;
-    let bright = !matches!(light, Light::None | Light::Dark);
-    let turned = (scattering || surfaces) && (bright || emission);
-    // Lights that rays are sent to; the environment is met.
-    let lights = matches!(light, Light::Point | Light::Area);
-    let surfaces = surfaces || matches!(light, Light::Dark | Light::Area);
-    let asked = turned && turns != Turns::Never;
-    let extinction = absorption || scattering;
-    let varies = matches!(density, Density::Grid | Density::Noise);
-    let on = |on: bool| if on { State::On } else { State::Elided };
-    let unless = |there: bool, asked: bool| match (there, asked) {
-        (false, _) => State::Elided,
-        (true, true) => State::On,
-        (true, false) => State::Omitted,
-    };
-    for (effect, state) in [
-        (Effect::Surfaces, on(surfaces)),
-        (Effect::Absorption, on(absorption)),
-        (Effect::Emission, on(emission)),
-        (
-            Effect::SingleScattering,
-            unless(turned, turns != Turns::Never),
-        ),
-        (
-            Effect::MultipleScattering,
-            unless(turned, turns == Turns::AnyNumber),
-        ),
-        (Effect::MediumShadow, on(asked && lights && extinction)),
-        (Effect::SurfaceShadow, on(asked && lights && surfaces)),
-        (Effect::GradientShading, State::Elided),
-        (Effect::Heterogeneity, on(varies)),
-        (Effect::ChromaticCoefficients, on(chromatic && extinction)),
-        (
-            Effect::AnisotropicPhase,
-            on(anisotropic && scattering && asked),
-        ),
-    ] {
-        assert_eq!(plan.state(effect), state, "{made_of:?}: {effect}");
-    }
 }
 
 #[test]
@@ -169,55 +111,4 @@ fn classified_volumes() {
         kernels.insert(plan.kernel.to_string());
     }
     assert_eq!(kernels.len(), 54);
-}
-
-/// Each effect with a coefficient of 0, forced: the same bits, and more of its own work, where
-/// there is anything on which to do it.
-#[test]
-fn forced_null_effects_do_their_own_work() {
-    use Effect::*;
-    let radiative = Radiative::all().map(|made_of| made_of.text());
-    let classified = Classified::all().map(|made_of| made_of.text());
-    // Surfaces that are not there are not met, and what is not turned once is not turned again: of
-    // those, only the instructions tell (scripts/instructions.sh). So they do of forced heterogeneity:
-    // a grid of one value is a homogeneous medium to every kernel.
-    assert_eq!(
-        that_work_when_forced(radiative),
-        [
-            Absorption,
-            Emission,
-            SingleScattering,
-            MediumShadow,
-            ChromaticCoefficients,
-            AnisotropicPhase
-        ]
-        .into()
-    );
-    // Every volume here has some opacity: absorption and emission are never null.
-    assert_eq!(
-        that_work_when_forced(classified),
-        [GradientShading, Heterogeneity].into()
-    );
-}
-
-/// The effects that do more of their own work in some scene when they are forced there.
-fn that_work_when_forced(texts: impl Iterator<Item = String>) -> BTreeSet<Effect> {
-    let mut seen = BTreeSet::new();
-    for text in texts {
-        let scene = parsed(&text);
-        let (film, work) = rendered(&plan(&scene));
-        for effect in Plan::null_effects(&scene.panels[0]) {
-            let forced = Plan::forcing(&scene.panels[0], &[effect]).unwrap();
-            let more = same_bits(&text, &film, &forced);
-            off_is_off(&text, &forced, &more);
-            for event in Event::ALL {
-                assert!(more[event] >= work[event], "{effect}: {more:?}\n{text}");
-            }
-            let mut own = Event::ALL.into_iter();
-            if own.any(|event| event.effects().contains(&effect) && more[event] > work[event]) {
-                seen.insert(effect);
-            }
-        }
-    }
-    seen
 }

@@ -2,11 +2,11 @@
 
 use super::exact::grids::{integral, integral_error};
 use super::exact::{U, apart};
-use super::{config, direction, dyadic, octaves, offset, permuted, scale, vector};
+use super::{config, direction, dyadic, octaves, offset, scale, vector};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
-use volref::geometry::{Aabb, Direction, Ray, Span};
+use volref::geometry::{Aabb, Ray, Span};
 use volref::optics::optical_depth;
 use volref::volume::{
     Centring, DensityField, Grid, GridDensity, Interpolation, Lattice, Visit, Walk,
@@ -281,68 +281,4 @@ proptest! {
         prop_assert_eq!(far.integral().to_bits(), case.integral().to_bits());
     }
 
-    /// The nearest node is the same whichever axis comes first, to the bit; trilinear values round
-    /// in the order of the axes.
-    #[test]
-    fn no_axis_is_special(case in case(), order in Just([0, 1, 2]).prop_shuffle()) {
-        let old = case.density.grid();
-        let from = *old.lattice();
-        let lattice = Lattice::new(
-            order.map(|axis| from.nodes()[axis]),
-            permuted(from.spacing(), order),
-            permuted(from.first(), order),
-        ).unwrap().with_centring(from.centring()).unwrap();
-        let value = |index: usize| {
-            let mut original = [0; 3];
-            for (axis, at) in order.into_iter().zip(lattice.node(index)) {
-                original[axis] = at;
-            }
-            old.values()[from.index(original)]
-        };
-        let values = (0..lattice.node_count()).map(value).collect();
-        let turned = GridCase {
-            density: GridDensity::new(
-                Arc::new(Grid::new(lattice, values).unwrap()), case.density.interpolation(),
-            ),
-            ray: Ray {
-                origin: permuted(case.ray.origin, order),
-                direction: Direction::unit(permuted(*case.ray.direction, order)),
-            },
-            span: case.span,
-        };
-        let (found, expected) = (turned.integral(), case.integral());
-        match case.density.interpolation() {
-            Interpolation::Nearest => prop_assert_eq!(found.to_bits(), expected.to_bits()),
-            Interpolation::Trilinear => {
-                prop_assert!((found - expected).abs() <= case.error() + turned.error());
-            }
-        }
-    }
-
-    /// From the far end back: each integral by its own error, and the new origin by the rounding of
-    /// a product and a sum, which moves the line beside itself, and its end by that of a difference.
-    #[test]
-    fn the_way_back_is_as_deep(case in case()) {
-        let GridCase { density, ray, span } = &case;
-        let back = GridCase {
-            density: density.clone(),
-            ray: Ray { origin: ray.at(span.far), direction: -ray.direction },
-            span: Span { near: 0.0, far: span.length() },
-        };
-        let lattice = density.grid().lattice();
-        let moved = (ray.direction.abs() * span.far + back.ray.origin.abs()) / lattice.spacing();
-        let (least, most) = density.grid().range();
-        let by_place = match density.interpolation() {
-            // The slope is at most the range of the values per node, on each axis.
-            Interpolation::Trilinear => span.length() * (moved.x + moved.y + moved.z),
-            // Every plane is crossed so much sooner or later; where it never is, in its own place.
-            Interpolation::Nearest => (0..3).filter(|&axis| ray.direction[axis] != 0.0).map(|axis| {
-                let slope = ray.direction[axis].abs() / lattice.spacing()[axis];
-                lattice.nodes()[axis] as f64 * moved[axis] / slope
-            }).sum(),
-        };
-        let bound = case.error() + back.error() + U * (by_place * (most - least) + span.far * most);
-        let (found, expected) = (back.integral(), case.integral());
-        prop_assert!((found - expected).abs() <= bound, "{found:e} {expected:e} {bound:e}");
-    }
 }

@@ -1,10 +1,8 @@
 //! Laws over the ground of the catalogue of hard cases, each on a thousand random cases: boxes,
-//! spheres, depths, turns, grids and whole rays. Names begin with the rows that they generalise.
+//! spheres, grids and whole rays. Names begin with the rows that they generalise.
 
 mod boxes;
-mod depths;
 mod grids;
-mod phases;
 mod rays;
 mod spheres;
 
@@ -58,19 +56,6 @@ fn offset() -> impl Strategy<Value = DVec3> {
         scenes::power_of_two(exponent) * if negative { -1.0 } else { 1.0 }
     });
     vector(power)
-}
-
-/// A random number as the generator makes them, also close to 0 and to 1, and either end.
-fn share() -> impl Strategy<Value = f64> {
-    const U: f64 = exact::U;
-    let bits = (0..1_u64 << 53, 0..53_u32);
-    prop_oneof![
-        4 => (0..1_u64 << 53).prop_map(|n| n as f64 * U),
-        2 => bits.clone().prop_map(|(n, shift)| (n >> shift) as f64 * U),
-        2 => bits.prop_map(|(n, shift)| 1.0 - U - (n >> shift) as f64 * U),
-        1 => Just(0.0),
-        1 => Just(1.0 - U),
-    ]
 }
 
 /// Whether no component is so close to 0 that products with it, scaled down, would leave the normal

@@ -1,15 +1,18 @@
 //! Faults that are in no catalogue, as data: the case, an edit of its scene or image, and the truth
 //! that a verdict is judged by.
 
-use super::images;
-use super::tables;
+use super::images::{self, by_place, by_value, channels, from_elsewhere, is_one_of_twenty, times};
 use glam::DVec3;
+use std::f64::consts::LN_10;
 use std::sync::Arc;
 use volref::film::Film;
-use volref::geometry::{Aabb, Boundary, Camera, Luminous, Rectangle};
+use volref::geometry::{Aabb, Boundary, Luminous, Rectangle};
 use volref::math;
-use volref::optics::{Appearance, Coefficients, Colormap, Field, Light, Material, Spot};
-use volref::scene::{Classified, Radiative, Scattering};
+use volref::math::rng::philox4x32_10;
+use volref::optics::{Appearance, Coefficients, Colormap, Field, Light, Material, Sides};
+use volref::scene::{Classified, Radiative, Scattering, Scene};
+use volref::sensitivity::numbers;
+use volref::suite::Suite;
 use volref::volume::{FractalDensity, FractalParameters, Grid, GridDensity, Lattice};
 
 /// A fault.
@@ -22,20 +25,9 @@ pub struct Fault {
     pub samples: u32,
     /// Made one after the other, those of the scene first.
     pub edits: Vec<Edit>,
-    pub truth: Truth,
-}
-
-/// What may be said of an image with a fault.
-#[derive(Clone, Default)]
-pub struct Truth {
-    /// Mistakes of the catalogue, or pairs of them.
-    pub names: Vec<String>,
-    /// Conventions, in words.
-    pub conventions: Vec<&'static str>,
-    /// Numbers that are off, with their changes.
-    pub numbers: Vec<(String, f64)>,
-    /// Labels of sentences: [`super::verdict::CLAIMS`].
-    pub words: Vec<&'static str>,
+    /// What may be said of the image: mistakes or pairs of them, conventions, changes of numbers
+    /// ("density +0.1"), labels of [`super::verdict::CLAIMS`] and of measurements.
+    pub truth: Vec<String>,
 }
 
 /// Kinds of faults: rows of the table.
@@ -48,24 +40,7 @@ pub enum Kind {
     Field,
     Values,
     Places,
-    Catalogue,
-    Convention,
     Together,
-}
-
-impl Kind {
-    pub const ALL: [(Kind, &'static str); 10] = [
-        (Kind::RayCaster, "ray caster"),
-        (Kind::PathTracer, "path tracer"),
-        (Kind::Number, "a number"),
-        (Kind::Geometry, "geometry moved or missing"),
-        (Kind::Field, "grid or noise"),
-        (Kind::Values, "values of the image"),
-        (Kind::Places, "pixels of the image"),
-        (Kind::Catalogue, "mistake of the catalogue"),
-        (Kind::Convention, "convention"),
-        (Kind::Together, "two together"),
-    ];
 }
 
 #[derive(Clone)]
@@ -73,7 +48,7 @@ pub enum Edit {
     Classified(fn(&mut Classified)),
     Radiative(fn(&mut Radiative)),
     /// A number of the scene, by its name.
-    Number(&'static str, f64),
+    Number(String, f64),
     /// A mistake of the catalogue.
     Mistake(&'static str),
     /// A convention, in words.
@@ -83,817 +58,422 @@ pub enum Edit {
     Film(fn(&Film) -> Film),
 }
 
-use Edit::{Classified as Ray, Film as Image, ImagePlane, Radiative as Path};
+use Edit::{Classified as Ray, Convention, Film as Image, ImagePlane, Mistake, Radiative as Path};
+
+fn number(name: &str, change: f64) -> Edit {
+    Edit::Number(name.to_owned(), change)
+}
 
 impl Fault {
-    pub fn new(kind: Kind, name: impl Into<String>, case: &'static str, edits: &[Edit]) -> Fault {
-        let mut truth = Truth::default();
-        for edit in edits {
-            match *edit {
-                Edit::Number(number, change) => truth.numbers.push((number.to_owned(), change)),
-                Edit::Convention(words) => truth.conventions.push(words),
-                Edit::Mistake(name) => {
-                    let of_mistake = tables::NUMBERS_OF_MISTAKES.iter();
-                    let numbers = of_mistake.filter(|it| it.0 == name);
-                    let numbers = numbers.map(|it| (it.1.to_owned(), it.2));
-                    truth.numbers.extend(numbers);
-                }
+    /// Its truth is `truth`, parts of which are divided by ", ", and what its edits say of themselves.
+    pub fn new(kind: Kind, name: &str, case: &'static str, edits: Vec<Edit>, truth: &str) -> Fault {
+        let parts = truth.split(", ").filter(|part| !part.is_empty());
+        let mut truth: Vec<String> = parts.map(str::to_owned).collect();
+        for edit in &edits {
+            match edit {
+                Edit::Number(number, change) => truth.push(format!("{number} {change:+}")),
+                Convention(words) | Mistake(words) => truth.push((*words).to_owned()),
                 _ => {}
             }
         }
-        let names: Vec<Vec<&str>> = edits.iter().map(tables::names_of).collect();
-        match &names[..] {
-            [alone] => truth
-                .names
-                .extend(alone.iter().map(|&name| name.to_owned())),
-            [first, second] => {
-                for one in first {
-                    for other in second {
-                        truth.names.push(format!("{one} + {other}"));
-                        truth.names.push(format!("{other} + {one}"));
-                    }
-                }
-            }
-            _ => {}
+        if let [Mistake(one), Mistake(other)] = &edits[..] {
+            truth.extend([format!("{one} + {other}"), format!("{other} + {one}")]);
         }
         Fault {
             kind,
-            name: name.into(),
+            name: name.to_owned(),
             case,
             samples: 16,
-            edits: edits.to_vec(),
+            edits,
             truth,
         }
     }
-
-    pub fn named(mut self, names: &[&str]) -> Fault {
-        self.truth
-            .names
-            .extend(names.iter().map(|&name| name.to_owned()));
-        self
-    }
-
-    pub fn by_conventions(mut self, words: &[&'static str]) -> Fault {
-        self.truth.conventions.extend(words);
-        self
-    }
-
-    pub fn number(mut self, name: &str, change: f64) -> Fault {
-        self.truth.numbers.push((name.to_owned(), change));
-        self
-    }
-
-    pub fn said(mut self, words: &[&'static str]) -> Fault {
-        self.truth.words.extend(words);
-        self
-    }
-
-    pub fn at(mut self, samples: u32) -> Fault {
-        self.samples = samples;
-        self
-    }
 }
 
-pub const NEAREST: &str = "figures/figure-1";
-pub const PLUME: &str = "figures/figure-3";
-pub const SHADOWED: &str = "figures/figure-5";
-pub const COLUMN: &str = "sampled/column";
-pub const HEAD: &str = "sampled/perspective-z-up";
-pub const ROOM: &str = "smoke/cornell";
-pub const FOG: &str = "fog/forward";
-pub const GREY: &str = "fog/rate-0.1";
-pub const SPOT: &str = "fog/spotlight";
-pub const ABSORPTION: &str = "fog/absorption";
-pub const STAIN: &str = "procedural/absorbing-grid";
-pub const GLOW: &str = "procedural/emissive-grid";
-pub const COLOURED: &str = "procedural/coloured";
-pub const NOISE: &str = "procedural/threshold-1.25";
+const PLUME: &str = "figures/figure-3";
+const SHADOWED: &str = "figures/figure-5";
+const COLUMN: &str = "sampled/column";
+const HEAD: &str = "sampled/perspective-z-up";
+const ROOM: &str = "smoke/cornell";
+const FOG: &str = "fog/forward";
+const GREY: &str = "fog/rate-0.1";
+const SPOT: &str = "fog/spotlight";
+const ABSORPTION: &str = "fog/absorption";
+const STAIN: &str = "procedural/absorbing-grid";
+const COLOURED: &str = "procedural/coloured";
+const NOISE: &str = "procedural/threshold-1.25";
 
-/// All faults. Of those in one table and case every other one is made at 64 samples.
-pub fn faults() -> Vec<Fault> {
+/// Cases whose numbers are drawn, and how many of each.
+const DRAWN: [(&str, usize); 15] = [
+    (PLUME, 14),
+    (SHADOWED, 5),
+    (COLUMN, 4),
+    (HEAD, 6),
+    ("limit/plume", 4),
+    ("limit/thin-haze", 3),
+    (ROOM, 18),
+    (FOG, 16),
+    (GREY, 10),
+    (SPOT, 6),
+    (ABSORPTION, 6),
+    ("fog/dense-body", 5),
+    (STAIN, 6),
+    (COLOURED, 12),
+    (NOISE, 5),
+];
+
+/// Sizes of the drawn changes, in steps of derivatives: near and far, and none that a mistake of the catalogue makes.
+const SIZES: [f64; 8] = [1.5, -2.3, 3.7, -5.3, 7.1, -9.7, 13.3, -17.9];
+
+/// All faults. Every other one of a case is made at 64 samples.
+pub fn faults(suite: &Suite) -> Vec<Fault> {
     let mut all = by_hand();
-    all.extend(tables::faults());
+    for (case, count) in DRAWN {
+        let scene = suite.select(&[case.to_owned()]).unwrap()[0]
+            .load_scene()
+            .unwrap();
+        all.extend(drawn(case, &scene, count));
+    }
+    for (fault, samples) in all.iter_mut().zip([16, 64].into_iter().cycle()) {
+        fault.samples = samples;
+    }
     all
 }
 
-fn by_hand() -> Vec<Fault> {
-    let of = |kind| move |name: &'static str, case, edit| Fault::new(kind, name, case, &[edit]);
-    let ray_caster = of(Kind::RayCaster);
-    let number = of(Kind::Number);
-    let geometry = of(Kind::Geometry);
-    let field = of(Kind::Field);
-    let values = of(Kind::Values);
-    let places = of(Kind::Places);
-    let paths = of(Kind::PathTracer);
-    vec![
-        // A ray caster.
-        ray_caster("step × 1.5", PLUME, Ray(|s| s.step *= 1.5))
-            .number("step", 0.5)
-            .said(&["step"]),
-        ray_caster("step × 3", PLUME, Ray(|s| s.step *= 3.0))
-            .number("step", 2.0)
-            .said(&["step"]),
-        number("opacity + 10 %", PLUME, Edit::Number("density", 0.1)),
-        number("opacity − 30 %", PLUME, Edit::Number("density", -0.3)),
-        number("ambient 0.3", PLUME, Edit::Number("ambient", 2.0)),
-        number("diffuse 0.7", PLUME, Edit::Number("diffuse", -0.3)),
-        Fault::new(
-            Kind::Together,
-            "diffuse 0.7, opacity + 10 %",
-            PLUME,
-            &[Edit::Number("diffuse", -0.3), Edit::Number("density", 0.1)],
-        ),
-        number("highlight × 2", PLUME, Edit::Number("specular", 1.0)),
-        ray_caster(
-            "shininess 20",
-            PLUME,
-            Ray(|s| s.phong.as_mut().unwrap().shininess = 20),
-        ),
-        number("light to the side", PLUME, Edit::Number("light.x", 2.0)),
-        geometry(
-            "field of view 46°",
-            PLUME,
-            Ray(|s| s.camera = s.camera.with_vertical_fov(46_f64.to_radians())),
-        )
-        .number("camera.view", view(45.0, 46.0)),
-        geometry(
-            "eye 1 % nearer",
-            PLUME,
-            Ray(|s| s.camera = moved(&s.camera, *s.camera.forward() * 0.02)),
-        )
-        .number("camera.z", 0.02),
-        geometry(
-            "eye to the side",
-            PLUME,
-            Ray(|s| s.camera = moved(&s.camera, DVec3::new(0.02, 0.0, 0.0))),
-        )
-        .number("camera.x", 0.02)
-        .said(&["moved"]),
-        ray_caster(
-            "background 0.05",
-            PLUME,
-            Ray(|s| s.background = DVec3::splat(0.05)),
-        ),
-        ray_caster(
-            "another map of colours",
-            PLUME,
-            Ray(|s| {
-                if let Appearance::Formula { colormap, .. } = &mut s.transfer_function.appearance {
-                    *colormap = Colormap::named("turbo").unwrap();
-                }
-            }),
-        ),
-        ray_caster("early end at 0.3", PLUME, Ray(|s| s.end_rays_at(0.3))),
-        field(
-            "quarter of a voxel along y",
-            PLUME,
-            Ray(|s| s.grid = along(&s.grid, DVec3::new(0.0, 0.25, 0.0))),
-        )
-        .number("grid.y", 0.25)
-        .said(&["moved"]),
-        field(
-            "half a voxel along x",
-            PLUME,
-            Ray(|s| s.grid = along(&s.grid, DVec3::new(0.5, 0.0, 0.0))),
-        )
-        .named(&["volume-half-voxel-along-x"])
-        .number("grid.x", 0.5),
-        field(
-            "half a voxel back along z",
-            PLUME,
-            Ray(|s| s.grid = along(&s.grid, DVec3::new(0.0, 0.0, -0.5))),
-        )
-        .named(&["volume-half-voxel-back-along-z"])
-        .number("grid.z", -0.5),
-        places("half a pixel down", PLUME, ImagePlane([0.0, 0.5]))
-            .named(&["half-a-pixel-down"])
-            .number("camera.down", 0.5)
-            .said(&["moved"]),
-        places("half a pixel left", PLUME, ImagePlane([-0.5, 0.0]))
-            .named(&["half-a-pixel-left"])
-            .number("camera.right", -0.5)
-            .said(&["moved"]),
-        places("a third of a pixel right", PLUME, ImagePlane([0.3, 0.0]))
-            .number("camera.right", 0.3)
-            .said(&["moved"]),
-        places("a pixel and a half up", PLUME, ImagePlane([0.0, -1.5]))
-            .named(&[
-                "half-a-pixel-up + one-pixel-up",
-                "one-pixel-up + half-a-pixel-up",
-            ])
-            .number("camera.down", -1.5)
-            .said(&["moved"]),
-        values(
-            "gamma 1.8",
-            PLUME,
-            Image(|f| images::by_value(f, |x, _| math::exp(math::ln(x.max(1e-30)) / 1.8))),
-        ),
-        values(
-            "clamped at 0.5",
-            PLUME,
-            Image(|f| images::by_value(f, |x, _| x.min(0.5))),
-        )
-        .said(&["cut off"]),
-        values(
-            "green + 5 %",
-            PLUME,
-            Image(|f| images::by_value(f, |x, c| if c == 1 { 1.05 * x } else { x })),
-        )
-        .number("gain.green", 0.05)
-        .said(&["gain", "channel"]),
-        places(
-            "every sixteenth row black",
-            PLUME,
-            Image(|f| images::by_place(f, |x, [_, y]| if y % 16 == 0 { 0.0 } else { x })),
-        )
-        .said(&["black"]),
-        values(
-            "darker towards the corners",
-            PLUME,
-            Image(|f| images::by_place(f, |x, at| x * vignette(at))),
-        ),
-        values(
-            "upper half at half brightness",
-            PLUME,
-            Image(|f| images::by_place(f, |x, [_, y]| if y < 128 { 0.5 * x } else { x })),
-        )
-        .said(&["place"]),
-        ray_caster(
-            "shadow rays of double step",
-            SHADOWED,
-            Ray(|s| {
-                if let Some(s) = &mut s.shadow {
-                    s.step *= 4.0;
-                    s.reference_step *= 1.3
-                }
-            }),
-        ),
-        ray_caster("shadow too dark by half", SHADOWED, Ray(|s| shadow(s, 1.5))),
-        ray_caster(
-            "shadow too light by 30 %",
-            SHADOWED,
-            Ray(|s| shadow(s, 0.7)),
-        ),
-        ray_caster("shadow twice as dense", SHADOWED, Ray(|s| shadow(s, 2.0))),
-        // Paths in a room.
-        values(
-            "samples clamped at 3",
-            ROOM,
-            Image(|f| images::by_value(f, |x, _| x.min(3.0))),
-        )
-        .said(&["cut off"]),
-        values(
-            "8-bit values, saturated at the exposure",
-            ROOM,
-            Image(|f| images::by_value(f, |x, c| eight_bits(x * 0.7, c) / 0.7)),
-        )
-        .named(&["clamped"])
-        .said(&["cut off"]),
-        geometry(
-            "field of view 39.8°",
-            ROOM,
-            Path(|s| s.camera = s.camera.with_vertical_fov(39.8_f64.to_radians())),
-        )
-        .number("camera.view", view(40.0, 39.8))
-        .said(&["moved"]),
-        geometry(
-            "field of view 41°",
-            ROOM,
-            Path(|s| s.camera = s.camera.with_vertical_fov(41_f64.to_radians())),
-        )
-        .number("camera.view", view(40.0, 41.0))
-        .said(&["moved"]),
-        number("lamp 20 % too bright", ROOM, Edit::Number("lamp", 0.2)).said(&["gain"]),
-        geometry(
-            "lamp moved by 40",
-            ROOM,
-            Path(|s| s.area_lights[0].shape = lamp(DVec3::new(153.0, 554.0, 127.0), 330.0, 305.0)),
-        )
-        .number("lamp.x", 40.0),
-        geometry(
-            "lamp 10 % smaller",
-            ROOM,
-            Path(|s| s.area_lights[0].shape = lamp(DVec3::new(113.0, 554.0, 127.0), 297.0, 305.0)),
-        ),
-        geometry(
-            "lamp below the ceiling",
-            ROOM,
-            Path(|s| s.area_lights[0].shape = lamp(DVec3::new(113.0, 530.0, 127.0), 330.0, 305.0)),
-        ),
-        number(
-            "white walls too dark",
-            ROOM,
-            Path(|s| {
-                materials(s, |m| {
-                    if *m == Material::Diffuse(DVec3::splat(0.73)) {
-                        *m = Material::Diffuse(DVec3::splat(0.65))
-                    }
-                })
-            }),
-        ),
-        geometry(
-            "red and green walls exchanged",
-            ROOM,
-            Path(|s| {
-                materials(s, |m| {
-                    let [red, green] = [DVec3::new(0.65, 0.05, 0.05), DVec3::new(0.12, 0.45, 0.15)];
-                    match m {
-                        Material::Diffuse(colour) if *colour == red => *colour = green,
-                        Material::Diffuse(colour) if *colour == green => *colour = red,
-                        _ => {}
-                    }
-                })
-            }),
-        ),
-        number(
-            "white smoke absorbs a tenth",
-            ROOM,
-            Path(|s| {
-                media(s, |a, s| {
-                    if s == DVec3::ZERO {
-                        (a, s)
-                    } else {
-                        (0.1 * s, 0.9 * s)
-                    }
-                })
-            }),
-        )
-        .number("albedo.2", -0.1),
-        number(
-            "smoke denser by a third",
-            ROOM,
-            Edit::Number("density", 0.33),
-        ),
-        // It only scatters, and nothing else does.
-        geometry("white smoke missing", ROOM, Path(|s| _ = s.media.pop()))
-            .named(&["scattering-left-out"]),
-        geometry("black smoke missing", ROOM, Path(|s| _ = s.media.remove(0)))
-            .named(&["absorption-left-out"]),
-        geometry("back wall missing", ROOM, Path(|s| _ = s.objects.pop())),
-        geometry(
-            "grey sky",
-            ROOM,
-            Path(|s| s.environment = DVec3::splat(0.03)),
-        ),
-        paths(
-            "two bounces",
-            ROOM,
-            Path(|s| s.scattering = Scattering::Multiple(Some(2))),
-        ),
-        values(
-            "offset of 0.02",
-            ROOM,
-            Image(|f| images::by_value(f, |x, _| x + 0.02)),
-        )
-        .number("offset", 0.02),
-        values(
-            "lower half darker by a tenth",
-            ROOM,
-            Image(|f| images::by_place(f, |x, [_, y]| if y >= 128 { 0.9 * x } else { x })),
-        )
-        .said(&["place"]),
-        values(
-            "green + 8 %, noisy",
-            ROOM,
-            Image(|f| images::by_value(f, |x, c| if c == 1 { 1.08 * x } else { x })),
-        )
-        .number("gain.green", 0.08)
-        .said(&["gain", "channel"]),
-        geometry(
-            "eye to the side in the room",
-            ROOM,
-            Path(|s| s.camera = moved(&s.camera, DVec3::new(4.0, 0.0, 0.0))),
-        )
-        .number("camera.x", 4.0)
-        .said(&["moved"]),
-        places(
-            "half a pixel down in the room",
-            ROOM,
-            ImagePlane([0.0, 0.5]),
-        )
-        .named(&["half-a-pixel-down"])
-        .number("camera.down", 0.5)
-        .said(&["moved"]),
-        values("saturation of colours", ROOM, Image(|f| mixed(f, 1.2))),
-        // Fog.
-        number("g = 0.5", FOG, Edit::Number("g", -0.1)),
-        number("g = 0.75", FOG, Edit::Number("g", 0.15)),
-        number("fog denser by 15 %", FOG, Edit::Number("density", 0.15)),
-        number("fog absorbs a fifth", FOG, Edit::Number("albedo", -0.2)),
-        number("cone wider by 2°", FOG, Path(|s| cone(s, [16.0, 20.0]))).number("light.cone", 2.0),
-        number("spotlight 10 % too dark", FOG, Edit::Number("light", -0.1)).said(&["gain"]),
-        number(
-            "spotlight lower",
-            FOG,
-            Path(|s| {
-                if let Light::Spot(spot) = &mut s.lights[0] {
-                    spot.position.y -= 0.5
-                }
-            }),
-        )
-        .number("light.y", -0.5),
-        geometry(
-            "ball too dark",
-            FOG,
-            Path(|s| {
-                materials(s, |m| {
-                    if *m == Material::Diffuse(DVec3::splat(0.75)) {
-                        *m = Material::Diffuse(DVec3::splat(0.4))
-                    }
-                })
-            }),
-        )
-        .number("reflectance.6", 0.4 / 0.75 - 1.0),
-        values(
-            "fog of falling brightness",
-            FOG,
-            Image(|f| images::by_place(f, |x, [_, y]| x * (1.0 - 0.3 * y as f32 / 192.0))),
-        ),
-        // Grids and noise.
-        number("extinction + 10 %", STAIN, Edit::Number("density", 0.1)),
-        field(
-            "grid half a voxel along y",
-            STAIN,
-            Path(|s| grids(s, DVec3::new(0.0, 0.5, 0.0))),
-        )
-        .named(&["grid-half-voxel-along-y"]),
-        field(
-            "grid a voxel along x",
-            STAIN,
-            Path(|s| grids(s, DVec3::new(1.0, 0.0, 0.0))),
-        )
-        // Under a plain sky the same as an eye that is moved.
-        .number("camera.x", -0.01)
-        .said(&["moved"]),
-        field("grid 2 % too large", STAIN, Path(|s| scaled(s, 1.02))).said(&["moved"]),
-        number("sky of 0.9", STAIN, Edit::Number("environment", -0.1)).said(&["gain"]),
-        number(
-            "sun tilted",
-            COLOURED,
-            Path(|s| sun(s, DVec3::new(-0.9, -0.5, 0.5))),
-        ),
-        number("sky × 1.5", COLOURED, Edit::Number("environment", 0.5)),
-        number("g = 0.2", COLOURED, Edit::Number("g", -0.2)),
-        number(
-            "albedo of red lower",
-            COLOURED,
-            Path(|s| {
-                media(s, |a, s| {
-                    (a + DVec3::new(6.0, 0.0, 0.0), s - DVec3::new(6.0, 0.0, 0.0))
-                })
-            }),
-        )
-        .said(&["channel"]),
-        field(
-            "threshold 1.3",
-            NOISE,
-            Path(|s| noises(s, |p| p.threshold = 1.3)),
-        ),
-        field("gain 0.4", NOISE, Path(|s| noises(s, |p| p.gain = 0.4))),
-        field(
-            "noise shifted",
-            NOISE,
-            Path(|s| noises(s, |p| p.offset.x += 0.2)),
-        ),
-        // Other faults of ray casters, as reported in public.
-        ray_caster(
-            "opacity in proportion to the step, of double step",
-            PLUME,
-            Ray(|s| {
-                s.step *= 2.0;
-                s.conventions.linear_opacity = true;
-            }),
-        )
-        .by_conventions(&[
-            "takes steps of twice the length",
-            "takes opacity in proportion to the step",
-        ]),
-        ray_caster(
-            "linear opacity, 90 % at most",
-            SHADOWED,
-            Ray(|s| {
-                s.conventions.linear_opacity = true;
-                s.conventions.most_opacity = 0.9;
-            }),
-        ),
-        ray_caster(
-            "colours of a table of 16 entries",
-            COLUMN,
-            Ray(|s| {
-                s.conventions.table_size = Some(16);
-                s.conventions.nearest_entry = true;
-            }),
-        ),
-        ray_caster(
-            "opacity correction below 0.3 left out",
-            HEAD,
-            Ray(|s| s.conventions.uncorrected_opacity = 0.3),
-        ),
-        ray_caster(
-            "opacities of at most 0.5",
-            HEAD,
-            Ray(|s| s.conventions.most_opacity = 0.5),
-        ),
-        ray_caster(
-            "samples below 0.1 dropped",
-            HEAD,
-            Ray(|s| s.conventions.least_stated_opacity = 0.1),
-        ),
-        ray_caster(
-            "ends of rays opaque at 0.2",
-            PLUME,
-            Ray(|s| {
-                s.end_rays_at(0.2);
-                s.conventions.ended_rays_opaque = true;
-            }),
-        ),
-        ray_caster(
-            "highlights without their part of the emission, doubled",
-            PLUME,
-            Ray(|s| {
-                s.conventions.highlight_emission = false;
-                s.phong.as_mut().unwrap().specular = 2.0;
-            }),
-        ),
-        field(
-            "voxels a third longer along y",
-            PLUME,
-            Ray(|s| s.grid = stretched(&s.grid, DVec3::new(1.0, 4.0 / 3.0, 1.0))),
-        ),
-        field(
-            "voxels 5 % longer along x",
-            HEAD,
-            Ray(|s| s.grid = stretched(&s.grid, DVec3::new(1.05, 1.0, 1.0))),
-        ),
-        field(
-            "last slice along x missing",
-            PLUME,
-            Ray(|s| {
-                s.grid = with_values(
-                    &s.grid,
-                    |[i, _, _], last, v| if i == last[0] { 0.0 } else { v },
-                )
-            }),
-        ),
-        field(
-            "last slice along z missing",
-            HEAD,
-            Ray(|s| {
-                s.grid = with_values(
-                    &s.grid,
-                    |[_, _, k], last, v| if k == last[2] { 0.0 } else { v },
-                )
-            }),
-        ),
-        field(
-            "every eighth slice missing",
-            PLUME,
-            Ray(|s| {
-                s.grid = with_values(&s.grid, |[_, j, _], _, v| if j % 8 == 0 { 0.0 } else { v })
-            }),
-        ),
-        field(
-            "densities of 4 bits",
-            PLUME,
-            Ray(|s| s.grid = with_values(&s.grid, |_, _, v| (v * 16.0).round() / 16.0)),
-        ),
-        field(
-            "one octant empty",
-            PLUME,
-            Ray(|s| {
-                s.grid = with_values(&s.grid, |at, last, v| {
-                    if (0..3).all(|k| at[k] <= last[k] / 2) {
-                        0.0
-                    } else {
-                        v
-                    }
-                })
-            }),
-        ),
-        field(
-            "densities + 0.02",
-            COLUMN,
-            Ray(|s| s.grid = with_values(&s.grid, |_, _, v| v + 5.0)),
-        ),
-        field(
-            "grid of media: last slice missing",
-            STAIN,
-            Path(|s| {
-                with_grids(s, |grid| {
-                    with_values(
-                        grid,
-                        |[i, _, _], last, v| if i == last[0] { 0.0 } else { v },
-                    )
-                })
-            }),
-        ),
-        field(
-            "grid of media: every eighth slice missing",
-            COLOURED,
-            Path(|s| {
-                with_grids(s, |grid| {
-                    with_values(grid, |[_, j, _], _, v| if j % 8 == 0 { 0.0 } else { v })
-                })
-            }),
-        ),
-        field(
-            "grid of media: densities of 3 bits",
-            STAIN,
-            Path(|s| {
-                with_grids(s, |grid| {
-                    with_values(grid, |_, _, v| (v * 8.0).round() / 8.0)
-                })
-            }),
-        ),
-        field(
-            "grid of media 5 % too small",
-            COLOURED,
-            Path(|s| scaled(s, 0.95)),
-        ),
-        field(
-            "grid of media a voxel along z",
-            COLOURED,
-            Path(|s| grids(s, DVec3::new(0.0, 0.0, 1.0))),
-        )
-        // Under a sky and a sun the same as an eye that is moved.
-        .number("camera.z", -0.01),
-        field(
-            "noise with one octave more",
-            NOISE,
-            Path(|s| noises(s, |p| p.octaves += 1)),
-        ),
-        field(
-            "noise of half the scale along y",
-            NOISE,
-            Path(|s| noises(s, |p| p.scale.y *= 0.5)),
-        ),
-        // The first panel is the one without a shadow.
-        places(
-            "first panel twice",
-            SHADOWED,
-            Image(|f| images::from_elsewhere(f, |[x, y], [w, _]| Some([x % (w / 2), y]))),
-        )
-        .named(&["shadow-left-out"]),
-        // Other faults of rooms.
-        geometry(
-            "mirror ball missing",
-            GREY,
-            Path(|s| {
-                s.objects
-                    .retain(|it| !matches!(it.material, Material::Mirror(_)))
-            }),
-        ),
-        geometry(
-            "glass ball black",
-            GREY,
-            Path(|s| {
-                materials(s, |m| {
-                    if matches!(m, Material::Glass(_)) {
-                        *m = Material::Diffuse(DVec3::ZERO)
-                    }
-                })
-            }),
-        )
-        .at(64),
-        geometry(
-            "mirror diffuse",
-            ABSORPTION,
-            Path(|s| {
-                materials(s, |m| {
-                    if let Material::Mirror(colour) = *m {
-                        *m = Material::Diffuse(colour)
-                    }
-                })
-            }),
-        ),
-        geometry(
-            "lamp at both sides",
-            ABSORPTION,
-            Path(|s| s.area_lights[0].sides = volref::optics::Sides::Both),
-        )
-        .named(&["emitter-sides-exchanged"]),
-        geometry(
-            "lamp a unit lower",
-            ABSORPTION,
-            Path(|s| s.area_lights[0].shape = lamp(DVec3::new(-1.5, 6.9, 3.5), 3.0, 3.0)),
-        )
-        .at(64),
-        geometry(
-            "fog without its left half",
-            FOG,
-            Path(|s| half_filled(s, DVec3::new(0.0, 0.0, 0.0), DVec3::new(5.0, 8.0, 10.0))),
-        ),
-        geometry(
-            "fog only up to the ball",
-            SPOT,
-            Path(|s| half_filled(s, DVec3::new(-5.0, 0.0, 0.0), DVec3::new(5.0, 3.0, 10.0))),
-        )
-        .at(64),
-        geometry("ball missing", SPOT, Path(|s| _ = s.objects.remove(5))),
-        paths(
-            "one bounce of two allowed",
-            SPOT,
-            Path(|s| s.scattering = Scattering::Multiple(Some(2))),
-        )
-        .at(64),
-        paths(
-            "five bounces",
-            GREY,
-            Path(|s| s.scattering = Scattering::Multiple(Some(5))),
-        ),
-        paths(
-            "twelve bounces",
-            GREY,
-            Path(|s| s.scattering = Scattering::Multiple(Some(12))),
-        )
-        .at(64),
-        paths(
-            "ten bounces",
-            COLOURED,
-            Path(|s| s.scattering = Scattering::Multiple(Some(10))),
-        ),
-        paths(
-            "twenty bounces",
-            COLOURED,
-            Path(|s| s.scattering = Scattering::Multiple(Some(20))),
-        )
-        .at(64),
-    ]
+/// Numbers that are off, drawn from those of the scene; the last of four together with another.
+fn drawn(case: &'static str, scene: &Scene, count: usize) -> Vec<Fault> {
+    let numbers = numbers(scene);
+    let draws = (0..).map(|i| philox4x32_10([i, 0, 0, 0], [0x6e75_6d62, case.len() as u32]));
+    let possible = draws.filter_map(|[which, size, ..]| {
+        let number = &numbers[which as usize % numbers.len()];
+        let change = number.step * SIZES[size as usize % SIZES.len()];
+        number.changed(scene, change)?;
+        Some((number.name(), change))
+    });
+    let mut all: Vec<Fault> = Vec::new();
+    let mut last: Option<(String, f64)> = None;
+    for (name, change) in possible.take(20 * count) {
+        let labels = match name.split('.').next().unwrap() {
+            "camera" | "grid" => "moved",
+            "lamp" | "light" | "environment" | "emission" => "gain",
+            _ => "",
+        };
+        let mut edits = vec![Edit::Number(name.clone(), change)];
+        let mut title = format!("{name} {change:+.3}");
+        let mut kind = Kind::Number;
+        if let Some((other, by)) = last.take_if(|last| all.len() % 4 == 3 && last.0 != name) {
+            title += &format!(", {other} {by:+.3}");
+            edits.push(Edit::Number(other, by));
+            kind = Kind::Together;
+        }
+        if all.iter().all(|fault| fault.name != title) {
+            all.push(Fault::new(kind, &title, case, edits, labels));
+        }
+        last = Some((name, change));
+        if all.len() == count {
+            break;
+        }
+    }
+    all
 }
 
-/// Change of the height of the image plane between two fields of view, in degrees.
-fn view(from: f64, to: f64) -> f64 {
-    let [from, to] = [from, to].map(|angle| math::tan(0.5 * angle.to_radians()));
-    to / from - 1.0
+/// One line a fault: kind, name, cases, edits, truth.
+macro_rules! rows {
+    ($($kind:ident $name:literal [$($case:ident)+] $edit:expr $(, $other:expr)?; $truth:literal)*) => {
+        {
+            let mut all = Vec::new();
+            $(for case in [$($case),+] {
+                all.push(Fault::new(Kind::$kind, $name, case, vec![$edit $(, $other)?], $truth));
+            })*
+            all
+        }
+    };
+}
+
+fn by_hand() -> Vec<Fault> {
+    rows! {
+        // A ray caster.
+        RayCaster "step × 1.5" [PLUME] Ray(|s| s.step *= 1.5); "step +0.5, step"
+        Number "opacity + 10 %" [PLUME] number("density", 0.1); ""
+        Together "diffuse 0.7, opacity + 10 %" [PLUME] number("diffuse", -0.3), number("density", 0.1); ""
+        RayCaster "shininess 20" [PLUME] Ray(|s| s.phong.as_mut().unwrap().shininess = 20); ""
+        RayCaster "background 0.05" [PLUME] Ray(|s| s.background = DVec3::splat(0.05)); ""
+        RayCaster "another map of colours" [PLUME] Ray(|s| {
+            if let Appearance::Formula { colormap, .. } = &mut s.transfer_function.appearance {
+                *colormap = Colormap::named("turbo").unwrap();
+            }
+        }); ""
+        RayCaster "early end at 0.3" [PLUME] Ray(|s| s.end_rays_at(0.3)); ""
+        RayCaster "shadow rays of double step" [SHADOWED] Ray(|s| {
+            let shadow = s.shadow.iter_mut();
+            shadow.for_each(|s| (s.step, s.reference_step) = (4.0 * s.step, 1.3 * s.reference_step));
+        }); ""
+        RayCaster "shadow too dark by half" [SHADOWED] Ray(|s| shadow(s, 1.5)); ""
+        RayCaster "shadow too light by 30 %" [SHADOWED] Ray(|s| shadow(s, 0.7)); ""
+        RayCaster "opacity in proportion to the step, of double step" [PLUME] Ray(|s| {
+            s.step *= 2.0;
+            s.conventions.linear_opacity = true;
+        }); "takes steps of twice the length, takes opacity in proportion to the step"
+        RayCaster "linear opacity, 90 % at most" [SHADOWED] Ray(|s| {
+            s.conventions.linear_opacity = true;
+            s.conventions.most_opacity = 0.9;
+        }); ""
+        RayCaster "colours of a table of 16 entries" [COLUMN] Ray(|s| {
+            s.conventions.table_size = Some(16);
+            s.conventions.nearest_entry = true;
+        }); ""
+        RayCaster "opacity correction below 0.3 left out" [HEAD] Ray(|s| s.conventions.uncorrected_opacity = 0.3); ""
+        RayCaster "opacities of at most 0.5" [HEAD] Ray(|s| s.conventions.most_opacity = 0.5); ""
+        RayCaster "samples below 0.1 dropped" [HEAD] Ray(|s| s.conventions.least_stated_opacity = 0.1); ""
+        RayCaster "ends of rays opaque at 0.2" [PLUME] Ray(|s| {
+            s.end_rays_at(0.2);
+            s.conventions.ended_rays_opaque = true;
+        }); ""
+        RayCaster "highlights without their part of the emission, doubled" [PLUME] Ray(|s| {
+            s.conventions.highlight_emission = false;
+            s.phong.as_mut().unwrap().specular = 2.0;
+        }); ""
+        // Grids and noise.
+        Field "quarter of a voxel along y" [PLUME] Ray(|s| along(s, [0.0, 0.25, 0.0])); "grid.y +0.25, moved"
+        Field "half a voxel along x" [PLUME] Ray(|s| along(s, [0.5, 0.0, 0.0]));
+            "volume-half-voxel-along-x, grid.x +0.5"
+        Field "half a voxel back along z" [PLUME] Ray(|s| along(s, [0.0, 0.0, -0.5]));
+            "volume-half-voxel-back-along-z, grid.z -0.5"
+        Field "voxels a third longer along y" [PLUME] Ray(|s| stretched(s, [1.0, 4.0 / 3.0, 1.0])); ""
+        Field "voxels 5 % longer along x" [HEAD] Ray(|s| stretched(s, [1.05, 1.0, 1.0])); ""
+        Field "last slice along x missing" [PLUME HEAD]
+            Ray(|s| with_values(s, |[i, _, _], last, v| if i == last[0] { 0.0 } else { v })); ""
+        Field "every eighth slice missing" [PLUME]
+            Ray(|s| with_values(s, |[_, j, _], _, v| if j % 8 == 0 { 0.0 } else { v })); ""
+        Field "densities of 4 bits" [PLUME] Ray(|s| with_values(s, |_, _, v| (v * 16.0).round() / 16.0)); ""
+        Field "one octant empty" [PLUME] Ray(|s| with_values(s, |at, last, v| {
+            if (0..3).all(|k| at[k] <= last[k] / 2) { 0.0 } else { v }
+        })); ""
+        Field "densities + 0.02" [COLUMN] Ray(|s| with_values(s, |_, _, v| v + 5.0)); ""
+        Field "grid half a voxel along y" [STAIN] Path(|s| grids(s, |g| shifted(g, [0.0, 0.5, 0.0])));
+            "grid-half-voxel-along-y"
+        // Under a plain sky, and under a sun, the same as an eye that is moved.
+        Field "grid a voxel along x" [STAIN] Path(|s| grids(s, |g| shifted(g, [1.0, 0.0, 0.0]))); "camera.x -0.01, moved"
+        Field "grid of media a voxel along z" [COLOURED] Path(|s| grids(s, |g| shifted(g, [0.0, 0.0, 1.0])));
+            "camera.z -0.01"
+        Field "grid of media 5 % too small" [COLOURED STAIN] Path(|s| grids(s, |g| scaled(g, [0.95; 3]))); "moved"
+        Field "grid of media: last slice missing" [STAIN] Path(|s| grids(s, |g| {
+            valued(g, |[i, _, _], last, v| if i == last[0] { 0.0 } else { v })
+        })); ""
+        Field "grid of media: densities of 3 bits" [STAIN]
+            Path(|s| grids(s, |g| valued(g, |_, _, v| (v * 8.0).round() / 8.0))); ""
+        Field "threshold 1.3" [NOISE] Path(|s| noises(s, |p| p.threshold = 1.3)); ""
+        Field "gain 0.4" [NOISE] Path(|s| noises(s, |p| p.gain = 0.4)); ""
+        Field "noise shifted" [NOISE] Path(|s| noises(s, |p| p.offset.x += 0.2)); ""
+        Field "noise with one octave more" [NOISE] Path(|s| noises(s, |p| p.octaves += 1)); ""
+        Field "noise of half the scale along y" [NOISE] Path(|s| noises(s, |p| p.scale.y *= 0.5)); ""
+        // Views.
+        Geometry "field of view 39.8°" [ROOM]
+            Path(|s| s.camera = s.camera.with_vertical_fov(39.8_f64.to_radians())); "camera.view -0.005427, moved"
+        Geometry "field of view 46°" [PLUME]
+            Ray(|s| s.camera = s.camera.with_vertical_fov(46_f64.to_radians())); "camera.view +0.024773"
+        Geometry "eye to the side" [PLUME]
+            Ray(|s| s.camera = s.camera.with_eye_moved(DVec3::new(0.02, 0.0, 0.0))); "camera.x +0.02, moved"
+        Places "half a pixel down" [PLUME ROOM] ImagePlane([0.0, 0.5]); "half-a-pixel-down, camera.down +0.5, moved"
+        Places "a third of a pixel right" [PLUME] ImagePlane([0.3, 0.0]); "camera.right +0.3, moved"
+        Places "a pixel and a half up" [PLUME] ImagePlane([0.0, -1.5]);
+            "half-a-pixel-up + one-pixel-up, one-pixel-up + half-a-pixel-up, camera.down -1.5, moved"
+        // Rooms.
+        Geometry "lamp moved by 40" [ROOM] Path(|s| lamp(s, [153.0, 554.0, 127.0], [330.0, 305.0])); "lamp.x +40"
+        Geometry "lamp 10 % smaller" [ROOM] Path(|s| lamp(s, [113.0, 554.0, 127.0], [297.0, 305.0])); ""
+        Geometry "lamp below the ceiling" [ROOM] Path(|s| lamp(s, [113.0, 530.0, 127.0], [330.0, 305.0])); ""
+        Geometry "lamp at both sides" [ABSORPTION] Path(|s| s.area_lights[0].sides = Sides::Both);
+            "emitter-sides-exchanged"
+        Number "white walls too dark" [ROOM] Path(|s| materials(s, |m| {
+            if *m == Material::Diffuse(DVec3::splat(0.73)) { *m = Material::Diffuse(DVec3::splat(0.65)) }
+        })); ""
+        Geometry "red and green walls exchanged" [ROOM] Path(|s| materials(s, |m| {
+            let [red, green] = [DVec3::new(0.65, 0.05, 0.05), DVec3::new(0.12, 0.45, 0.15)];
+            match m {
+                Material::Diffuse(colour) if *colour == red => *colour = green,
+                Material::Diffuse(colour) if *colour == green => *colour = red,
+                _ => {}
+            }
+        })); ""
+        Number "white smoke absorbs a tenth" [ROOM] Path(|s| {
+            media(s, |a, s| if s == DVec3::ZERO { [a, s] } else { [0.1 * s, 0.9 * s] })
+        }); "albedo.2 -0.1"
+        Number "albedo of red lower" [COLOURED] Path(|s| {
+            media(s, |a, s| [a + DVec3::new(6.0, 0.0, 0.0), s - DVec3::new(6.0, 0.0, 0.0)])
+        }); "channel"
+        // The white smoke only scatters, and nothing else does.
+        Geometry "white smoke missing" [ROOM] Path(|s| _ = s.media.pop()); "scattering-left-out"
+        Geometry "black smoke missing" [ROOM] Path(|s| _ = s.media.remove(0)); "absorption-left-out"
+        Geometry "back wall missing" [ROOM] Path(|s| _ = s.objects.pop()); ""
+        Geometry "ball missing" [SPOT] Path(|s| _ = s.objects.remove(5)); ""
+        Geometry "grey sky" [ROOM] Path(|s| s.environment = DVec3::splat(0.03)); ""
+        Geometry "mirror ball missing" [GREY]
+            Path(|s| s.objects.retain(|it| !matches!(it.material, Material::Mirror(_)))); ""
+        Geometry "glass ball black" [GREY] Path(|s| materials(s, |m| {
+            if matches!(m, Material::Glass(_)) { *m = Material::Diffuse(DVec3::ZERO) }
+        })); ""
+        Geometry "mirror diffuse" [ABSORPTION] Path(|s| materials(s, |m| {
+            if let Material::Mirror(colour) = *m { *m = Material::Diffuse(colour) }
+        })); ""
+        Geometry "fog without its left half" [FOG] Path(|s| filled(s, [0.0, 0.0, 0.0], [5.0, 8.0, 10.0])); ""
+        Geometry "fog only up to the ball" [SPOT] Path(|s| filled(s, [-5.0, 0.0, 0.0], [5.0, 3.0, 10.0])); ""
+        Number "spotlight lower" [FOG] Path(|s| {
+            if let Light::Spot(spot) = &mut s.lights[0] { spot.position.y -= 0.5 }
+        }); "light.y -0.5"
+        PathTracer "two bounces" [ROOM SPOT] Path(|s| s.scattering = Scattering::Multiple(Some(2))); ""
+        PathTracer "five bounces" [GREY] Path(|s| s.scattering = Scattering::Multiple(Some(5))); ""
+        PathTracer "twelve bounces" [GREY COLOURED] Path(|s| s.scattering = Scattering::Multiple(Some(12))); ""
+        // Values of images.
+        Values "gamma 1.8" [PLUME] Image(|f| by_value(f, |x, _| power(x, 1.0 / 1.8))); ""
+        Values "clamped at 0.5" [PLUME] Image(|f| by_value(f, |x, _| x.min(0.5))); "cut off"
+        Values "samples clamped at 3" [ROOM] Image(|f| by_value(f, |x, _| x.min(3.0))); "cut off"
+        Values "8-bit values, saturated at the exposure" [ROOM]
+            Image(|f| by_value(f, |x, _| (255.0 * 0.7 * x).round().clamp(0.0, 255.0) / 255.0 / 0.7)); "clamped, cut off"
+        Values "values of 6 bits" [PLUME STAIN HEAD] Image(|f| by_value(f, |x, _| (63.0 * x).round() / 63.0)); ""
+        Values "exposure + 1.4 %" [FOG ROOM SPOT] Image(|f| times(f, [1.014; 3])); "exposure +0.014, gain, channel"
+        Values "exposure − 5 %" [FOG COLOURED PLUME] Image(|f| times(f, [0.95; 3])); "exposure -0.05, gain, channel"
+        Values "3 % of the brightness" [ROOM PLUME FOG COLOURED] Image(|f| times(f, [0.03; 3]));
+            "exposure -0.97, gain, channel"
+        Values "brightness × 2.5" [GREY HEAD] Image(|f| times(f, [2.5; 3])); "exposure +1.5, gain, channel"
+        Values "green + 8 %" [ROOM PLUME] Image(|f| times(f, [1.0, 1.08, 1.0])); "gain.green +0.08, gain, channel"
+        Values "blue − 3 %" [ROOM COLOURED PLUME] Image(|f| times(f, [1.0, 1.0, 0.97])); "gain.blue -0.03, gain, channel"
+        Values "all values + 0.005" [ROOM FOG PLUME] Image(|f| by_value(f, |x, _| x + 0.005)); "offset +0.005, gain"
+        Values "exponent 1.05" [ROOM PLUME COLOURED] Image(|f| by_value(f, |x, _| power(x, 1.05))); "gamma +0.05, gain"
+        Values "a curve of film" [ROOM HEAD] Image(|f| by_value(f, |x, _| x * (1.2 + 0.1 * x) / (1.0 + 0.4 * x))); ""
+        Values "stated variance halved" [ROOM FOG COLOURED] Image(|f| images::noise_times(f, 0.5)); "noise"
+        Values "saturation of colours" [ROOM] Image(|f| images::by_pixel(f, |pixel, _| {
+            let grey = (pixel[0] + pixel[1] + pixel[2]) / 3.0;
+            pixel.map(|x| (grey + 1.2 * (x - grey)).max(0.0))
+        })); ""
+        Values "darker towards the corners" [PLUME] Image(|f| by_place(f, |x, at| {
+            let [u, v] = at.map(|i| (i as f32 - 127.5) / 128.0);
+            x * (1.0 - 0.25 * (u * u + v * v))
+        })); ""
+        Values "upper half at half brightness" [PLUME]
+            Image(|f| by_place(f, |x, [_, y]| if y < 128 { 0.5 * x } else { x })); "place"
+        Values "fog of falling brightness" [FOG] Image(|f| by_place(f, |x, [_, y]| x * (1.0 - 0.3 * y as f32 / 192.0))); ""
+        Places "green in all channels" [ROOM COLUMN] Image(|f| channels(f, [1, 1, 1])); ""
+        // Pixels of images.
+        Places "every sixteenth row black" [PLUME]
+            Image(|f| by_place(f, |x, [_, y]| if y % 16 == 0 { 0.0 } else { x })); "black"
+        Places "first row black" [ROOM FOG GREY COLOURED]
+            Image(|f| from_elsewhere(f, |[x, y], _| (y > 0).then_some([x, y]))); "black"
+        Places "last column black" [FOG ROOM]
+            Image(|f| from_elsewhere(f, |[x, y], [w, _]| (x + 1 < w).then_some([x, y]))); "black"
+        Places "20 black pixels" [ROOM FOG SPOT PLUME]
+            Image(|f| from_elsewhere(f, |at, size| (!is_one_of_twenty(at, size)).then_some(at))); "black"
+        Places "a black pixel" [ROOM FOG PLUME]
+            Image(|f| from_elsewhere(f, |at, [w, h]| (at != [w / 2, h / 2]).then_some(at))); "black"
+        Places "a tile of 16 × 16 black" [ROOM GREY PLUME]
+            Image(|f| from_elsewhere(f, |[x, y], _| (x / 16 != 4 || y / 16 != 4).then_some([x, y]))); "black, place"
+        Places "20 pixels ten times as bright" [ROOM FOG PLUME] Image(|f| {
+            let size = [f.width(), f.height()];
+            by_place(f, move |x, at| if is_one_of_twenty(at, size) { 10.0 * x } else { x })
+        }); ""
+        Places "eight columns copied from their neighbours" [ROOM FOG PLUME] Image(|f| {
+            from_elsewhere(f, |[x, y], _| Some([if (96..104).contains(&x) { x - 8 } else { x }, y]))
+        }); "place"
+        Places "odd rows copied from even ones" [ROOM PLUME STAIN]
+            Image(|f| from_elsewhere(f, |[x, y], _| Some([x, y / 2 * 2]))); ""
+        Places "right half a row lower" [ROOM PLUME] Image(|f| {
+            from_elsewhere(f, |[x, y], [w, _]| Some([x, if x >= w / 2 { y.saturating_sub(1) } else { y }]))
+        }); "moved, place"
+        Places "two rows lower" [PLUME ROOM HEAD]
+            Image(|f| from_elsewhere(f, |[x, y], _| Some([x, y.saturating_sub(2)]))); "camera.down +2, moved"
+        Places "left half mirrored to the right" [ROOM PLUME FOG]
+            Image(|f| from_elsewhere(f, |[x, y], [w, _]| Some([x.min(w - 1 - x), y]))); "place"
+        Places "two tiles exchanged" [ROOM FOG PLUME] Image(|f| from_elsewhere(f, |[x, y], _| {
+            Some([match x / 32 { 1 => x + 64, 3 => x - 64, _ => x }, y])
+        })); ""
+        Places "panels exchanged" [SHADOWED] Image(|f| from_elsewhere(f, |[x, y], [w, _]| Some([(x + w / 2) % w, y]))); ""
+        // The first panel is the one without a shadow.
+        Places "first panel twice" [SHADOWED]
+            Image(|f| from_elsewhere(f, |[x, y], [w, _]| Some([x % (w / 2), y]))); "shadow-left-out"
+        Places "green a pixel to the right" [ROOM PLUME] Image(|f| {
+            let moved = from_elsewhere(f, |[x, y], _| Some([x.saturating_sub(1), y]));
+            images::by_pixel(f, |[r, _, b], [x, y]| [r, moved.radiance()[x + y * moved.width()][1], b])
+        }); "channel, moved"
+        Places "scaled to nine tenths" [ROOM HEAD] Image(|f| from_elsewhere(f, |[x, y], [w, h]| {
+            Some([(x * 10 / 9).min(w - 1), (y * 10 / 9).min(h - 1)])
+        })); ""
+        // Two of different kinds together.
+        Together "diffuse − 20 %, one pixel right" [PLUME] number("diffuse", -0.2), Mistake("one-pixel-right"); ""
+        Together "no highlights, half a voxel back" [PLUME]
+            Mistake("specular-left-out"), Mistake("volume-half-voxel-back"); ""
+        Together "no shading, upside down" [PLUME] Mistake("shading-left-out"), Mistake("upside-down"); ""
+        Together "linear opacity, extinction − 10 %" [PLUME]
+            Convention("takes opacity in proportion to the step"), number("density", -0.1); ""
+        Together "half-vector highlights, mirrored" [PLUME]
+            Convention("takes highlights by the half vector (Blinn)"), Mistake("mirrored"); ""
+        Together "nearest node, sRGB" [HEAD] Mistake("nearest-for-trilinear"), Mistake("srgb-encoded"); ""
+        Together "emitter over π, mirrored" [ROOM] Mistake("emitter-over-pi"), Mistake("mirrored");
+            "lamp -0.6817, bright-over-pi + mirrored, mirrored + bright-over-pi"
+        Together "media left out, lamp − 10 %" [ROOM] number("lamp", -0.1), Mistake("media-left-out"); ""
+        Together "phase reversed, bright twice" [FOG] Mistake("phase-reversed"), Mistake("bright-doubled"); ""
+        Together "base ten, half a pixel down" [GREY] number("density", LN_10 - 1.0), Mistake("half-a-pixel-down");
+            "extinction-base-ten + half-a-pixel-down, half-a-pixel-down + extinction-base-ten"
+        Together "sky doubled, red and blue exchanged" [COLOURED]
+            Mistake("environment-doubled"), Mistake("red-and-blue-exchanged"); "environment +1"
+        Together "one octave, noise + 20 %" [NOISE] number("density", 0.2), Mistake("noise-of-one-octave"); ""
+    }
 }
 
 /// Density towards the light times a factor.
 fn shadow(scene: &mut Classified, factor: f64) {
     if let Some(shadow) = &mut scene.shadow {
-        shadow.reference_step /= factor
+        shadow.reference_step /= factor;
     }
 }
 
-fn moved(camera: &Camera, by: DVec3) -> Camera {
-    camera.with_eye_moved(by)
-}
-
-fn along(grid: &Grid<f32>, voxels: DVec3) -> Arc<Grid<f32>> {
-    let old = grid.lattice();
-    let first = old.first() + old.spacing() * voxels;
-    on(
-        Lattice::new(old.nodes(), old.spacing(), first).unwrap(),
-        grid,
-    )
-}
-
-/// With voxels of another size, from the same first node.
-fn stretched(grid: &Grid<f32>, factors: DVec3) -> Arc<Grid<f32>> {
-    let old = grid.lattice();
-    on(
-        Lattice::new(old.nodes(), old.spacing() * factors, old.first()).unwrap(),
-        grid,
-    )
-}
-
 /// With values by node, last node and value.
-fn with_values(
-    grid: &Grid<f32>,
-    edit: impl Fn([usize; 3], [usize; 3], f32) -> f32,
-) -> Arc<Grid<f32>> {
+fn valued(grid: &Grid<f32>, edit: fn([usize; 3], [usize; 3], f32) -> f32) -> Grid<f32> {
     let lattice = *grid.lattice();
     let last = lattice.nodes().map(|count| count - 1);
     let values = grid.values().iter().enumerate();
     let values = values.map(|(index, &value)| edit(lattice.node(index), last, value));
-    Arc::new(Grid::new(lattice, values.collect()).unwrap())
+    Grid::new(lattice, values.collect()).unwrap()
 }
 
-fn on(lattice: Lattice, grid: &Grid<f32>) -> Arc<Grid<f32>> {
+/// Moved by so many voxels.
+fn shifted(grid: &Grid<f32>, voxels: [f64; 3]) -> Grid<f32> {
+    let old = grid.lattice();
+    let first = old.first() + old.spacing() * DVec3::from(voxels);
+    on(old.nodes(), old.spacing(), first, grid)
+}
+
+/// With voxels of another size, from the same first node.
+fn scaled(grid: &Grid<f32>, factors: [f64; 3]) -> Grid<f32> {
+    let old = grid.lattice();
+    let spacing = old.spacing() * DVec3::from(factors);
+    on(old.nodes(), spacing, old.first(), grid)
+}
+
+fn on(nodes: [usize; 3], spacing: DVec3, first: DVec3, grid: &Grid<f32>) -> Grid<f32> {
+    let lattice = Lattice::new(nodes, spacing, first).unwrap();
     let lattice = lattice.with_centring(grid.lattice().centring()).unwrap();
-    Arc::new(Grid::new(lattice, grid.values().to_vec()).unwrap())
+    Grid::new(lattice, grid.values().to_vec()).unwrap()
 }
 
-fn with_grids(scene: &mut Radiative, edit: impl Fn(&Grid<f32>) -> Arc<Grid<f32>>) {
+fn along(scene: &mut Classified, voxels: [f64; 3]) {
+    scene.grid = Arc::new(shifted(&scene.grid, voxels));
+}
+
+fn stretched(scene: &mut Classified, factors: [f64; 3]) {
+    scene.grid = Arc::new(scaled(&scene.grid, factors));
+}
+
+fn with_values(scene: &mut Classified, edit: fn([usize; 3], [usize; 3], f32) -> f32) {
+    scene.grid = Arc::new(valued(&scene.grid, edit));
+}
+
+/// Edits the grids of media.
+fn grids(scene: &mut Radiative, edit: fn(&Grid<f32>) -> Grid<f32>) {
     for density in scene.media.iter_mut().flat_map(|body| &mut body.density) {
         if let Field::Grid(field) = density.field() {
-            let grid = GridDensity::new(edit(field.grid()), field.interpolation());
+            let grid = GridDensity::new(Arc::new(edit(field.grid())), field.interpolation());
             *density = density.with_field(Field::Grid(grid));
         }
     }
-}
-
-fn grids(scene: &mut Radiative, voxels: DVec3) {
-    with_grids(scene, |grid| along(grid, voxels));
-}
-
-fn scaled(scene: &mut Radiative, factor: f64) {
-    with_grids(scene, |grid| {
-        let old = grid.lattice();
-        on(
-            Lattice::new(old.nodes(), old.spacing() * factor, old.first()).unwrap(),
-            grid,
-        )
-    });
 }
 
 fn noises(scene: &mut Radiative, edit: fn(&mut FractalParameters)) {
@@ -907,16 +487,17 @@ fn noises(scene: &mut Radiative, edit: fn(&mut FractalParameters)) {
     }
 }
 
-fn lamp(corner: DVec3, width: f64, depth: f64) -> Luminous {
+/// The first lamp as another rectangle.
+fn lamp(scene: &mut Radiative, corner: [f64; 3], [width, depth]: [f64; 2]) {
     let edges = [DVec3::new(width, 0.0, 0.0), DVec3::new(0.0, 0.0, depth)];
-    Luminous::Rectangle(Rectangle::new(corner, edges[0], edges[1]).unwrap())
+    let rectangle = Rectangle::new(corner.into(), edges[0], edges[1]).unwrap();
+    scene.area_lights[0].shape = Luminous::Rectangle(rectangle);
 }
 
 /// The last medium within another box.
-fn half_filled(scene: &mut Radiative, min: DVec3, max: DVec3) {
-    if let Some(body) = scene.media.last_mut() {
-        body.boundary = Some(Boundary::Box(Aabb::new(min, max).unwrap()));
-    }
+fn filled(scene: &mut Radiative, min: [f64; 3], max: [f64; 3]) {
+    let body = scene.media.last_mut().unwrap();
+    body.boundary = Some(Boundary::Box(Aabb::new(min.into(), max.into()).unwrap()));
 }
 
 fn materials(scene: &mut Radiative, edit: fn(&mut Material)) {
@@ -925,39 +506,18 @@ fn materials(scene: &mut Radiative, edit: fn(&mut Material)) {
     }
 }
 
-fn media(scene: &mut Radiative, edit: fn(DVec3, DVec3) -> (DVec3, DVec3)) {
+fn media(scene: &mut Radiative, edit: fn(DVec3, DVec3) -> [DVec3; 2]) {
     for body in &mut scene.media {
         let old = body.medium.coefficients;
-        let (sigma_a, sigma_s) = edit(old.sigma_a(), old.sigma_s());
+        let [sigma_a, sigma_s] = edit(old.sigma_a(), old.sigma_s());
         body.medium.coefficients = Coefficients::new(sigma_a, sigma_s).unwrap();
     }
 }
 
-fn cone(scene: &mut Radiative, angles: [f64; 2]) {
-    if let Light::Spot(spot) = &mut scene.lights[0] {
-        *spot = Spot::new(spot.position, *spot.axis(), spot.intensity, angles).unwrap();
+fn power(x: f64, exponent: f64) -> f64 {
+    if x > 0.0 {
+        math::exp(exponent * math::ln(x))
+    } else {
+        x
     }
-}
-
-fn sun(scene: &mut Radiative, direction: DVec3) {
-    if let Light::Directional(sun) = &mut scene.lights[0] {
-        sun.direction = volref::geometry::Direction::of(direction).unwrap();
-    }
-}
-
-fn eight_bits(x: f64, _: usize) -> f64 {
-    (255.0 * x).round().clamp(0.0, 255.0) / 255.0
-}
-
-fn vignette([x, y]: [usize; 2]) -> f32 {
-    let [x, y] = [x, y].map(|i| (i as f32 - 127.5) / 128.0);
-    1.0 - 0.25 * (x * x + y * y)
-}
-
-/// Colours away from their grey by this factor.
-fn mixed(film: &Film, factor: f32) -> Film {
-    images::by_pixel(film, |pixel, _| {
-        let grey = (pixel[0] + pixel[1] + pixel[2]) / 3.0;
-        pixel.map(|x| (grey + factor * (x - grey)).max(0.0))
-    })
 }

@@ -3,7 +3,6 @@
 
 pub mod scenes;
 
-mod convergence;
 mod empty_space;
 mod extremes;
 mod known_answers;
@@ -14,8 +13,6 @@ mod plan;
 mod points;
 mod scale;
 mod shadow;
-mod symmetry;
-mod threads;
 
 use crate::common;
 use proptest::prelude::ProptestConfig;

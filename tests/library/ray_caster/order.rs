@@ -46,16 +46,6 @@ proptest! {
     }
 }
 
-/// Were the two orders one piece of code, the law above would hold of itself.
-#[test]
-fn the_orders_round_differently() {
-    let lattice = volref::volume::Lattice::new([9, 9, 9], glam::DVec3::ONE, glam::DVec3::ZERO);
-    let mut scene = scenes::plain(scenes::sparse_grid(lattice.unwrap(), 1, 1.0));
-    scene.transfer_function.reference_length = 10.0;
-    let [front, back] = both_orders(scene, 8);
-    assert_ne!(front, back);
-}
-
 /// What is in front hides what is behind, in both orders.
 #[test]
 fn the_nearer_half_is_seen() {

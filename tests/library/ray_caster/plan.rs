@@ -1,77 +1,16 @@
 //! What a plan leaves out would have changed nothing, and what it leaves out costs nothing.
 
 use super::{config, scenes};
-use crate::effects::scenes::off_is_off;
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Camera;
+use volref::render::Counters;
 use volref::render::counters::Event;
-use volref::render::{Counters, Effect, Plan};
-use volref::scene::{Classified, Shadow};
+use volref::scene::Shadow;
 use volref::volume::Lattice;
-
-/// Scenes with much to leave out: the grid the same everywhere, often 0.
-fn scene() -> impl Strategy<Value = Classified> {
-    let density = prop_oneof![
-        2 => Just(None),
-        1 => Just(Some(0.0_f32)),
-        1 => (0.0..1.5_f32).prop_map(Some),
-    ];
-    (
-        scenes::lattice(7),
-        any::<u64>(),
-        density,
-        scenes::settings(),
-    )
-        .prop_map(|(lattice, seed, density, settings)| {
-            settings.scene(match density {
-                None => scenes::sparse_grid(lattice, seed, 0.5),
-                Some(density) => scenes::sampled(lattice, |_| density),
-            })
-        })
-}
-
-/// Every set of effects that can be forced though a plan leaves them out.
-fn forcible(scene: &Classified) -> Vec<Vec<Effect>> {
-    let panel = scenes::panel(scene, 1);
-    let elided = Plan::null_effects(&panel);
-    let chosen = |set: u32| {
-        let members = elided.iter().enumerate();
-        let members = members.filter(move |(n, _)| set & (1 << n) != 0);
-        members.map(|(_, &effect)| effect).collect()
-    };
-    (0..1 << elided.len()).map(chosen).collect()
-}
 
 proptest! {
     #![proptest_config(config(512))]
-
-    #[test]
-    fn forced_effects_change_no_bit(scene in scene()) {
-        let panel = scenes::panel(&scene, 4);
-        let (least, leanest) = scenes::rendered(&scene, 4);
-        for effects in forcible(&scene) {
-            let plan = Plan::forcing(&panel, &effects).unwrap();
-            prop_assert!(effects.iter().all(|&effect| plan.is_on(effect)));
-            let (film, work) = scenes::render_by(plan);
-            prop_assert_eq!(scenes::bits(&film), scenes::bits(&least), "{:?}", effects);
-            for event in Event::ALL {
-                let more = work[event] >= leanest[event];
-                prop_assert!(more, "{effects:?}: {work:?} {leanest:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn what_is_off_does_no_work(scene in scene()) {
-        let panel = scenes::panel(&scene, 4);
-        let plan = Plan::new(&panel);
-        let (_, work) = scenes::rendered(&scene, 4);
-        off_is_off("a generated scene", &plan, &work);
-        if !plan.is_on(Effect::Absorption) {
-            prop_assert_eq!(work, Counters::default());
-        }
-    }
 
     /// A ray along z through a grid without empty space: every number is known.
     #[test]
@@ -112,18 +51,4 @@ proptest! {
             (Event::EmissionTerm, samples),
         ]));
     }
-}
-
-/// The generator above leaves nothing out only if it meets every case.
-#[test]
-fn an_empty_volume_leaves_every_effect_out() {
-    let lattice = Lattice::new([3, 3, 3], DVec3::ONE, DVec3::ZERO).unwrap();
-    let mut scene = scenes::plain(scenes::sampled(lattice, |_| 0.0));
-    scene.phong = Some(scenes::PHONG);
-    scene.shadow = Some(Shadow {
-        step: 1.0,
-        reference_step: 1.0,
-    });
-    // Absorption, emission, shadow, shading, heterogeneity.
-    assert_eq!(forcible(&scene).len(), 32);
 }

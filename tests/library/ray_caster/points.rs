@@ -8,7 +8,7 @@ use volref::geometry::{Camera, Ray};
 use volref::math;
 use volref::optics::{Appearance, TransferPoint, TransferPoints, over_length};
 use volref::render::plan::Kernel;
-use volref::render::{Effect, Event, Plan, State};
+use volref::render::{Event, Plan};
 use volref::scene::{Classified, Shadow};
 use volref::volume::{Interpolation, Lattice};
 
@@ -46,34 +46,6 @@ fn depth(scene: &mut Classified, ray: Ray, step: f64) -> f64 {
 /// `∫₀^a −ln(1 − o) do`.
 fn depth_up_to(a: f64) -> f64 {
     (1.0 - a) * math::ln_1p(-a) + a
-}
-
-/// Opacity rises linearly with the value and the value with the distance: the optical depth is
-/// `((1 − a) ln(1 − a) + a)/(a·h0)`. The midpoint rule is off by `h²/24·(σ'(1) − σ'(0))`, and by
-/// no more than the next term of Euler and Maclaurin beside that.
-#[test]
-fn a_ramp_through_two_points_converges_at_order_two() {
-    for (from, to) in [(0.0, 1.0), (-1000.0, 3096.0)] {
-        let a = 0.75;
-        let points = [(f64::from(from), 0.0), (f64::from(to), a)];
-        let (mut scene, ray) = ramp(from, to, &points, 0.5);
-        let exact = depth_up_to(a) / (a * 0.5);
-        for steps in [8, 16, 32, 64] {
-            let h = 1.0 / f64::from(steps);
-            let error = exact - depth(&mut scene, ray, h);
-            // σ = −ln(1 − a·z)/h0.
-            let slope = |z: f64| a / (1.0 - a * z) / 0.5;
-            let third = |z: f64| 2.0 * math::powu(a / (1.0 - a * z), 3) / 0.5;
-            let leading = h * h / 24.0 * (slope(1.0) - slope(0.0));
-            let next = 7.0 / 5760.0 * math::powu(h, 4) * (third(1.0) - third(0.0));
-            // Each step rounds about ten times; what is left of the light is above e^(−1.1).
-            let rounding = f64::from(steps) * 30.0 * U;
-            assert!(
-                (error - leading).abs() <= next + rounding,
-                "{steps} {error:e}"
-            );
-        }
-    }
 }
 
 /// The colours of a table are radiances as they stand, without the formula's `d²`: what a ray
@@ -174,38 +146,6 @@ fn any_scene() -> impl Strategy<Value = Classified> {
 proptest! {
     #![proptest_config(config(256))]
 
-    /// Blocks are transparent only where every value between their nodes is.
-    #[test]
-    fn leaping_changes_no_bit(scene in any_scene()) {
-        let by = |leap: bool| {
-            let panel = scenes::panel(&scene, 5);
-            let mut plan = Plan::new(&panel);
-            if let Kernel::RayCaster { features, .. } = &mut plan.kernel {
-                features.skip_empty = leap;
-            }
-            let (film, work) = scenes::render_by(plan);
-            (scenes::bits(&film), work)
-        };
-        let ((bits, leaping), (same, walking)) = (by(true), by(false));
-        prop_assert_eq!(bits, same);
-        prop_assert!(leaping[Event::DensityLookup] <= walking[Event::DensityLookup]);
-    }
-
-    #[test]
-    fn forced_effects_change_no_bit(scene in any_scene()) {
-        let panel = scenes::panel(&scene, 4);
-        let plan = Plan::new(&panel);
-        let bits = scenes::bits(&scenes::render_by(plan.clone()).0);
-        for effect in Effect::ALL {
-            if plan.state(effect) == State::Elided
-                && let Ok(forced) = Plan::forcing(&panel, &[effect])
-            {
-                let (film, _) = scenes::render_by(forced);
-                prop_assert_eq!(scenes::bits(&film), bits.clone(), "{}", effect);
-            }
-        }
-    }
-
     /// Pictures are finite and not negative, or the scene says that they might not be.
     #[test]
     fn no_table_makes_a_pixel_that_is_no_number(scene in any_scene()) {
@@ -278,30 +218,4 @@ fn the_shadow_is_what_opacities_let_through() {
         reference_step: 1.0,
     });
     assert_eq!(scenes::layers(&scene, &[ray])[0].colour, DVec3::ZERO);
-}
-
-/// Black under weights beyond all numbers would be NaN.
-#[test]
-fn pictures_beyond_the_range_of_an_image_are_refused() {
-    let (mut scene, _) = ramp(0.0, 1.0, &[(0.0, 0.5)], 1.0);
-    assert_eq!(scene.check_brightness(), Ok(()));
-    let mut bright = point((0.0, 0.5));
-    bright.colour = DVec3::new(0.0, 1e39, 0.0);
-    scene.transfer_function.appearance =
-        Appearance::Points(TransferPoints::new(vec![bright]).unwrap());
-    let refused = scene.check_brightness().unwrap_err();
-    assert!(
-        refused.starts_with("colours up to 1e39 make pixels of up to 1e39"),
-        "{refused}"
-    );
-    bright.colour = DVec3::ZERO;
-    scene.transfer_function.appearance =
-        Appearance::Points(TransferPoints::new(vec![bright]).unwrap());
-    let mut phong = scenes::PHONG;
-    (phong.ambient, phong.diffuse) = (f64::MAX, f64::MAX);
-    scene.phong = Some(phong);
-    assert!(scene.check_brightness().is_err());
-    // Nothing is seen of what is transparent everywhere.
-    scene.transfer_function.appearance = table(&[(0.0, 0.0)]);
-    assert_eq!(scene.check_brightness(), Ok(()));
 }

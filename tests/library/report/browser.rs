@@ -10,7 +10,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use volref::compare::Picture;
 use volref::film::Film;
 use volref::judging::Verdict;
-use volref::report::results_html;
 
 const PAGE: &str = "index.html";
 
@@ -54,12 +53,6 @@ impl Opened {
     fn load(&self) {
         let path = self.folder.path().join(PAGE);
         self.browser.open(&format!("file://{}", path.display()));
-    }
-
-    /// Loads the page again in a window of another size, which takes less than another browser.
-    fn load_again(&self, width: u32, height: u32) {
-        self.browser.resize(width, height);
-        self.load();
     }
 }
 
@@ -375,122 +368,4 @@ fn a_narrow_window_shows_the_list_or_the_case() {
     browser.run("document.querySelector('article.open .back').click()");
     browser.wait_for("document.querySelector('nav').checkVisibility()");
     check_quiet(browser);
-}
-
-/// The values under the pointer and what stands beside them do not run into one another, nor out of
-/// the window.
-#[test]
-fn the_read_out_keeps_clear_of_the_histogram() {
-    let Some(opened) = &open(samples::suite_html(), 1000, 1100) else {
-        return;
-    };
-    let browser = &opened.browser;
-    for width in [1000, 1400, 1900] {
-        opened.load_again(width, 1100);
-        wait_for_pictures(browser);
-        let boxes = browser.run(
-            "const bounds = ['#read-out', '.histogram'].map(name =>
-                 document.querySelector(name).getBoundingClientRect());
-             return bounds.flatMap(box => [box.left, box.top, box.right, box.bottom])",
-        );
-        let [.., right, bottom, left, top, outer, _] = numbers(&boxes)[..] else {
-            panic!("{boxes}")
-        };
-        assert!(right <= left || bottom <= top, "{width}: {boxes}");
-        assert!(right.max(outer) <= f64::from(width), "{width}: {boxes}");
-        check_quiet(browser);
-    }
-}
-
-#[test]
-fn names_are_only_text() {
-    let sample = samples::hostile();
-    let Some(Opened { browser, .. }) = &open(&results_html(&sample.page()), 1400, 1100) else {
-        return;
-    };
-    wait_for_pictures(browser);
-    assert_eq!(browser.run("return window.hacked === undefined"), true);
-    assert_eq!(text(browser, "#cases .name"), sample.results[0].name);
-    assert_eq!(
-        text(browser, "article.open .copyable pre"),
-        sample.evidence[0].reproduce[0]
-    );
-    check_quiet(browser);
-}
-
-/// Pictures of the page in several states, in the folder of the temporary files.
-#[test]
-#[ignore = "for looking at"]
-fn take_screenshots() {
-    let save = |browser: &Browser, name: &str| {
-        let png = data_encoding::BASE64
-            .decode(browser.screenshot().as_bytes())
-            .unwrap();
-        let path = std::env::temp_dir().join(format!("volref-report-{name}.png"));
-        std::fs::write(&path, png).unwrap();
-        println!("{}", path.display());
-    };
-    let opened = open(samples::suite_html(), 1500, 1400).unwrap();
-    let browser = &opened.browser;
-    let show = |case: &str, keys: &str, name: &str| {
-        browser.press(&format!("/{case}{ENTER}"));
-        browser.wait_for(&format!(
-            "document.querySelector('article.open h2').textContent.includes('{case}')"
-        ));
-        wait_for_pictures(browser);
-        browser.press(&format!("{ESCAPE}{keys}"));
-        save(browser, name);
-        browser.run("const f = document.querySelector('#filter'); f.value = ''; f.dispatchEvent(new Event('input'))");
-    };
-    wait_for_pictures(browser);
-    save(browser, "first");
-    show(CHECKED, "6w0", "deterministic");
-    show(CHECKED, "s", "swipe");
-    show("fog/backward", "6w0", "stochastic");
-    show("fog/backward", "t5", "z-dark");
-    show("figures/figure-5", "6", "codes");
-    show("figures/figure-4", "6", "sizes");
-    show("gain-0.1", "2n", "nan");
-    show("cornell", "", "missing");
-    show("gain-0.6", "", "no-golden");
-    browser.press("?");
-    save(browser, "help");
-    drop(opened);
-    let opened = open(samples::suite_html(), 500, 1000).unwrap();
-    let browser = &opened.browser;
-    save(browser, "narrow-list");
-    browser.press(&format!("{DOWN}{ENTER}"));
-    wait_for_pictures(browser);
-    save(browser, "narrow-case");
-    browser.run("document.querySelector('#read-out').scrollIntoView()");
-    save(browser, "narrow-lower");
-}
-
-/// The page of costs complains of nothing, asks for nothing, is no wider than the window, and no
-/// text of its drawings is cut off.
-#[test]
-fn the_cost_page_fits() {
-    let html = crate::report::cost::pages();
-    let Some(opened) = open(&html, 1280, 900) else {
-        return;
-    };
-    let browser = &opened.browser;
-    for width in [1280, 500] {
-        opened.load_again(width, 900);
-        browser.wait_for("document.querySelector('h1')");
-        let is_too_wide = "return document.documentElement.scrollWidth > innerWidth";
-        assert_eq!(browser.run(is_too_wide), false);
-        let cut_off = browser.run(
-            "return [...document.querySelectorAll('svg')].flatMap(svg => {
-                 const outer = svg.getBoundingClientRect();
-                 return [...svg.querySelectorAll('text')].filter(text => {
-                     const inner = text.getBoundingClientRect();
-                     return inner.left < outer.left || inner.right > outer.right + 1
-                         || inner.top < outer.top || inner.bottom > outer.bottom;
-                 }).map(text => text.textContent.trim());
-             })",
-        );
-        assert_eq!(cut_off.as_array().unwrap(), &Vec::<Value>::new());
-        check_quiet(browser);
-    }
 }

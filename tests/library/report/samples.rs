@@ -1,6 +1,6 @@
 //! A suite as a report may meet it: the goldens, and images made from them by known edits.
 
-use std::path::Path;
+pub use crate::common::suite::golden_of as golden;
 use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
@@ -8,7 +8,7 @@ use volref::film::Film;
 use volref::judging::{CaseResult, Cause, Evidence, KnownMistakes, Likeness, Verdict};
 use volref::naming::Likenesses;
 use volref::report::{Page, results_html};
-use volref::suite::{Case, Suite};
+use volref::suite::Case;
 
 /// What a page tells of.
 #[derive(Default)]
@@ -125,13 +125,6 @@ pub fn rendered_again(golden: &Film, factor: f32) -> Film {
     Film::with_noise(golden.width(), golden.height(), radiance, variance, samples)
 }
 
-pub fn golden(name: &str) -> Film {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("golden")
-        .join(format!("{name}.exr"));
-    Film::from_exr(&std::fs::read(path).unwrap()).unwrap()
-}
-
 fn evidence(case: &Case, test: impl FnOnce(&Film) -> Option<Picture>) -> Evidence {
     let golden = match (case.truth, case.sampling) {
         (Some(_), Some(_)) => golden(&case.name).known(),
@@ -175,7 +168,7 @@ pub fn suite_html() -> &'static str {
 }
 
 fn made_suite() -> Sample {
-    let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let suite = crate::common::suite::suite();
     let mut sample = Sample::default();
     for case in suite.cases() {
         let some = |film| Some(Picture::Radiance(film));

@@ -108,11 +108,6 @@ impl Browser {
         self.command("url", json!({ "url": url }));
     }
 
-    /// Makes the window as large as that; a page that is open is laid out anew.
-    pub fn resize(&self, width: u32, height: u32) {
-        self.command("window/rect", json!({ "width": width, "height": height }));
-    }
-
     /// What the body of a function returns.
     pub fn run(&self, script: &str) -> Value {
         self.command("execute/sync", json!({ "script": script, "args": [] }))
@@ -190,13 +185,6 @@ impl Browser {
     fn log(&self, kind: &str) -> Vec<Value> {
         let entries = self.command("se/log", json!({ "type": kind }));
         entries.as_array().unwrap().clone()
-    }
-
-    /// The window as a PNG image in base 64.
-    pub fn screenshot(&self) -> String {
-        let path = format!("{}/screenshot", self.session);
-        let image = self.exchange("GET", &path, "").unwrap();
-        image.as_str().unwrap().to_owned()
     }
 }
 

@@ -213,84 +213,6 @@ fn s4_media_of_every_shape() {
     }
 }
 
-/// Media within media, across each other, and touching.
-#[test]
-fn s4_media_that_share_space() {
-    let fog = |g| grey(2.0, 1.0, g);
-    let corner = |from: f64, to: f64| cuboid(DVec3::splat(from), DVec3::splat(to));
-    let nested = vec![
-        within(cube(), fog(0.3)),
-        within(ball(DVec3::ZERO, 0.7), fog(-0.5)),
-        within(Boundary::Mesh(mesh("gem")), fog(0.9)),
-    ];
-    let overlapping = vec![
-        within(corner(-1.0, 0.5), fog(0.0)),
-        within(corner(-0.5, 1.0), fog(0.6)),
-        within(ball(DVec3::X, 1.0), fog(-0.2)),
-    ];
-    let touching = vec![
-        within(cuboid(DVec3::NEG_ONE, DVec3::new(0.0, 1.0, 1.0)), fog(0.2)),
-        within(cuboid(DVec3::new(0.0, -1.0, -1.0), DVec3::ONE), fog(0.2)),
-    ];
-    nothing_is_seen("nested", nested, vec![]);
-    nothing_is_seen("overlapping", overlapping, vec![]);
-    nothing_is_seen("touching", touching, vec![]);
-}
-
-/// White surfaces in fog. Seen from outside only: from within a closed white one no path leaves.
-#[test]
-fn s4_white_surfaces_in_fog() {
-    let white = Material::Diffuse(DVec3::ONE);
-    let mirror = Material::Mirror(DVec3::ONE);
-    let shapes = [
-        Shape::Sphere(Sphere::new(DVec3::ZERO, 0.8).unwrap()),
-        Shape::Box(Aabb::new(DVec3::splat(-0.6), DVec3::splat(0.6)).unwrap()),
-        Shape::Rectangle(plane(0.1, 0.9)),
-        Shape::Mesh(Arc::new(mesh("gem").mesh().clone())),
-    ];
-    for shape in shapes {
-        for material in [white, mirror] {
-            let scene = Radiative {
-                objects: vec![object(shape.clone(), material)],
-                media: vec![within(ball(DVec3::ZERO, 2.0), grey(1.0, 1.0, 0.5))],
-                environment: DVec3::ONE,
-                ..empty()
-            };
-            let outside = |random: &Stream| {
-                let from = sampling::sphere(random.pair(0, Purpose::Camera, 0));
-                let to = sampling::sphere(random.pair(0, Purpose::Camera, 1)) * 0.5;
-                ray(from * 1.5, to - from * 1.5)
-            };
-            every_path_returns_one(&format!("{shape:?}"), &scene, outside);
-        }
-    }
-}
-
-/// Glass changes radiance on its way in and back on its way out; roulette may end a path in
-/// between. So it is the mean that is 1.
-#[test]
-fn s4_glass_in_a_furnace() {
-    let glass = Sphere::new(DVec3::ZERO, 1.0).unwrap();
-    let with = |media| Radiative {
-        objects: vec![object(Shape::Sphere(glass), Material::Glass(1.5))],
-        media,
-        environment: DVec3::ONE,
-        ..empty()
-    };
-    let clear = with(vec![]);
-    let milky = with(vec![within(ball(DVec3::ZERO, 0.9), grey(2.0, 1.0, 0.4))]);
-    let in_fog = with(vec![within(ball(DVec3::ZERO, 2.0), grey(1.0, 1.0, 0.0))]);
-    for (name, scene) in [("clear", clear), ("milky", milky), ("in fog", in_fog)] {
-        let outside = |random: &Stream| {
-            let from = sampling::sphere(random.pair(0, Purpose::Camera, 0)) * 3.0;
-            let to = sampling::sphere(random.pair(0, Purpose::Camera, 1)) * 0.9;
-            ray(from, to - from)
-        };
-        let [found, ..] = sampled(&scene, None, (56, SAMPLES), outside);
-        agrees(format_args!("S4 glass {name}"), &found, 1.0, 0.0);
-    }
-}
-
 /// The enclosure as a surface that emits, which paths both meet and connect to.
 #[test]
 fn s4_an_enclosure_that_emits() {
@@ -353,26 +275,4 @@ fn phase_functions_in_an_enclosure_that_emits() {
         let [found, ..] = sampled(&scene, None, (58, SAMPLES), |_| ray);
         agrees(phase.to_string(), &found, 1.0, 0.0);
     }
-}
-
-/// Everything at once, all of it at one temperature.
-#[test]
-fn isothermal_media_around_a_white_surface() {
-    let fog = |sigma_t, albedo, g| emissive(grey(sigma_t, albedo, g), 1.0);
-    let scene = Radiative {
-        objects: vec![object(
-            Shape::Mesh(Arc::new(mesh("gem").mesh().clone())),
-            Material::Diffuse(DVec3::ONE),
-        )],
-        media: vec![
-            within(cube(), fog(1.0, 0.8, 0.5)),
-            within(ball(DVec3::X, 1.0), fog(2.0, 0.3, -0.4)),
-            within(ball(DVec3::NEG_Y, 1.0), fog(0.7, 0.0, 0.0)),
-        ],
-        environment: DVec3::ONE,
-        ..empty()
-    };
-    let ray = ray(DVec3::new(0.3, 0.2, 4.0), DVec3::new(-0.05, -0.02, -1.0));
-    let [found, ..] = sampled(&scene, None, (58, SAMPLES), |_| ray);
-    agrees("isothermal scene", &found, 1.0, 0.0);
 }

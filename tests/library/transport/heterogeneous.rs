@@ -5,23 +5,14 @@ use crate::transport::scenes::*;
 use crate::transport::statistics::*;
 use glam::DVec3;
 use std::sync::Arc;
-use volref::geometry::{Aabb, Boundary, Luminous, Placed, Ray, Shape, Sphere, Transform};
+use volref::geometry::{Aabb, Boundary, Luminous, Placed, Shape, Sphere, Transform};
 use volref::math::quadrature::integrate;
-use volref::math::rng::Stream;
 use volref::math::{Moments, exp};
-use volref::optics::{Coefficients, Density, Field, Homogeneous, Material, Sides};
-use volref::render::plan::RadiativeFeatures;
-use volref::render::radiative::context::Scratch;
-use volref::render::radiative::path_tracer::PathTracer;
-use volref::render::radiative::sampler::Sampler;
-use volref::render::radiative::scene_context::SceneContext;
-use volref::render::radiative::tracker::{Tracker, TrackerScratch};
-use volref::render::radiative::visibility::Visibility;
-use volref::render::{Counters, Event};
+use volref::optics::{Density, Field, Homogeneous, Material, Sides};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
-    Blob, Centring, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity,
-    Interpolation, Lattice,
+    Blob, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity, Interpolation,
+    Lattice,
 };
 
 /// Standard errors near 0.5 %.
@@ -113,73 +104,6 @@ fn a_constant_grid() {
     );
 }
 
-/// A field and what is the same everywhere, in one place, are one field.
-#[test]
-fn what_overlaps_adds_up() {
-    let medium = |sigma_t| grey(sigma_t, 0.8, 0.5);
-    let sum = grid([19, 14, 23], |node| bumpy(node) + 0.5);
-    let whole = lit(vec![in_cube(field(sum), medium(1.0))]);
-    let parts = lit(vec![
-        in_cube(field(bumpy_grid()), medium(1.0)),
-        within(cube(), medium(0.5)),
-    ]);
-    same(
-        "with a homogeneous one",
-        &mean(&parts, 11)[0],
-        &mean(&whole, 12)[0],
-    );
-    let halves = lit(vec![
-        in_cube(field(bumpy_grid()), medium(0.6)),
-        within(cube(), medium(0.5)),
-        in_cube(field(bumpy_grid()), medium(0.4)),
-    ]);
-    same("two fields", &mean(&halves, 13)[0], &mean(&whole, 12)[0]);
-    // One that only absorbs, apart from one that only scatters.
-    let pure = |albedo: f64| {
-        let share = if albedo == 0.0 { 0.2 } else { 0.8 };
-        in_cube(field(bumpy_grid()), grey(share, albedo, 0.5))
-    };
-    let apart = lit(vec![pure(0.0), pure(1.0)]);
-    let together = lit(vec![in_cube(field(bumpy_grid()), medium(1.0))]);
-    same("kinds apart", &mean(&apart, 14)[0], &mean(&together, 15)[0]);
-}
-
-/// Channels do not know of each other.
-#[test]
-fn each_channel_alone() {
-    let sigma_s = DVec3::new(0.3, 1.0, 3.0);
-    let coloured = Homogeneous {
-        coefficients: Coefficients::new(DVec3::new(0.5, 0.2, 0.1), sigma_s).unwrap(),
-        emission: DVec3::new(0.1, 0.2, 0.05),
-        ..grey(1.0, 0.5, 0.3)
-    };
-    let extra = |medium| within(ball(DVec3::new(0.3, 0.2, 0.1), 0.6), medium);
-    let scene = |medium: Homogeneous| {
-        lit(vec![
-            in_cube(field(bumpy_grid()), medium),
-            extra(Homogeneous {
-                emission: DVec3::ZERO,
-                ..medium
-            }),
-        ])
-    };
-    let all = mean(&scene(coloured), 21);
-    for (channel, found) in all.iter().enumerate() {
-        let only = |value: DVec3| DVec3::splat(value[channel]);
-        let coefficients = Coefficients::new(
-            only(coloured.coefficients.sigma_a()),
-            only(coloured.coefficients.sigma_s()),
-        );
-        let grey = Homogeneous {
-            coefficients: coefficients.unwrap(),
-            emission: only(coloured.emission),
-            ..coloured
-        };
-        let alone = mean(&scene(grey), 22 + channel as u64)[0];
-        same(format!("channel {channel}"), found, &alone);
-    }
-}
-
 /// Absorption along a line is an integral; a path tracer that turns nothing knows it exactly.
 #[test]
 fn what_only_absorbs_is_exact() {
@@ -267,25 +191,6 @@ fn emission_in_three_ways() {
     let thin = dark(vec![in_cube(field(bumpy_grid()), emissive)]);
     let found = sampled(&thin, None, (43, SAMPLES), |_| ray);
     agrees("emission", &found[0], straight(&thin, &ray).x, 0.0);
-}
-
-/// Kirchhoff: matter of one temperature in an enclosure of the same cannot be seen, be it as
-/// uneven as it will.
-#[test]
-fn an_isothermal_enclosure() {
-    let medium = emissive(grey(3.0, 0.6, 0.4), 1.0);
-    let scene = Radiative {
-        environment: DVec3::ONE,
-        lights: vec![],
-        ..lit(vec![
-            in_cube(field(bumpy_grid()), medium),
-            within(
-                ball(DVec3::X * 0.8, 0.7),
-                emissive(grey(1.0, 0.3, 0.0), 1.0),
-            ),
-        ])
-    };
-    agrees("isothermal", &mean(&scene, 51)[0], 1.0, 0.0);
 }
 
 /// In conservative media every path returns 1, whatever it met: exactly in one alone, as the
@@ -386,187 +291,6 @@ fn placed_elsewhere() {
     let found = straight(&scene, &view).x;
     assert!((found - exp(-0.8 * depth)).abs() < 2e-3, "{found}");
     assert!(depth > 0.3);
-}
-
-/// Hard case D6: where a block is empty nothing is looked up, and the light goes through it.
-#[test]
-fn empty_blocks() {
-    let one_side = grid([33, 33, 33], |node| if node[0] < 9 { 1.0 } else { 0.0 });
-    let scene = lit(vec![in_cube(field(one_side), grey(5.0, 0.8, 0.0))]);
-    let tracer = PathTracer::new(&scene, None, RadiativeFeatures::ALL);
-    let mut work = Counters::default();
-    // Through cells 16 to 32 of 32 along x, whose blocks are empty. Towards the light it goes on.
-    let view = ray(DVec3::new(0.5, 0.1, 4.0), DVec3::NEG_Z);
-    for sample in 0..100 {
-        let random = Stream::new(1, 0, sample);
-        let light = tracer.radiance(
-            view,
-            Sampler::new(random),
-            &mut Scratch::default(),
-            &mut work,
-        );
-        assert_eq!(light, Ok(DVec3::splat(0.3)));
-    }
-    assert_eq!(work[Event::DensityLookup], 0);
-    assert!(work[Event::CellWalked] > 0);
-
-    let nothing = lit(vec![in_cube(
-        field(grid([9; 3], |_| 0.0)),
-        grey(5.0, 0.8, 0.0),
-    )]);
-    let media = SceneContext::new(&nothing, RadiativeFeatures::ALL);
-    assert_eq!(media.media.count(), 0);
-}
-
-/// Hard case D7: a spike in the last voxel of a block is in the bounds of both blocks, and seen.
-#[test]
-fn a_spike_on_the_border_of_two_blocks() {
-    let spike = grid(
-        [33, 9, 9],
-        |node| if node == [8, 4, 4] { 50.0 } else { 0.0 },
-    );
-    let density = GridDensity::new(spike.clone(), Interpolation::Trilinear);
-    let blocks = density.blocks();
-    for block in [[0, 0, 0], [1, 0, 0]] {
-        assert!(blocks.range_in(block).high >= 50.0);
-    }
-    assert_eq!(blocks.range_in([2, 0, 0]).high, 0.0);
-    // Past the spike at a third of a cell: 0.0417 of the voxel's x, 1/3 of its y.
-    let x = -1.0 + 2.0 * (8.0 + 1.0 / 3.0) / 32.0;
-    let view = ray(
-        DVec3::new(x, -1.0 + 2.0 * (4.0 + 0.25) / 8.0, 4.0),
-        DVec3::NEG_Z,
-    );
-    let body = |albedo| in_cube(field(spike.clone()), grey(0.2, albedo, 0.0));
-    // A triangle of height 50·(2/3)(3/4) over two cells of 0.25.
-    let depth = 0.2 * 50.0 * (2.0 / 3.0) * 0.75 * 0.25;
-    let background = |body| Radiative {
-        environment: DVec3::ONE,
-        lights: vec![],
-        ..lit(vec![body])
-    };
-    let exact = straight(&background(body(0.0)), &view).x;
-    assert!((exact - exp(-depth)).abs() <= 1e-6, "{exact}");
-
-    let scene = background(body(1.0));
-    let around = SceneContext::new(&scene, RadiativeFeatures::ALL);
-    let (mut scratch, mut work) = (TrackerScratch::default(), Counters::default());
-    let mut moments = Moments::default();
-    for sample in 0..SAMPLES {
-        let sampler = Sampler::new(Stream::new(3, 0, sample));
-        let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
-        let share = Visibility(&around).along(&view, f64::INFINITY, &mut tracker);
-        moments.add(share.x);
-    }
-    agrees("spike by ratio tracking", &moments, exact, 0.0);
-    let unturned = sampled(&scene, Some(0), (4, SAMPLES), |_| view);
-    agrees("spike by delta tracking", &unturned[0], exact, 0.0);
-    assert_eq!(scratch.take_violations(), 0);
-}
-
-/// Hard case D5 and cells: world lengths count, and fields of cells reach half a cell beyond
-/// their outermost values.
-#[test]
-fn anisotropic_spacing_and_cells() {
-    let lattice = Lattice::new([4, 3, 2], DVec3::new(1.0, 2.0, 4.0), DVec3::ZERO).unwrap();
-    let cells = lattice.with_centring(Centring::Cells).unwrap();
-    for lattice in [lattice, cells] {
-        let grid = Arc::new(Grid::new(lattice, vec![0.5_f32; 24]).unwrap());
-        for interpolation in [Interpolation::Trilinear, Interpolation::Nearest] {
-            let density = GridDensity::new(grid.clone(), interpolation);
-            let bounds = density.bounds();
-            for towards in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE] {
-                let view = ray(bounds.centre() - towards * 20.0, towards);
-                let span = bounds.span(&view).unwrap();
-                let mut lookups = 0;
-                let found = density.integral(view.origin, *view.direction, span, &mut lookups);
-                let expected = 0.5 * span.length();
-                assert!((found - expected).abs() <= 1e-14 * expected);
-            }
-        }
-    }
-}
-
-/// Hard case G8: with all lengths 2^k times as long, and all coefficients as much smaller, every
-/// path is the same to the bit.
-#[test]
-fn scaled_by_powers_of_two() {
-    let scene = |scale: f64| {
-        let lattice = *bumpy_grid().lattice();
-        let scaled = Lattice::new(
-            lattice.nodes(),
-            lattice.spacing() * scale,
-            lattice.first() * scale,
-        );
-        let grid = Grid::new(scaled.unwrap(), bumpy_grid().values().to_vec()).unwrap();
-        let medium = Homogeneous {
-            emission: DVec3::new(0.1, 0.2, 0.3) / scale,
-            ..grey(3.0 / scale, 0.8, 0.4)
-        };
-        let bounds = Aabb::new(DVec3::splat(-scale), DVec3::splat(scale)).unwrap();
-        Radiative {
-            lights: vec![sun(DVec3::new(0.3, -1.0, -0.4), DVec3::ONE)],
-            ..lit(vec![heterogeneous(bounds, field(Arc::new(grid)), medium)])
-        }
-    };
-    let plain = scene(1.0);
-    for power in [-40, 40] {
-        let scale = if power < 0 {
-            1.0 / (1_u64 << -power) as f64
-        } else {
-            (1_u64 << power) as f64
-        };
-        let scaled = scene(scale);
-        let (mut a, mut b) = (Paths::new(&plain, None, 91), Paths::new(&scaled, None, 91));
-        let there = into_the_middle();
-        let here = Ray {
-            origin: there.origin * scale,
-            ..there
-        };
-        for sample in 0..200 {
-            assert_eq!(a.radiance(sample, |_| there), b.radiance(sample, |_| here));
-        }
-    }
-}
-
-/// Hard cases D3 and D10: one voxel thick, and voxels that are next to nothing or beyond all
-/// measure.
-#[test]
-fn thin_grids_and_extreme_voxels() {
-    let lattice = Lattice::new([1, 3, 3], DVec3::new(0.5, 1.0, 1.0), DVec3::NEG_ONE).unwrap();
-    for interpolation in [Interpolation::Trilinear, Interpolation::Nearest] {
-        let values = Arc::new(Grid::new(lattice, vec![0.75_f32; 9]).unwrap());
-        let density = GridDensity::new(values, interpolation);
-        let bounds = density.bounds();
-        let body = heterogeneous(bounds, Field::Grid(density), grey(2.0, 0.0, 0.0));
-        let scene = Radiative {
-            environment: DVec3::ONE,
-            lights: vec![],
-            ..lit(vec![body])
-        };
-        let across = ray(DVec3::new(-4.0, 0.25, 0.25), DVec3::X);
-        let share = straight(&scene, &across).x;
-        assert!((share - exp(-0.75)).abs() <= 1e-14, "{share}");
-    }
-    let through = |value: f32, albedo| {
-        let grid = grid([3, 3, 3], |_| f64::from(value));
-        let scene = Radiative {
-            environment: DVec3::ONE,
-            lights: vec![],
-            ..lit(vec![in_cube(field(grid), grey(1.0, albedo, 0.0))])
-        };
-        let ray = into_the_middle();
-        if albedo == 0.0 {
-            straight(&scene, &ray)
-        } else {
-            Paths::new(&scene, Some(0), 92).radiance(0, |_| ray)
-        }
-    };
-    let least = f32::from_bits(1);
-    for albedo in [0.0, 1.0] {
-        assert_eq!(through(least, albedo), DVec3::ONE);
-        assert_eq!(through(f32::MAX, albedo), DVec3::ZERO);
-    }
 }
 
 /// A grid reaches no farther than its own box, be the shape of its medium larger: not for rays,

@@ -14,7 +14,6 @@ mod statistics;
 mod furnaces;
 mod half_space;
 mod heterogeneous;
-mod null_effects;
 mod overlaps;
 mod single_scattering;
 mod slab_radiance;

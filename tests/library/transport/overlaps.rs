@@ -5,7 +5,6 @@ use crate::transport::scenes::*;
 use crate::transport::statistics::*;
 use glam::DVec3;
 use volref::geometry::{Luminous, Sphere};
-use volref::math::Moments;
 use volref::optics::{Asymmetry, Coefficients, Homogeneous, Phase, Sides};
 use volref::scene::{AreaLight, Radiative};
 
@@ -37,39 +36,6 @@ fn two_halves_in_one_place() {
     let [a, ..] = sampled(&whole, None, (61, SAMPLES), |_| ray);
     let [b, ..] = sampled(&halves, None, (62, SAMPLES), |_| ray);
     same("two halves", &a, &b);
-}
-
-/// Two layers that overlap are three that touch.
-#[test]
-fn layers_that_overlap() {
-    let layer = |from: f64, to: f64, medium| {
-        within(
-            cuboid(DVec3::new(-1.0, -1.0, from), DVec3::new(1.0, 1.0, to)),
-            medium,
-        )
-    };
-    let (thin, dense) = (grey(0.5, 0.9, 0.4), grey(1.5, 0.9, 0.4));
-    let overlapping = lit(vec![layer(-1.0, 0.3, thin), layer(-0.2, 1.0, dense)]);
-    let touching = lit(vec![
-        layer(-1.0, -0.2, thin),
-        layer(-0.2, 0.3, grey(2.0, 0.9, 0.4)),
-        layer(0.3, 1.0, dense),
-    ]);
-    let ray = into_the_middle();
-    // Depths to a few roundings; the integral adds as many as it has pieces.
-    close(
-        straight(&overlapping, &ray),
-        straight(&touching, &ray),
-        16.0,
-    );
-    close(
-        by_quadrature(&overlapping, &ray),
-        by_quadrature(&touching, &ray),
-        64.0,
-    );
-    let [a, ..] = sampled(&overlapping, None, (63, SAMPLES), |_| ray);
-    let [b, ..] = sampled(&touching, None, (64, SAMPLES), |_| ray);
-    same("layers", &a, &b);
 }
 
 /// Where phase functions differ, each has the share of its scattering.
@@ -147,26 +113,6 @@ fn mixed_phases_under_two_kinds_of_sky() {
     }
 }
 
-/// What only absorbs is never sampled; mixed into what scatters it is. The same light.
-#[test]
-fn an_absorber_within_what_scatters() {
-    let apart = lit(vec![
-        within(cube(), grey(1.2, 1.0, 0.5)),
-        within(cube(), grey(0.8, 0.0, 0.0)),
-    ]);
-    let together = lit(vec![within(cube(), grey(2.0, 0.6, 0.5))]);
-    let ray = into_the_middle();
-    close(straight(&apart, &ray), straight(&together, &ray), 16.0);
-    close(
-        by_quadrature(&apart, &ray),
-        by_quadrature(&together, &ray),
-        64.0,
-    );
-    let [a, ..] = sampled(&apart, None, (68, SAMPLES), |_| ray);
-    let [b, ..] = sampled(&together, None, (69, SAMPLES), |_| ray);
-    same("an absorber apart", &a, &b);
-}
-
 /// Each channel of a coloured medium is a grey medium.
 #[test]
 fn channels_on_their_own() {
@@ -196,55 +142,5 @@ fn channels_on_their_own() {
             &found[channel],
             &found_alone[channel],
         );
-    }
-}
-
-/// Hard case S10: transmittance by tracking where channels differ by a million. A path is seen by
-/// all channels, so none weighs more than 3, however often it is turned.
-#[test]
-fn s10_a_strongly_coloured_medium() {
-    let medium = Homogeneous {
-        coefficients: Coefficients::new(DVec3::ZERO, DVec3::new(1e-3, 1.0, 1e3)).unwrap(),
-        emission: DVec3::ZERO,
-        phase: Phase::ISOTROPIC,
-    };
-    let scene = Radiative {
-        media: vec![within(cuboid(DVec3::ZERO, DVec3::ONE), medium)],
-        environment: DVec3::ONE,
-        ..empty()
-    };
-    let ray = ray(DVec3::new(0.5, 0.5, 2.0), DVec3::NEG_Z);
-    let exact = [0.999_000_499_833_375, 0.367_879_441_171_442_3, 0.0];
-    for (found, exact) in straight(&scene, &ray).to_array().into_iter().zip(exact) {
-        assert!((found - exact).abs() <= 4.0 * U);
-    }
-    // Not turned at all: what gets through is all that is seen.
-    let mut paths = Paths::new(&scene, Some(0), 72);
-    for sample in 0..1000 {
-        let weight = paths.radiance(sample, |_| ray);
-        assert!(weight.min_element() >= 0.0 && weight.max_element() <= 3.0);
-    }
-    let found = sampled(&scene, Some(0), (72, SAMPLES), |_| ray);
-    for (channel, exact) in exact.into_iter().enumerate() {
-        if exact == 0.0 {
-            assert_eq!(found[channel].mean(), 0.0);
-        } else {
-            agrees(format_args!("S10 {channel}"), &found[channel], exact, 0.0);
-        }
-    }
-    // Any number of turns: nothing is absorbed, so the environment is all that is seen, and what
-    // the channels of a path carry adds up to it, path by path and not only in the mean.
-    let mut paths = Paths::new(&scene, None, 73);
-    let mut found = [Moments::default(); 3];
-    for sample in 0..5_000 {
-        let radiance = paths.radiance(sample, |_| ray);
-        // A rounding for each of a thousand turns and more; they add up at random.
-        assert!((radiance.element_sum() - 3.0).abs() <= 1e-12);
-        for (found, channel) in found.iter_mut().zip(radiance.to_array()) {
-            found.add(channel);
-        }
-    }
-    for (channel, found) in found.iter().enumerate() {
-        agrees(format_args!("S10 furnace {channel}"), found, 1.0, 0.0);
     }
 }
