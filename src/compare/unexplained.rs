@@ -52,14 +52,6 @@ impl SquaredDistance {
         (self.value - BOUND * self.error).max(0.0)
     }
 
-    /// Sum of the distances in two parts of an image, whose noise is independent.
-    pub fn plus(&self, other: &SquaredDistance) -> SquaredDistance {
-        SquaredDistance {
-            value: self.value + other.value,
-            error: (self.error * self.error + other.error * other.error).sqrt(),
-        }
-    }
-
     /// True if a hypothesis that leaves this of `whole` explains the rest beyond doubt: at most
     /// `share` is left. Where there was no difference, the hypothesis may not make one.
     pub fn is_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
