@@ -4,7 +4,7 @@
 //! noise, and costs little to predict: a render of an eighth of the size has the same means. Without random numbers
 //! a coarse pixel is a pixel.
 
-use super::stochastic::{BLOCK, judge_at};
+use super::stochastic::{BLOCK, FALSE_ALARM, judge_at};
 use super::unexplained::{BOUND, MOST_IN_NOISE, SquaredDistance};
 use crate::film::Film;
 use crate::math::Sum;
@@ -42,7 +42,7 @@ pub(crate) struct Amount {
 
 impl Amount {
     /// True if the image has so much of the change that at most [`MOST_IN_NOISE`] of its square is left, beyond doubt.
-    fn is_whole(&self) -> bool {
+    pub fn is_whole(&self) -> bool {
         (self.value - 1.0).abs() + BOUND * self.error <= MOST_IN_NOISE.sqrt()
     }
 }
@@ -234,7 +234,11 @@ impl Coarse {
 
     /// True if `test` agrees with this prediction by the rule of the gate with noise: blocks are judged as pixels.
     pub fn agrees(&self, test: &Coarse) -> bool {
-        judge_at(&self.film(), &test.film(), DISAGREES).is_ok_and(|judgement| judgement.passed)
+        self.agrees_at(test, DISAGREES)
+    }
+
+    fn agrees_at(&self, test: &Coarse, level: f64) -> bool {
+        judge_at(&self.film(), &test.film(), level).is_ok_and(|judgement| judgement.passed)
     }
 
     /// True if `test`, which has noise, has all of the change from `golden` to this prediction and agrees with it, where a
@@ -242,7 +246,7 @@ impl Coarse {
     pub fn explains(&self, test: &Coarse, golden: &Coarse) -> bool {
         let amount = self.amount_in(test, golden);
         amount.is_some_and(|it| it.is_whole())
-            && self.agrees(test)
+            && self.agrees_at(test, FALSE_ALARM)
             && !golden.with_noise_of(self).agrees(test)
     }
 

@@ -23,9 +23,6 @@ use profile_text::profile_text;
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
-const MOST_TOGETHER: usize = 9;
-
 /// Share of the work for a case that its conventions may take: mistakes have what is left, half or more.
 const OF_CONVENTIONS: f64 = 0.5;
 

@@ -14,12 +14,13 @@ mod compared_case;
 mod explanation;
 mod fit;
 mod hypothesis;
+mod predictions;
 mod predictor;
 mod silhouette;
 
 pub(super) use clock::SearchClock;
 pub use clock::{Search, SearchStep, Stage};
-pub use predictor::Predictions;
+pub use predictions::Predictions;
 pub(super) use predictor::{lattice_of, pixels_of};
 
 use crate::conventions::Profile;

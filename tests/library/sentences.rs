@@ -540,7 +540,7 @@ fn axes_of_turns() {
     });
     let said = judged("reported/head", turned).difference.join("; ");
     assert!(
-        said.starts_with("turn of the volume about z off by +1.9998"),
+        said.starts_with("turn of the volume about z off by +1.99977"),
         "{said}"
     );
 }

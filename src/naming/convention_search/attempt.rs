@@ -4,7 +4,6 @@
 //! [effects](Effects) of the changes, added up, propose sets that are further away. The rendered set with the least
 //! residual is expanded next, until the whole image agrees.
 
-use super::MOST_TOGETHER;
 use super::effects::Effects;
 use super::images::Images;
 use crate::compare::deterministic::{in_tolerances, tolerance};
@@ -19,6 +18,9 @@ use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
+const MOST_TOGETHER: usize = 9;
 
 /// A difference counts by at most this many tolerances: a few pixels at an edge, far off, do not
 /// decide for the whole image.

@@ -1,6 +1,6 @@
 //! Limit of work and progress of a search.
 
-use super::predictor::Predictions;
+use super::predictions::Predictions;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};

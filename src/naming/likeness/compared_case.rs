@@ -93,6 +93,8 @@ pub(super) struct ComparedCase {
     pub is_sampled: bool,
     /// The image is judged by what its step may leave.
     has_step: bool,
+    /// A prediction may be off by what single precision rounds: not where the golden would pass so, too.
+    in_single_precision: bool,
     /// Parameters of the scene that the verdict names; none where it names none.
     pub suspects: Vec<String>,
     pub predictor: Predictor,
@@ -152,7 +154,7 @@ impl ComparedCase {
         };
         let states_noise = is_sampled && test.noise().is_some();
         let gate = judged.result.gate.name();
-        Some(ComparedCase {
+        let mut case = ComparedCase {
             index,
             name: case.name.clone(),
             simple: simple(case, &golden, &picture),
@@ -160,6 +162,7 @@ impl ComparedCase {
             spent: judged.evidence.work_of_search,
             is_sampled,
             has_step: gate == Refinement.name(),
+            in_single_precision: true,
             suspects: suspects(judged),
             refined: judged.evidence.refined.clone(),
             few: View::new(few_golden, few_test),
@@ -173,7 +176,9 @@ impl ComparedCase {
             predictor,
             exposure: case.exposure,
             kept,
-        })
+        };
+        case.in_single_precision = !case.passes(&case.golden, &case.few.whole);
+        Some(case)
     }
 
     /// The scene of the case.
@@ -269,7 +274,7 @@ impl ComparedCase {
         });
         let conditions = Conditions {
             exposure: self.exposure,
-            in_single_precision: true,
+            in_single_precision: self.in_single_precision,
             opacity: self.is_of_opacity,
             ..Conditions::default()
         };
@@ -299,8 +304,9 @@ impl ComparedCase {
             .predict(&self.golden, hypothesis, look, clock)
     }
 
-    /// What `film`, a prediction of the whole image, leaves of the difference, if it explains the image.
-    fn explained_by(&self, film: &Film, is_of_the_image: bool) -> Option<SquaredDistance> {
+    /// What `film`, a prediction, leaves of the difference, if it explains the image; `mixes_pixels` of a mistake that is
+    /// made in the image, and not in each pixel by itself.
+    fn explained_by(&self, film: &Film, mixes_pixels: bool) -> Option<SquaredDistance> {
         if self.is_of_opacity {
             return self
                 .passes(film, &SquaredDistance::default())
@@ -309,19 +315,17 @@ impl ComparedCase {
         if self.is_sampled {
             let in_blocks = self.seen(film, &self.few)?;
             let left = self.few.left(&in_blocks);
-            if self.is_all_beyond_doubt(&left)
-                || in_blocks.explains(&self.few.test, &self.few.golden)
-            {
+            if in_blocks.explains(&self.few.test, &self.few.golden) {
                 return Some(left);
             }
             // What moves light within a block shows in no block, and what mixes pixels changes their noise: there is
             // no gate for that.
-            let pixels = self.pixels.as_ref().filter(|_| is_of_the_image)?;
-            let of_pixels = pixels.left(&self.seen(film, pixels)?);
-            let is_explained = pixels.whole.at_least() > 0.0
-                && of_pixels.is_explained(&pixels.whole, UNEXPLAINED_IN_NOISE)
-                && left.may_be_explained(&self.few.whole, UNEXPLAINED_IN_NOISE);
-            return is_explained.then_some(of_pixels);
+            let pixels = self.pixels.as_ref().filter(|_| mixes_pixels)?;
+            let predicted = self.seen(film, pixels)?;
+            let amount = predicted.amount_in(&pixels.test, &pixels.golden)?;
+            let is_explained =
+                amount.is_whole() && left.may_be_explained(&self.few.whole, UNEXPLAINED_IN_NOISE);
+            return is_explained.then(|| pixels.left(&predicted));
         }
         let left = self.few.left(&self.seen(film, &self.few)?);
         let nothing = background(self.scene());
@@ -449,7 +453,9 @@ pub(super) struct Found {
 
 impl Found {
     fn add(&mut self, case: &ComparedCase, hypothesis: Hypothesis, film: &Film) {
-        match case.explained_by(film, hypothesis.is_of_the_image()) {
+        let mixes_pixels = hypothesis.is_of_the_image()
+            && !hypothesis.mistakes().all(|it| it.is_of_single_pixels());
+        match case.explained_by(film, mixes_pixels) {
             Some(left) => self.explaining.push((hypothesis, left)),
             None => {
                 let close = case.close_in_words(&hypothesis, film);

@@ -8,25 +8,9 @@ use crate::render::{
     Counters, Detail, Event, Plan, Sampling, Seed, plans, render_coarse, render_coarse_counted,
 };
 use crate::scene::Scene;
-use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
 
 /// Pixels of a look, and samples in each.
 pub(super) type Look = (Detail, u32);
-
-/// Images that mistakes make of cases, which a run keeps: several images of one case need the same ones.
-#[derive(Debug, Default)]
-pub struct Predictions(Mutex<HashMap<(String, Hypothesis, String), Film>>);
-
-/// Largest number of predictions. One of a case of the suite has 20 to 500 kB.
-const MOST_KEPT: usize = 1000;
-
-impl Predictions {
-    /// Number of predictions that are kept.
-    pub fn count(&self) -> usize {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
-    }
-}
 
 /// Seed of predictions, the first of a few: one that neither goldens nor renderings of users are likely to have.
 const SEED: u64 = 0x7072_6564_6963_7400;
@@ -176,19 +160,12 @@ impl Predictor {
         look: Look,
         clock: &SearchClock<'_>,
     ) -> Option<Film> {
-        let kept = || {
-            let kept = clock.predictions().0.lock();
-            kept.unwrap_or_else(PoisonError::into_inner)
-        };
         let key = (self.name.clone(), *hypothesis, format!("{look:?}"));
-        if let Some(film) = kept().get(&key) {
-            return self.begins(look, clock).then(|| film.clone());
+        if let Some(film) = clock.predictions().get(&key) {
+            return self.begins(look, clock).then_some(film);
         }
         let film = self.rendered(scene, look, 0, clock)?;
-        let mut kept = kept();
-        if kept.len() < MOST_KEPT {
-            kept.insert(key, film.clone());
-        }
+        clock.predictions().put(key, &film);
         Some(film)
     }
 }
