@@ -61,11 +61,6 @@ impl SquaredDistance {
             self.at_least() <= share * whole.at_most()
         }
     }
-
-    /// True if a closer look may show that the hypothesis explains the rest.
-    pub fn may_be_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
-        self.at_least() <= share * whole.at_most()
-    }
 }
 
 /// True if `prediction` makes what `test` shows beside `nothing`, the image in which nothing is drawn: at most

@@ -315,7 +315,8 @@ impl ComparedCase {
         if self.is_sampled {
             let in_blocks = self.seen(film, &self.few)?;
             let left = self.few.left(&in_blocks);
-            if in_blocks.explains(&self.few.test, &self.few.golden) {
+            let explains = || in_blocks.explains(&self.few.test, &self.few.golden);
+            if self.is_all_beyond_doubt(&left) || explains() {
                 return Some(left);
             }
             // What moves light within a block shows in no block, and what mixes pixels changes their noise: there is
@@ -323,9 +324,7 @@ impl ComparedCase {
             let pixels = self.pixels.as_ref().filter(|_| mixes_pixels)?;
             let predicted = self.seen(film, pixels)?;
             let amount = predicted.amount_in(&pixels.test, &pixels.golden)?;
-            let is_explained =
-                amount.is_whole() && left.may_be_explained(&self.few.whole, UNEXPLAINED_IN_NOISE);
-            return is_explained.then(|| pixels.left(&predicted));
+            return amount.is_whole().then(|| pixels.left(&predicted));
         }
         let left = self.few.left(&self.seen(film, &self.few)?);
         let nothing = background(self.scene());
