@@ -7,7 +7,7 @@ use super::silhouette::silhouette;
 use crate::compare::coarse::Coarse;
 use crate::compare::deterministic::in_tolerances;
 use crate::compare::unexplained::{
-    SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows,
+    MOST_IN_NOISE, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows,
 };
 use crate::compare::{
     Conditions, Deterministic, Gate as _, NumberChange, Picture, Refinement, change_with_step,
@@ -324,7 +324,10 @@ impl ComparedCase {
             let pixels = self.pixels.as_ref().filter(|_| mixes_pixels)?;
             let predicted = self.seen(film, pixels)?;
             let amount = predicted.amount_in(&pixels.test, &pixels.golden)?;
-            return amount.is_whole().then(|| pixels.left(&predicted));
+            let left = pixels.left(&predicted);
+            let is_near =
+                pixels.whole.at_least() > 0.0 && left.is_explained(&pixels.whole, MOST_IN_NOISE);
+            return (is_near && amount.is_whole()).then_some(left);
         }
         let left = self.few.left(&self.seen(film, &self.few)?);
         let nothing = background(self.scene());
