@@ -5,7 +5,7 @@
 //! a coarse pixel is a pixel.
 
 use super::stochastic::{BLOCK, FALSE_ALARM, judge_at};
-use super::unexplained::{BOUND, MOST_IN_NOISE, SquaredDistance};
+use super::unexplained::{BOUND, SquaredDistance};
 use crate::film::Film;
 use crate::math::Sum;
 
@@ -41,9 +41,9 @@ pub(crate) struct Amount {
 }
 
 impl Amount {
-    /// True if the image has so much of the change that at most [`MOST_IN_NOISE`] of its square is left, beyond doubt.
-    pub fn is_whole(&self) -> bool {
-        (self.value - 1.0).abs() + BOUND * self.error <= MOST_IN_NOISE.sqrt()
+    /// True if the image has so much of the change that at most a `share` of its square is left, beyond doubt.
+    pub fn leaves(&self, share: f64) -> bool {
+        (self.value - 1.0).abs() + BOUND * self.error <= share.sqrt()
     }
 }
 
@@ -241,13 +241,9 @@ impl Coarse {
         judge_at(&self.film(), &test.film(), level).is_ok_and(|judgement| judgement.passed)
     }
 
-    /// True if `test`, which has noise, has all of the change from `golden` to this prediction and agrees with it, where a
-    /// golden as noisy would not. Some predictions agree by chance.
-    pub fn explains(&self, test: &Coarse, golden: &Coarse) -> bool {
-        let amount = self.amount_in(test, golden);
-        amount.is_some_and(|it| it.is_whole())
-            && self.agrees_at(test, FALSE_ALARM)
-            && !golden.with_noise_of(self).agrees(test)
+    /// True if `test`, which has noise, agrees with this prediction where a `golden` as noisy would not.
+    pub fn is_told(&self, test: &Coarse, golden: &Coarse) -> bool {
+        self.agrees_at(test, FALSE_ALARM) && !golden.with_noise_of(self).agrees(test)
     }
 
     /// This golden with the effect of a change, from renderings with the same random numbers `before` and `after` it.
@@ -323,9 +319,9 @@ mod tests {
             let [right, other] = [1.1, 1.02].map(|mean| noisy(mean, 3, true));
             let left = right.distance(&test, &weights);
             assert!(left.at_least() == 0.0 && left.at_most() > 0.0, "{left:?}");
-            assert!(right.explains(&test, &golden));
-            assert!(!other.explains(&test, &golden));
-            assert!(!noisy(1.0, 4, true).explains(&test, &golden));
+            assert!(right.is_told(&test, &golden));
+            assert!(!other.is_told(&test, &golden));
+            assert!(!noisy(1.0, 4, true).is_told(&test, &golden));
             let amount = right.amount_in(&test, &golden).unwrap();
             assert!(
                 (amount.value - 1.0).abs() < 4.0 * amount.error,

@@ -232,12 +232,11 @@ impl ComparedCase {
         })
     }
 
-    /// True if this is at most a small share of the difference, beyond doubt: with less doubt, noise leaves other causes
-    /// possible.
+    /// True if no more than this is left of the difference beyond doubt, so that noise leaves no other cause possible.
     pub fn is_all_beyond_doubt(&self, left: &SquaredDistance) -> bool {
         let whole = &self.few.whole;
-        let is_little = || whole.at_least() > 0.0 && left.is_explained(whole, UNEXPLAINED_IN_NOISE);
-        !self.is_sampled || is_little()
+        !self.is_sampled
+            || whole.at_least() > 0.0 && left.at_most() <= UNEXPLAINED_IN_NOISE * whole.value
     }
 
     /// The scene with a change, rendered with few pixels from the random numbers of a `seed`.
@@ -315,8 +314,10 @@ impl ComparedCase {
         if self.is_sampled {
             let in_blocks = self.seen(film, &self.few)?;
             let left = self.few.left(&in_blocks);
-            let explains = || in_blocks.explains(&self.few.test, &self.few.golden);
-            if self.is_all_beyond_doubt(&left) || explains() {
+            let View { golden, test, .. } = &self.few;
+            let amount = in_blocks.amount_in(test, golden)?;
+            let is_sure = self.is_all_beyond_doubt(&left) && amount.leaves(UNEXPLAINED_IN_NOISE);
+            if is_sure || amount.leaves(MOST_IN_NOISE) && in_blocks.is_told(test, golden) {
                 return Some(left);
             }
             // What moves light within a block shows in no block, and what mixes pixels changes their noise: there is
@@ -327,7 +328,7 @@ impl ComparedCase {
             let left = pixels.left(&predicted);
             let is_near =
                 pixels.whole.at_least() > 0.0 && left.is_explained(&pixels.whole, MOST_IN_NOISE);
-            return (is_near && amount.is_whole()).then_some(left);
+            return (is_near && amount.leaves(MOST_IN_NOISE)).then_some(left);
         }
         let left = self.few.left(&self.seen(film, &self.few)?);
         let nothing = background(self.scene());
