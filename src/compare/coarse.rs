@@ -120,6 +120,13 @@ impl Coarse {
         self
     }
 
+    /// A black image of this size.
+    pub fn black(&self) -> Coarse {
+        let mut black = self.clone().without_noise();
+        black.means.fill([0.0; 3]);
+        black
+    }
+
     /// This image as noisy as `other`.
     fn with_noise_of(&self, other: &Coarse) -> Coarse {
         Coarse {

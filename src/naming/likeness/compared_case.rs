@@ -57,6 +57,8 @@ pub(super) struct View {
     pub test: Coarse,
     pub weights: Vec<f64>,
     pub whole: SquaredDistance,
+    /// Distance of the image from black: a dark image is not explained by any other dark one.
+    from_black: SquaredDistance,
 }
 
 impl View {
@@ -65,6 +67,7 @@ impl View {
         let weights = golden.weights(&test);
         View {
             whole: golden.distance(&test, &weights),
+            from_black: golden.black().distance(&test, &weights),
             golden,
             test,
             weights,
@@ -314,10 +317,14 @@ impl ComparedCase {
         if self.is_sampled {
             let in_blocks = self.seen(film, &self.few)?;
             let left = self.few.left(&in_blocks);
+            if left.at_least() > UNEXPLAINED_IN_NOISE * self.few.from_black.at_most() {
+                return None;
+            }
             let View { golden, test, .. } = &self.few;
-            let amount = in_blocks.amount_in(test, golden)?;
-            let is_sure = self.is_all_beyond_doubt(&left) && amount.leaves(UNEXPLAINED_IN_NOISE);
-            if is_sure || amount.leaves(MOST_IN_NOISE) && in_blocks.is_told(test, golden) {
+            let amount = in_blocks.amount_in(test, golden);
+            let has = |share: f64| amount.is_some_and(|amount| amount.leaves(share));
+            let is_sure = self.is_all_beyond_doubt(&left) && has(UNEXPLAINED_IN_NOISE);
+            if is_sure || has(MOST_IN_NOISE) && in_blocks.is_told(test, golden) {
                 return Some(left);
             }
             // What moves light within a block shows in no block, and what mixes pixels changes their noise: there is
