@@ -127,6 +127,7 @@ class Result:
     - ``looks_like``: known mistakes that explain an image that fails, most likely first.
     - ``conventions``: choices under which the image is right, in words, if the verdict is ``convention``.
     - ``difference``: what was measured of a difference that nothing known explains, in sentences.
+    - ``change_agrees``: the scene with the change of parameters that ``difference`` states agrees with the image.
     - ``metrics``: numbers by name; the page of the report explains each.
     - ``report``: the page of the report, if one was asked for.
     - ``search_ended``: of an image that differs, false if the search for the cause was left out or ended by its limit.
@@ -142,6 +143,7 @@ class Result:
     looks_like: tuple[Mistake, ...]
     conventions: tuple[str, ...]
     difference: tuple[str, ...]
+    change_agrees: bool
     metrics: Mapping[str, float] = field(hash=False)
     report: Path | None = None
     search_ended: bool | None = None
@@ -175,9 +177,8 @@ class Result:
         for mistake in self.looks_like:
             lines.append(f"looks like {mistake.name}: {mistake.advice}")
         if self.difference:
-            is_found = any("the scene agrees with the image" in it for it in self.difference)
             nothing = "nothing that was tried explains it; measured:"
-            lines.append("a change of a parameter explains it:" if is_found else nothing)
+            lines.append("a change of a parameter explains it:" if self.change_agrees else nothing)
             lines.extend(f"  {sentence}" for sentence in self.difference)
         if self.search_ended is False and not self.looks_like:
             lines.append("the cause was not looked for to the end: explain=60 gives the search a minute")
@@ -489,6 +490,7 @@ def check(
         looks_like=tuple(Mistake(mistake, advice.get(mistake, "")) for mistake in found["looks_like"]),
         conventions=tuple(found.get("conventions", ())),
         difference=tuple(found.get("difference", ())),
+        change_agrees=found.get("change_agrees", False),
         metrics=found["metrics"],
         report=page,
         search_ended=found.get("search_ended"),

@@ -4,9 +4,7 @@ use super::progress::{self, Bar};
 use super::{interrupt, is_in_ci, output};
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
-use crate::naming::{
-    ConventionSearch, Likenesses, Predictions, Search, SearchStep, is_number_found, likeness,
-};
+use crate::naming::{ConventionSearch, Likenesses, Predictions, Search, SearchStep, likeness};
 use crate::report;
 use crate::suite::{Case, Suite};
 use std::time::Duration;
@@ -192,5 +190,5 @@ const LEFT_OUT: &str = "\nno cause was looked for, since the environment variabl
 
 /// True if a mistake is named, or a change of numbers that was rendered agrees with the image.
 fn has_finding(result: &CaseResult) -> bool {
-    !result.looks_like.is_empty() || is_number_found(&result.difference)
+    !result.looks_like.is_empty() || result.change_agrees
 }

@@ -5,8 +5,8 @@
 //! [stochastic](Stochastic), each in its own file with its limits and their reasons.
 
 mod advice;
-pub(crate) mod cells;
 mod change_with_step;
+pub(crate) mod coarse;
 pub mod depth;
 pub mod deterministic;
 mod difference_scale;
@@ -17,12 +17,10 @@ mod image_gate;
 mod incomparable;
 mod judgement;
 mod margin;
-mod measured_difference;
 pub(crate) mod opacity;
-mod parts;
 pub mod perceptual;
 mod picture;
-mod pixels;
+mod places;
 mod precision;
 mod promise;
 mod refinement;
@@ -42,13 +40,10 @@ pub use image_gate::{Conditions, ImageGate};
 pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
 pub use margin::Margin;
 pub(crate) use margin::STANDARD_ERRORS;
-pub use measured_difference::measured_difference;
-pub(crate) use measured_difference::{
-    SHARED_POSITIONS, WITHIN_A_PIXEL, left, measured, place_of_rest,
-};
-pub use parts::Seen;
 pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
+pub(crate) use places::left;
+pub use places::measured;
 pub use precision::recognised;
 pub(crate) use precision::{is_of_precision, precision_in_words};
 pub use promise::Promise;

@@ -52,14 +52,6 @@ impl SquaredDistance {
         (self.value - BOUND * self.error).max(0.0)
     }
 
-    /// Sum of the distances in two parts of an image, whose noise is independent.
-    pub fn plus(&self, other: &SquaredDistance) -> SquaredDistance {
-        SquaredDistance {
-            value: self.value + other.value,
-            error: (self.error * self.error + other.error * other.error).sqrt(),
-        }
-    }
-
     /// True if a hypothesis that leaves this of `whole` explains the rest beyond doubt: at most
     /// `share` is left. Where there was no difference, the hypothesis may not make one.
     pub fn is_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
@@ -68,11 +60,6 @@ impl SquaredDistance {
         } else {
             self.at_least() <= share * whole.at_most()
         }
-    }
-
-    /// True if a closer look may show that the hypothesis explains the rest.
-    pub fn may_be_explained(&self, whole: &SquaredDistance, share: f64) -> bool {
-        self.at_least() <= share * whole.at_most()
     }
 }
 
@@ -125,8 +112,6 @@ mod tests {
         // Perhaps; but nobody knows.
         let doubtful = distance(0.01, 0.02);
         assert!(!doubtful.is_explained(&whole, 0.02));
-        assert!(doubtful.may_be_explained(&whole, 0.02));
-        assert!(!distance(0.5, 0.02).may_be_explained(&whole, 0.02));
         // An estimate below 0 is no better than one of 0.
         assert!(!distance(-0.04, 0.02).is_explained(&whole, 0.02));
     }
@@ -158,6 +143,5 @@ mod tests {
         let none = distance(0.0, 0.0);
         assert!(distance(0.0, 0.0).is_explained(&none, 0.02));
         assert!(!distance(1e-3, 0.0).is_explained(&none, 0.02));
-        assert!(!distance(1e-3, 0.0).may_be_explained(&none, 0.02));
     }
 }

@@ -41,8 +41,6 @@ impl Convention {
     }
 }
 
-/// The choice of the first sample of a ray.
-pub(crate) const FIRST_SAMPLE: &str = "first_sample";
 /// The choice of a step, which is no convention: a scene states it.
 pub const STEP: &str = "step";
 const EARLY_END: &str = "early_termination";

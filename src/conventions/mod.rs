@@ -25,8 +25,8 @@ mod steps;
 mod stored_values;
 mod work;
 
+pub(crate) use catalogue::ConventionSet;
 pub use catalogue::{CATALOGUE, Convention, STEP, under};
-pub(crate) use catalogue::{ConventionSet, FIRST_SAMPLE};
 pub(crate) use chance::scenes_by_chance;
 pub(crate) use field_caster::FieldCaster;
 pub(crate) use first_samples::bounds;

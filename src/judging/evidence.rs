@@ -2,7 +2,6 @@
 
 use super::measured::decoded;
 use crate::compare::Picture;
-use crate::compare::cells::Misfit;
 use crate::film::Film;
 use crate::suite::Case;
 use serde::{Deserialize, Serialize};
@@ -48,14 +47,7 @@ pub struct Evidence {
     /// Work of the search for conventions, in events of kernels.
     #[serde(default)]
     pub work_of_search: u64,
-    /// Mistakes that explain the image more plainly than the conventions that were found.
-    #[serde(skip)]
-    pub known_mistakes: KnownMistakes,
 }
-
-/// Single mistakes that explain an image, by their places in the catalogue.
-#[derive(Clone, Debug, Default)]
-pub struct KnownMistakes(pub(crate) Vec<(usize, Misfit)>);
 
 impl Evidence {
     /// The evidence on `case` before anything is rendered or read.

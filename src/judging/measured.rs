@@ -3,10 +3,10 @@
 //! These are statements about the image, not guesses at what went wrong: none is made unless it
 //! holds for all of the image.
 
-use crate::compare::cells::Cells;
+use crate::compare::coarse::Coarse;
 use crate::compare::flip::SrgbImage;
 use crate::compare::unexplained::{UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows};
-use crate::compare::{Conditions, Deterministic, Perceptual, Picture, judge};
+use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::film::{Bits, Film, Origin, Quantisation};
 use crate::math;
 use crate::suite::Case;
@@ -21,24 +21,19 @@ const OF_CODES: &str =
 
 /// Measurements of `picture`, a failed image of `case`: sentences without a full stop.
 pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
-    if let Picture::Codes(codes) = picture {
-        let factor = exposure_factor(case, golden, codes);
-        return factor.map(another_exposure).into_iter().collect();
-    }
-    let Some(test) = comparable(golden, picture) else {
-        return Vec::new();
-    };
-    if is_black(golden) {
+    if let Some(test) = picture.radiance().filter(|it| golden.is_comparable(it))
+        && is_black(golden)
+    {
         let mean = number(test.mean_magnitude().unwrap_or_default());
         return vec![format!(
             "the golden is black, and the mean of the image is {mean}"
         )];
     }
-    let words = |map: Map| match map {
-        Map::Scaled(factor) if is_of_png(test) => another_exposure(factor),
-        map => map.in_words(),
+    let words = |map: Map| match map.factor() {
+        Some(factor) if is_of_png(picture) => another_exposure(factor),
+        _ => map.in_words(),
     };
-    let map = simple_map(case, golden, test).map(words);
+    let map = simple_map(case, golden, picture).map(words);
     codes_in_words(picture).into_iter().chain(map).collect()
 }
 
@@ -61,67 +56,42 @@ fn is_black(film: &Film) -> bool {
     film.mean_magnitude() == Some(0.0)
 }
 
-/// The simple map from the golden to `picture`, if there is one.
+/// The simple map from the golden to the radiance of `picture`, if there is one.
 pub(crate) fn simple(case: &Case, golden: &Film, picture: &Picture) -> Option<SimpleMap> {
+    picture.radiance()?;
     if is_black(golden) {
         return Some(SimpleMap::Other);
     }
-    let map = simple_map(case, golden, comparable(golden, picture)?)?;
-    Some(match map {
-        Map::Scaled(_) | Map::Tinted(_) => SimpleMap::Gain,
-        Map::Shifted { .. } | Map::Power { .. } => SimpleMap::Other,
+    let map = simple_map(case, golden, picture)?;
+    Some(match map.offset == 0.0 && map.exponent == 1.0 {
+        true => SimpleMap::Gain,
+        false => SimpleMap::Other,
     })
 }
 
 /// True if `picture` is an 8-bit image of the golden at another exposure. In a file made for a
 /// display that is what a plain factor means first.
 pub(crate) fn is_another_exposure(case: &Case, golden: &Film, picture: &Picture) -> bool {
-    match picture {
-        Picture::Codes(codes) => exposure_factor(case, golden, codes).is_some(),
-        Picture::Radiance(test) => {
-            is_of_png(test) && simple(case, golden, picture) == Some(SimpleMap::Gain)
-        }
-    }
+    is_of_png(picture)
+        && !is_black(golden)
+        && simple_map(case, golden, picture)
+            .is_some_and(|map| map.offset == 0.0 && map.exponent == 1.0)
 }
 
-/// True of radiance from the codes of a PNG image.
-fn is_of_png(film: &Film) -> bool {
-    film.quantisation()
-        .is_some_and(|it| it.origin == Origin::Png)
+/// True of codes, and of radiance from those of a PNG image.
+fn is_of_png(picture: &Picture) -> bool {
+    match picture {
+        Picture::Codes(_) => true,
+        Picture::Radiance(film) => film
+            .quantisation()
+            .is_some_and(|it| it.origin == Origin::Png),
+    }
 }
 
 /// The radiance that 8-bit codes stand for, at `exposure` stops.
 pub(crate) fn decoded(codes: &SrgbImage, exposure: f64) -> Film {
-    let bits = Bits::UNKNOWN;
-    let quantisation = bits.of_png(exposure);
+    let quantisation = Bits::UNKNOWN.of_png(exposure);
     quantisation.decoded(codes.width(), codes.height(), codes.pixels())
-}
-
-/// The factor on the golden after which the perceptual gate cannot tell it from `codes`.
-fn exposure_factor(case: &Case, golden: &Film, codes: &SrgbImage) -> Option<f64> {
-    let test = decoded(codes, case.exposure);
-    if !golden.is_comparable(&test) {
-        return None;
-    }
-    let saturated = |index: usize, channel: usize| codes.pixels()[index][channel] == u8::MAX;
-    let factor = Fits::of_values(golden, &test, |i, c| !saturated(i, c))?.factor();
-    if !(factor > 0.0 && factor.is_finite()) {
-        return None;
-    }
-    let map = Map::Scaled(factor);
-    if !map.shows(golden, &test) {
-        return None;
-    }
-    let scaled = Picture::Radiance(map.of(golden));
-    let test = Picture::Codes(codes.clone());
-    let conditions = Conditions {
-        exposure: case.exposure,
-        ..Conditions::default()
-    };
-    let judgement = judge(&Perceptual, &scaled, &test, &conditions);
-    judgement
-        .is_ok_and(|judgement| judgement.passed)
-        .then_some(factor)
 }
 
 fn another_exposure(factor: f64) -> String {
@@ -134,97 +104,74 @@ fn another_exposure(factor: f64) -> String {
     )
 }
 
-/// The radiance of `picture`, where it can be compared with the golden's.
-fn comparable<'p>(golden: &Film, picture: &'p Picture) -> Option<&'p Film> {
-    let Picture::Radiance(test) = picture else {
-        return None;
-    };
-    golden.is_comparable(test).then_some(test)
-}
-
-/// A map of every value of an image.
+/// A map of every value of an image: to the power of an exponent, times a factor of its channel, plus an offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Map {
-    /// Times a factor.
-    Scaled(f64),
-    /// Each channel times a factor of its own.
-    Tinted([f64; 3]),
-    /// Times a factor, plus an offset.
-    Shifted { factor: f64, offset: f64 },
-    /// To the power of an exponent, times a factor.
-    Power { factor: f64, exponent: f64 },
+struct Map {
+    factors: [f64; 3],
+    exponent: f64,
+    offset: f64,
 }
 
 impl Map {
-    /// Value and slope at `x` in `channel`.
-    fn at(&self, x: f64, channel: usize) -> (f64, f64) {
-        match *self {
-            Map::Scaled(factor) => (factor * x, factor),
-            Map::Tinted(factors) => (factors[channel] * x, factors[channel]),
-            Map::Shifted { factor, offset } => (factor * x + offset, factor),
-            Map::Power { factor, exponent } if x > 0.0 => {
-                let value = factor * math::exp(exponent * math::ln(x));
-                (value, exponent * value / x)
-            }
-            Map::Power { .. } => (0.0, 0.0),
+    /// Each channel times a factor.
+    fn scaled(factors: [f64; 3]) -> Map {
+        Map {
+            factors,
+            exponent: 1.0,
+            offset: 0.0,
         }
     }
 
+    /// The factor, if that is all.
+    fn factor(&self) -> Option<f64> {
+        (*self == Map::scaled([self.factors[0]; 3])).then_some(self.factors[0])
+    }
+
     fn of(&self, film: &Film) -> Film {
-        mapped(film, |x, channel| self.at(x, channel))
+        mapped(film, |x, channel| {
+            let factor = self.factors[channel];
+            if self.exponent == 1.0 {
+                return (factor * x + self.offset, factor);
+            }
+            let power = match x > 0.0 {
+                true => factor * math::exp(self.exponent * math::ln(x)),
+                false => 0.0,
+            };
+            (
+                power + self.offset,
+                self.exponent * power / x.max(f64::MIN_POSITIVE),
+            )
+        })
     }
 
     /// True if `test` shows the map of `golden`, which leaves little of what it is without its factor: a few codes, or
     /// less than the tolerance, are no measurement.
     fn shows(&self, golden: &Film, test: &Film) -> bool {
-        let offset = match *self {
-            Map::Shifted { offset, .. } => offset,
-            _ => 0.0,
-        };
-        makes_what_shows(
-            &self.of(golden),
-            test,
-            &mapped(golden, |_, _| (offset, 0.0)),
-        )
+        let nothing = mapped(golden, |_, _| (self.offset, 0.0));
+        makes_what_shows(&self.of(golden), test, &nothing)
     }
 
     /// True if the map is increasing, apart from its offset.
     fn is_growing(&self) -> bool {
-        let is = |number: f64| number > 0.0 && number.is_finite();
-        match *self {
-            Map::Scaled(factor) | Map::Shifted { factor, .. } => is(factor),
-            Map::Tinted(factors) => factors.into_iter().all(is),
-            Map::Power { factor, exponent } => is(factor) && is(exponent),
-        }
+        let numbers = self.factors.into_iter().chain([self.exponent]);
+        self.offset.is_finite() && numbers.into_iter().all(|it| it > 0.0 && it.is_finite())
     }
 
     fn in_words(&self) -> String {
-        match *self {
-            Map::Scaled(factor) if (factor / LARGEST_CODE - 1.0).abs() < 1e-3 => {
-                format!(
-                    "the image is the golden × {}: divide the codes by 255",
-                    number(factor)
-                )
+        let [r, g, b] = self.factors.map(number);
+        let sign = if self.offset < 0.0 { "−" } else { "+" };
+        let map = match self.factor() {
+            Some(factor) if (factor / LARGEST_CODE - 1.0).abs() < 1e-3 => {
+                format!("× {r}: divide the codes by 255")
             }
-            Map::Scaled(factor) => format!("the image is the golden × {}", number(factor)),
-            Map::Tinted([r, g, b]) => format!(
-                "the image is the golden × {}, {}, {} in red, green and blue",
-                number(r),
-                number(g),
-                number(b)
-            ),
-            Map::Shifted { factor, offset } => format!(
-                "the image is the golden × {} {} {}",
-                number(factor),
-                if offset < 0.0 { "−" } else { "+" },
-                number(offset.abs())
-            ),
-            Map::Power { factor, exponent } => format!(
-                "the image is the golden to the power of {}, × {}",
-                number(exponent),
-                number(factor)
-            ),
-        }
+            Some(_) => format!("× {r}"),
+            None if self.offset != 0.0 => format!("× {r} {sign} {}", number(self.offset.abs())),
+            None if self.exponent != 1.0 => {
+                format!("to the power of {}, × {r}", number(self.exponent))
+            }
+            None => format!("× {r}, {g}, {b} in red, green and blue"),
+        };
+        format!("the image is the golden {map}")
     }
 }
 
@@ -237,160 +184,123 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The simplest map of the golden after which the gate of the case cannot tell it from `test`.
-fn simple_map(case: &Case, golden: &Film, test: &Film) -> Option<Map> {
+/// The simplest map of the golden after which the gate of the case cannot tell it from `picture`.
+fn simple_map(case: &Case, golden: &Film, picture: &Picture) -> Option<Map> {
     let is_sampled = case.sampling.is_some();
-    let fits = Fits::new(golden, test)?;
-    let mut maps = vec![Some(fits.scaled()), Some(fits.tinted()), fits.shifted()];
-    if !is_sampled {
-        // The mean of a power is not the power of the mean: with noise there is no telling.
-        maps.push(power(golden, test));
+    let (test, is_of_codes) = match picture {
+        Picture::Radiance(test) => (test.clone(), false),
+        Picture::Codes(codes) => (decoded(codes, case.exposure), true),
+    };
+    if !golden.is_comparable(&test) {
+        return None;
     }
-    let mut maps = maps.into_iter().flatten().filter(Map::is_growing);
-    if !is_sampled {
-        let picture = Picture::Radiance(test.clone());
-        let colours = golden.clone().without_opacity();
-        let agrees = |film: Film| {
-            let film = Picture::Radiance(film);
-            let judgement = judge(&Deterministic, &film, &picture, &Conditions::default());
-            judgement.is_ok_and(|judgement| judgement.passed)
-        };
-        // No colour map is reported if colours agree, or if only a few pixels differ.
-        let left = |prediction: &Film| squared_difference(prediction, test, &colours);
-        let whole = left(&colours);
-        let holds = |map: &Map| {
-            let mapped = map.of(&colours);
-            left(&mapped) <= UNEXPLAINED * whole && map.shows(&colours, test) && agrees(mapped)
-        };
-        let found = maps.find(holds).filter(|_| !agrees(colours.clone()))?;
-        // Rounding leaves factors open that are 1.
-        let is_rounded = test.quantisation().is_some();
-        return Some(match found {
-            Map::Tinted(_) if is_rounded => (0..3).fold(found, |map, c| {
-                let Map::Tinted(mut factors) = map else {
-                    return map;
-                };
-                factors[c] = 1.0;
-                Some(Map::Tinted(factors)).filter(holds).unwrap_or(map)
-            }),
-            found => found,
+    let mut maps = maps(golden, &test)?;
+    if is_of_codes {
+        maps.truncate(1);
+    } else if is_sampled {
+        // The mean of a power is not the power of the mean: with noise there is no telling.
+        maps.retain(|map| map.exponent == 1.0);
+    }
+    let mut maps = maps.into_iter().filter(Map::is_growing);
+    if is_sampled && !is_of_codes {
+        let blocks = Coarse::of_blocks(golden);
+        let test = Coarse::of_blocks(&test).with_noise_spread_like(&blocks);
+        let weights = blocks.weights(&test);
+        let whole = blocks.distance(&test, &weights);
+        return maps.find(|map| {
+            let mapped = Coarse::of_blocks(&map.of(golden));
+            let left = mapped.distance(&test, &weights);
+            whole.at_least() > 0.0
+                && left.is_explained(&whole, UNEXPLAINED_IN_NOISE)
+                && mapped.agrees(&test)
         });
     }
-    let cells = Cells::of_blocks(golden);
-    let mut test_cells = Cells::of_blocks(test);
-    if test.noise().is_none() {
-        test_cells.spread_noise_like(&cells);
-    }
-    let from_golden = cells.misfit(&test_cells, &cells);
-    maps.find(|map| {
-        let misfit = Cells::of_blocks(&map.of(golden)).misfit(&test_cells, &cells);
-        misfit.is_noise() && misfit.explains(&from_golden, UNEXPLAINED_IN_NOISE)
-    })
+    let colours = golden.clone().without_opacity();
+    let agrees = |film: Film| {
+        let film = Picture::Radiance(film);
+        let conditions = Conditions {
+            exposure: case.exposure,
+            ..Conditions::default()
+        };
+        let (gate, _) = default_gate(&film, picture);
+        judge(gate, &film, picture, &conditions).is_ok_and(|judgement| judgement.passed)
+    };
+    // No colour map is reported if colours agree, or if only a few pixels differ.
+    let pixels = Coarse::of_pixels(&colours);
+    let weights = pixels.clone().without_noise().weights(&pixels);
+    let left = |prediction: &Film| {
+        let nearest = Coarse::of_pixels(&test.nearest_to(prediction));
+        Coarse::of_pixels(prediction)
+            .distance(&nearest, &weights)
+            .value
+    };
+    let whole = left(&colours);
+    let holds = |map: &Map| {
+        let mapped = map.of(&colours);
+        let is_little = is_of_codes || left(&mapped) <= UNEXPLAINED * whole;
+        is_little && map.shows(&colours, &test) && agrees(mapped)
+    };
+    let found = maps.find(holds).filter(|_| !agrees(colours.clone()))?;
+    // Rounding leaves factors open that are 1.
+    let is_open = found.factor().is_none() && test.quantisation().is_some();
+    Some((0..3).filter(|_| is_open).fold(found, |map, c| {
+        let mut factors = map.factors;
+        factors[c] = 1.0;
+        Some(Map { factors, ..map }).filter(holds).unwrap_or(map)
+    }))
 }
 
-/// Sum of the squared differences of `test` from `prediction`, relative to the golden, beyond rounding.
-fn squared_difference(prediction: &Film, test: &Film, golden: &Film) -> f64 {
-    let mean = golden.mean_magnitude().unwrap_or_default();
-    let nearest = test.nearest_to(prediction);
-    let [golden, predicted, nearest] =
-        [golden, prediction, &nearest].map(|film| film.radiance().as_flattened());
-    let values = golden.iter().zip(predicted).zip(nearest);
-    let squares = values.map(|((golden, a), b)| {
-        let difference = f64::from(*b) - f64::from(*a);
-        relative_weight(f64::from(*golden), mean) * difference * difference
-    });
-    squares.sum()
-}
-
-/// The weight of a square where the golden is `value` and `mean` on average: relative, but not to what is next to black.
-fn relative_weight(value: f64, mean: f64) -> f64 {
-    1.0 / ((value.abs() + mean) * (value.abs() + mean))
-}
-
-/// Weighted sums over an image, by channel: of the weights, of the golden `a`, the image `b`, a²
-/// and a b.
-struct Fits([[f64; 5]; 3]);
-
-impl Fits {
-    fn new(golden: &Film, test: &Film) -> Option<Fits> {
-        // A value that is cut off says nothing of a factor.
-        let most = test.quantisation().map_or(f64::INFINITY, |it| it.largest());
-        let is_below = |value: f32| f64::from(value) < most * (1.0 - 1e-3);
-        Fits::of_values(golden, test, |i, c| is_below(test.radiance()[i][c]))
-    }
-
-    /// Sums of the `wanted` values, by pixel and channel.
-    fn of_values(
-        golden: &Film,
-        test: &Film,
-        wanted: impl Fn(usize, usize) -> bool,
-    ) -> Option<Fits> {
-        let mean = golden.mean_magnitude().filter(|&mean| mean > 0.0)?;
-        let mut sums = [[0.0; 5]; 3];
-        let pixels = golden.radiance().iter().zip(test.radiance());
-        for (index, (golden, test)) in pixels.enumerate() {
-            for (c, sums) in sums.iter_mut().enumerate() {
-                if !wanted(index, c) {
-                    continue;
-                }
-                let (a, b) = (f64::from(golden[c]), f64::from(test[c]));
-                let weight = relative_weight(a, mean);
-                for (sum, value) in sums.iter_mut().zip([1.0, a, b, a * a, a * b]) {
-                    *sum += weight * value;
-                }
+/// The maps of `golden` that are nearest to `test`, the simplest first: one factor, one for each channel, a factor and an
+/// offset, a factor and an exponent.
+fn maps(golden: &Film, test: &Film) -> Option<Vec<Map>> {
+    let mean = golden.mean_magnitude().filter(|&mean| mean > 0.0)?;
+    // A value that is cut off says nothing of a factor.
+    let most = test.quantisation().map_or(f64::INFINITY, |it| it.largest());
+    let [mut values, mut logarithms] = [[[0.0; 5]; 3]; 2];
+    for (golden, test) in golden.radiance().iter().zip(test.radiance()) {
+        for c in 0..3 {
+            let (a, b) = (f64::from(golden[c]), f64::from(test[c]));
+            if b < most * (1.0 - 1e-3) {
+                let size = a.abs() + mean;
+                add(&mut values[c], 1.0 / (size * size), [a, b]);
             }
-        }
-        Some(Fits(sums))
-    }
-
-    fn all(&self) -> [f64; 5] {
-        std::array::from_fn(|i| self.0.iter().map(|sums| sums[i]).sum())
-    }
-
-    fn factor(&self) -> f64 {
-        let [_, _, _, aa, ab] = self.all();
-        ab / aa
-    }
-
-    fn scaled(&self) -> Map {
-        Map::Scaled(self.factor())
-    }
-
-    fn tinted(&self) -> Map {
-        // A channel that is black in the golden stays so under any factor.
-        let factor = |[_, _, _, aa, ab]: [f64; 5]| if aa > 0.0 { ab / aa } else { 1.0 };
-        Map::Tinted(self.0.map(factor))
-    }
-
-    fn shifted(&self) -> Option<Map> {
-        // An image of one value is shifted as well as scaled: that was tried.
-        let [factor, offset] = line(self.all());
-        (factor.is_finite() && offset.is_finite()).then_some(Map::Shifted { factor, offset })
-    }
-}
-
-/// The power of the golden that is nearest to `test`, by the logarithms of what is not black.
-fn power(golden: &Film, test: &Film) -> Option<Map> {
-    let [golden, test] = [golden, test].map(|film| film.radiance().as_flattened());
-    let mean = golden.iter().map(|x| f64::from(*x)).sum::<f64>() / golden.len() as f64;
-    let mut sums = [0.0; 5];
-    for (a, b) in golden.iter().zip(test) {
-        let (a, b) = (f64::from(*a), f64::from(*b));
-        if a > 0.0 && b > 0.0 {
-            // Relative differences again: those of the logarithms.
-            let weight = (a / (a + mean)) * (a / (a + mean));
-            let (x, y) = (math::ln(a), math::ln(b));
-            for (sum, value) in sums.iter_mut().zip([1.0, x, y, x * x, x * y]) {
-                *sum += weight * value;
+            if a > 0.0 && b > 0.0 {
+                // Relative differences again: those of the logarithms.
+                let share = a / (a + mean);
+                add(&mut logarithms[c], share * share, [a, b].map(math::ln));
             }
         }
     }
-    let [exponent, offset] = line(sums);
-    let factor = math::exp(offset);
-    Some(Map::Power { factor, exponent })
+    let all = |sums: &[[f64; 5]; 3]| -> [f64; 5] {
+        std::array::from_fn(|i| sums.iter().map(|sums| sums[i]).sum())
+    };
+    // A channel that is black in the golden stays so under any factor.
+    let factor = |[_, _, _, aa, ab]: [f64; 5]| if aa > 0.0 { ab / aa } else { 1.0 };
+    // An image of one value is shifted as well as scaled: that was tried.
+    let [slope, offset] = line(all(&values));
+    let [exponent, of_power] = line(all(&logarithms));
+    Some(vec![
+        Map::scaled([factor(all(&values)); 3]),
+        Map::scaled(values.map(factor)),
+        Map {
+            offset,
+            ..Map::scaled([slope; 3])
+        },
+        Map {
+            exponent,
+            ..Map::scaled([math::exp(of_power); 3])
+        },
+    ])
 }
 
-/// Slope and offset of the line nearest to points, by weighted sums of 1, x, y, x² and x y.
+/// Adds a point to weighted sums of 1, x, y, x² and x y.
+fn add(sums: &mut [f64; 5], weight: f64, [x, y]: [f64; 2]) {
+    for (sum, value) in sums.iter_mut().zip([1.0, x, y, x * x, x * y]) {
+        *sum += weight * value;
+    }
+}
+
+/// Slope and offset of the line nearest to points, by such sums.
 fn line([weights, x, y, xx, xy]: [f64; 5]) -> [f64; 2] {
     let slope = (weights * xy - x * y) / (weights * xx - x * x);
     [slope, (y - slope * x) / weights]

@@ -22,7 +22,7 @@ pub(crate) mod validate;
 pub(crate) mod verify;
 
 pub use decide::{Looks, share_of_look};
-pub use evidence::{Evidence, KnownMistakes, Likeness};
+pub use evidence::{Evidence, Likeness};
 pub use finding::Judged;
 pub(crate) use finding::is_declared;
 pub(crate) use judged_with::JudgedWith;

@@ -110,6 +110,9 @@ pub struct CaseResult {
     /// Measurements of a difference that no known mistake explains, in sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub difference: Vec<String>,
+    /// The scene, rendered with the change of parameters that `difference` states, agrees with the image.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub change_agrees: bool,
     /// Changes of numbers of the scene that the difference looks like.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<NumberChange>,
@@ -157,6 +160,7 @@ impl CaseResult {
             profile: None,
             looks_like: Vec::new(),
             difference: Vec::new(),
+            change_agrees: false,
             changes: Vec::new(),
             detectable: Vec::new(),
             fit: None,

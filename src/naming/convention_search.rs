@@ -5,13 +5,12 @@
 //! rendered under a set, agrees, conventions that are not needed are removed again. Only a set that
 //! passes the gate is reported.
 
-mod attempt;
+pub(super) mod attempt;
 mod effects;
 pub(super) mod images;
-pub(super) mod misfit;
 mod profile_text;
 
-use super::likeness::{self, Predictions, Search, SearchStep};
+use super::likeness::{self, Predictions, Search, SearchClock, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
 use crate::conventions::{CATALOGUE, ConventionSet, Profile, STEP};
 use crate::film::Film;
@@ -19,33 +18,21 @@ use crate::judging::{CaseResult, Cause, Judged, OF_PROFILE, Verdict};
 use crate::scene::{Mode, Panel, Scene};
 use crate::suite::{Case, Store};
 use attempt::Attempt;
-use images::{Images, Watch};
+use images::Images;
 use profile_text::profile_text;
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
-const MOST_TOGETHER: usize = 9;
-
 /// Share of the work for a case that its conventions may take: mistakes have what is left, half or more.
 const OF_CONVENTIONS: f64 = 0.5;
-
-/// Agreement of an image with the right one under other conventions, the better the less.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub enum Agreement {
-    /// It passes the gate.
-    Full,
-    /// It passes but for this share of the pixels, none of which is far off.
-    ButFor(f64),
-}
 
 /// The conventions behind an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explained {
     /// The conventions.
     pub set: ConventionSet,
-    /// Agreement under them.
-    pub agreement: Agreement,
+    /// The share of the pixels but for which it agrees, none of which is far off; 0 where it passes the gate.
+    pub but_for: f64,
     /// Others, in place of one of the set, under which the image agrees as well.
     pub alternatives: Vec<usize>,
     /// The profile that states them; `None` for a step, which a profile does not state.
@@ -74,9 +61,9 @@ impl Explained {
     /// Replaces a mismatch by the verdict of these conventions: a pass where they are `accepted`.
     fn explain(&self, result: &mut CaseResult, accepted: bool) {
         result.conventions = self.in_words();
-        let rest = match self.agreement {
-            Agreement::Full => String::new(),
-            Agreement::ButFor(share) => format!(" but for {:.3} % of the pixels", 100.0 * share),
+        let rest = match self.but_for {
+            0.0 => String::new(),
+            share => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
         let under = match result.conventions.len() {
             1 => "this convention",
@@ -178,19 +165,24 @@ impl<'s> ConventionSearch<'s> {
         if !may_be_by_convention(&scene, &tests) {
             return;
         }
-        let images = self.images(case, &scene, Some(OF_CONVENTIONS * seconds));
+        let predictions = Predictions::default();
+        let search = self.within(Some(OF_CONVENTIONS * seconds), &predictions);
+        let clock = SearchClock::start(&search, &case.name, 0);
+        let images = Images::of(&scene, &clock);
         let profile = self.profile(case, store, &scene, judged, &images);
         let found = match &profile {
             Some(_) => Ok(None),
-            None => self.explain_by(case, &scene, &tests, &images),
+            None => self.explain_by(case, &tests, &images),
         };
-        judged.evidence.work_of_search = images.work();
+        judged.evidence.work_of_search = clock.work();
         judged.evidence.conventions_are_open = found.is_err();
         if let Some(profile) = profile {
             explain_by_profile(&profile, &mut judged.result, accepted);
         }
+        // A plainer cause has all of the work for the case.
+        let search = self.within(Some(seconds), &predictions);
         if let Ok(Some(explained)) = &found
-            && (explained.is_plain() || !self.is_plainly_explained(case, judged, seconds))
+            && (explained.is_plain() || !likeness::is_plainly_explained(case, judged, &search))
         {
             explained.explain(&mut judged.result, accepted);
         }
@@ -202,26 +194,14 @@ impl<'s> ConventionSearch<'s> {
         }
     }
 
-    /// True if something [plainer](likeness::is_plainly_explained) than conventions explains the image behind `judged`,
-    /// with what they left of the work for it.
-    fn is_plainly_explained(&self, case: &Case, judged: &mut Judged, seconds: f64) -> bool {
-        let search = Search {
-            budget: Duration::try_from_secs_f64(seconds).ok(),
-            predictions: &Predictions::default(),
+    /// The options of a search with as much work as two cores do in these `seconds`.
+    fn within<'p>(&'p self, seconds: Option<f64>, predictions: &'p Predictions) -> Search<'p> {
+        Search {
+            budget: seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
+            predictions,
             interrupted: self.interrupted,
             progress: self.progress,
-        };
-        likeness::is_plainly_explained(case, judged, &search)
-    }
-
-    /// Images of `scene` for the search in `case`.
-    fn images<'i>(&'i self, case: &'i Case, scene: &'i Scene, seconds: Option<f64>) -> Images<'i> {
-        let watch = Watch {
-            case: &case.name,
-            interrupted: self.interrupted,
-            progress: self.progress,
-        };
-        Images::of(scene, seconds, watch)
+        }
     }
 
     /// The profile that volref brings under which an image of 8 bits agrees; first the one that explained
@@ -258,29 +238,30 @@ impl<'s> ConventionSearch<'s> {
         if !may_be_by_convention(scene, images) {
             return Ok(None);
         }
-        self.explain_by(case, scene, images, &self.images(case, scene, seconds))
+        let predictions = Predictions::default();
+        let search = self.within(seconds, &predictions);
+        let clock = SearchClock::start(&search, &case.name, 0);
+        self.explain_by(case, images, &Images::of(scene, &clock))
     }
 
-    /// [`explain`](Self::explain) of `tests` by `images` of `scene`.
+    /// [`explain`](Self::explain) of `tests` by `images` of the scene.
     fn explain_by(
         &self,
         case: &Case,
-        scene: &Scene,
         tests: &[Film],
         images: &Images<'_>,
     ) -> Result<Option<Explained>, Unfinished> {
-        let attempt = Attempt::new(scene, case.exposure, tests, images);
+        let attempt = Attempt::new(case.exposure, tests, images);
         let known = self.known.lock().expect("no panic holds it").clone();
         let from_before = known.into_iter().find_map(|set| {
-            let agreement = attempt.agreement_if_near(&set)?;
-            if !attempt.is_explained(&set, agreement) {
-                return None;
-            }
-            Some((set, agreement))
+            let but_for = attempt.agreement_if_near(&set)?;
+            attempt
+                .is_explained(&set, but_for)
+                .then_some((set, but_for))
         });
         let is_new = from_before.is_none();
-        let Some((set, agreement)) = from_before.or_else(|| attempt.search()) else {
-            return if attempt.is_work_done() {
+        let Some((set, but_for)) = from_before.or_else(|| attempt.search()) else {
+            return if images.clock.is_over() {
                 Err(Unfinished)
             } else {
                 Ok(None)
@@ -290,12 +271,12 @@ impl<'s> ConventionSearch<'s> {
             let mut known = self.known.lock().expect("no panic holds it");
             known.push(set.clone());
         }
-        let alternatives = attempt.alternatives(&set, agreement);
+        let alternatives = attempt.alternatives(&set, but_for);
         Ok(Some(Explained {
-            profile: profile_text(scene, &set, &alternatives),
+            profile: profile_text(images.scene, &set, &alternatives),
             alternatives,
             set,
-            agreement,
+            but_for,
         }))
     }
 }

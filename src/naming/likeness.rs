@@ -1,59 +1,41 @@
-//! The likely mistake behind an image.
+//! The likely cause behind an image: a mistake, or a change of parameters.
 //!
 //! A failing image is compared with the image that every mistake of the
 //! [catalogue](crate::variations::mistakes) would give: mistakes of the image are applied to the golden, those
-//! of the scene are rendered, first with few pixels or samples, the remaining ones with more. A
-//! mistake explains an image if it leaves no more than a [small share](unexplained) of what the
-//! image differs from the golden by; among several, the one that is significantly nearest comes
-//! first. If none does, the usual pairs of mistakes are tried. Cases that passed contradict mistakes that would
-//! have shown in them.
+//! of the scene are rendered, first with few pixels or samples, the nearest ones with more. A mistake explains an image
+//! if the image that it makes passes for it. Among several, the nearest comes first. If none does, the usual pairs are
+//! tried, then changes of parameters. Cases that passed contradict mistakes that would have shown in them.
 //!
-//! A case explained by a mistake found before is not searched again, so a mistake that affects a
-//! whole suite is searched once. The search of a case has a [budget](Search), and a run keeps its renderings.
+//! What explains one case is tried first in the others, so a mistake that affects a whole suite is searched once. The
+//! search of a case has a [budget](Search).
 
 mod clock;
 mod compared_case;
-mod distinguished;
-mod explanations;
+mod explanation;
 mod fit;
-mod hunt;
 mod hypothesis;
-mod kept;
-mod kept_values;
-mod noisy_pixels;
-mod opacity;
-mod prediction;
+mod predictions;
 mod predictor;
-mod step;
-mod volume_in_view;
+mod silhouette;
 
-use crate::compare::cells::Misfit;
-use crate::compare::{NumberChange, SHARED_POSITIONS};
+pub(super) use clock::SearchClock;
 pub use clock::{Search, SearchStep, Stage};
-pub(super) use clock::{WORK_PER_SECOND, latest_end};
-pub(crate) use fit::is_number_found;
-pub use kept::Predictions;
-pub(crate) use prediction::{lattice_of, pixels_at, pixels_of};
+pub use predictions::Predictions;
+pub(super) use predictor::{lattice_of, pixels_of};
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Cause, Judged, KnownMistakes, Likeness};
+use crate::judging::{CaseResult, Cause, Judged, Likeness};
 use crate::scene::Scene;
 use crate::suite::Case;
 use crate::variations::mistakes;
-use clock::SearchClock;
 use compared_case::ComparedCase;
-use explanations::{Explanation, Explanations, Found};
+use explanation::{Explanation, contradict};
 use fit::Fitted;
-use hypothesis::Hypothesis;
-use opacity::OfOpacity;
+use std::collections::BTreeMap;
 
-/// Sentence for a difference in which nothing stands out.
-pub(crate) const NOTHING_STANDS_OUT: &str = "no gain and no shift by a pixel or less accounts for a fifth of the squared difference, \
-    and it is in no channel, box or part that is looked for";
-
-/// Sentence for a difference of which noise would hide whether even the right mistake explains it.
-const UNDECIDABLE: &str = "no mistake that was tried is shown to be the cause: noise would hide what the right one leaves of \
-    the difference";
+/// Sentence for a difference of which noise hides the cause.
+const UNDECIDABLE: &str =
+    "noise hides the difference where causes are compared: more samples would show it";
 
 /// Sentence for right colours with an opacity that no mistake makes.
 const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opacity alone, and no mistake of opacity that \
@@ -62,13 +44,6 @@ const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opac
 /// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
 /// five of them fill most of a terminal of 24 lines.
 const MOST_NAMED: usize = 5;
-
-/// Largest number of mistakes that are tested against passing cases: those that would be named.
-const MOST_CROSS_EXAMINED: usize = MOST_NAMED;
-
-/// Largest number of passing cases in that test. Five mistakes in twelve cases are 60 first looks,
-/// about as many as the 53 mistakes of a radiative scene take in one failing case.
-const MOST_PASSING: usize = 12;
 
 /// Results of a search for mistakes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,12 +54,33 @@ pub struct Likenesses {
     pub searched: usize,
     /// Searches that were ended before they were done.
     pub unfinished: Vec<SearchStep>,
-    /// Cases that no mistake explains, with what was measured of their difference: sentences.
-    pub unexplained: Vec<(String, Vec<String>)>,
+    /// Cases that no mistake explains.
+    pub unexplained: Vec<Unexplained>,
     /// Names of cases whose search for conventions ended at the limit of its work.
     pub with_open_conventions: Vec<String>,
     /// True if the images were judged by a profile, so that no other conventions were looked for.
     pub under_a_profile: bool,
+}
+
+/// A case that no mistake explains.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Unexplained {
+    /// Its name.
+    pub case: String,
+    /// What was measured of the difference: sentences.
+    pub said: Vec<String>,
+    /// The scene, rendered with the change of parameters that they state, agrees with the image.
+    pub change_agrees: bool,
+}
+
+impl Unexplained {
+    fn of(result: &CaseResult) -> Unexplained {
+        Unexplained {
+            case: result.name.clone(),
+            said: result.difference.clone(),
+            change_agrees: result.change_agrees,
+        }
+    }
 }
 
 impl Likenesses {
@@ -126,9 +122,7 @@ impl Likenesses {
         Likenesses {
             likely,
             searched: searched.count(),
-            unexplained: unexplained
-                .map(|it| (it.name.clone(), it.difference.clone()))
-                .collect(),
+            unexplained: unexplained.map(Unexplained::of).collect(),
             ..Likenesses::default()
         }
     }
@@ -136,17 +130,17 @@ impl Likenesses {
     /// Words on `case`, or on all, that nothing known explains.
     pub(crate) fn nothing_known(&self, case: Option<&str>) -> &'static str {
         let mut open = self.with_open_conventions.iter();
-        let is_asked = |(name, _): &&(String, Vec<String>)| case.is_none_or(|case| case == name);
+        let is_asked = |it: &&Unexplained| case.is_none_or(|case| case == it.case);
         let mut asked = self.unexplained.iter().filter(is_asked).peekable();
-        let is_hidden = |(_, said): &(String, Vec<String>)| said.iter().any(|it| it == UNDECIDABLE);
-        if asked.peek().is_some() && asked.all(is_hidden) {
+        if asked.peek().is_some() && asked.all(|it| it.said.iter().any(|said| said == UNDECIDABLE))
+        {
             "noise leaves the cause open"
         } else if self.under_a_profile {
             "no known mistake explains it under this profile"
         } else if open.any(|open| case.is_none_or(|case| case == open)) {
             "no known mistake explains it, and not all conventions were tried"
         } else {
-            "no known mistake or convention explains it"
+            "no cause found"
         }
     }
 }
@@ -181,173 +175,176 @@ pub(crate) fn likeness_with(
     search: &Search<'_>,
 ) -> Likenesses {
     let (mut failing, mut passing) = (Vec::new(), Vec::new());
-    let mut of_opacity = OfOpacity::default();
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
+        let compared = || ComparedCase::new(index, case, judged, scenes);
         match judged.result.cause {
-            Cause::Mismatch if judged.differs() && of_opacity.takes(index, judged) => {}
-            Cause::Mismatch if judged.differs() => {
-                let failed = ComparedCase::new(index, case, judged, scenes);
-                failing.extend(failed);
-            }
+            Cause::Mismatch if judged.differs() => failing.extend(compared()),
             Cause::None | Cause::Undecided => passing.push((index, *case)),
             _ => {}
         }
     }
-    let Found {
-        explanations: mut ranked,
+    let mut diagnosis = Diagnosis::default();
+    let open: Vec<(usize, SearchClock<'_>)> = (0..failing.len())
+        .filter_map(|at| Some((at, diagnosis.search(&failing, at, search)?)))
+        .collect();
+    for (at, clock) in open {
+        diagnosis.fit(&failing[at], clock.resumed());
+    }
+    let Diagnosis {
+        mut explanations,
+        close,
         mut fitted,
         unfinished,
-    } = Explanations::search(&failing, search);
-    ranked.sort_by_cached_key(Explanation::rank);
+    } = diagnosis;
+    explanations.sort_by_cached_key(Explanation::rank);
     let passed =
         |(index, case): (usize, &Case)| ComparedCase::new(index, case, &judged[index], scenes);
-    cross_examine(&mut ranked, passing, &passed, search);
-    ranked.sort_by_cached_key(Explanation::rank);
+    contradict(&mut explanations, passing, &passed, search);
+    explanations.sort_by_cached_key(Explanation::rank);
     let mut unexplained = Vec::new();
     for failed in &failing {
-        let explains = |it: &&Explanation| it.fits.contains_key(&failed.index);
-        let names = ranked
-            .iter()
-            .filter(explains)
-            .map(|it| it.hypothesis.name());
         let Judged { result, evidence } = &mut judged[failed.index];
+        let explains = explanations
+            .iter()
+            .filter(|it| it.left.contains_key(&failed.index));
+        let names = explains.map(|it| it.hypothesis.name());
         result.looks_like = names.take(MOST_NAMED).collect();
         let was_cut = unfinished.iter().any(|search| search.case == result.name);
         result.search_ended = Some(!was_cut && !evidence.conventions_are_open);
         let fit = fitted.remove(&failed.index).unwrap_or_default();
+        result.change_agrees = fit.agrees;
         if result.looks_like.is_empty() {
-            result.difference = measured(failed, fit, &result.changes);
+            result.difference = measured(failed, fit, close.get(&failed.index));
             // A simple map that explains all is in the verdict.
             if failed.simple.is_none() || !result.difference.is_empty() {
-                unexplained.push((result.name.clone(), result.difference.clone()));
+                unexplained.push(Unexplained::of(result));
             }
         } else if fit.agrees {
             // Noise leaves both possible.
             result.difference = fit.sentence.into_iter().collect();
         }
     }
-    let mut likely = named(&ranked, others, judged, failing.len());
-    let open = judged.iter().filter(|it| it.evidence.conventions_are_open);
-    let with_open_conventions = open.map(|it| it.result.name.clone()).collect();
-    let searched = failing.len() + of_opacity.count();
-    let (of_opacity, without_name) = of_opacity.name(judged);
-    likely.extend(of_opacity);
-    let said = |name| (name, vec![OF_OPACITY_ALONE.to_owned()]);
-    unexplained.extend(without_name.into_iter().map(said));
+    let with_open_conventions = judged.iter().filter(|it| it.evidence.conventions_are_open);
     Likenesses {
-        likely,
-        searched,
+        with_open_conventions: with_open_conventions
+            .map(|it| it.result.name.clone())
+            .collect(),
+        likely: explanation::named(&explanations, others, judged, failing.len()),
+        searched: failing.len(),
         unfinished,
         unexplained,
-        with_open_conventions,
         under_a_profile: false,
     }
 }
 
+/// Findings on failing cases, by index of the result.
+#[derive(Default)]
+struct Diagnosis {
+    explanations: Vec<Explanation>,
+    /// The nearest mistake that does not explain a case, in words.
+    close: BTreeMap<usize, String>,
+    fitted: BTreeMap<usize, Fitted>,
+    unfinished: Vec<SearchStep>,
+}
+
+impl Diagnosis {
+    /// Searches the mistakes behind the failing case `at`; returns the clock if parameters are to be fitted after the
+    /// mistakes of all cases.
+    fn search<'s>(
+        &mut self,
+        failing: &[ComparedCase],
+        at: usize,
+        search: &'s Search<'_>,
+    ) -> Option<SearchClock<'s>> {
+        let failed = &failing[at];
+        let clock = SearchClock::start(search, &failed.name, failed.spent);
+        let known = self.explanations.iter().map(|it| it.hypothesis).collect();
+        let mut found = failed.search_among(known, false, &clock);
+        if found.explaining.is_empty() {
+            found = failed.search(&clock);
+        }
+        let mut is_a_number = false;
+        let mut sure = found.explaining.iter();
+        let is_open = !sure.any(|(_, left)| failed.is_all_beyond_doubt(left));
+        if is_open && !failed.suspects.is_empty() {
+            let fit = failed.fitted(&clock);
+            // A parameter that agrees as well is as likely as a mistake that noise leaves possible.
+            found
+                .explaining
+                .retain(|(_, left)| !fit.agrees || left.value < fit.left);
+            is_a_number = fit.agrees;
+            self.fitted.insert(failed.index, fit);
+        }
+        for (hypothesis, _) in &found.explaining {
+            // Cases after this one try what is known by then.
+            if self
+                .explanations
+                .iter()
+                .all(|it| it.hypothesis != *hypothesis)
+            {
+                let mut explanation = Explanation::new(*hypothesis);
+                for other in &failing[..at] {
+                    let found = other
+                        .search_among(vec![*hypothesis], false, &clock)
+                        .explaining;
+                    explanation
+                        .left
+                        .extend(found.first().map(|(_, left)| (other.index, *left)));
+                }
+                self.explanations.push(explanation);
+            }
+        }
+        let is_explained = !found.explaining.is_empty();
+        for (hypothesis, left) in found.explaining {
+            let mut known = self.explanations.iter_mut();
+            let known = known.find(|it| it.hypothesis == hypothesis);
+            known.expect("it was added").left.insert(failed.index, left);
+        }
+        self.close
+            .extend(found.close.map(|(_, words)| (failed.index, words)));
+        let goes_on = failed.is_decidable() && failed.simple.is_none() && !failed.is_of_opacity;
+        if !is_explained && goes_on && !is_a_number && !clock.is_late() {
+            return Some(clock);
+        }
+        self.unfinished.extend(clock.unfinished());
+        None
+    }
+
+    /// Fits parameters to a case, unless a mistake of another one has explained it since.
+    fn fit(&mut self, failed: &ComparedCase, clock: SearchClock<'_>) {
+        let mut explained = self.explanations.iter();
+        if !explained.any(|it| it.left.contains_key(&failed.index)) {
+            let fit = || failed.fitted(&clock);
+            self.fitted.entry(failed.index).or_insert_with(fit);
+            self.unfinished.extend(clock.unfinished());
+        }
+    }
+}
+
 /// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged` as a gate has
-/// it: that is plainer than several conventions. What this search finds and takes is handed on to the [later](likeness) one.
-pub(super) fn is_plainly_explained(case: &Case, judged: &mut Judged, search: &Search<'_>) -> bool {
+/// it: that is plainer than several conventions.
+pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, search: &Search<'_>) -> bool {
     let scenes = |case: &Case| case.load_scene().ok();
-    let Some(failed) = ComparedCase::new(0, case, judged, &scenes) else {
-        return false;
-    };
-    if failed.is_gain() {
-        return true;
-    }
-    let clock = SearchClock::start(search, &failed.name, hunt::singles(), failed.spent);
-    let found = failed.search(&clock);
-    let mut hypotheses = found.iter().map(|(hypothesis, _)| hypothesis);
-    let is_plain = hypotheses.any(|it| it.one().is_some() && failed.passes_with(it, &clock));
-    let evidence = &mut judged.evidence;
-    evidence.work_of_search = clock.work();
-    if is_plain {
-        let place = |(hypothesis, misfit): (Hypothesis, Misfit)| Some((hypothesis.one()?, misfit));
-        evidence.known_mistakes = KnownMistakes(found.into_iter().filter_map(place).collect());
-        evidence.conventions_are_open = clock.unfinished().is_some();
-    }
-    is_plain
+    let failed = ComparedCase::new(0, case, judged, &scenes);
+    failed.is_some_and(|failed| {
+        let clock = SearchClock::start(search, &failed.name, failed.spent);
+        failed.is_gain() || !failed.search(&clock).explaining.is_empty()
+    })
 }
 
-/// Counts, for the likeliest of `ranked` that explain equally many cases, the `passing` cases in which they would have
-/// been seen.
-fn cross_examine<'c>(
-    ranked: &mut [Explanation],
-    passing: Vec<(usize, &'c Case)>,
-    passed: &dyn Fn((usize, &'c Case)) -> Option<ComparedCase>,
-    search: &Search<'_>,
-) {
-    let most = ranked.first().map_or(0, |first| first.fits.len());
-    let close = ranked.iter_mut().filter(|other| other.fits.len() == most);
-    let mut close: Vec<_> = close.take(MOST_CROSS_EXAMINED).collect();
-    if close.len() < 2 {
-        return;
+/// Sentences on the difference of a case that no mistake explains.
+fn measured(failed: &ComparedCase, fit: Fitted, close: Option<&String>) -> Vec<String> {
+    if fit.agrees {
+        return fit.sentence.into_iter().collect();
     }
-    let questions = close.len() * passing.len().min(MOST_PASSING);
-    let clock = SearchClock::start(search, "the cases that passed", questions, 0);
-    for case in passing.into_iter().take(MOST_PASSING) {
-        if clock.is_over() {
-            break;
-        }
-        let Some(passed) = passed(case) else { continue };
-        for explanation in &mut close {
-            let speaks_against = passed.speaks_against(&explanation.hypothesis, &clock);
-            explanation.contradictions += usize::from(speaks_against == Some(true));
-            clock.decided();
-        }
+    let mut said: Vec<String> = close.cloned().or(fit.sentence).into_iter().collect();
+    if failed.is_of_opacity {
+        said.push(OF_OPACITY_ALONE.to_owned());
+    } else if said.is_empty() && !failed.is_decidable() {
+        said.push(UNDECIDABLE.to_owned());
     }
-}
-
-/// Sentences on the difference of a case that no mistake explains; `changes` are those that are stated already.
-fn measured(failed: &ComparedCase, fit: Fitted, changes: &[NumberChange]) -> Vec<String> {
-    let mut difference = Vec::from_iter(fit.sentence);
-    if failed.has_noise() && !failed.is_decidable() && difference.is_empty() {
-        difference.push(UNDECIDABLE.to_owned());
-    }
-    let measured = failed.measured_difference(fit.agrees);
-    let is_measured = measured.is_some();
-    difference.extend(measured.unwrap_or_default());
-    let is_asked = difference.iter().any(|said| said == SHARED_POSITIONS);
-    if !is_asked && failed.may_share_positions(changes) {
-        difference.push(SHARED_POSITIONS.to_owned());
-    }
-    if difference.is_empty() && is_measured {
-        difference.push(NOTHING_STANDS_OUT.to_owned());
-    }
-    difference
-}
-
-/// The likeliest of `ranked` in words, with the reason why each comes before the next; `failing` is the number of
-/// failing cases, and `others` are cases that may distinguish two.
-fn named(
-    ranked: &[Explanation],
-    others: &[Case],
-    judged: &[Judged],
-    failing: usize,
-) -> Vec<Likeness> {
-    let is_unjudged = |case: &&Case| {
-        let mut of_case = judged.iter().filter(|it| it.result.name == case.name);
-        of_case.next().is_none_or(|it| it.evidence.test.is_none())
-    };
-    let unjudged: Vec<&Case> = others.iter().filter(is_unjudged).collect();
-    let beside = |at: usize| distinguished::in_words(&ranked[at], ranked.get(at + 1)?, &unjudged);
-    let likeness = |(at, explanation): (usize, &Explanation)| Likeness {
-        mistake: explanation.hypothesis.name(),
-        advice: explanation.hypothesis.advice(),
-        explains: explanation.fits.len(),
-        of: failing,
-        cases: explanation
-            .fits
-            .keys()
-            .map(|&index| judged[index].result.name.clone())
-            .collect(),
-        beside_the_next: beside(at),
-    };
-    ranked
-        .iter()
-        .enumerate()
-        .take(MOST_NAMED)
-        .map(likeness)
-        .collect()
+    said.extend(failed.measured_difference());
+    said
 }

@@ -5,7 +5,6 @@ pub(crate) mod likeness;
 pub(crate) mod rate;
 mod shipped_profile;
 
-pub use convention_search::{Agreement, ConventionSearch, Explained, Unfinished};
-pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, likeness};
-pub(crate) use likeness::{NOTHING_STANDS_OUT, is_number_found};
+pub use convention_search::{ConventionSearch, Explained, Unfinished};
+pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, Unexplained, likeness};
 pub use rate::{Naming, naming};

@@ -3,8 +3,8 @@
 //! The [search](super::convention_search) knows single choices. A renderer as it comes also rounds and
 //! places its samples in ways that are no choices of the search, and only its profile as a whole states them.
 
+use super::convention_search::attempt::{LATTICE, MOST_OUTSIDE, Residual};
 use super::convention_search::images::Images;
-use super::convention_search::misfit::{LATTICE, MOST_OUTSIDE, Misfit};
 use super::likeness::{Stage, lattice_of, pixels_of};
 use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Deterministic, Picture, judge};
@@ -29,7 +29,7 @@ pub fn passing(
     images: &Images<'_>,
 ) -> Option<NamedProfile> {
     for (tried, &name) in names.iter().enumerate() {
-        images.report(Stage::Profiles, tried, names.len());
+        images.clock.report(Stage::Profiles, tried, names.len());
         let Ok(profile) = Profile::named(name) else {
             continue;
         };
@@ -78,21 +78,21 @@ fn is_near(output: &Output, profile: &Profile, scene: &Scene, images: &Images<'_
     };
     let pixels = test.width() * test.height();
     let lattice = lattice_of(pixels, LATTICE);
-    let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
-    let on_lattice = pixels_of(test, &widths, lattice);
-    let before = images.work();
+    let on_lattice = pixels_of(test, scene, lattice);
+    let before = images.clock.work();
     let scenes = scenes_by_chance(&under);
     let right = scenes.iter().map(|scene| images.of_scene(scene, lattice));
     let Some(right) = right.collect::<Option<Vec<Film>>>() else {
         return false;
     };
     let nearest = within(&bounds(&right), &on_lattice);
-    if Misfit::of(&nearest, &on_lattice).outside > MOST_OUTSIDE {
+    if Residual::of(&nearest, &on_lattice).outside > MOST_OUTSIDE {
         return false;
     }
     let share = on_lattice.radiance().len() as f64 / pixels as f64;
-    let of_lattice = (images.work() - before) as f64;
-    images.spend((f64::from(steps) * of_lattice / share) as u64)
+    let of_lattice = (images.clock.work() - before) as f64;
+    let of_all = f64::from(steps) * of_lattice / share;
+    images.clock.spend(of_all as u64)
 }
 
 /// True if the right images by which both were judged pass for each other: then a profile explains nothing.

@@ -2,7 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, JudgedWith, KnownStatus, Summary, Verdict, is_declared};
-use crate::naming::{Likenesses, SearchStep, Stage, is_number_found};
+use crate::naming::{Likenesses, SearchStep, Stage, Unexplained};
 use crate::suite::ERROR_OF_TOLERANCE;
 use std::collections::BTreeMap;
 
@@ -209,18 +209,20 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         }
     }
     let unfinished = &found.unfinished;
-    let is_said = found.unexplained.iter().any(|(_, said)| !said.is_empty());
+    let is_said = found.unexplained.iter().any(|it| !it.said.is_empty());
     if found.likely.is_empty() && !found.unexplained.is_empty() && unfinished.is_empty() && !is_said
     {
         text.push_str(&format!("\n{}\n", found.nothing_known(None)));
     }
-    let measured = found
-        .unexplained
-        .iter()
-        .filter(|(_, said)| !said.is_empty());
-    for (case, said) in measured.clone().take(MOST_MEASURED) {
+    let measured = found.unexplained.iter().filter(|it| !it.said.is_empty());
+    for Unexplained {
+        case,
+        said,
+        change_agrees,
+    } in measured.clone().take(MOST_MEASURED)
+    {
         let is_open = unfinished.iter().any(|search| search.case == *case);
-        let head = if is_number_found(said) {
+        let head = if *change_agrees {
             "a change of a parameter explains it"
         } else if is_open {
             "not explained yet; measured"

@@ -16,12 +16,11 @@ use volref::film::{Bits, Film};
 use volref::geometry::{Camera, Transform, length_of};
 use volref::judging::{Verdict, validate};
 use volref::math::{pow, tan};
-use volref::naming::{Agreement, ConventionSearch};
+use volref::naming::ConventionSearch;
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
 use volref::scene::format::{Key, Kind};
 use volref::scene::{
-    CONVENTIONS, Classified, Compositing, Conventions, LastStep, Model, Precision,
-    Scene, Shadow,
+    CONVENTIONS, Classified, Compositing, Conventions, LastStep, Model, Precision, Scene, Shadow,
 };
 use volref::suite::{Case, Output, Suite};
 use volref::variations::mistakes;
@@ -803,7 +802,7 @@ fn conventions_are_told_from_mistakes() {
             .unwrap()
             .unwrap();
         assert_eq!(found.set, set);
-        assert_eq!(found.agreement, Agreement::Full);
+        assert_eq!(found.but_for, 0.0);
     }
     // Of all others, `how_often_conventions_are_named`.
     let mistake = mistakes::named("opacity-halved").unwrap();
@@ -934,7 +933,7 @@ fn how_often_conventions_are_named() {
                 Some(found) if found.set == set => named += 1,
                 Some(found) if passes(&under(&scene, &found.set), &test) => same += 1,
                 found => {
-                    let found = found.map(|found| (in_words(&found.set), found.agreement));
+                    let found = found.map(|found| (in_words(&found.set), found.but_for));
                     println!("{number}, {taken:.1?}: {found:?} for {:?}", in_words(&set));
                 }
             }

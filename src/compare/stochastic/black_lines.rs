@@ -9,7 +9,7 @@
 //!
 //! Source: Cantelli 1928, Atti del Congresso Internazionale dei Matematici 6, 47–59.
 
-use super::super::parts::lines as in_words;
+use super::super::places::lines as in_words;
 use super::blocks::DARK;
 use super::comparison::{Axis, Comparison};
 use super::hits::all_zero;

@@ -67,10 +67,10 @@ pub(super) fn judge_numbers(
     let explanation = scores.explanation();
     let (fault, is_as_if) = scores.in_words(&explanation);
     (findings.fault, findings.is_as_if) = (Some(fault), is_as_if);
-    findings.changes = scores.changes(&explanation);
+    findings.changes = scores.changes(Some(&explanation));
     findings.fit = Some(Box::new(scores.map(&explanation)));
     for others in &all[1..] {
-        findings.changes.extend(others.changes_alone());
+        findings.changes.extend(others.changes(None));
     }
     findings
 }

@@ -1,7 +1,7 @@
 //! Tests of single pixels: too many outliers, differences without noise, black without cause,
 //! copied values.
 
-use super::super::parts::lines;
+use super::super::places::lines;
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
 use super::blocks::{DARK, Difference};

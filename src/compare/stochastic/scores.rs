@@ -27,8 +27,8 @@
 //!
 //! The change that fits best is `S/G` with `G = Σ D²/v`. The noise of D makes its square too large on
 //! the average by its variance, which is taken off; without that, sizes would come out too small.
-//! The parameter with the largest score is fitted first, then the one with the largest score in the remainder,
-//! three at most.
+//! The parameter with the largest score is named, and those that leave no score of it. Several together are fitted by the
+//! [search for a cause](crate::naming), with scenes rendered anew.
 //!
 //! # What noise hides
 //!
@@ -47,21 +47,15 @@ use crate::compare::judgement::{Detectable, FitMap, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 use crate::compare::significance::deviation;
 use crate::math;
-use glam::{DMat3, DVec3};
+use std::cmp::Ordering;
 
 /// Smallest error of a difference, as a share of the radiance: rounding and the last of an infinite
 /// series are of this size, whatever the noise.
 const FLOOR: f64 = 1e-3;
 
-/// Largest number of numbers fitted together: one image seldom tells more apart.
-const MOST_FITTED: usize = 3;
-
-/// The score at which a further number is fitted or named beside another: what noise alone exceeds
-/// in one test of sixteen thousand.
+/// The score from which a parameter is significant beside another: what noise alone exceeds in one test of sixteen
+/// thousand.
 const BESIDE: f64 = 4.0;
-
-/// Largest number of numbers of which together it is said.
-const MOST_AS_IF: usize = 2;
 
 /// Largest share of the squared difference that numbers leave if it is said to be as if they were off.
 const LEAVES: f64 = 0.1;
@@ -193,11 +187,11 @@ struct Fitted {
     error: f64,
 }
 
-/// Changes that explain a difference.
+/// A change that explains a difference.
 pub(super) struct Explanation {
-    /// Changes that together fit best, the one with the largest score first.
-    best: Vec<Fitted>,
-    /// Numbers that explain it as well as the only one of these.
+    /// The one with the largest score.
+    best: Fitted,
+    /// Parameters that explain it as well.
     alike: Vec<usize>,
 }
 
@@ -297,126 +291,59 @@ impl<'s> Scores<'s> {
         tested.filter_map(of_number).collect()
     }
 
-    /// The number with the largest score among those that can change so.
+    /// The parameter with the largest score among those that can change so.
     fn largest_possible(&self) -> usize {
-        let can = |k: &usize| {
-            let change = self.tested[*k].score / self.tested[*k].information;
-            self.sensitivities[*k].is_possible(change)
-        };
+        let can = |k: &usize| self.is_possible(&self.fit(*k));
         let possible = (0..self.count()).filter(can);
         let largest = possible.max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)));
         largest.unwrap_or(self.largest().0)
     }
 
-    /// The changes that fit, the one with the largest score first.
-    fn fitted(&self) -> Vec<Fitted> {
-        let mut chosen = vec![self.largest_possible()];
-        let mut fitted = self.fit(&chosen);
-        // Far off, what the image does not do in proportion would be taken for a second number.
-        let is_far = self.sensitivities[chosen[0]].is_far(fitted[0].change);
-        while chosen.len() < MOST_FITTED && !is_far {
-            let Some(next) = self.next_beside(&fitted) else {
-                break;
-            };
-            chosen.push(next);
-            let more = self.fit(&chosen);
-            // Two that cannot be told apart make each other's error large.
-            let is_doubtful = |it: &Fitted| {
-                let sensitivity = self.sensitivities[it.number];
-                it.change.abs() < BESIDE * it.error || !sensitivity.is_possible(it.change)
-            };
-            if more.iter().any(is_doubtful) {
-                chosen.pop();
-                break;
-            }
-            fitted = more;
-        }
-        match self.one_instead(&fitted) {
-            Some(one) => vec![one],
-            None => fitted,
-        }
+    fn is_possible(&self, it: &Fitted) -> bool {
+        self.sensitivities[it.number].is_possible(it.change)
     }
 
-    /// A single number that explains a difference to which several were fitted, such as an exposure
-    /// in place of three gains.
-    fn one_instead(&self, fitted: &[Fitted]) -> Option<Fitted> {
-        if fitted.len() < 2 {
-            return None;
-        }
-        let alone = (0..self.count()).map(|k| self.fit(&[k])[0]);
-        let enough = alone.filter(|it| {
-            let sensitivity = self.sensitivities[it.number];
-            it.error.is_finite()
-                && sensitivity.is_possible(it.change)
-                && !sensitivity.is_far(it.change)
-                && self.next_beside(&[*it]).is_none()
-        });
-        enough.max_by(|a, b| self.size(a.number).total_cmp(&self.size(b.number)))
-    }
-
-    /// The number not yet fitted with the largest score in the residual, if that is significant.
-    fn next_beside(&self, fitted: &[Fitted]) -> Option<usize> {
-        let is_free = |k: &usize| fitted.iter().all(|it| it.number != *k);
-        let scores = (0..self.count())
-            .filter(is_free)
-            .map(|k| (k, self.score_beside(k, fitted).abs()));
-        let (k, score) = scores.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-        (score >= BESIDE).then_some(k)
-    }
-
-    /// The score of a number in the residual of the fitted ones, in standard errors of a single
+    /// The score of a parameter in the residual of a fitted one, in standard errors of a single
     /// test.
-    fn score_beside(&self, k: usize, fitted: &[Fitted]) -> f64 {
+    fn score_beside(&self, k: usize, it: &Fitted) -> f64 {
         let whole = self.tested[k].information;
-        let (mut score, mut left) = (self.tested[k].score, whole);
-        for it in fitted {
-            let shared = self.shared(k, it.number);
-            score -= shared * it.change;
-            left -= shared * shared / self.tested[it.number].information;
-        }
+        let shared = self.shared(k, it.number);
+        let score = self.tested[k].score - shared * it.change;
+        let left = whole - shared * shared / self.tested[it.number].information;
         if left <= 0.01 * whole {
             return 0.0;
         }
         // What varies alike is gone with the fit; the error of the derivatives of the fit is added.
-        let mut variance = self.tested[k].expected_variance * left / whole;
-        for it in fitted {
-            variance += of_blocks(&self.cells, |cell| {
-                let [derivative, noise] = cell.derivatives[k];
-                let [of_fit, noise_of_fit] = cell.derivatives[it.number];
-                let square = derivative * derivative * noise_of_fit + of_fit * of_fit * noise;
-                cell.weight * it.change * square.sqrt()
-            });
-        }
-        // Nor is what the fitted ones do out of proportion a score of this one.
-        let curvature: f64 = fitted.iter().map(|it| self.curvature_along(k, it)).sum();
-        let explained = curvature + self.tested[k].hidden;
-        score.signum() * (score.abs() - explained).max(0.0) / variance.sqrt()
-    }
-
-    /// Upper bound on the part of a score of number `k` that comes from the curvature of the image
-    /// in a fitted number.
-    fn curvature_along(&self, k: usize, it: &Fitted) -> f64 {
-        let curvature = self.sensitivities[it.number].curvature(it.change);
+        let of_derivatives = of_blocks(&self.cells, |cell| {
+            let [derivative, noise] = cell.derivatives[k];
+            let [of_fit, noise_of_fit] = cell.derivatives[it.number];
+            let square = derivative * derivative * noise_of_fit + of_fit * of_fit * noise;
+            cell.weight * it.change * square.sqrt()
+        });
+        let variance = self.tested[k].expected_variance * left / whole + of_derivatives;
+        // Nor is what the fitted one does out of proportion a score of this one.
         let of_cell = |cell: &Cell| {
             let [along, fitted] = [k, it.number].map(|number| cell.derivatives[number][0].abs());
             cell.weight * along * fitted
         };
-        curvature * self.cells.iter().map(of_cell).sum::<f64>()
+        let curvature = self.sensitivities[it.number].curvature(it.change);
+        let explained =
+            curvature * self.cells.iter().map(of_cell).sum::<f64>() + self.tested[k].hidden;
+        score.signum() * (score.abs() - explained).max(0.0) / variance.sqrt()
     }
 
-    /// Numbers that explain the difference as well as the first one fitted: neither leaves a
-    /// score of the other.
+    /// Parameters that explain the difference as well as the `first` one: none leaves a score of that.
     fn alike(&self, first: &Fitted) -> Vec<usize> {
         let others = (0..self.count()).filter(|&k| k != first.number);
         let of_first = self.size(first.number);
-        let leaves_noise = self.left(std::slice::from_ref(first)).is_noise;
+        let leaves_noise = self.left(first).is_noise;
         let is_alike = |&k: &usize| {
-            let alone = self.fit(&[k])[0];
+            let alone = self.fit(k);
             alone.error.is_finite()
-                && (!leaves_noise || self.left(&[alone]).is_noise)
-                && self.sensitivities[k].is_possible(alone.change)
+                && (!leaves_noise || self.left(&alone).is_noise)
+                && self.is_possible(&alone)
                 && self.size(k) > ALIKE * of_first
-                && self.score_beside(first.number, &[alone]).abs() < BESIDE
+                && self.score_beside(first.number, &alone).abs() < BESIDE
         };
         others.filter(is_alike).collect()
     }
@@ -430,43 +357,30 @@ impl<'s> Scores<'s> {
         self.cells.iter().map(of_cell).sum()
     }
 
-    /// Weighted least squares of these numbers together.
-    fn fit(&self, chosen: &[usize]) -> Vec<Fitted> {
-        let at = |i: usize| chosen.get(i).copied();
-        let mut matrix = DMat3::IDENTITY;
-        let mut scores = DVec3::ZERO;
-        for i in 0..3 {
-            let Some(k) = at(i) else { continue };
-            scores[i] = self.tested[k].score;
-            for j in 0..3 {
-                if let Some(l) = at(j) {
-                    matrix.col_mut(j)[i] = self.shared(k, l);
-                }
-            }
-        }
-        let inverse = matrix.inverse();
-        let changes = inverse * scores;
-        let fitted = (0..chosen.len()).map(|i| {
-            let k = chosen[i];
-            // The error of one parameter alone, widened by its correlation with the others.
-            let information = self.tested[k].information;
-            let alone = self.tested[k].expected_variance / (information * information);
-            let widened = inverse.col(i)[i] * information;
-            let part = changes[i] / information;
-            let of_derivative = of_blocks(&self.cells, |cell| {
-                let [derivative, noise] = cell.derivatives[k];
-                cell.weight * (noise * (derivative * derivative + noise)).sqrt()
-            });
-            let variance = alone * widened.max(1.0) + part * part * of_derivative;
-            let curvature = self.sensitivities[k].curvature(changes[i]);
-            let rounding = self.tested[k].hidden / information;
-            Fitted {
-                number: k,
-                change: changes[i],
-                error: (variance + curvature * curvature + rounding * rounding).sqrt(),
-            }
+    /// The change of number `k` that fits, by weighted least squares.
+    fn fit(&self, k: usize) -> Fitted {
+        let Tested {
+            score,
+            hidden,
+            information,
+            expected_variance,
+            ..
+        } = self.tested[k];
+        let change = score / information;
+        let of_derivative = of_blocks(&self.cells, |cell| {
+            let [derivative, noise] = cell.derivatives[k];
+            cell.weight * (noise * (derivative * derivative + noise)).sqrt()
         });
-        fitted.collect()
+        let part = change / information;
+        let variance =
+            expected_variance / (information * information) + part * part * of_derivative;
+        let curvature = self.sensitivities[k].curvature(change);
+        let rounding = hidden / information;
+        Fitted {
+            number: k,
+            change,
+            error: (variance + curvature * curvature + rounding * rounding).sqrt(),
+        }
     }
 
     /// The score of number `k`, in standard errors, from which noise hides no more than [`LEAVES`] of a squared
@@ -477,8 +391,8 @@ impl<'s> Scores<'s> {
         (squares * self.tested[k].information / self.tested[k].expected_variance).sqrt()
     }
 
-    /// Residual of the difference after the changes.
-    fn left(&self, fitted: &[Fitted]) -> Left {
+    /// Residual of the difference after the change.
+    fn left(&self, it: &Fitted) -> Left {
         let (mut whole, mut left, mut squares) = (0.0, 0.0, 0.0);
         let (mut squares_left, mut largest) = (0.0, 0.0_f64);
         for cell in &self.cells {
@@ -488,11 +402,9 @@ impl<'s> Scores<'s> {
             // twice the square of its variance.
             squares += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
             whole += cell.weight * (rest * rest - noise);
-            for it in fitted {
-                let [derivative, variance] = cell.derivatives[it.number];
-                rest -= it.change * derivative;
-                noise += it.change * it.change * variance;
-            }
+            let [derivative, variance] = cell.derivatives[it.number];
+            rest -= it.change * derivative;
+            noise += it.change * it.change * variance;
             left += cell.weight * (rest * rest - noise);
             squares_left += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
             largest = largest.max((rest.abs() - cell.rounding).max(0.0) / noise.sqrt());
@@ -506,57 +418,44 @@ impl<'s> Scores<'s> {
         }
     }
 
-    /// The changes that fit best, and the numbers that cannot be told from them.
+    /// The change that fits best, and the parameters that cannot be told from it.
     pub fn explanation(&self) -> Explanation {
-        let best = self.fitted();
-        let alike = match best[..] {
-            [only] => self.alike(&only),
-            _ => Vec::new(),
+        let best = self.fit(self.largest_possible());
+        Explanation {
+            alike: self.alike(&best),
+            best,
+        }
+    }
+
+    /// Every parameter with the change of it that fits, by the size of their scores; first the one of the `explanation`,
+    /// where that is in blocks of this size.
+    pub fn changes(&self, explanation: Option<&Explanation>) -> Vec<NumberChange> {
+        let best = |k: usize| explanation.is_some_and(|it| it.best.number == k);
+        let mut all: Vec<usize> = (0..self.count()).collect();
+        all.sort_by(|&a, &b| {
+            (best(b), self.size(b))
+                .partial_cmp(&(best(a), self.size(a)))
+                .unwrap_or(Ordering::Equal)
+        });
+        let change = |k: usize| {
+            let it = self.fit(k);
+            let sensitivity = self.sensitivities[k];
+            let score = self.tested[k].deviation();
+            let is_finite = it.change.is_finite() && it.error.is_finite() && score.is_finite();
+            (is_finite && sensitivity.stays_positive(it.change)).then(|| NumberChange {
+                name: sensitivity.name.clone(),
+                words: sensitivity.in_words(it.change, it.error),
+                change: it.change,
+                error: it.error,
+                score,
+                fits_best: best(k),
+                alike: explanation.is_some_and(|it| it.alike.contains(&k)),
+            })
         };
-        Explanation { best, alike }
+        all.into_iter().filter_map(change).collect()
     }
 
-    /// Every number with the change of it that fits: those that together fit best first, the others
-    /// each alone, by the size of their scores.
-    pub fn changes(&self, Explanation { best, alike }: &Explanation) -> Vec<NumberChange> {
-        let is_other = |k: &usize| best.iter().all(|it| it.number != *k);
-        let mut others: Vec<usize> = (0..self.count()).filter(is_other).collect();
-        others.sort_by(|&a, &b| self.size(b).total_cmp(&self.size(a)));
-        let alone = others.into_iter().map(|k| (self.fit(&[k])[0], false));
-        let all = best.iter().map(|it| (*it, true)).chain(alone);
-        let change = |(it, fits_best): (Fitted, bool)| NumberChange {
-            name: self.sensitivities[it.number].name.clone(),
-            words: self.sensitivities[it.number].in_words(it.change, it.error),
-            change: it.change,
-            error: it.error,
-            score: self.tested[it.number].deviation(),
-            fits_best,
-            alike: alike.contains(&it.number),
-        };
-        let can_be =
-            |(it, _): &(Fitted, bool)| self.sensitivities[it.number].stays_positive(it.change);
-        all.filter(can_be)
-            .map(change)
-            .filter(|it| it.change.is_finite() && it.error.is_finite() && it.score.is_finite())
-            .collect()
-    }
-
-    /// True if these numbers can be changed so.
-    fn can_all_be(&self, fitted: &[Fitted]) -> bool {
-        let can = |it: &Fitted| self.sensitivities[it.number].is_possible(it.change);
-        fitted.iter().all(can)
-    }
-
-    /// Every number with the change of it that fits alone, where another size of blocks has what fits
-    /// best.
-    pub fn changes_alone(&self) -> Vec<NumberChange> {
-        self.changes(&Explanation {
-            best: Vec::new(),
-            alike: Vec::new(),
-        })
-    }
-
-    /// The difference and the part of it that the best changes make.
+    /// The difference and the part of it that the best change makes.
     pub fn map(&self, Explanation { best, .. }: &Explanation) -> FitMap {
         let of_blocks = |sum: &dyn Fn(&Cell) -> f64| {
             let of_cell = |cell: &Cell| match sum(cell) / cell.variance().sqrt() {
@@ -568,11 +467,7 @@ impl<'s> Scores<'s> {
                 .map(|block| [0, 1, 2].map(|c| of_cell(&block[c])))
                 .collect()
         };
-        let fitted = |cell: &Cell| {
-            let of = best.iter();
-            of.map(|it| it.change * cell.derivatives[it.number][0])
-                .sum()
-        };
+        let fitted = |cell: &Cell| best.change * cell.derivatives[best.number][0];
         FitMap {
             columns: self.columns,
             difference: of_blocks(&|cell| cell.difference),
@@ -582,50 +477,37 @@ impl<'s> Scores<'s> {
 
     /// Sentence on what the difference looks like, and whether it says no more than "as if".
     pub fn in_words(&self, Explanation { best, alike }: &Explanation) -> (String, bool) {
-        let changes = best
-            .iter()
-            .map(|it| self.sensitivities[it.number].in_words(it.change, it.error));
-        let changes: Vec<String> = changes.collect();
-        let changes = changes.join("; and ");
-        let deviation = format!("{:.1} standard errors", self.size(best[0].number));
+        let size = self.size(best.number);
+        let deviation = format!("{size:.1} standard errors");
         let left = self.left(best);
-        let is_far = best
-            .iter()
-            .any(|it| self.sensitivities[it.number].is_far(it.change));
+        let sensitivity = self.sensitivities[best.number];
+        let is_far = sensitivity.is_far(best.change);
         // Only where derivatives hold, and leave noise, is it the same as a rendering with the change.
-        // Several numbers together come near what none of them made.
-        let is_found = left.is_noise && !is_far && best.len() == 1;
-        let may_be_as_if = best.len() <= MOST_AS_IF
-            && match left.share {
-                Some(share) => share <= LEAVES,
-                None => left.is_noise,
-            };
-        if !self.can_all_be(best) || !(is_found || may_be_as_if) {
-            let text = if is_far {
-                format!(
-                    "the difference is too large for derivatives to tell if a number is off, and which (score of the \
-                     likeliest: {deviation})"
-                )
+        let is_found = left.is_noise && !is_far;
+        let is_as_if = left.share.map_or(left.is_noise, |share| share <= LEAVES);
+        if !self.is_possible(best) || !(is_found || is_as_if) {
+            let what = if is_far {
+                "the difference is too large for derivatives to tell if a number is off, and which"
             } else {
-                format!(
-                    "no small change of a parameter explains the difference (score of the likeliest: \
-                     {deviation})"
-                )
+                "no small change of a parameter explains the difference"
             };
-            return (text, false);
+            return (
+                format!("{what} (score of the likeliest: {deviation})"),
+                false,
+            );
         }
-        let telling = self.telling(best[0].number, &left);
-        let is_told = self.size(best[0].number) >= telling;
-        let mut text = if is_found && is_told {
-            format!("the difference looks like this: {changes} ({deviation})")
-        } else if is_found {
+        let change = sensitivity.in_words(best.change, best.error);
+        let telling = self.telling(best.number, &left);
+        let mut text = if !is_found {
             format!(
-                "as far as the noise tells, the difference looks like this: {changes} ({deviation}; below {telling:.0} a \
-                 tenth of its square, or more, may have another cause)"
+                "the difference is as if this were so, or a mistake that looks like it: {change} ({deviation})"
             )
+        } else if size >= telling {
+            format!("the difference looks like this: {change} ({deviation})")
         } else {
             format!(
-                "the difference is as if this were so, or a mistake that looks like it: {changes} ({deviation})"
+                "as far as the noise tells, the difference looks like this: {change} ({deviation}; below {telling:.0} a \
+                 tenth of its square, or more, may have another cause)"
             )
         };
         match left.share {
@@ -638,22 +520,16 @@ impl<'s> Scores<'s> {
             }
             _ => {}
         }
-        if best.len() == 1 {
-            let names = alike.iter().map(|&k| {
-                let other = self.fit(&[k])[0];
-                self.sensitivities[k].in_words(other.change, other.error)
-            });
-            let names: Vec<String> = names.collect();
-            if names.is_empty() {
-                if is_found && self.next_beside(best).is_none() {
-                    text.push_str(", and no other parameter is significant beside it");
-                }
-            } else {
-                text.push_str(&format!(
-                    "; this image cannot tell it from {}",
-                    names.join(", or ")
-                ));
-            }
+        let others = alike.iter().map(|&k| {
+            let other = self.fit(k);
+            self.sensitivities[k].in_words(other.change, other.error)
+        });
+        let others: Vec<String> = others.collect();
+        if !others.is_empty() {
+            text.push_str(&format!(
+                "; this image cannot tell it from {}",
+                others.join(", or ")
+            ));
         }
         (text, !is_found)
     }

@@ -6,23 +6,33 @@
 
 use super::effects::Effects;
 use super::images::Images;
-use super::misfit::{CAP, LATTICE, MOST_OUTSIDE, Misfit};
-use super::{Agreement, MOST_TOGETHER};
-use crate::compare::deterministic::tolerance;
+use crate::compare::deterministic::{in_tolerances, tolerance};
 use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Picture, default_gate, judge};
-use crate::conventions::{
-    CATALOGUE, Convention, ConventionSet, FIRST_SAMPLE, Profile, STEP, under,
-};
+use crate::conventions::{CATALOGUE, Convention, ConventionSet, Profile, STEP, under};
 use crate::film::Film;
 use crate::judging::nothing_drawn::background;
-use crate::math::powu;
-use crate::naming::likeness::{Stage, lattice_of, pixels_at, pixels_of};
+use crate::math::{Sum, powu};
+use crate::naming::likeness::{Stage, lattice_of, pixels_of};
 use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
 use rayon::prelude::*;
-use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
+
+/// Largest number of conventions in a set. VTK, as it comes, has eight of the catalogue.
+const MOST_TOGETHER: usize = 9;
+
+/// A difference counts by at most this many tolerances: a few pixels at an edge, far off, do not
+/// decide for the whole image.
+const CAP: f64 = 20.0;
+
+/// Largest share of the pixels of the lattice outside of the tolerance at which the whole image is
+/// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
+/// them.
+pub const MOST_OUTSIDE: f64 = 0.005;
+
+/// Approximate number of pixels of the lattice on which sets are compared.
+pub const LATTICE: usize = 576;
 
 /// Share of the remaining difference that a further convention must remove. A convention of the
 /// renderer that removes less leaves an image that passes without it, or another one comes first.
@@ -41,30 +51,39 @@ const MOST_WHOLE: usize = 3;
 /// those that are claimed.
 const LEFT_BY_ROUNDING: f64 = 0.1;
 
-/// Expansions after which pairs of choices [`OF_STEPS`] are tried.
-const EXPANDED_BEFORE_PAIRS: usize = 2;
+/// Residual of an image beside the right one under other conventions, in tolerances of the deterministic gate, by the
+/// worst channel of each pixel.
+pub struct Residual {
+    /// Mean over the pixels of its square.
+    mean_square: f64,
+    /// Share of the pixels that are off by more than one tolerance.
+    pub outside: f64,
+    /// The worst pixel.
+    worst: f64,
+}
 
-/// Choices about the places of samples and about the opacity of a step. Samples that are at the right places by one
-/// convention of two are at no right place, and which opacities are dropped depends on the step: neither may
-/// leave less alone.
-const OF_STEPS: [&str; 11] = [
-    FIRST_SAMPLE,
-    STEP,
-    "step_length",
-    "step_opacity",
-    "fitted_steps",
-    "last_step",
-    "last_sample",
-    "least_opacity",
-    "box",
-    "centring",
-    "pixel",
-];
+impl Residual {
+    pub fn of(right: &Film, test: &Film) -> Residual {
+        let test = &*test.nearest_to(right);
+        let (mut sum, mut outside, mut largest) = (Sum::default(), 0, 0.0_f64);
+        for (right, test) in right.radiance().iter().zip(test.radiance()) {
+            let worst = in_tolerances(*right, *test);
+            sum.add(worst.min(CAP) * worst.min(CAP));
+            outside += usize::from(worst > 1.0);
+            largest = largest.max(worst);
+        }
+        let pixels = right.radiance().len() as f64;
+        Residual {
+            mean_square: sum.value() / pixels,
+            outside: outside as f64 / pixels,
+            worst: largest,
+        }
+    }
+}
 
 /// The search in the images of one case.
 pub struct Attempt<'a> {
     exposure: f64,
-    scene: &'a Scene,
     images: &'a Images<'a>,
     /// The image with the step of the scene, and those with half of it, a quarter and so on.
     tests: &'a [Film],
@@ -78,7 +97,7 @@ pub struct Attempt<'a> {
 
 /// A set of conventions, rendered on the lattice.
 struct Candidate {
-    misfit: Misfit,
+    residual: Residual,
     deviations: Vec<f64>,
     is_expanded: bool,
     /// The whole image was compared, too.
@@ -116,104 +135,50 @@ impl Change {
 }
 
 impl<'a> Attempt<'a> {
-    /// The search in `tests`, at least one, images of `scene` at `exposure` stops, by `images` of that scene.
-    pub fn new(
-        scene: &'a Scene,
-        exposure: f64,
-        tests: &'a [Film],
-        images: &'a Images<'a>,
-    ) -> Attempt<'a> {
-        let widths: Vec<usize> = scene.panels.iter().map(|panel| panel.width).collect();
+    /// The search in `tests`, at least one, at `exposure` stops, by `images` of the scene.
+    pub fn new(exposure: f64, tests: &'a [Film], images: &'a Images<'a>) -> Attempt<'a> {
+        let scene = images.scene;
         let lattice = lattice_of(scene.width() * scene.height(), LATTICE);
         Attempt {
             exposure,
-            scene,
             images,
             tests,
             lattice,
-            on_lattice: pixels_of(&tests[0], &widths, lattice),
+            on_lattice: pixels_of(&tests[0], scene, lattice),
             nothing: background(scene).expect("conventions are about volumes"),
         }
     }
 
-    /// True if the work reached its limit.
-    pub fn is_work_done(&self) -> bool {
-        self.images.is_work_done()
+    /// The share of the pixels but for which all test images agree with those under the conventions of `set`, if they
+    /// do: 0 where they pass, and else what single precision may round.
+    pub fn agreement(&self, set: &[usize]) -> Option<f64> {
+        let tests = self.tests.iter().enumerate();
+        tests
+            .map(|(halvings, test)| {
+                let right = self.images.under(set, halvings, Detail::Whole)?;
+                if !makes_what_shows(&right, test, &self.nothing) {
+                    return None;
+                }
+                if self.passes(&right, test, false) {
+                    return Some(0.0);
+                }
+                let residual = Residual::of(&right, test);
+                let is_rounding = residual.worst <= CAP && self.passes(&right, test, true);
+                is_rounding.then_some(residual.outside.max(f64::MIN_POSITIVE))
+            })
+            .try_fold(0.0, |most: f64, share| Some(most.max(share?)))
     }
 
-    /// Agreement of all test images with those under the conventions of `set`, if there is any.
-    pub fn agreement(&self, set: &[usize]) -> Option<Agreement> {
-        let mut least = Agreement::Full;
-        for (halvings, test) in self.tests.iter().enumerate() {
-            let agreement = self.agreement_at(set, halvings, test)?;
-            if agreement > least {
-                least = agreement;
-            }
-        }
-        Some(least)
-    }
-
-    fn agreement_at(&self, set: &[usize], halvings: usize, test: &Film) -> Option<Agreement> {
-        let right = self.images.under(set, halvings, Detail::Whole)?;
-        if !makes_what_shows(&right, test, &self.nothing) {
-            return None;
-        }
-        if self.passes(&right, test, false) {
-            return Some(Agreement::Full);
-        }
-        let misfit = Misfit::of(&right, test);
-        let is_rounding = misfit.worst <= CAP && self.passes(&right, test, true);
-        is_rounding.then_some(Agreement::ButFor(misfit.outside))
-    }
-
-    /// The conventions under which the images agree, none of them without need.
-    pub fn search(&self) -> Option<(ConventionSet, Agreement)> {
-        let found = self.completed(self.backward_elimination(self.best_first()?)?);
+    /// The conventions under which the images agree, none of them without need, and that share of the pixels.
+    pub fn search(&self) -> Option<(ConventionSet, f64)> {
+        let found = self.backward_elimination(self.best_first()?)?;
         self.is_explained(&found.0, found.1).then_some(found)
     }
 
-    /// The set with one more convention, if only that one is missing for the images to pass: one that shows in fewer
-    /// pixels than the lattice sees.
-    fn completed(
-        &self,
-        (set, agreement): (ConventionSet, Agreement),
-    ) -> (ConventionSet, Agreement) {
-        let larger = || {
-            let right = self.images.under(&set, 0, Detail::Whole)?;
-            let outside = Misfit::pixels_outside(&right, &self.tests[0]);
-            if outside.is_empty() {
-                return None; // it is one with shorter steps that does not pass
-            }
-            let rest = pixels_at(&self.tests[0], &outside, 1);
-            let lacks = |index: &usize| {
-                let is_same = |&other: &usize| CATALOGUE[other].choice == CATALOGUE[*index].choice;
-                !set.iter().any(is_same)
-            };
-            let mut candidates = (0..CATALOGUE.len())
-                .filter(lacks)
-                .map(|index| Change::to(index).of(&set));
-            candidates.find(|set| {
-                let is_near = self
-                    .images
-                    .at(set, &outside)
-                    .is_some_and(|right| Misfit::pixels_outside(&right, &rest).is_empty());
-                is_near && self.agreement(set) == Some(Agreement::Full)
-            })
-        };
-        let is_open = matches!(agreement, Agreement::ButFor(share) if share > 0.0);
-        match (is_open && set.len() < MOST_TOGETHER)
-            .then(larger)
-            .flatten()
-        {
-            Some(larger) => (larger, Agreement::Full),
-            None => (set, agreement),
-        }
-    }
-
     /// True if the images under the conventions of `set` differ from those under volref's own by more than the
-    /// gate allows, and pass under the `agreement` or leave no more of the pixels outside of the tolerance than
-    /// [`LEFT_BY_ROUNDING`]; and if a step of the set [shows](Self::shows_step).
-    pub fn is_explained(&self, set: &[usize], agreement: Agreement) -> bool {
+    /// gate allows, and pass or leave no more of the pixels outside of the tolerance than [`LEFT_BY_ROUNDING`]; and if a
+    /// step of the set [shows](Self::shows_step).
+    pub fn is_explained(&self, set: &[usize], but_for: f64) -> bool {
         if !self.shows_step(set) {
             return false;
         }
@@ -223,11 +188,11 @@ impl<'a> Attempt<'a> {
             let [Some(own), Some(under)] = images else {
                 return false;
             };
-            before = before.max(Misfit::of(&own, test).outside);
-            left = left.max(Misfit::of(&under, test).outside);
+            before = before.max(Residual::of(&own, test).outside);
+            left = left.max(Residual::of(&under, test).outside);
             differs |= !self.passes(&own, &under, false);
         }
-        differs && (agreement == Agreement::Full || left <= LEFT_BY_ROUNDING * before)
+        differs && (but_for == 0.0 || left <= LEFT_BY_ROUNDING * before)
     }
 
     /// True of a set without a step, and of one whose image differs by more than the gate allows from that with the
@@ -255,32 +220,31 @@ impl<'a> Attempt<'a> {
         judge(gate, &pictures[0], &pictures[1], &conditions).is_ok_and(|judged| judged.passed)
     }
 
-    /// The first set, of those with the least misfit, under which the whole images agree.
-    fn best_first(&self) -> Option<(ConventionSet, Agreement)> {
+    /// The first set, of those with the least residual, under which the whole images agree.
+    fn best_first(&self) -> Option<(ConventionSet, f64)> {
         let mut candidates = Candidates::new();
         self.render(self.starts(), &mut candidates)?;
+        let (mut rounded, mut after_rounding) = (None, 0);
         // First none, though others leave less: mistakes and conventions that add up are seen from there.
-        self.expand(&[], &mut candidates)?;
-        let mut rounded = None;
-        let mut after_rounding = 0;
-        for expanded in 1..=MOST_EXPANDED {
-            if expanded == EXPANDED_BEFORE_PAIRS {
-                let pairs = self.with_pairs_of_steps(&candidates);
-                if self.render(pairs, &mut candidates).is_none() {
-                    break;
-                }
+        let mut next = ConventionSet::new();
+        for expanded in 0..MOST_EXPANDED {
+            let clock = self.images.clock;
+            clock.report(Stage::Conventions, expanded, MOST_EXPANDED);
+            if self.expand(&next, &mut candidates).is_none() {
+                break;
             }
             match self.agreeing(&mut candidates) {
-                Some(found) if found.1 == Agreement::Full => return Some(found),
+                Some(found) if found.1 == 0.0 => return Some(found),
+                // One that leaves a rest may lack a convention.
                 other => rounded = other.or(rounded),
             }
             after_rounding += usize::from(rounded.is_some());
-            if after_rounding > EXPANDED_AFTER_ROUNDING || expanded == MOST_EXPANDED {
+            if after_rounding > EXPANDED_AFTER_ROUNDING {
                 break;
             }
-            let Some(set) = next(&candidates) else { break };
-            if self.expand(&set, &mut candidates).is_none() {
-                break;
+            match best(&candidates) {
+                Some(set) => next = set,
+                None => break,
             }
         }
         rounded
@@ -290,40 +254,16 @@ impl<'a> Attempt<'a> {
     fn starts(&self) -> Vec<ConventionSet> {
         let profiles = Profile::shipped().filter_map(|name| {
             let profile = Profile::named(name).ok()?;
-            profile_set(&profile, self.scene)
+            profile_set(&profile, self.images.scene)
         });
         std::iter::once(ConventionSet::new())
             .chain(profiles)
             .collect()
     }
 
-    /// The expanded set that [leads](lead), with each pair of conventions [`OF_STEPS`].
-    fn with_pairs_of_steps(&self, candidates: &Candidates) -> Vec<ConventionSet> {
-        let expanded = candidates.iter().filter(|(_, it)| it.is_expanded);
-        let best = expanded.min_by(|a, b| lead(a).total_cmp(&lead(b)));
-        let best = best.map_or(&[][..], |(set, _)| set);
-        let own = stated(self.scene);
-        let is_of_steps = |&index: &usize| {
-            let choice = CATALOGUE[index].choice;
-            let has_step = || stated(&under(self.scene, &[index])) != own;
-            OF_STEPS.contains(&choice) && (choice != STEP || has_step())
-        };
-        let of_steps: Vec<usize> = (0..CATALOGUE.len()).filter(is_of_steps).collect();
-        let mut sets = Vec::new();
-        for (at, &first) in of_steps.iter().enumerate() {
-            let with_first = Change::to(first).of(best);
-            for &second in &of_steps[at + 1..] {
-                if CATALOGUE[first].choice != CATALOGUE[second].choice {
-                    sets.push(Change::to(second).of(&with_first));
-                }
-            }
-        }
-        sets
-    }
-
     /// Renders those of `sets` on the lattice that were not. `None` if the work has reached its limit.
     fn render(&self, sets: Vec<ConventionSet>, candidates: &mut Candidates) -> Option<()> {
-        if self.is_work_done() {
+        if self.images.clock.is_over() {
             return None;
         }
         let new: BTreeSet<ConventionSet> = sets
@@ -335,7 +275,7 @@ impl<'a> Attempt<'a> {
             .map(|set| {
                 let image = self.images.under(&set, 0, self.lattice)?;
                 let candidate = Candidate {
-                    misfit: Misfit::of(&image, &self.on_lattice),
+                    residual: Residual::of(&image, &self.on_lattice),
                     deviations: deviations(&image, &self.on_lattice),
                     is_expanded: false,
                     is_compared: false,
@@ -349,9 +289,6 @@ impl<'a> Attempt<'a> {
 
     /// Renders all single changes of `set`, and the sets that their effects propose.
     fn expand(&self, set: &[usize], candidates: &mut Candidates) -> Option<()> {
-        let before = candidates.values().filter(|it| it.is_expanded).count();
-        self.images
-            .report(Stage::Conventions, before, MOST_EXPANDED);
         candidates.get_mut(set)?.is_expanded = true;
         let others = (0..CATALOGUE.len()).filter(|index| !set.contains(index));
         let to_own = set.iter().map(|&index| Change {
@@ -359,10 +296,10 @@ impl<'a> Attempt<'a> {
             ..Change::to(index)
         });
         // A change may be about a thing that the scene does not have.
-        let before = stated(&under(self.scene, set));
+        let before = stated(&under(self.images.scene, set));
         let changes = others.map(Change::to).chain(to_own);
         let changes = changes.map(|change| (change, change.of(set)));
-        let changes = changes.filter(|(_, to)| stated(&under(self.scene, to)) != before);
+        let changes = changes.filter(|(_, to)| stated(&under(self.images.scene, to)) != before);
         let changes: Vec<(Change, ConventionSet)> = changes.collect();
         let singles = changes.iter().map(|(_, to)| to.clone()).collect();
         self.render(singles, candidates)?;
@@ -383,31 +320,35 @@ impl<'a> Attempt<'a> {
         self.render(proposed, candidates)
     }
 
-    /// The first of the sets that leave least under which the whole images agree.
-    fn agreeing(&self, candidates: &mut Candidates) -> Option<(ConventionSet, Agreement)> {
-        let mut near: Vec<_> = candidates
-            .iter_mut()
-            .filter(|(_, it)| !it.is_compared && it.misfit.outside <= MOST_OUTSIDE)
-            .collect();
-        near.sort_by(by_misfit);
-        let mut best: Option<(ConventionSet, Agreement)> = None;
+    /// The first of the sets that leave least, a convention more for a share of [`LEAST_GAIN`], under which the whole
+    /// images agree.
+    fn agreeing(&self, candidates: &mut Candidates) -> Option<(ConventionSet, f64)> {
+        let near = candidates.iter_mut();
+        let near = near.filter(|(_, it)| !it.is_compared && it.residual.outside <= MOST_OUTSIDE);
+        let mut near: Vec<_> = near.collect();
+        let cost = |set: &ConventionSet, it: &Candidate| {
+            it.residual.mean_square * powu(1.0 / (1.0 - LEAST_GAIN), set.len() as u32)
+        };
+        near.sort_by(|a, b| cost(a.0, a.1).total_cmp(&cost(b.0, b.1)));
+        let mut best: Option<(ConventionSet, f64)> = None;
         for (set, candidate) in near.into_iter().take(MOST_WHOLE) {
             candidate.is_compared = true;
-            match self.agreement(set) {
-                Some(Agreement::Full) => return Some((set.clone(), Agreement::Full)),
-                Some(agreement) if best.as_ref().is_none_or(|it| agreement < it.1) => {
-                    best = Some((set.clone(), agreement));
+            let agreement = self.agreement(set);
+            let least = best.as_ref().map_or(f64::INFINITY, |it| it.1);
+            if let Some(but_for) = agreement.filter(|it| *it < least) {
+                best = Some((set.clone(), but_for));
+                if but_for == 0.0 {
+                    break;
                 }
-                _ => {}
             }
         }
         best
     }
 
     /// Agreement of the whole images, where that on the lattice does not exclude it.
-    pub fn agreement_if_near(&self, set: &[usize]) -> Option<Agreement> {
+    pub fn agreement_if_near(&self, set: &[usize]) -> Option<f64> {
         let image = self.images.under(set, 0, self.lattice)?;
-        let is_near = Misfit::of(&image, &self.on_lattice).outside <= MOST_OUTSIDE;
+        let is_near = Residual::of(&image, &self.on_lattice).outside <= MOST_OUTSIDE;
         is_near.then(|| self.agreement(set))?
     }
 
@@ -415,8 +356,8 @@ impl<'a> Attempt<'a> {
     /// single one is left that cannot explain the image alone.
     fn backward_elimination(
         &self,
-        (mut set, mut agreement): (ConventionSet, Agreement),
-    ) -> Option<(ConventionSet, Agreement)> {
+        (mut set, mut agreement): (ConventionSet, f64),
+    ) -> Option<(ConventionSet, f64)> {
         let mut index = 0;
         while index < set.len() {
             let mut shorter = set.clone();
@@ -436,7 +377,7 @@ impl<'a> Attempt<'a> {
 
     /// Conventions that can replace one of `set` with the same agreement or more. Where nothing is
     /// at the border, for example, the image does not depend on a first sample there.
-    pub fn alternatives(&self, set: &[usize], agreement: Agreement) -> Vec<usize> {
+    pub fn alternatives(&self, set: &[usize], agreement: f64) -> Vec<usize> {
         let others = CATALOGUE
             .iter()
             .enumerate()
@@ -466,55 +407,30 @@ fn stated_by(volume: &Classified) -> (Conventions, Compositing, f64) {
     (volume.conventions, volume.compositing, volume.step)
 }
 
-/// The set to expand next: the best of those in which every convention counts, as far as is known. Sets that
-/// differ by one that does not would be as good, one after the other; so would those that give other answers to
-/// the same choices as one that was expanded, each of which counts half.
-fn next(candidates: &Candidates) -> Option<ConventionSet> {
-    let counts = |set: &ConventionSet, misfit: &Misfit| {
+/// The set to expand next: the one with the least residual, doubled for each of its conventions, of those in which every
+/// convention counts, as far as is known. Many that leave a little less than few may be none of them right, and from few
+/// that are right the others are found one by one.
+fn best(candidates: &Candidates) -> Option<ConventionSet> {
+    let counts = |set: &ConventionSet, residual: &Residual| {
         let shorter = (0..set.len()).map(|index| {
             let mut shorter = set.clone();
             shorter.remove(index);
             shorter
         });
-        let limit = |it: &Candidate| (1.0 - LEAST_GAIN) * it.misfit.mean_square;
+        let limit = |it: &Candidate| (1.0 - LEAST_GAIN) * it.residual.mean_square;
         shorter.chain([ConventionSet::new()]).all(|shorter| {
             let known = candidates.get(&shorter);
-            known.is_none_or(|it| misfit.mean_square < limit(it))
+            known.is_none_or(|it| residual.mean_square < limit(it))
         })
-    };
-    let choices = |set: &[usize]| -> BTreeSet<&str> {
-        set.iter().map(|&index| CATALOGUE[index].choice).collect()
-    };
-    let expanded = candidates.iter().filter(|(_, it)| it.is_expanded);
-    let expanded: Vec<_> = expanded.map(|(set, _)| choices(set)).collect();
-    let rank = |it: &(&ConventionSet, &Candidate)| {
-        let choices = choices(it.0);
-        let before = expanded.iter().filter(|other| **other == choices).count();
-        lead(it) * powu(2.0, before as u32)
     };
     let open = candidates
         .iter()
-        .filter(|(set, it)| !it.is_expanded && counts(set, &it.misfit));
-    let best = open.min_by(|a, b| rank(a).total_cmp(&rank(b)));
-    best.map(|(set, _)| set.clone())
-}
-
-/// Misfit of a set, doubled for each of its conventions: many that leave a little less than few may be none of
-/// them right, and from few that are right the others are found one by one.
-fn lead((set, candidate): &(&ConventionSet, &Candidate)) -> f64 {
-    candidate.misfit.mean_square * powu(2.0, set.len() as u32)
-}
-
-/// The order in which candidates are tried: by what they leave, a convention more for a share of
-/// [`LEAST_GAIN`].
-fn by_misfit(
-    a: &(&ConventionSet, &mut Candidate),
-    b: &(&ConventionSet, &mut Candidate),
-) -> Ordering {
-    let cost = |(set, candidate): &(&ConventionSet, &mut Candidate)| {
-        candidate.misfit.mean_square * powu(1.0 / (1.0 - LEAST_GAIN), set.len() as u32)
+        .filter(|(set, it)| !it.is_expanded && counts(set, &it.residual));
+    let lead = |(set, it): &(&ConventionSet, &Candidate)| {
+        it.residual.mean_square * powu(2.0, set.len() as u32)
     };
-    cost(a).total_cmp(&cost(b))
+    let best = open.min_by(|a, b| lead(a).total_cmp(&lead(b)));
+    best.map(|(set, _)| set.clone())
 }
 
 /// The conventions of the catalogue that `profile` holds beside those of `scene`.

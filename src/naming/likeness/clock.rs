@@ -1,10 +1,11 @@
-//! Limit of work and progress of the search for a mistake.
+//! Limit of work and progress of a search.
 
-use super::kept::Predictions;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use super::predictions::Predictions;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Options of the search for a mistake.
+/// Options of the search for a cause.
 pub struct Search<'s> {
     /// Limit of the work for each failed case, as the time that it takes on two cores; `None` for no limit. The
     /// search for its conventions counts. One rendered image may exceed it.
@@ -22,8 +23,7 @@ impl Search<'_> {
     pub const BUDGET: u32 = 10;
 }
 
-/// Share of the work for first looks. A second look takes up to 16 times the work of a first one,
-/// and there are [eight](crate::naming::likeness::hunt) at most, where first looks are hundreds.
+/// Share of the work for first looks: closer looks at what they leave open need the rest.
 const FIRST_LOOKS: f64 = 0.75;
 
 /// Progress of the search.
@@ -65,7 +65,7 @@ impl Stage {
 
 /// Work that is done in a second on two cores, in [events](crate::render::Event) of kernels, for which limits in
 /// seconds stand.
-pub(in crate::naming) const WORK_PER_SECOND: f64 = 1e8;
+const WORK_PER_SECOND: f64 = 1e8;
 
 /// Longest time of a search, in those seconds: work is counted, so that a verdict depends on no machine's load, but
 /// nobody waits forever.
@@ -75,25 +75,22 @@ const SLOWEST: u32 = 6;
 const MOMENT: Duration = Duration::from_secs(30);
 
 /// The work of one case.
-pub(super) struct SearchClock<'s> {
+pub(in crate::naming) struct SearchClock<'s> {
     search: &'s Search<'s>,
-    case: &'s str,
-    /// Work done, and its limits, of all looks and of first looks, which leave some for second looks at what
-    /// they found; no limits where there is no budget.
     work: AtomicU64,
+    /// Limits of the work, of all looks and of first looks.
     limits: Option<[u64; 2]>,
     /// Latest end.
     end: Option<Instant>,
     /// True if the search was ended early.
     was_ended: AtomicBool,
-    stage: Stage,
-    done: AtomicUsize,
-    of: usize,
+    /// What was reported last.
+    step: Mutex<SearchStep>,
 }
 
 impl<'s> SearchClock<'s> {
-    /// Starts the clock, with `of` single mistakes to try, after this work was `spent` on conventions.
-    pub fn start(search: &'s Search<'s>, case: &'s str, of: usize, spent: u64) -> SearchClock<'s> {
+    /// Starts the clock for `case`, after this work was `spent` on it.
+    pub fn start(search: &'s Search<'s>, case: &str, spent: u64) -> SearchClock<'s> {
         let limits = |budget: Duration| {
             let all = (WORK_PER_SECOND * budget.as_secs_f64()) as u64;
             let left = all.saturating_sub(spent);
@@ -101,20 +98,26 @@ impl<'s> SearchClock<'s> {
         };
         SearchClock {
             search,
-            case,
             work: AtomicU64::new(spent),
             limits: search.budget.map(limits),
-            end: search.budget.and_then(latest_end),
+            end: latest_end(search),
             was_ended: AtomicBool::new(false),
-            stage: Stage::Singles,
-            done: AtomicUsize::new(0),
-            of,
+            step: Mutex::new(SearchStep {
+                case: case.to_owned(),
+                stage: Stage::Singles,
+                done: 0,
+                of: 0,
+                left: None,
+            }),
         }
     }
 
-    /// Continues after another case was searched.
-    pub fn resume(&mut self) {
-        self.end = self.search.budget.and_then(latest_end);
+    /// Continues after other cases were searched.
+    pub fn resumed(self) -> SearchClock<'s> {
+        SearchClock {
+            end: latest_end(self.search),
+            ..self
+        }
     }
 
     pub fn predictions(&self) -> &'s Predictions {
@@ -126,36 +129,20 @@ impl<'s> SearchClock<'s> {
         self.work.load(Ordering::Relaxed)
     }
 
-    /// Counts `work` that is about to be done; false, and none of it is to be done, if the search of this case is
-    /// to end.
+    /// Counts `work` that was done, or is about to be done; true if the search may go on.
     pub fn spend(&self, work: u64) -> bool {
-        let goes_on = !self.is_over();
-        if goes_on {
-            self.work.fetch_add(work, Ordering::Relaxed);
-        }
-        goes_on
-    }
-
-    /// [`spend`](Self::spend), if that is no more than this `share` of the limit.
-    pub fn spend_share(&self, work: u64, share: f64) -> bool {
-        let most = self.limits.map(|[all, _]| share * all as f64);
-        most.is_none_or(|most| work as f64 <= most) && self.spend(work)
-    }
-
-    /// [`spend`](Self::spend), for a further hypothesis.
-    pub fn spend_early(&self, work: u64) -> bool {
-        !self.is_late() && self.spend(work)
+        self.work.fetch_add(work, Ordering::Relaxed);
+        !self.is_over()
     }
 
     /// True if the search of this case is to end.
     pub fn is_over(&self) -> bool {
-        self.is_beyond(self.limits.map(|[all, _]| all)) || self.is_stopped()
+        self.is_beyond(0) || self.is_stopped()
     }
 
-    /// True when no further hypothesis is to be tried, and those that were found get their second
-    /// look.
+    /// True when no further hypothesis is to be tried, and those that were found get their closer look.
     pub fn is_late(&self) -> bool {
-        self.is_beyond(self.limits.map(|[_, first]| first)) || self.is_stopped()
+        self.is_beyond(1) || self.is_stopped()
     }
 
     /// True if work that has begun is to end.
@@ -164,49 +151,38 @@ impl<'s> SearchClock<'s> {
         self.ended_if(is_late || (self.search.interrupted)())
     }
 
-    fn is_beyond(&self, limit: Option<u64>) -> bool {
-        self.ended_if(limit.is_some_and(|limit| self.work() >= limit))
+    fn is_beyond(&self, limit: usize) -> bool {
+        self.ended_if(
+            self.limits
+                .is_some_and(|limits| self.work() >= limits[limit]),
+        )
     }
 
     fn ended_if(&self, is: bool) -> bool {
-        if is {
-            self.was_ended.store(true, Ordering::Relaxed);
-        }
+        self.was_ended.fetch_or(is, Ordering::Relaxed);
         is
     }
 
-    /// Counts a hypothesis as decided; not to be called for one that was given up.
-    pub fn decided(&self) {
-        self.done.fetch_add(1, Ordering::Relaxed);
-        self.report();
-    }
-
-    /// Reports the progress.
-    pub fn report(&self) {
-        (self.search.progress)(&self.step());
+    /// Reports that `done` of so many things are tried.
+    pub fn report(&self, stage: Stage, done: usize, of: usize) {
+        let left =
+            |[limit, _]: [u64; 2]| limit.saturating_sub(self.work()) as f64 / WORK_PER_SECOND;
+        let mut step = self.step.lock().unwrap_or_else(PoisonError::into_inner);
+        (step.stage, step.done, step.of) = (stage, done, of);
+        step.left = self.limits.map(left).map(Duration::from_secs_f64);
+        (self.search.progress)(&step);
     }
 
     /// Progress of a search that was ended early.
     pub fn unfinished(&self) -> Option<SearchStep> {
         let was_ended = self.was_ended.load(Ordering::Relaxed);
-        was_ended.then(|| self.step())
-    }
-
-    fn step(&self) -> SearchStep {
-        let left =
-            |[limit, _]: [u64; 2]| limit.saturating_sub(self.work()) as f64 / WORK_PER_SECOND;
-        SearchStep {
-            case: self.case.to_owned(),
-            stage: self.stage,
-            done: self.done.load(Ordering::Relaxed).min(self.of),
-            of: self.of,
-            left: self.limits.map(left).map(Duration::from_secs_f64),
-        }
+        let step = || self.step.lock().unwrap_or_else(PoisonError::into_inner);
+        was_ended.then(|| step().clone())
     }
 }
 
-/// Latest end of a search that begins now, with this budget.
-pub(in crate::naming) fn latest_end(budget: Duration) -> Option<Instant> {
-    // A budget beyond the end of time is none.
-    Instant::now().checked_add(budget.checked_mul(SLOWEST)?.max(MOMENT))
+/// Latest end of a search that begins now. A budget beyond the end of time is none.
+fn latest_end(search: &Search<'_>) -> Option<Instant> {
+    let longest = search.budget?.checked_mul(SLOWEST)?.max(MOMENT);
+    Instant::now().checked_add(longest)
 }

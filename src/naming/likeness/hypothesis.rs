@@ -1,49 +1,73 @@
 //! Hypotheses: one mistake, or two, behind an image.
 
-use crate::compare::cells::Misfit;
-use crate::variations::mistakes;
-use crate::variations::mistakes::Mistake;
+use crate::compare::unexplained::SquaredDistance;
+use crate::variations::mistakes::{self, Mistake};
 use std::sync::OnceLock;
 
-/// Hypotheses that explain an image, with their misfits.
-pub(super) type Explaining = Vec<(Hypothesis, Misfit)>;
-
 /// One mistake, or two, the first made before the second; by their places in the catalogue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Hypothesis {
-    One(usize),
-    Two(usize, usize),
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Hypothesis {
+    first: usize,
+    second: Option<usize>,
 }
 
-/// The mistake at `place` of the catalogue.
-pub(super) fn mistake(index: usize) -> &'static Mistake {
+/// Hypotheses that explain an image, with what they leave of the difference.
+pub(super) type Explaining = Vec<(Hypothesis, SquaredDistance)>;
+
+/// Pairs that one slip makes: the nearest node by rounding down is that of a volume half a voxel off.
+const USUAL_PAIRS: [[&str; 2]; 4] = [
+    ["nearest-for-trilinear", "volume-half-voxel-off"],
+    ["nearest-for-trilinear", "volume-half-voxel-back"],
+    ["interpolation-nearest", "grid-half-voxel-off"],
+    ["interpolation-nearest", "grid-half-voxel-back"],
+];
+
+fn catalogue() -> &'static [&'static Mistake] {
     static CATALOGUE: OnceLock<Vec<&'static Mistake>> = OnceLock::new();
-    CATALOGUE.get_or_init(|| mistakes::catalogue().collect())[index]
+    CATALOGUE.get_or_init(|| mistakes::catalogue().collect())
 }
 
 impl Hypothesis {
-    /// The place of the mistake in the catalogue, of one alone.
-    pub fn one(&self) -> Option<usize> {
-        match *self {
-            Hypothesis::One(one) => Some(one),
-            Hypothesis::Two(..) => None,
-        }
+    /// Each mistake for which `is` holds, by itself.
+    pub fn singles(is: impl Fn(&Mistake) -> bool) -> Vec<Hypothesis> {
+        let all = catalogue().iter().enumerate();
+        let wanted = all.filter(|(_, mistake)| is(mistake));
+        let single = |(first, _)| Hypothesis {
+            first,
+            second: None,
+        };
+        wanted.map(single).collect()
     }
 
-    pub fn mistakes(&self) -> Vec<&'static Mistake> {
-        match *self {
-            Hypothesis::One(one) => vec![mistake(one)],
-            Hypothesis::Two(first, second) => vec![mistake(first), mistake(second)],
-        }
+    /// The usual pairs.
+    pub fn pairs() -> Vec<Hypothesis> {
+        let place = |name: &str| catalogue().iter().position(|mistake| mistake.name == name);
+        let pairs = USUAL_PAIRS.iter().filter_map(|[first, second]| {
+            Some(Hypothesis {
+                first: place(first)?,
+                second: Some(place(second)?),
+            })
+        });
+        pairs.collect()
+    }
+
+    pub fn mistakes(&self) -> impl Iterator<Item = &'static Mistake> + Clone {
+        let places = std::iter::once(self.first).chain(self.second);
+        places.map(|place| catalogue()[place])
+    }
+
+    /// True if nothing has to be rendered.
+    pub fn is_of_the_image(&self) -> bool {
+        self.mistakes().all(|mistake| mistake.is_of_the_image())
     }
 
     pub fn name(&self) -> String {
-        let names: Vec<_> = self.mistakes().iter().map(|m| m.name).collect();
+        let names: Vec<_> = self.mistakes().map(|mistake| mistake.name).collect();
         names.join(" + ")
     }
 
     pub fn advice(&self) -> String {
-        let advice: Vec<_> = self.mistakes().iter().map(|m| m.advice).collect();
+        let advice: Vec<_> = self.mistakes().map(|mistake| mistake.advice).collect();
         advice.join("; and ")
     }
 }

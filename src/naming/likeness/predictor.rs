@@ -1,109 +1,214 @@
-//! Renderings of a scene with a mistake, of as few pixels or samples as tell.
+//! Predictions: images of a scene with a change, of as few pixels or samples as tell.
 
 use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
-use super::prediction::{
-    FIRST_LOOK, SECOND_LOOK, THIRD_LOOK, blocks, first_lattice, predicted, rays, work_of_a_ray,
-};
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
-use crate::render::Detail;
+use crate::render::{
+    Counters, Detail, Event, Plan, Sampling, Seed, plans, render_coarse, render_coarse_counted,
+};
 use crate::scene::Scene;
-
-/// Label of the scene as it is.
-pub(super) const UNCHANGED: &str = "unchanged";
 
 /// Pixels of a look, and samples in each.
 pub(super) type Look = (Detail, u32);
 
-/// Predictor of the images that mistakes in a scene make.
+/// Seed of predictions, the first of a few: one that neither goldens nor renderings of users are likely to have.
+const SEED: u64 = 0x7072_6564_6963_7400;
+
+/// Samples in a block of each look, where pixels are means of samples: 1, 8 and 32 per pixel. The last has as many as
+/// a test image of the suite, or more, so that its own noise is no longer the larger one.
+const SAMPLES: [u32; 3] = [64, 512, 2048];
+
+/// Samples in a block by which the work of a ray is counted.
+const COUNTED: u32 = 16;
+
+/// Samples in a pixel of a scene without random numbers that asks for some: of a plot.
+const WITHOUT_NOISE: u32 = 4;
+
+/// Approximate number of pixels of a lattice: of a mistake that shows in one pixel in a hundred,
+/// twenty are seen.
+const LATTICE: usize = 2048;
+
+/// A lattice of about `wanted` pixels of an image of `pixels`; the whole image where it is small.
+pub(in crate::naming) fn lattice_of(pixels: usize, wanted: usize) -> Detail {
+    match (pixels / wanted).isqrt() {
+        0 | 1 => Detail::Whole,
+        every => Detail::Lattice(every),
+    }
+}
+
+/// Predictor of the images that changes of a scene make.
 pub(super) struct Predictor {
+    /// Name of the case.
+    name: String,
     pub scene: Scene,
-    /// Widths of its panels.
-    pub widths: Vec<usize>,
-    pub first: Look,
-    pub second: Look,
+    /// Looks at an image, from few pixels or samples to many.
+    pub looks: Vec<Look>,
     /// Work of a ray from the eye, in events.
     work_of_a_ray: f64,
 }
 
 impl Predictor {
-    /// Predictor for a `scene` of so many `pixels`, with random samples or not.
-    pub fn new(scene: Scene, pixels: usize, is_sampled: bool) -> Predictor {
-        let (first, second) = match (is_sampled, blocks(&scene)) {
-            (true, Some(blocks)) => ((blocks, FIRST_LOOK), (blocks, SECOND_LOOK)),
-            (true, None) => (whole(FIRST_LOOK), whole(SECOND_LOOK)),
-            (false, _) => {
-                let (_, samples) = whole(SECOND_LOOK);
-                ((first_lattice(pixels), samples), (Detail::Whole, samples))
-            }
+    /// Predictor for the `scene` of the case called `name`, whose pixels are means of samples or not.
+    pub fn new(name: &str, scene: Scene, is_sampled: bool) -> Predictor {
+        let pixels = scene.width() * scene.height();
+        let looks = if is_sampled {
+            SAMPLES
+                .map(|samples| match blocks(&scene) {
+                    Some(blocks) => (blocks, samples),
+                    None => (Detail::Whole, (samples / (BLOCK * BLOCK) as u32).max(2)),
+                })
+                .to_vec()
+        } else {
+            let details = vec![lattice_of(pixels, LATTICE), Detail::Whole];
+            let mut looks: Vec<Look> = details.into_iter().map(|it| (it, WITHOUT_NOISE)).collect();
+            looks.dedup();
+            looks
         };
-        Predictor {
-            widths: scene.panels.iter().map(|panel| panel.width).collect(),
-            work_of_a_ray: work_of_a_ray(&scene, first),
+        let mut predictor = Predictor {
+            name: name.to_owned(),
             scene,
-            first,
-            second,
-        }
+            looks,
+            work_of_a_ray: 0.0,
+        };
+        let (detail, samples) = predictor.few();
+        let look = (detail, samples.min(COUNTED));
+        let counted = render_coarse_counted(&plans(&predictor.scene), sampling(look.1, 0), detail);
+        let events = counted.map_or(0, |panels| {
+            let of_panel =
+                |work: &Counters| Event::ALL.iter().map(|&event| work[event]).sum::<u64>();
+            panels.iter().map(of_panel).sum()
+        });
+        // A ray that meets nothing takes a little as well.
+        predictor.work_of_a_ray = 1.0 + events as f64 / predictor.rays(look);
+        predictor
     }
 
-    /// Pixels of a third look, and samples in each.
-    pub fn third(&self) -> Look {
-        match self.second.0 {
-            Detail::Whole => whole(THIRD_LOOK),
-            blocks => (blocks, THIRD_LOOK),
-        }
+    /// Number of rays from the eye in one look.
+    fn rays(&self, (detail, samples): Look) -> f64 {
+        let panels = self.scene.panels.iter();
+        let columns: usize = panels.map(|it| detail.columns(it.width).count()).sum();
+        (columns * detail.rows(self.scene.height()).count()) as f64 * f64::from(samples)
     }
 
-    /// The [predicted] image of `edited`, if the search is to go on. Work is counted as if nothing were kept from
-    /// other runs, so that the same search always gets as far.
+    /// The look with the fewest pixels, or samples.
+    pub fn few(&self) -> Look {
+        self.looks[0]
+    }
+
+    /// The look with the most.
+    pub fn most(&self) -> Look {
+        self.looks[self.looks.len() - 1]
+    }
+
+    /// Counts the work of a look; false if the search is to end, and there is to be none.
+    fn begins(&self, look: Look, clock: &SearchClock<'_>) -> bool {
+        let begins = !clock.is_over();
+        clock.spend((self.work_of_a_ray * self.rays(look)) as u64);
+        begins
+    }
+
+    /// A look with the random numbers of a `seed` from 0 at `edited`, the scene with a change; nothing if that cannot be
+    /// rendered, or if the search is to end.
     pub fn rendered(
         &self,
         edited: &Scene,
-        label: (&str, u64),
-        look: Look,
+        (detail, samples): Look,
+        seed: u64,
         clock: &SearchClock<'_>,
     ) -> Option<Film> {
-        let work = self.work_of_a_ray * rays(&self.scene, look) as f64;
-        clock.spend(work as u64).then_some(())?;
-        predicted(&self.scene, edited, label, look, clock)
+        self.begins((detail, samples), clock).then_some(())?;
+        let plans = plans(edited);
+        // A block of a scene that the change has left without random numbers is no mean, but one ray.
+        let detail = match detail {
+            Detail::Blocks(_) if !plans.iter().all(Plan::is_sampled) => Detail::Whole,
+            detail => detail,
+        };
+        render_coarse(&plans, sampling(samples, seed), detail, &|| {
+            clock.is_stopped()
+        })
+        .ok()
     }
 
-    /// The image that `hypothesis` would make, of the scene or of its `golden`; nothing where it has no occasion, or where the
-    /// search is to end.
+    /// The image that `hypothesis` would make, of the scene or of its `golden`; nothing where it has no occasion, or where
+    /// the search is to end. Work is counted as if nothing were kept, so that the same search always gets as far.
     pub fn predict(
         &self,
         golden: &Film,
         hypothesis: &Hypothesis,
-        mut look: Look,
+        look: Look,
         clock: &SearchClock<'_>,
     ) -> Option<Film> {
-        let mistakes = hypothesis.mistakes();
         let mut scene = None;
-        for mistake in mistakes.iter().filter(|m| !m.is_of_the_image()) {
+        for mistake in hypothesis.mistakes().filter(|it| !it.is_of_the_image()) {
             scene = Some(mistake.in_scene(scene.as_ref().unwrap_or(&self.scene))?);
         }
-        let of_the_image: Vec<_> = mistakes.iter().filter(|m| m.is_of_the_image()).collect();
-        if !of_the_image.is_empty() && matches!(look.0, Detail::Blocks(_)) {
-            // Blocks are as they are only where no mistake moves pixels about.
-            look = whole(look.1);
-        }
         let mut film = match scene {
-            Some(scene) => {
-                let of_the_scene = mistakes.iter().filter(|m| !m.is_of_the_image());
-                let names: Vec<&str> = of_the_scene.map(|mistake| mistake.name).collect();
-                self.rendered(&scene, (&names.join(" + "), 0), look, clock)?
-            }
+            Some(scene) => self.kept_or_rendered(&scene, hypothesis, look, clock)?,
             None => golden.clone(),
         };
-        for mistake in of_the_image {
+        for mistake in hypothesis.mistakes().filter(|it| it.is_of_the_image()) {
             film = mistake.in_image(&film)?;
         }
         Some(film)
     }
+
+    fn kept_or_rendered(
+        &self,
+        scene: &Scene,
+        hypothesis: &Hypothesis,
+        look: Look,
+        clock: &SearchClock<'_>,
+    ) -> Option<Film> {
+        let key = (self.name.clone(), *hypothesis, format!("{look:?}"));
+        if let Some(film) = clock.predictions().get(&key) {
+            return self.begins(look, clock).then_some(film);
+        }
+        let film = self.rendered(scene, look, 0, clock)?;
+        clock.predictions().put(key, &film);
+        Some(film)
+    }
 }
 
-/// The whole image, with the samples of its blocks.
-fn whole(samples: u32) -> Look {
-    (Detail::Whole, (samples / (BLOCK * BLOCK) as u32).max(2))
+fn sampling(samples: u32, seed: u64) -> Sampling {
+    Sampling {
+        samples: Some(samples),
+        seed: Seed::Given(SEED + seed),
+    }
+}
+
+/// Blocks as pixels, for scenes that are path traced and whose panels, side by side, have the
+/// borders of blocks; else `None`.
+fn blocks(scene: &Scene) -> Option<Detail> {
+    let (last, before) = scene.panels.split_last()?;
+    let is_large = last.width.min(last.height) >= BLOCK;
+    let is_aligned = before.iter().all(|panel| panel.width.is_multiple_of(BLOCK));
+    let can = is_large && is_aligned && plans(scene).iter().all(Plan::is_sampled);
+    can.then_some(Detail::Blocks(BLOCK))
+}
+
+/// The pixels of `film`, an image of `scene`, that are rendered with `detail`: the means over blocks are not among them.
+pub(in crate::naming) fn pixels_of(film: &Film, scene: &Scene, detail: Detail) -> Film {
+    let (mut columns, mut left) = (Vec::new(), 0);
+    for panel in &scene.panels {
+        columns.extend(detail.columns(panel.width).map(|column| left + column));
+        left += panel.width;
+    }
+    let rows = detail.rows(film.height());
+    let height = rows.len();
+    let places = rows.flat_map(|row| {
+        columns
+            .iter()
+            .map(move |column| column + row * film.width())
+    });
+    let pixels = places.map(|index| film.pixel(index)).collect();
+    let pixels = Film::with_opacity(columns.len(), height, pixels);
+    let pixels = match film.opacity() {
+        Some(_) => pixels,
+        None => pixels.without_opacity(),
+    };
+    match film.quantisation() {
+        Some(quantisation) => pixels.quantised(quantisation),
+        None => pixels,
+    }
 }

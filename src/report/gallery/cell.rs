@@ -6,7 +6,6 @@ use crate::compare::flip::SrgbImage;
 use crate::compare::{Picture, recognised};
 use crate::film::{CHANNELS, Film};
 use crate::judging::{CaseResult, Verdict};
-use crate::naming::NOTHING_STANDS_OUT;
 use crate::suite::refusal;
 
 /// Longest side of a picture: that of forty cases and ten renderers fit in some 20 MB.
@@ -32,7 +31,6 @@ pub(super) fn fault(result: &CaseResult) -> String {
     let best = result.changes.iter().filter(|change| change.fits_best);
     let best: Vec<&str> = best.map(|change| change.words.as_str()).collect();
     let measured = result.difference.first();
-    let measured = measured.filter(|sentence| *sentence != NOTHING_STANDS_OUT);
     match result.verdict {
         Verdict::Pass => String::new(),
         Verdict::Convention => result.conventions.join("; "),

@@ -2,7 +2,7 @@
 
 use crate::compare::NON_FINITE;
 use crate::judging::{CaseResult, Summary, Verdict};
-use crate::naming::{Likenesses, is_number_found};
+use crate::naming::Likenesses;
 
 /// The result of the suite in a sentence.
 pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
@@ -33,11 +33,7 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
             None if found.searched < summary.fail || !found.unfinished.is_empty() => String::new(),
             // The verdicts say how the images follow from the goldens.
             None if found.unexplained.is_empty() => String::new(),
-            None if found
-                .unexplained
-                .iter()
-                .all(|(_, said)| is_number_found(said)) =>
-            {
+            None if found.unexplained.iter().all(|it| it.change_agrees) => {
                 "; a change of a parameter explains it".to_owned()
             }
             None => format!("; {}", found.nothing_known(None)),

@@ -426,7 +426,13 @@ fn mistakes_that_noise_hides_are_named() {
     hidden.par_iter().for_each(|name| {
         let result = result_of_mistake(&suite, "smoke/cornell", name, (16, 1), &search).unwrap();
         let first = result.looks_like.first().map(String::as_str);
-        assert_eq!(first, Some(*name), "{}", result.difference.join("; "));
+        assert_eq!(
+            first,
+            Some(*name),
+            "{:?}; {}",
+            result.looks_like,
+            result.reason
+        );
     });
 }
 

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
 use volref::film::Film;
-use volref::judging::{CaseResult, Cause, Evidence, KnownMistakes, Likeness, Verdict};
+use volref::judging::{CaseResult, Cause, Evidence, Likeness, Verdict};
 use volref::naming::Likenesses;
 use volref::report::{Page, results_html};
 use volref::suite::Case;
@@ -281,7 +281,6 @@ pub fn hostile() -> Sample {
     let evidence = Evidence {
         conventions_are_open: false,
         work_of_search: 0,
-        known_mistakes: KnownMistakes::default(),
         golden: Some(film.clone()),
         test: Some(Picture::Radiance(edited(&film, |_, _, pixel| {
             pixel.map(|v| 2.0 * v)

@@ -1,0 +1,486 @@
+//! Places of the difference between two images: what it lies in more than in others.
+//!
+//! These are measurements, not causes: they hold whether or not anybody knows what went wrong. A place is named where it
+//! holds far more of the squared difference than of the pixels, beyond its own uncertainty, which comes from leaving out
+//! a twentieth of the image at a time (the jackknife; Efron & Stein 1981, Annals of Statistics 9, 586–596).
+//!
+//! Differences are relative to the brightness of the golden plus its mean, and each sentence says so: a lamp
+//! may hold most of the absolute difference and little of the relative one.
+
+use super::stochastic::BLOCK;
+use crate::film::{CHANNELS, Film};
+use crate::math::Sum;
+use std::ops::Range;
+
+/// Parts of the image for the jackknife, each of blocks from all over it.
+const PARTS: usize = 20;
+
+/// Smallest measurement that is reported, in standard errors: by chance one in 370 is.
+const SIGNIFICANT: f64 = 3.0;
+
+/// Share of the squared difference that is worth saying of a place, and its odds over those of the place's share of the
+/// pixels: a fifth of them holds half, a half of them four fifths.
+const WORTH_SAYING: f64 = 0.3;
+const ODDS: f64 = 4.0;
+
+/// Share of the squared difference in one channel, if it is said to lie there: a third would be its due.
+const IN_ONE_CHANNEL: f64 = 0.8;
+
+/// Largest share of the squared difference that the golden times a factor for each channel leaves, if that is said.
+const LEFT_BY_GAIN: f64 = 0.8;
+
+/// Share of the squared difference in black pixels from which other places are not said.
+const NEARLY_ALL: f64 = 0.95;
+
+/// Share of the lit pixels that count as edges.
+const STEEPEST: f64 = 0.2;
+
+/// A box that holds the difference is worth saying if it holds no more than this share of the lit
+/// pixels.
+const PART_OF_IMAGE: f64 = 0.5;
+
+/// Share of the squared difference that is left out of such a box, at each of its four sides.
+const OUTSIDE: f64 = 0.01;
+
+/// Fewest values of a channel that end at the same number, if they are said to be cut off there.
+const CUT_OFF: usize = 16;
+
+/// Share of the values that should be above that number, and end there.
+const MOST_CUT_OFF: f64 = 0.9;
+
+/// Ratio of the golden's largest and smallest of these values: those of a lamp that is only darker are
+/// all the same.
+const APART: f64 = 1.02;
+
+/// Sentences, without a full stop, on where `test` differs from `golden`, and how; none where nothing can be measured:
+/// other sizes, values that are no numbers, or no difference beyond noise. `border` are pixels at the silhouette of a
+/// volume's box.
+pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<String> {
+    let differences = golden
+        .is_comparable(test)
+        .then(|| Differences::new(golden, test))
+        .flatten();
+    let Some(differences) = differences else {
+        return Vec::new();
+    };
+    let shares = Shares::of(&differences);
+    let has_noise = [golden, test].iter().any(|film| film.noise().is_some());
+    if shares.whole <= 0.0 || has_noise && shares.whole <= SIGNIFICANT * shares.error {
+        return Vec::new();
+    }
+    // By chance a pixel of few samples is black, too.
+    let black = (!has_noise).then(|| black(&differences, &shares)).flatten();
+    let is_elsewhere = black.as_ref().is_none_or(|(share, _)| *share < NEARLY_ALL);
+    let mut said = Vec::from_iter(black.map(|(_, words)| words));
+    said.extend(cut_off(&differences));
+    let channel = |c: usize| shares.channel(c).is_at_least(IN_ONE_CHANNEL);
+    said.extend((0..3).find(|&c| channel(c)).map(|c| {
+        let share = percent(shares.channel(c).value);
+        format!(
+            "{share} of the squared relative difference is in {}",
+            CHANNELS[c]
+        )
+    }));
+    said.extend(
+        (!has_noise)
+            .then(|| gain(&differences, shares.whole))
+            .flatten(),
+    );
+    if is_elsewhere {
+        said.extend(places(&differences, &shares, border));
+    }
+    // Noise of single lines would decide where the box ends.
+    said.extend(in_a_box(
+        &differences,
+        &shares,
+        if has_noise { BLOCK } else { 1 },
+    ));
+    said
+}
+
+/// Differences of pixels, weighed by the brightness of the golden.
+struct Differences<'f> {
+    golden: &'f Film,
+    test: &'f Film,
+    /// Mean brightness of the golden.
+    mean: f64,
+    /// Variance of the differences over that of the golden, by channel, where the test image does not state its noise.
+    noise_over_golden: Option<[f64; 3]>,
+}
+
+impl<'f> Differences<'f> {
+    fn new(golden: &'f Film, test: &'f Film) -> Option<Differences<'f>> {
+        let mut differences = Differences {
+            golden,
+            test,
+            mean: golden.mean_magnitude().filter(|&mean| mean > 0.0)?,
+            noise_over_golden: None,
+        };
+        let states_none = golden.noise().is_some() && test.noise().is_none();
+        let ratios = states_none.then(|| [0, 1, 2].map(|c| differences.unstated_noise(c)));
+        differences.noise_over_golden =
+            ratios.filter(|ratios| ratios.iter().all(|ratio| ratio.is_finite()));
+        Some(differences)
+    }
+
+    /// That ratio, by the second differences of the difference, free of everything linear.
+    fn unstated_noise(&self, c: usize) -> f64 {
+        let width = self.golden.width();
+        let (mut squares, mut variances) = (Sum::default(), Sum::default());
+        for i in 0..self.golden.radiance().len() {
+            if (1..width.saturating_sub(1)).contains(&(i % width)) {
+                let d = |i: usize| self.difference(i, c);
+                let second = d(i - 1) - 2.0 * d(i) + d(i + 1);
+                // The squares of 1, −2 and 1 sum to 6.
+                squares.add(self.weight(i, c) * second * second / 6.0);
+                variances.add(self.weight(i, c) * self.shape_of_noise(i, c));
+            }
+        }
+        squares.value() / variances.value()
+    }
+
+    /// Variance of a pixel of an image that does not state it, up to a factor: where the golden is known, spread as
+    /// radiance is, as in the stochastic gate.
+    fn shape_of_noise(&self, i: usize, c: usize) -> f64 {
+        match self.golden.noise() {
+            Some(noise) if noise.is_known() => self.value(i, c).abs(),
+            _ => self.golden.variance_at(i, c),
+        }
+    }
+
+    fn value(&self, i: usize, c: usize) -> f64 {
+        f64::from(self.golden.radiance()[i][c])
+    }
+
+    fn difference(&self, i: usize, c: usize) -> f64 {
+        f64::from(self.test.radiance()[i][c]) - self.value(i, c)
+    }
+
+    /// Variance of the difference.
+    fn variance(&self, i: usize, c: usize) -> f64 {
+        match self.noise_over_golden {
+            Some(ratios) => ratios[c] * self.shape_of_noise(i, c),
+            None => self.golden.variance_at(i, c) + self.test.variance_at(i, c),
+        }
+    }
+
+    /// Weight of a difference: by relative differences, except near black.
+    fn weight(&self, i: usize, c: usize) -> f64 {
+        let size = self.value(i, c).abs() + self.mean;
+        1.0 / (size * size)
+    }
+
+    /// Square of the difference, weighed, without that of the noise.
+    fn square(&self, i: usize, c: usize) -> f64 {
+        let difference = self.difference(i, c);
+        self.weight(i, c) * (difference * difference - self.variance(i, c))
+    }
+
+    fn squares(&self, i: usize) -> f64 {
+        (0..3).map(|c| self.square(i, c)).sum()
+    }
+
+    /// True for a pixel at least a tenth as bright as the mean: a background has neither edges nor brightness.
+    fn is_lit(&self, i: usize) -> bool {
+        (0..3).map(|c| self.value(i, c)).sum::<f64>() > 0.3 * self.mean
+    }
+
+    /// Square of the golden's slope to the pixels beside, weighed.
+    fn steepness(&self, i: usize) -> f64 {
+        let [width, height] = [self.golden.width(), self.golden.height()];
+        let along = |at: usize, count: usize, step: usize, c: usize| {
+            let before = if at > 0 { i - step } else { i };
+            let after = if at + 1 < count { i + step } else { i };
+            let length = ((after - before) / step).max(1) as f64;
+            (self.value(after, c) - self.value(before, c)) / length
+        };
+        let of = |c: usize| {
+            let slopes = [
+                along(i % width, width, 1, c),
+                along(i / width, height, width, c),
+            ];
+            self.weight(i, c) * slopes.map(|slope| slope * slope).iter().sum::<f64>()
+        };
+        (0..3).map(of).sum()
+    }
+}
+
+/// The squared difference by channel, in parts of the jackknife.
+struct Shares {
+    squares: [[f64; 3]; PARTS],
+    part: Vec<usize>,
+    whole: f64,
+    /// Standard error of the whole.
+    error: f64,
+}
+
+/// A share of the squared difference, and its standard error.
+struct Share {
+    value: f64,
+    error: f64,
+}
+
+impl Share {
+    /// True if it is at least this, beyond doubt.
+    fn is_at_least(&self, least: f64) -> bool {
+        self.value - SIGNIFICANT * self.error >= least
+    }
+}
+
+impl Shares {
+    fn of(differences: &Differences<'_>) -> Shares {
+        let width = differences.golden.width();
+        // Neighbours in a row and in a column are of different parts.
+        let part = |i: usize| (i % width / BLOCK + 7 * (i / width / BLOCK)) % PARTS;
+        let part: Vec<usize> = (0..differences.golden.radiance().len()).map(part).collect();
+        let mut squares = [[0.0; 3]; PARTS];
+        for (i, &part) in part.iter().enumerate() {
+            (0..3).for_each(|c| squares[part][c] += differences.square(i, c));
+        }
+        let wholes = squares.map(|of| of.iter().sum());
+        let (whole, error) = jackknife(wholes.map(|of: f64| [of, 1.0]), |[sum, _]| sum);
+        Shares {
+            squares,
+            part,
+            whole,
+            error,
+        }
+    }
+
+    fn channel(&self, c: usize) -> Share {
+        self.share(self.squares.map(|of| of[c]))
+    }
+
+    /// The share in pixels for which `is` holds.
+    fn pixels(&self, differences: &Differences<'_>, is: &dyn Fn(usize) -> bool) -> Share {
+        let mut sums = [0.0; PARTS];
+        for (i, &part) in self.part.iter().enumerate().filter(|(i, _)| is(*i)) {
+            sums[part] += differences.squares(i);
+        }
+        self.share(sums)
+    }
+
+    fn share(&self, sums: [f64; PARTS]) -> Share {
+        let pairs = std::array::from_fn(|k| [sums[k], self.squares[k].iter().sum()]);
+        let (value, error) = jackknife(pairs, |[sum, whole]| sum / whole);
+        Share { value, error }
+    }
+}
+
+/// An estimate by sums over all parts, and its standard error.
+fn jackknife(parts: [[f64; 2]; PARTS], estimate: fn([f64; 2]) -> f64) -> (f64, f64) {
+    let all = [0, 1].map(|k| parts.iter().map(|of| of[k]).sum::<f64>());
+    let without = parts.map(|of| estimate([all[0] - of[0], all[1] - of[1]]));
+    let count = PARTS as f64;
+    let mean = without.iter().sum::<f64>() / count;
+    let squares: f64 = without.iter().map(|x| (x - mean) * (x - mean)).sum();
+    (estimate(all), ((count - 1.0) / count * squares).sqrt())
+}
+
+/// True if this `share` of the squared difference is worth saying of pixels of which the share is `due`.
+fn is_clearly_more(share: f64, due: f64) -> bool {
+    let odds = |share: f64| share / (1.0 - share).max(1e-9);
+    share >= WORTH_SAYING && odds(share.min(1.0)) >= ODDS * odds(due)
+}
+
+/// Pixels that are exactly 0 in all channels where the golden is not, if they hold clearly more than their share: that
+/// share, and a sentence.
+fn black(differences: &Differences<'_>, shares: &Shares) -> Option<(f64, String)> {
+    let [golden, test] = [differences.golden, differences.test].map(Film::radiance);
+    let shown = golden.iter().filter(|pixel| **pixel != [0.0; 3]).count();
+    let is_black = |i: &usize| golden[*i] != [0.0; 3] && test[*i] == [0.0; 3];
+    let black: Vec<usize> = (0..golden.len()).filter(is_black).collect();
+    let squares: f64 = black.iter().map(|&i| differences.squares(i)).sum();
+    let share = squares / shares.whole;
+    is_clearly_more(share, black.len() as f64 / shown.max(1) as f64).then(|| {
+        let pixels = match black.len() {
+            1 => "a pixel that is black where the golden is not".to_owned(),
+            count => format!("{count} pixels that are black where the golden is not"),
+        };
+        let words = format!(
+            "{} of the squared relative difference lies in {pixels}",
+            percent(share)
+        );
+        (share, words)
+    })
+}
+
+/// Values that end at one number, which nearly all that should be above it have, whatever they should be.
+/// A lamp, of one value in the golden, shows nothing of that: it may be darker as a whole.
+fn cut_off(differences: &Differences<'_>) -> Option<String> {
+    let test = differences.test.radiance();
+    let most = test.as_flattened().iter().copied().fold(0.0, f32::max);
+    let (mut cut, mut above, mut is_spread) = (0, 0, false);
+    for c in 0..3 {
+        let is_above = |&(i, value): &(usize, f64)| {
+            let beyond = value - 1.001 * f64::from(most);
+            beyond > SIGNIFICANT * differences.variance(i, c).sqrt()
+        };
+        let values = (0..test.len()).map(|i| (i, differences.value(i, c)));
+        let values = values
+            .filter(is_above)
+            .map(|(i, value)| (value, test[i][c] == most));
+        let mut values: Vec<(f64, bool)> = values.collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let lamp = longest_run(&values);
+        let others = values[..lamp.start].iter().chain(&values[lamp.end..]);
+        let ends: Vec<f64> = others.clone().filter(|it| it.1).map(|it| it.0).collect();
+        above += others.count();
+        cut += ends.len();
+        is_spread |= ends.len() >= CUT_OFF && ends[ends.len() - 1] >= APART * ends[0];
+    }
+    let is_cut = most > 0.0 && is_spread && cut as f64 >= MOST_CUT_OFF * above as f64;
+    is_cut.then(|| {
+        format!("no value is above {most}, where at least {cut} values should be: they look cut off there")
+    })
+}
+
+/// The longest run of equal values, to a thousandth, in values in order.
+fn longest_run(values: &[(f64, bool)]) -> Range<usize> {
+    let (mut longest, mut start) = (0..0, 0);
+    for end in 1..=values.len() {
+        while values[end - 1].0 > 1.001 * values[start].0 {
+            start += 1;
+        }
+        if end - start > longest.len() {
+            longest = start..end;
+        }
+    }
+    longest
+}
+
+/// The factors on the channels of the golden that lead nearest to the test image, if they leave clearly less.
+fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
+    let (mut factors, mut gained) = ([1.0; 3], 0.0);
+    for (c, factor) in factors.iter_mut().enumerate() {
+        let (mut squares, mut products) = (0.0, 0.0);
+        for i in 0..differences.golden.radiance().len() {
+            let (weight, value) = (differences.weight(i, c), differences.value(i, c));
+            squares += weight * value * value;
+            products += weight * value * differences.difference(i, c);
+        }
+        if squares > 0.0 {
+            *factor += products / squares;
+            gained += products * products / squares;
+        }
+    }
+    let left = 1.0 - gained / whole;
+    let [r, g, b] = factors.map(|factor| format!("{factor:.4}"));
+    (left <= LEFT_BY_GAIN).then(|| {
+        format!(
+            "the golden times {r} in red, {g} in green and {b} in blue, over all pixels, would leave {} of the squared \
+             relative difference",
+            self::left(left)
+        )
+    })
+}
+
+/// Sentences on the places that hold clearly more than their share.
+fn places(differences: &Differences<'_>, shares: &Shares, border: Option<&[bool]>) -> Vec<String> {
+    let golden = differences.golden;
+    let count = golden.radiance().len();
+    let is_at_border = |i: usize| border.is_some_and(|border| border[i]);
+    let lit: Vec<usize> = (0..count).filter(|&i| differences.is_lit(i)).collect();
+    let mut steepness: Vec<f64> = lit.iter().map(|&i| differences.steepness(i)).collect();
+    steepness.sort_by(f64::total_cmp);
+    let steep = ((1.0 - STEEPEST) * lit.len().saturating_sub(1) as f64) as usize;
+    let steep = steepness.get(steep).copied().unwrap_or(0.0);
+    let noise = golden.noise().filter(|noise| !noise.is_known());
+    let is_silent = |i: usize| noise.is_some_and(|noise| noise.variance()[i] == [0.0; 3]);
+    let is_steep = |i: usize| differences.steepness(i) > steep;
+    let places: [(&str, &dyn Fn(usize) -> bool); 3] = [
+        (
+            "at edges: in the fifth of the lit pixels where the golden is steepest",
+            &is_steep,
+        ),
+        (
+            "in pixels without noise, such as a lamp or a sky that is seen",
+            &is_silent,
+        ),
+        (
+            "at the border of the volume, the silhouette of its box ({due})",
+            &is_at_border,
+        ),
+    ];
+    let shown = (0..count).filter(|&i| differences.is_lit(i) || is_at_border(i));
+    let shown: Vec<usize> = shown.collect();
+    let said = places.into_iter().filter_map(|(place, is)| {
+        let due = shown.iter().filter(|&&i| is(i)).count() as f64 / shown.len().max(1) as f64;
+        let share = shares.pixels(differences, is);
+        (is_clearly_more(share.value, due) && share.is_at_least(due)).then(|| {
+            let due = format!("{} of the pixels that show anything", percent(due));
+            let place = place.replace("{due}", &due);
+            format!(
+                "{} of the squared relative difference lies {place}",
+                percent(share.value)
+            )
+        })
+    });
+    said.collect()
+}
+
+/// The box that holds all but a few per cent of the squared difference; its sides lie at multiples of `unit` pixels.
+fn in_a_box(differences: &Differences<'_>, shares: &Shares, unit: usize) -> Option<String> {
+    let [width, height] = [differences.golden.width(), differences.golden.height()];
+    let counts = [width, height].map(|length| length.div_ceil(unit));
+    let mut along = counts.map(|count| vec![0.0; count]);
+    for i in 0..width * height {
+        along[0][i % width / unit] += differences.squares(i);
+        along[1][i / width / unit] += differences.squares(i);
+    }
+    let [columns, rows] = [(0, width), (1, height)].map(|(axis, length)| {
+        let outside = |sums: &mut dyn Iterator<Item = &f64>| {
+            let mut left_out = 0.0;
+            let is_outside = |square: &&f64| {
+                left_out += **square;
+                left_out <= OUTSIDE * shares.whole
+            };
+            sums.take_while(is_outside).count()
+        };
+        let first = outside(&mut along[axis].iter());
+        let last = counts[axis] - outside(&mut along[axis].iter().rev());
+        first * unit..(last * unit).clamp(first * unit, length)
+    });
+    let is_inside = |i: &usize| columns.contains(&(i % width)) && rows.contains(&(i / width));
+    let lit = (0..width * height).filter(|&i| differences.is_lit(i));
+    let lit: Vec<usize> = lit.collect();
+    let inside = lit.iter().filter(|i| is_inside(i)).count() as f64 / lit.len() as f64;
+    let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
+    (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
+        format!(
+            "nearly all of the squared relative difference lies in {} and {}, {} of the image",
+            lines("column", [columns.start, columns.end - 1]),
+            lines("row", [rows.start, rows.end - 1]),
+            percent(area)
+        )
+    })
+}
+
+/// A share that is left.
+pub(crate) fn left(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent < 0.1 => "less than 0.1 %".to_owned(),
+        percent => format!("{percent:.1} %"),
+    }
+}
+
+/// Columns or rows, from the first to the last: `columns 8 to 15`, `row 79`.
+pub(super) fn lines(name: &str, [first, last]: [usize; 2]) -> String {
+    if first == last {
+        format!("{name} {first}")
+    } else {
+        format!("{name}s {first} to {last}")
+    }
+}
+
+/// A share in per cent, rounded; never 0 for some, nor 100 for less than all.
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        all if all >= 99.95 => "all".to_owned(),
+        most if most >= 99.0 => format!("{most:.1} %"),
+        0.0 => "0 %".to_owned(),
+        least if least < 0.05 => "less than 0.1 %".to_owned(),
+        little if little < 0.95 => format!("{little:.1} %"),
+        part => format!("{part:.0} %"),
+    }
+}

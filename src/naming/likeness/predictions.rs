@@ -1,0 +1,40 @@
+//! Predictions that a run keeps.
+
+use super::hypothesis::Hypothesis;
+use crate::film::Film;
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Case, hypothesis and look of a prediction.
+type Key = (String, Hypothesis, String);
+
+/// Images that mistakes make of cases: several images of one case need the same ones.
+#[derive(Debug, Default)]
+pub struct Predictions(Mutex<HashMap<Key, Film>>);
+
+/// Largest number of predictions. One of a case of the suite has 20 to 500 kB.
+const MOST_KEPT: usize = 1000;
+
+impl Predictions {
+    /// Number of predictions that are kept.
+    pub fn count(&self) -> usize {
+        self.kept().len()
+    }
+
+    /// The prediction with this key, if it was kept.
+    pub(super) fn get(&self, key: &Key) -> Option<Film> {
+        self.kept().get(key).cloned()
+    }
+
+    /// Keeps a prediction, while there is room.
+    pub(super) fn put(&self, key: Key, film: &Film) {
+        let mut kept = self.kept();
+        if kept.len() < MOST_KEPT {
+            kept.insert(key, film.clone());
+        }
+    }
+
+    fn kept(&self) -> MutexGuard<'_, HashMap<Key, Film>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
