@@ -642,7 +642,7 @@ fn without_noise_equal_is_equal() {
         ),
         ("no noise stated", silent(&exact)),
     ] {
-        assert_passes(&format!("{name}"), &exact, &equal);
+        assert_passes(name, &exact, &equal);
     }
     for (name, different) in [
         ("twice that", film(|v| v * (1.0 + 2.0 / 2048.0), 0.0)),

@@ -212,9 +212,9 @@ pub fn judge(fault: &Fault, scene: &Scene, result: &CaseResult) -> Judgement {
         let claims = claims.filter(|claims| !claims.is_empty());
         let right: Vec<bool> = claims
             .map(|claims| {
-                claims
-                    .iter()
-                    .fold(true, |all, claim| is_right(claim) && all)
+                // All of them, for their intervals.
+                let right: Vec<bool> = claims.iter().map(&mut is_right).collect();
+                !right.contains(&false)
             })
             .collect();
         if !right.is_empty() {
@@ -277,8 +277,11 @@ impl Judgement {
     }
 }
 
+/// A column of the table, and whether a judgement counts in it.
+type Column = (&'static str, fn(&Judgement) -> bool);
+
 /// Columns of the table.
-const COLUMNS: [(&str, fn(&Judgement) -> bool); 10] = [
+const COLUMNS: [Column; 10] = [
     ("images", |_| true),
     ("caught", Judgement::is_caught),
     ("passed", |it| it.verdict == Verdict::Pass),
