@@ -458,7 +458,7 @@ mod tests {
     #[test]
     fn only_a_light_without_extent_is_blamed_for_light_without_bound() {
         let pixels = vec![Ok(()), Err(PathFault::Infinite)];
-        let (column, row) = (1, 5);
+        let (column, row) = (1, 0);
         assert_eq!(
             at(2).without_faults(&scene(vec![]), pixels.clone()),
             Err(RenderError::TooBright { column, row })

@@ -259,7 +259,7 @@ impl AcceptError {
 struct LoadedCase<'c> {
     case: &'c Case,
     scene: Scene,
-    /// Of a stochastic case the quick one first, then the image of the golden, unless that is a known answer.
+    /// A stochastic case has the quick one first, then the image of the golden unless that is a known answer.
     renderings: Vec<CaseRendering>,
 }
 

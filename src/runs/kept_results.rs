@@ -285,7 +285,7 @@ impl ResultFolder {
 /// Name of the file that describes a run.
 const RUN: &str = "run.json";
 
-/// What is in a folder.
+/// Contents of a folder.
 fn within(folder: &Path) -> impl Iterator<Item = PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     entries.map(|entry| entry.path())
