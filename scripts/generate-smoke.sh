@@ -7,8 +7,8 @@ cd "$(dirname "$0")/.."
 target=fixtures/volumes/smoke.obj
 
 generate() {
-    # By the profile of the tests, which have built it already.
-    cargo run --quiet --package volref-scripts --bin smoke-plume -- "$1"
+    # By the profile of the suite's check, which has built the library already.
+    cargo run --quiet --release --package volref-scripts --bin smoke-plume -- "$1"
 }
 
 case "${1-}" in
