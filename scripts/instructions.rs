@@ -19,7 +19,7 @@ use volref::cost::effects::{Variant, variants};
 use volref::cost::thumbnail;
 use volref::film::Film;
 use volref::render::plan::Effect;
-use volref::render::{Counters, Event, Plan, Sampling, render, render_counted};
+use volref::render::{Counters, Event, Plan, Sampling, render};
 use volref::scene::{Model, Panel, Scene};
 
 type Failure = Box<dyn std::error::Error>;
@@ -120,7 +120,7 @@ impl Picture {
     }
 
     fn counters(&self) -> Result<Counters, Failure> {
-        Ok(render_counted(&[self.plan()], Sampling::default(), &|| ())?.work[0])
+        Ok(render(&[self.plan()], Sampling::default(), &|| ())?.work[0])
     }
 
     /// One pixel of it: what is done once for an image, and hardly anything else.

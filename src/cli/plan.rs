@@ -227,7 +227,7 @@ fn describe_volumes(panel: &Panel, text: &mut String, json: &mut Value) {
 /// Work of each plan, counted while it is rendered.
 fn counted(plans: &[Plan]) -> Result<Vec<Option<Counters>>, Failure> {
     let bar = progress::image("counting", &warnings_of_all(plans));
-    let rendering = render::render_counted(plans, Sampling::default(), &bar);
+    let rendering = render::render(plans, Sampling::default(), &bar);
     bar.finish_and_clear();
     let work = rendering.map_err(bad_input)?.work;
     Ok(work.into_iter().map(Some).collect())

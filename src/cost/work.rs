@@ -3,7 +3,7 @@
 use super::timing::{Clock, Task, Times};
 use crate::film::Film;
 use crate::render::counters::PerEvent;
-use crate::render::{Event, RenderError, Sampling, Seed, plans, render, render_counted};
+use crate::render::{Event, RenderError, Sampling, Seed, plans, render};
 use crate::scene::Scene;
 
 /// Work of a pixel, mean over all pixels, by event.
@@ -49,7 +49,7 @@ pub(super) fn measured(
         if clock.is_over() {
             break;
         }
-        let made = render_counted(&plans(scene), sampling(index), &|| ())?;
+        let made = render(&plans(scene), sampling(index), &|| ())?;
         let pixels = made.film.radiance().len() as f64;
         images.push(Measured {
             work: made.work[0].map(|count| count as f64 / pixels),

@@ -1,4 +1,4 @@
-//! Counters of work, compiled in only when asked for.
+//! Counters of work.
 
 use super::plan::Effect;
 use serde::{Serialize, Serializer};
@@ -85,30 +85,6 @@ events! {
     FurtherScattering, "further_scatterings", [MultipleScattering];
 }
 
-/// A counter of work. Kernels are compiled once for each implementation; with [`Uncounted`],
-/// counting costs nothing.
-pub trait Work: Clone + Default + Send {
-    /// Counts `times` units of work.
-    fn count_times(&mut self, event: Event, times: u64);
-
-    /// Counts one unit of work.
-    fn count(&mut self, event: Event) {
-        self.count_times(event, 1);
-    }
-
-    /// Adds the counts of another row of pixels.
-    fn add(&mut self, other: &Self);
-}
-
-/// No counting.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Uncounted;
-
-impl Work for Uncounted {
-    fn count_times(&mut self, _: Event, _: u64) {}
-    fn add(&mut self, _: &Self) {}
-}
-
 /// A number for each event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PerEvent<T>([T; Event::COUNT]);
@@ -148,12 +124,19 @@ impl<T: Copy + Default, const N: usize> From<[(Event, T); N]> for PerEvent<T> {
     }
 }
 
-impl Work for Counters {
-    fn count_times(&mut self, event: Event, times: u64) {
+impl Counters {
+    /// Counts one unit of work.
+    pub fn count(&mut self, event: Event) {
+        self.count_times(event, 1);
+    }
+
+    /// Counts `times` units of work.
+    pub fn count_times(&mut self, event: Event, times: u64) {
         self[event] += times;
     }
 
-    fn add(&mut self, other: &Counters) {
+    /// Adds the counts of another row of pixels.
+    pub fn add(&mut self, other: &Counters) {
         for (count, more) in self.0.iter_mut().zip(other.0) {
             *count += more;
         }

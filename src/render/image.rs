@@ -3,7 +3,7 @@
 use super::classified::{
     conventional, curve, integral, modes, ray_caster, several, several_integral,
 };
-use super::counters::{Counters, Event, Uncounted, Work};
+use super::counters::Counters;
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
 use super::pixels::{Detail, Pixels};
@@ -20,7 +20,7 @@ use crate::scene::{Classified, Radiative, Sampling};
 pub struct Rendering {
     /// The panels, side by side.
     pub film: Film,
-    /// Work by panel, if it was counted.
+    /// Work by panel.
     pub work: Vec<Counters>,
     /// Bound on the error of a pixel, before it is rounded to 32 bits, relative to the brightest of
     /// the image: where a panel is an integral that states one.
@@ -34,102 +34,23 @@ pub fn render(
     sampling: Sampling,
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    render_part(plans, sampling, Detail::Whole, progress)
+    render_part(plans, sampling, Detail::Whole, &|| false, progress)
 }
 
-/// [`render`], counting work. Same bits.
-pub fn render_counted(
-    plans: &[Plan<'_>],
-    sampling: Sampling,
-    progress: Progress<'_>,
-) -> Result<Rendering, RenderError> {
-    let (film, work, error_bound) =
-        render_with::<Counters>(plans, &Job::whole(sampling, progress))?;
-    Ok(Rendering {
-        film,
-        work,
-        error_bound,
-    })
-}
-
-/// [`render`] of a part of the image: the same bits as there.
-pub(crate) fn render_part(
-    plans: &[Plan<'_>],
-    sampling: Sampling,
-    detail: Detail,
-    progress: Progress<'_>,
-) -> Result<Rendering, RenderError> {
-    let job = Job {
-        detail,
-        ..Job::whole(sampling, progress)
-    };
-    let (film, _, error_bound) = render_with::<Uncounted>(plans, &job)?;
-    Ok(Rendering {
-        film,
-        work: vec![],
-        error_bound,
-    })
-}
-
-/// A coarse image, of fewer or larger pixels.
+/// [`render`] of a part of the image, or of fewer, larger pixels: the same bits as there.
 ///
 /// # Errors
 ///
 /// The errors of [`render`] for the pixels rendered, and [`RenderError::Stopped`] once `stopped` returns
 /// true; it is called before every row, from any thread.
-pub(crate) fn render_coarse(
+pub(crate) fn render_part(
     plans: &[Plan<'_>],
     sampling: Sampling,
     detail: Detail,
     stopped: &(dyn Fn() -> bool + Sync),
-) -> Result<Film, RenderError> {
-    let job = Job {
-        sampling,
-        detail,
-        stopped,
-        progress: &|| (),
-    };
-    render_with::<Uncounted>(plans, &job).map(|(film, _, _)| film)
-}
-
-/// The work of a coarse image, by panel.
-pub(crate) fn render_coarse_counted(
-    plans: &[Plan<'_>],
-    sampling: Sampling,
-    detail: Detail,
-) -> Result<Vec<Counters>, RenderError> {
-    let job = Job {
-        detail,
-        ..Job::whole(sampling, &|| ())
-    };
-    render_with::<Counters>(plans, &job).map(|(_, work, _)| work)
-}
-
-/// The part of an image to be rendered, and its samples.
-struct Job<'e> {
-    sampling: Sampling,
-    detail: Detail,
-    /// Whether to stop early; called before every row.
-    stopped: &'e (dyn Fn() -> bool + Sync),
-    progress: Progress<'e>,
-}
-
-impl<'e> Job<'e> {
-    fn whole(sampling: Sampling, progress: Progress<'e>) -> Job<'e> {
-        Job {
-            sampling,
-            detail: Detail::Whole,
-            stopped: &|| false,
-            progress,
-        }
-    }
-}
-
-/// The image, the work by panel, and [`Rendering::error_bound`].
-type Whole<W> = (Film, Vec<W>, Option<f64>);
-
-fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, RenderError> {
-    let Footprint { most: bytes, .. } = footprint(plans, job.sampling);
+    progress: Progress<'_>,
+) -> Result<Rendering, RenderError> {
+    let Footprint { most: bytes, .. } = footprint(plans, sampling);
     if !has_memory(bytes) {
         return Err(RenderError::Memory {
             width: plans.iter().map(|plan| plan.panel.width).sum(),
@@ -141,27 +62,40 @@ fn render_with<W: Work>(plans: &[Plan<'_>], job: &Job<'_>) -> Result<Whole<W>, R
             bytes,
         });
     }
-    let steps = plans.iter().map(|plan| steps(plan, job));
-    job.progress.begin(steps.sum());
+    let of_panels = plans.iter().map(|plan| Pixels {
+        width: plan.panel.width,
+        height: plan.panel.height,
+        samples: plan.samples(sampling),
+        detail,
+        stopped,
+        progress,
+    });
+    let of_panels: Vec<(&Plan<'_>, Pixels<'_>)> = plans.iter().zip(of_panels).collect();
+    progress.begin(
+        of_panels
+            .iter()
+            .map(|(plan, pixels)| steps(plan, pixels))
+            .sum(),
+    );
     let mut films = Vec::new();
-    let mut works = Vec::new();
+    let mut work = Vec::new();
     let mut error = None::<f64>;
-    for plan in plans {
-        let panel = render_panel(plan, job)?;
+    for (plan, pixels) in &of_panels {
+        let panel = render_panel(plan, sampling, pixels)?;
         films.push(panel.film);
-        works.push(panel.work);
+        work.push(panel.work);
         error = match (error, panel.error) {
             (Some(error), Some(panel)) => Some(error.max(panel)),
             (error, panel) => error.or(panel),
         };
     }
     let film = Film::side_by_side(&films);
-    let found = film.first_without_radiance();
-    match found {
-        None => {
-            let error_bound = error.map(|error| relative_to_brightest(error, &film));
-            Ok((film, works, error_bound))
-        }
+    match film.first_without_radiance() {
+        None => Ok(Rendering {
+            error_bound: error.map(|error| relative_to_brightest(error, &film)),
+            film,
+            work,
+        }),
         // Finite, or it had been refused before, but not as a number of 32 bits.
         Some(([column, row], value)) if value.contains(&f32::INFINITY) => {
             Err(RenderError::TooBright { column, row })
@@ -187,72 +121,52 @@ fn has_memory(bytes: u64) -> bool {
 }
 
 /// Progress steps of a panel.
-fn steps(plan: &Plan<'_>, job: &Job<'_>) -> u64 {
-    let (width, height) = (plan.panel.width, plan.panel.height);
-    let pixels = match plan.kernel {
+fn steps(plan: &Plan<'_>, pixels: &Pixels<'_>) -> u64 {
+    let count = match plan.kernel {
         Kernel::Background(_) => return 0,
         // Drawn whole.
-        Kernel::Curve(_) => width * height,
-        _ => job.detail.columns(width).len() * job.detail.rows(height).len(),
+        Kernel::Curve(_) => pixels.width * pixels.height,
+        _ => pixels.count(),
     };
-    steps_of(pixels as u64, plan.samples(job.sampling))
+    steps_of(count as u64, pixels.samples)
 }
 
 /// The image of a panel.
-struct PanelImage<W> {
+struct PanelImage {
     film: Film,
-    work: W,
+    work: Counters,
     /// Bound on the error of a pixel, radiance, where the kernel states one.
     error: Option<f64>,
 }
 
-fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>, RenderError> {
+fn render_panel(
+    plan: &Plan<'_>,
+    sampling: Sampling,
+    pixels: &Pixels<'_>,
+) -> Result<PanelImage, RenderError> {
     let panel = plan.panel;
-    let pixels = Pixels {
-        width: panel.width,
-        height: panel.height,
-        samples: plan.samples(job.sampling),
-        detail: job.detail,
-        stopped: job.stopped,
-        progress: job.progress,
-    };
     let part = PanelPart {
-        width: job.detail.columns(panel.width).len(),
-        height: job.detail.rows(panel.height).len(),
+        width: pixels.detail.columns(panel.width).len(),
+        height: pixels.detail.rows(panel.height).len(),
     };
     let mut error = None;
     let (film, work) = match plan.kernel {
         Kernel::Curve(plot) => {
-            let drawn = curve::draw(plot, [panel.width, panel.height], job.progress);
-            let drawn = pixels.those_rendered(&drawn);
-            (part.film(drawn)?, W::default())
+            let drawn = curve::draw(plot, [panel.width, panel.height], pixels.progress);
+            part.cast((pixels.those_rendered(&drawn), Counters::default()))?
         }
-        Kernel::Background(scene) => (part.film(background(scene, &pixels))?, W::default()),
+        Kernel::Background(scene) => part.cast((background(scene, pixels), Counters::default()))?,
         Kernel::RayCaster { scene, features } => {
-            let (cast, counters) = ray_caster::cast(scene, features, &pixels);
-            let mut work = W::default();
-            for event in Event::ALL {
-                work.count_times(event, counters[event]);
-            }
-            (part.film(cast)?, work)
+            part.cast(ray_caster::cast(scene, features, pixels))?
         }
-        Kernel::Conventional(scene) => {
-            let (cast, work) = conventional::cast(scene, &pixels);
-            (part.film(cast)?, work)
-        }
-        Kernel::Field(scene) => {
-            let (cast, work) = modes::cast(scene, &pixels);
-            (part.film(cast)?, work)
-        }
-        Kernel::Several(scene) => {
-            let (cast, work) = several::cast(scene, &pixels);
-            (part.film(cast)?, work)
-        }
+        Kernel::Conventional(scene) => part.cast(conventional::cast(scene, pixels))?,
+        Kernel::Field(scene) => part.cast(modes::cast(scene, pixels))?,
+        Kernel::Several(scene) => part.cast(several::cast(scene, pixels))?,
         Kernel::Integral(scene) => {
             let (integrals, work) = if scene.has_objects() {
-                several_integral::integrate(scene, &pixels)
+                several_integral::integrate(scene, pixels)
             } else {
-                integral::integrate(scene, &pixels)
+                integral::integrate(scene, pixels)
             };
             let errors = integrals.iter().map(|pixel| pixel.1);
             error = Some(errors.fold(0.0, f64::max));
@@ -264,7 +178,7 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             features,
             scatters,
         } => {
-            let (radiance, work) = kernels::integrate(scene, features, scatters, &pixels);
+            let (radiance, work) = kernels::integrate(scene, features, scatters, pixels);
             let radiance = part.without_faults(scene, part.finished(radiance)?)?;
             (Film::new(part.width, part.height, radiance), work)
         }
@@ -273,10 +187,10 @@ fn render_panel<W: Work>(plan: &Plan<'_>, job: &Job<'_>) -> Result<PanelImage<W>
             features,
             max_order,
         } => {
-            let seed = job.sampling.seed_of(scene);
+            let seed = sampling.seed_of(scene);
             let (moments, work) = match panel.fault {
-                None => kernels::trace(scene, features, max_order, seed, &pixels),
-                Some(fault) => faulty_paths::trace(scene, fault, seed, &pixels),
+                None => kernels::trace(scene, features, max_order, seed, pixels),
+                Some(fault) => faulty_paths::trace(scene, fault, seed, pixels),
             };
             let moments = part.without_faults(scene, part.finished(moments)?)?;
             let size = [part.width, part.height];
@@ -308,6 +222,14 @@ impl PanelPart {
         } else {
             Err(RenderError::Stopped)
         }
+    }
+
+    /// The film of radiance and opacity, and the work that it took.
+    fn cast(
+        self,
+        (pixels, work): (Vec<[f32; 4]>, Counters),
+    ) -> Result<(Film, Counters), RenderError> {
+        Ok((self.film(pixels)?, work))
     }
 
     /// The film of radiance and opacity.
@@ -419,10 +341,10 @@ mod tests {
             let scene = Scene::parse(&text, std::path::Path::new("scene.toml")).unwrap();
             let plans = plans(&scene);
             let observer = Observer::default();
-            let watched = render_counted(&plans, Sampling::default(), &observer).unwrap();
+            let watched = render(&plans, Sampling::default(), &observer).unwrap();
             assert_eq!(observer.begun.into_inner(), steps);
             assert_eq!(observer.steps.into_inner(), steps);
-            let alone = render_counted(&plans, Sampling::default(), &|| ()).unwrap();
+            let alone = render(&plans, Sampling::default(), &|| ()).unwrap();
             assert_eq!(watched.film.pixel_hash(), alone.film.pixel_hash());
             assert_eq!(watched.work, alone.work);
         }

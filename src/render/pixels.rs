@@ -1,6 +1,6 @@
 //! The pixel loop: rows in parallel, their pixels one after the other.
 
-use super::counters::Work;
+use super::counters::Counters;
 use super::progress::Progress;
 use rayon::prelude::*;
 use std::iter::StepBy;
@@ -94,13 +94,13 @@ impl Pixels<'_> {
 /// row share in turn.
 ///
 /// This is compiled for every kernel, so it is the loop along a row and no more.
-pub(super) fn rows<P: Send, S, W: Work>(
+pub(super) fn rows<P: Send, S>(
     pixels: &Pixels<'_>,
     scratch: impl Fn() -> S + Sync,
-    pixel: impl Fn([usize; 2], u32, &mut S, &mut W) -> P + Sync,
-) -> (Vec<P>, W) {
+    pixel: impl Fn([usize; 2], u32, &mut S, &mut Counters) -> P + Sync,
+) -> (Vec<P>, Counters) {
     in_parallel(pixels, &|row| {
-        let mut work = W::default();
+        let mut work = Counters::default();
         let mut scratch = scratch();
         let mut values = Vec::with_capacity(pixels.columns().len());
         for column in pixels.columns() {
@@ -119,25 +119,25 @@ pub(super) fn rows<P: Send, S, W: Work>(
 /// All rows, evaluated in parallel and put together. The parallel loop is a good part of a kernel's
 /// code and the same for all: behind `dyn`, at one call a row, it is compiled once for each type
 /// of pixel.
-fn in_parallel<P: Send, W: Work>(
+fn in_parallel<P: Send>(
     pixels: &Pixels<'_>,
-    evaluate: &(dyn Fn(usize) -> (Vec<P>, W) + Sync),
-) -> (Vec<P>, W) {
+    evaluate: &(dyn Fn(usize) -> (Vec<P>, Counters) + Sync),
+) -> (Vec<P>, Counters) {
     let rows: Vec<usize> = pixels.rows().collect();
-    let rows: Vec<(Vec<P>, W)> = rows
+    let rows: Vec<(Vec<P>, Counters)> = rows
         .into_par_iter()
         // Row by row: rows through the volume cost far more than rows beside it, and a thread
         // cannot help with a batch that another has begun.
         .with_max_len(1)
         .map(|row| {
             if (pixels.stopped)() {
-                return (Vec::new(), W::default());
+                return (Vec::new(), Counters::default());
             }
             evaluate(row)
         })
         .collect();
     let mut all = Vec::with_capacity(pixels.count());
-    let mut total = W::default();
+    let mut total = Counters::default();
     for (values, work) in rows {
         all.extend(values);
         total.add(&work);

@@ -3,7 +3,7 @@
 use super::number::{Dependence, Number};
 use crate::film::Film;
 use crate::math::Moments;
-use crate::render::{Detail, Plan, RenderError, Sampling, Seed, plans, render_coarse};
+use crate::render::{Detail, Plan, RenderError, Sampling, Seed, plans, render_part};
 use crate::scene::Scene;
 
 /// Parameters of the differences.
@@ -104,9 +104,9 @@ impl Sides {
         sampling: Sampling,
         stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<[Film; 2], RenderError> {
-        let render = |scene: &Scene| render_coarse(&plans(scene), sampling, detail, stopped);
+        let render = |scene: &Scene| render_part(&plans(scene), sampling, detail, stopped, &|| ());
         let [below, above] = &self.scenes;
-        Ok([render(below)?, render(above)?])
+        Ok([render(below)?.film, render(above)?.film])
     }
 
     fn quotients(&self, below: &Film, above: &Film) -> Vec<[f64; 3]> {

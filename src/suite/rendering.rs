@@ -84,7 +84,7 @@ impl Renderer for ReferenceRenderer {
         detail: Detail,
         progress: render::Progress<'_>,
     ) -> Result<Rendering, RenderError> {
-        render::render_part(plans, sampling, detail, progress)
+        render::render_part(plans, sampling, detail, &|| false, progress)
     }
 }
 

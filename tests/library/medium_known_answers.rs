@@ -17,7 +17,7 @@ use volref::math::sampling::*;
 use volref::math::{Sum, exp};
 use volref::optics::profiles::*;
 use volref::optics::*;
-use volref::render::counters::Uncounted;
+use volref::render::counters::Counters;
 use volref::render::plan::RadiativeFeatures;
 use volref::render::radiative::context::Scratch;
 use volref::render::radiative::line_of_sight::LineOfSight;
@@ -375,7 +375,7 @@ fn seen(media: &[(f64, f64, Homogeneous, Option<LinearRamp>)], background: f64) 
         tolerance: 1e-14,
     };
     let ray = Ray::new(DVec3::ZERO, DVec3::X).unwrap();
-    let radiance = renderer.radiance(&ray, &mut Scratch::default(), &mut Uncounted);
+    let radiance = renderer.radiance(&ray, &mut Scratch::default(), &mut Counters::default());
     radiance.x
 }
 

@@ -18,7 +18,7 @@ use volref::naming::{Predictions, Search, likeness};
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::reference;
 use volref::render::classified::modes::ExactField;
-use volref::render::{Event, Sampling, plans, render_counted};
+use volref::render::{Event, Sampling, plans, render};
 use volref::scene::{
     Classified, Clip, Conventions, Isosurface, Isosurfaces, Kept, LastStep, Mode, Panel, Projected,
     Projection, Scene, Window,
@@ -377,7 +377,7 @@ fn opacity_and_order() {
                 assert!((layers - layers.round()).abs() < 1e-3, "{opacity}");
             }
         }
-        let work = render_counted(&plans(&volume), Sampling::default(), &|| ())
+        let work = render(&plans(&volume), Sampling::default(), &|| ())
             .unwrap()
             .work;
         assert_eq!(work[0][Event::DensityLookup], work[0][Event::CellWalked]);
@@ -436,9 +436,7 @@ fn what_no_ray_passes_is_left_out() {
         let mode = Mode::Isosurfaces(surfaces(&values, 1.0));
         let scene = Scene::of(panel(exact(plateaus(), mode), 8));
         let plans = plans(&scene);
-        let work = render_counted(&plans, Sampling::default(), &|| ())
-            .unwrap()
-            .work;
+        let work = render(&plans, Sampling::default(), &|| ()).unwrap().work;
         assert_eq!(work[0][Event::DensityLookup] > 0, is_seen);
         assert_eq!(plans[0].kernel.to_string() == "background only", !is_seen);
     }

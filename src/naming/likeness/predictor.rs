@@ -4,9 +4,7 @@ use super::clock::SearchClock;
 use super::hypothesis::Hypothesis;
 use crate::compare::stochastic::BLOCK;
 use crate::film::Film;
-use crate::render::{
-    Counters, Detail, Event, Plan, Sampling, Seed, plans, render_coarse, render_coarse_counted,
-};
+use crate::render::{Counters, Detail, Event, Plan, Sampling, Seed, plans, render_part};
 use crate::scene::Scene;
 
 /// Pixels of a look, and samples in each.
@@ -73,11 +71,17 @@ impl Predictor {
         };
         let (detail, samples) = predictor.few();
         let look = (detail, samples.min(COUNTED));
-        let counted = render_coarse_counted(&plans(&predictor.scene), sampling(look.1, 0), detail);
-        let events = counted.map_or(0, |panels| {
+        let counted = render_part(
+            &plans(&predictor.scene),
+            sampling(look.1, 0),
+            detail,
+            &|| false,
+            &|| (),
+        );
+        let events = counted.map_or(0, |coarse| {
             let of_panel =
                 |work: &Counters| Event::ALL.iter().map(|&event| work[event]).sum::<u64>();
-            panels.iter().map(of_panel).sum()
+            coarse.work.iter().map(of_panel).sum()
         });
         // A ray that meets nothing takes a little as well.
         predictor.work_of_a_ray = 1.0 + events as f64 / predictor.rays(look);
@@ -124,10 +128,9 @@ impl Predictor {
             Detail::Blocks(_) if !plans.iter().all(Plan::is_sampled) => Detail::Whole,
             detail => detail,
         };
-        render_coarse(&plans, sampling(samples, seed), detail, &|| {
-            clock.is_stopped()
-        })
-        .ok()
+        let stopped = || clock.is_stopped();
+        let rendering = render_part(&plans, sampling(samples, seed), detail, &stopped, &|| ());
+        Some(rendering.ok()?.film)
     }
 
     /// The image that `hypothesis` would make, of the scene or of its `golden`; nothing where it has no occasion, or where

@@ -1,15 +1,15 @@
 //! The image of a classified volume under conventions of other renderers, by their own ray caster.
 
 use crate::conventions::{CommonSteps, RayWork, as_stored, each_alone, ray_caster::RayCaster};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
 
 /// The pixels of `scene`.
-pub(in crate::render) fn cast<W: Work>(
+pub(in crate::render) fn cast(
     scene: &Classified,
     pixels: &Pixels<'_>,
-) -> (Vec<[f32; 4]>, W) {
+) -> (Vec<[f32; 4]>, Counters) {
     let size = [pixels.width, pixels.height];
     if scene.volume_count() > 1 {
         let volumes = each_alone(scene);
@@ -24,16 +24,16 @@ pub(in crate::render) fn cast<W: Work>(
 }
 
 /// The pixels of `scene`, each by `cast`, after so many `gradients` were computed.
-fn by<W: Work>(
+fn by(
     scene: &Classified,
     pixels: &Pixels<'_>,
     gradients: u64,
     cast: impl Fn([usize; 2]) -> ([f32; 4], RayWork) + Sync,
-) -> (Vec<[f32; 4]>, W) {
-    let (image, mut work): (_, W) = rows(
+) -> (Vec<[f32; 4]>, Counters) {
+    let (image, mut work): (_, Counters) = rows(
         pixels,
         || (),
-        |position, _, (), work: &mut W| {
+        |position, _, (), work: &mut Counters| {
             let (pixel, of_ray) = cast(position);
             count(of_ray, work);
             work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
@@ -45,7 +45,7 @@ fn by<W: Work>(
 }
 
 /// Counts the work of a ray.
-pub(super) fn count<W: Work>(of_ray: RayWork, work: &mut W) {
+pub(super) fn count(of_ray: RayWork, work: &mut Counters) {
     let RayWork {
         density_lookups,
         gradient_lookups,

@@ -22,7 +22,7 @@ use crate::geometry::Ray;
 use crate::math::exp_m1;
 use crate::optics::TransferFunction;
 use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::Classified;
 use crate::volume::{CubicSegment, GridDensity, PlacedBox};
@@ -139,25 +139,25 @@ impl<'s> RayIntegrator<'s> {
 pub(in crate::render) type BoundedPixel = ([f32; 4], f64);
 
 /// The pixels of `scene`.
-pub(in crate::render) fn integrate<W: Work>(
+pub(in crate::render) fn integrate(
     scene: &Classified,
     pixels: &Pixels<'_>,
-) -> (Vec<BoundedPixel>, W) {
+) -> (Vec<BoundedPixel>, Counters) {
     let integrator = RayIntegrator::new(scene);
     integrated(scene, pixels, |ray| integrator.along(ray))
 }
 
 /// The pixels of `scene`, by the integral `along` each ray.
-pub(super) fn integrated<W: Work>(
+pub(super) fn integrated(
     scene: &Classified,
     pixels: &Pixels<'_>,
     along: impl Fn(&Ray) -> RayIntegral + Sync,
-) -> (Vec<BoundedPixel>, W) {
+) -> (Vec<BoundedPixel>, Counters) {
     let size = [pixels.width, pixels.height];
     rows(
         pixels,
         || (),
-        |position, _, (), work: &mut W| {
+        |position, _, (), work: &mut Counters| {
             let integral = along(&scene.camera.ray(position, size));
             work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
             work.count_times(Event::CellWalked, integral.cells);

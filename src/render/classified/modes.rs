@@ -17,23 +17,23 @@ use super::conventional::count;
 use crate::conventions::{FieldCaster, RayWork, kept};
 use crate::geometry::{Ray, Span};
 use crate::math::{Sum, exp, polynomial, sign_changes};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::{Classified, Isosurface, Isosurfaces, Mode, Projected, Projection, Window};
 use crate::volume::{CubicSegment, GridDensity, PlacedBox};
 
 /// The pixels of `scene`.
-pub(in crate::render) fn cast<W: Work>(
+pub(in crate::render) fn cast(
     scene: &Classified,
     pixels: &Pixels<'_>,
-) -> (Vec<[f32; 4]>, W) {
+) -> (Vec<[f32; 4]>, Counters) {
     let caster = FieldCaster::new(scene);
     let exact = scene.is_exact().then(|| ExactField::new(scene));
     let size = [pixels.width, pixels.height];
-    let (image, mut work): (_, W) = rows(
+    let (image, mut work): (_, Counters) = rows(
         pixels,
         || (),
-        |position, _, (), work: &mut W| {
+        |position, _, (), work: &mut Counters| {
             let ray = scene.camera.ray(position, size);
             let (pixel, of_ray) = match &exact {
                 Some(field) => field.pixel(&caster, &ray, work),
@@ -67,11 +67,11 @@ impl<'s> ExactField<'s> {
         }
     }
 
-    fn pixel<W: Work>(
+    fn pixel(
         &self,
         caster: &FieldCaster<'_>,
         ray: &Ray,
-        work: &mut W,
+        work: &mut Counters,
     ) -> ([f32; 4], RayWork) {
         let mut of_ray = RayWork::default();
         let (segments, span) = self.segments(ray);

@@ -12,7 +12,7 @@ use super::steps::Steps;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, Phong, over_length, over_lengths};
-use crate::render::counters::{Counters, Event, Work};
+use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
 use crate::render::plan::{FieldKind, RayCasterFeatures};
 use crate::scene::{Classified, Compositing, Shadow};

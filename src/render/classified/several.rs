@@ -19,7 +19,7 @@ use super::steps::Steps;
 use crate::geometry::{Direction, Hit, Ray, Span, Surface as _, length_of};
 use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::Appearance;
-use crate::render::counters::{Event, Uncounted, Work};
+use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::{Classified, Fault, Kept, Modulation, OpaqueSurface};
 use crate::volume::{Cell, Grid, NodeLine, PlacedBox};
@@ -27,16 +27,16 @@ use glam::DVec3;
 use std::borrow::Cow;
 
 /// The pixels of `scene`.
-pub(in crate::render) fn cast<W: Work>(
+pub(in crate::render) fn cast(
     scene: &Classified,
     pixels: &Pixels<'_>,
-) -> (Vec<[f32; 4]>, W) {
+) -> (Vec<[f32; 4]>, Counters) {
     let caster = Caster::new(Cow::Borrowed(scene));
     let size = [pixels.width, pixels.height];
-    let (image, mut work): (_, W) = rows(
+    let (image, mut work): (_, Counters) = rows(
         pixels,
         || (),
-        |position, _, (), work: &mut W| {
+        |position, _, (), work: &mut Counters| {
             let layers = caster.layers(&scene.camera.ray(position, size), work);
             let radiance = layers.before(scene.background);
             [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
@@ -106,7 +106,7 @@ impl Part {
         (span.near < span.far).then_some(span)
     }
 
-    fn density<W: Work>(&self, cell: &Cell, work: &mut W) -> f64 {
+    fn density(&self, cell: &Cell, work: &mut Counters) -> f64 {
         work.count(Event::DensityLookup);
         self.scene.interpolation.read(&*self.scene.grid, cell)
     }
@@ -116,7 +116,7 @@ impl Part {
     }
 
     /// Logarithm of the visibility through the volume along the `span` of a shadow ray, not above 0.
-    fn shadow<W: Work>(&self, ray: &Ray, span: Span, work: &mut W) -> f64 {
+    fn shadow(&self, ray: &Ray, span: Span, work: &mut Counters) -> f64 {
         let Some(shadow) = self.scene.shadow else {
             return 0.0;
         };
@@ -164,7 +164,7 @@ impl<'s> Caster<'s> {
     }
 
     /// Everything along `ray`, composited.
-    fn layers<W: Work>(&self, ray: &Ray, work: &mut W) -> Layers {
+    fn layers(&self, ray: &Ray, work: &mut Counters) -> Layers {
         let fault = self.scene.conventions.fault;
         let objects = &self.scene.objects;
         work.count_times(Event::SurfaceTest, objects.surfaces.len() as u64);
@@ -211,7 +211,7 @@ impl<'s> Caster<'s> {
     }
 
     /// The volumes along `ray`, composited.
-    fn merged<W: Work>(&self, cursors: &mut [Cursor<'_>], ray: &Ray, work: &mut W) -> Layers {
+    fn merged(&self, cursors: &mut [Cursor<'_>], ray: &Ray, work: &mut Counters) -> Layers {
         let mut layers = Layers::default();
         self.pieces(cursors, ray, work, |_, colour, opacity| {
             layers = FrontToBack::add(layers, colour * opacity, opacity);
@@ -232,7 +232,7 @@ impl<'s> Caster<'s> {
         self.pieces(
             &mut cursors,
             ray,
-            &mut Uncounted,
+            &mut Counters::default(),
             |[near, far], _, opacity| {
                 passed.push((0.5 * (near + far), far - near, opacity));
             },
@@ -242,11 +242,11 @@ impl<'s> Caster<'s> {
     }
 
     /// Calls `each` with the ends, the colour and the opacity of each piece along `ray` that is not transparent.
-    fn pieces<W: Work>(
+    fn pieces(
         &self,
         cursors: &mut [Cursor<'_>],
         ray: &Ray,
-        work: &mut W,
+        work: &mut Counters,
         mut each: impl FnMut([f64; 2], DVec3, f64),
     ) {
         let nearest = |cursors: &[Cursor<'_>]| {
@@ -269,11 +269,11 @@ impl<'s> Caster<'s> {
     }
 
     /// Colour and opacity of a piece of this length; none of a transparent one.
-    fn piece<W: Work>(
+    fn piece(
         &self,
         cursors: &[Cursor<'_>],
         length: f64,
-        work: &mut W,
+        work: &mut Counters,
     ) -> Option<(DVec3, f64)> {
         let seen = || cursors.iter().filter(|cursor| cursor.extinction > 0.0);
         seen().next()?;
@@ -303,13 +303,7 @@ impl<'s> Caster<'s> {
     }
 
     /// Radiance of a surface at a hit.
-    fn surface<W: Work>(
-        &self,
-        ray: &Ray,
-        hit: &Hit,
-        surface: &OpaqueSurface,
-        work: &mut W,
-    ) -> DVec3 {
+    fn surface(&self, ray: &Ray, hit: &Hit, surface: &OpaqueSurface, work: &mut Counters) -> DVec3 {
         let colour = surface.shaded(ray, hit, self.scene.light);
         match hit.point.towards_point(self.scene.light) {
             Some((ray, distance)) => colour * self.visibility(&ray, distance, true, work),
@@ -318,7 +312,7 @@ impl<'s> Caster<'s> {
     }
 
     /// Visibility of the light at `distance` along `ray`, which leaves a surface or a sample.
-    fn visibility<W: Work>(&self, ray: &Ray, distance: f64, of_surface: bool, work: &mut W) -> f64 {
+    fn visibility(&self, ray: &Ray, distance: f64, of_surface: bool, work: &mut Counters) -> f64 {
         if self.scene.shadow.is_none() {
             return 1.0;
         }
@@ -362,7 +356,7 @@ impl<'c> Cursor<'c> {
     }
 
     /// Begins the next step, or leaves the volume.
-    fn step<W: Work>(&mut self, caster: &Caster<'_>, ray: &Ray, work: &mut W) {
+    fn step(&mut self, caster: &Caster<'_>, ray: &Ray, work: &mut Counters) {
         let (part, index) = (self.part, self.begun);
         self.extinction = 0.0;
         if index == self.steps.count() {

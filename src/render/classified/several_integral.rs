@@ -17,7 +17,7 @@ use super::several::Part;
 use crate::geometry::Ray;
 use crate::math::{exp_m1, ln};
 use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
-use crate::render::counters::Work;
+use crate::render::counters::Counters;
 use crate::render::pixels::Pixels;
 use crate::scene::Classified;
 use crate::volume::{CubicSegment, GridDensity};
@@ -278,10 +278,10 @@ impl<'s> SeveralIntegrator<'s> {
 }
 
 /// The pixels of `scene`.
-pub(in crate::render) fn integrate<W: Work>(
+pub(in crate::render) fn integrate(
     scene: &Classified,
     pixels: &Pixels<'_>,
-) -> (Vec<BoundedPixel>, W) {
+) -> (Vec<BoundedPixel>, Counters) {
     let integrator = SeveralIntegrator::new(scene);
     integrated(scene, pixels, |ray| integrator.along(ray))
 }

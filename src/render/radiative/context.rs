@@ -5,11 +5,12 @@ use super::segments::MediumSegments;
 use super::tracker::{Tracker, TrackerScratch};
 use super::variance_reduction::specular_chain::SpecularChain;
 use crate::geometry::Ray;
+use crate::render::counters::Counters;
 use glam::DVec3;
 
 /// A path under way.
 #[derive(Debug)]
-pub struct PathContext<'c, W> {
+pub struct PathContext<'c> {
     /// The ray under way.
     pub ray: Ray,
     /// Fraction, by channel, of the radiance along the ray that reaches the eye.
@@ -31,7 +32,7 @@ pub struct PathContext<'c, W> {
     /// Memory for the media along a connection to a light vertex.
     pub connection: &'c mut MediumSegments,
     /// Random numbers, memory and counters.
-    pub tracker: Tracker<'c, W>,
+    pub tracker: Tracker<'c>,
 }
 
 /// The choice of a direction that a ray left in.
@@ -80,7 +81,7 @@ pub struct Scratch {
     pub tracker: TrackerScratch,
 }
 
-impl<'c, W> PathContext<'c, W> {
+impl<'c> PathContext<'c> {
     /// A path that begins at the eye along `ray`, of `limit` bounces at most, with the random
     /// numbers of `sampler`.
     pub fn new(
@@ -88,7 +89,7 @@ impl<'c, W> PathContext<'c, W> {
         limit: u32,
         sampler: Sampler,
         scratch: &'c mut Scratch,
-        work: &'c mut W,
+        work: &'c mut Counters,
     ) -> Self {
         PathContext {
             ray,

@@ -9,7 +9,6 @@ use crate::geometry::{Emitter, Hit, Ray, Side};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::optics::{Light, Sides};
-use crate::render::counters::Work;
 use crate::scene::AreaLight;
 use glam::DVec3;
 
@@ -19,12 +18,7 @@ pub struct DirectLight<'s>(pub &'s SceneContext<'s>);
 
 impl DirectLight<'_> {
     /// Radiance scattered at `vertex` of the direct light of `light`, which has no extent.
-    pub fn of_light<W: Work>(
-        self,
-        vertex: &Vertex,
-        light: &Light,
-        tracker: &mut Tracker<'_, W>,
-    ) -> DVec3 {
+    pub fn of_light(self, vertex: &Vertex, light: &Light, tracker: &mut Tracker<'_>) -> DVec3 {
         let (position, strength) = (light.position(), light.strength_towards(vertex.point()));
         if strength == DVec3::ZERO {
             return DVec3::ZERO;
@@ -52,12 +46,7 @@ impl DirectLight<'_> {
 
     /// Radiance scattered at `vertex` of the direct light of the area light with number `index`:
     /// one point of the light, weighted against [`ScatteringFunction::sample`] hitting it.
-    pub fn of_area_light<W: Work>(
-        self,
-        vertex: &Vertex,
-        index: usize,
-        tracker: &mut Tracker<'_, W>,
-    ) -> DVec3 {
+    pub fn of_area_light(self, vertex: &Vertex, index: usize, tracker: &mut Tracker<'_>) -> DVec3 {
         let light = &self.0.radiative.area_lights[index];
         if light.radiance == DVec3::ZERO {
             return DVec3::ZERO;
@@ -70,13 +59,13 @@ impl DirectLight<'_> {
     /// Radiance scattered at `vertex` of the light of one point of an area light, the point for
     /// `numbers`, times `weight`: a function of two densities per steradian at the vertex, that of
     /// the point and that of the direction, [`Response::pdf`](super::scattering_function::Response::pdf).
-    pub fn weighted_area_light<W: Work>(
+    pub fn weighted_area_light(
         self,
         vertex: &Vertex,
         light: &AreaLight,
         numbers: [f64; 2],
         weight: impl FnOnce(f64, f64) -> f64,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> DVec3 {
         let (point, pdf) = light.shape.sample_towards(vertex.point(), numbers);
         let Some((ray, distance)) = vertex.towards_surface(&point) else {

@@ -12,7 +12,7 @@ use super::transmittance::Transmittance;
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::optics::{emission, source_factor};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use glam::DVec3;
 
 /// Tentative collisions on an emissive segment in the mean, however thin the medium.
@@ -29,7 +29,7 @@ pub struct Emission<'s>(pub &'s SceneContext<'s>);
 
 impl Emission<'_> {
     /// Radiance that homogeneous media emit on `segment` towards the origin of the ray.
-    fn emitted<W: Work>(self, segment: &MediumSegment, work: &mut W) -> DVec3 {
+    fn emitted(self, segment: &MediumSegment, work: &mut Counters) -> DVec3 {
         work.count(Event::EmissionTerm);
         let (emission, extinction) = (segment.properties.emission, segment.properties.extinction());
         let length = segment.span.length();
@@ -46,7 +46,7 @@ impl Emission<'_> {
     }
 
     /// Radiance that homogeneous media emit along a ray towards its origin.
-    pub fn closed<W: Work>(self, segments: &MediumSegments, work: &mut W) -> DVec3 {
+    pub fn closed(self, segments: &MediumSegments, work: &mut Counters) -> DVec3 {
         let (mut radiance, mut depth) = (DVec3::ZERO, DVec3::ZERO);
         for segment in segments.all() {
             let transmittance = Transmittance(self.0).closed(depth, work);
@@ -58,7 +58,7 @@ impl Emission<'_> {
 
     /// An estimate of the radiance that media emit along the ray of a path towards its origin,
     /// collected at the tentative collisions of ratio tracking.
-    pub fn tracked<W: Work>(self, path: &mut PathContext<'_, W>) -> DVec3 {
+    pub fn tracked(self, path: &mut PathContext<'_>) -> DVec3 {
         let (ray, tracker) = (&path.ray, &mut path.tracker);
         let scratch = &mut *tracker.scratch;
         let work = &mut *tracker.work;
@@ -107,12 +107,12 @@ impl Emission<'_> {
     /// Radiance that media, whose densities have integrals, emit along `ray` towards its origin:
     /// in closed form where a medium is alone, else by quadrature to a relative `tolerance` between
     /// the kinks of the densities.
-    pub fn integrated<W: Work>(
+    pub fn integrated(
         self,
         segments: &MediumSegments,
         ray: &Ray,
         tolerance: f64,
-        work: &mut W,
+        work: &mut Counters,
     ) -> DVec3 {
         let media = &self.0.media;
         let (mut radiance, mut depth) = (DVec3::ZERO, DVec3::ZERO);
@@ -139,12 +139,12 @@ impl Emission<'_> {
     }
 
     /// `∫ j e^(−τ) dt` over a segment of several media.
-    fn quadrature<W: Work>(
+    fn quadrature(
         self,
         segment: &MediumSegment,
         ray: &Ray,
         tolerance: f64,
-        work: &mut W,
+        work: &mut Counters,
     ) -> DVec3 {
         let media = &self.0.media;
         let mut cuts = vec![segment.span.far];
@@ -191,7 +191,7 @@ impl Emission<'_> {
 }
 
 /// Optical depth, by channel, of the media in `set` over `span`, which lies in all of them.
-fn depth_over<W: Work>(media: &Media<'_>, set: Set, ray: &Ray, span: Span, work: &mut W) -> DVec3 {
+fn depth_over(media: &Media<'_>, set: Set, ray: &Ray, span: Span, work: &mut Counters) -> DVec3 {
     members(set).fold(DVec3::ZERO, |depth, index| {
         let medium = media.medium(index);
         depth + over(medium.sigma_t(), medium.column(ray, span, work))

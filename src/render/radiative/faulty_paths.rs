@@ -3,23 +3,23 @@
 use super::path_tracer::PathFault;
 use crate::faulty_tracer::{EndlessPath, FaultyTracer};
 use crate::math::Moments;
-use crate::render::counters::Work;
+use crate::render::counters::Counters;
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::{Radiative, TransportFault};
 
 /// The moments of the samples of each pixel, by channel, of a tracer that makes the mistake `fault`.
-pub(in crate::render) fn trace<W: Work>(
+pub(in crate::render) fn trace(
     scene: &Radiative,
     fault: TransportFault,
     seed: u64,
     pixels: &Pixels<'_>,
-) -> (Vec<Result<[Moments; 3], PathFault>>, W) {
+) -> (Vec<Result<[Moments; 3], PathFault>>, Counters) {
     let tracer = FaultyTracer::new(scene, Some(fault));
     let (size, edge) = ([pixels.width, pixels.height], pixels.edge());
     rows(
         pixels,
         || (),
-        |pixel, samples, (), _: &mut W| {
+        |pixel, samples, (), _: &mut Counters| {
             let moments = tracer.pixel(pixel, size, edge, (seed, samples));
             moments.map_err(|EndlessPath| PathFault::Endless)
         },

@@ -13,7 +13,7 @@ use super::transmittance::Transmittance;
 use crate::geometry::Ray;
 use crate::math::rng::Purpose;
 use crate::optics::{self, optical_depth, sampled_channel};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::Event;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -59,7 +59,7 @@ impl FreeFlight<'_> {
     /// proportion of the throughput, so that the channels of a path together never carry more than
     /// at its beginning. In a grey medium the weight of a collision is the albedo, and that of an
     /// escape 1, both exactly, but for media that only absorb.
-    pub fn sample<W: Work>(self, path: &mut PathContext<'_, W>) -> Flight {
+    pub fn sample(self, path: &mut PathContext<'_>) -> Flight {
         if !self.0.features.media || path.segments.all().is_empty() {
             return Flight::Escaped(DVec3::ONE);
         }
@@ -168,14 +168,14 @@ impl FreeFlight<'_> {
 
 /// Delta tracking over a segment with heterogeneous media: the collision with its scattering
 /// coefficient, or the rest of the optical distance.
-fn track<W: Work>(
+fn track(
     media: &Media<'_>,
     ray: &Ray,
     segment: &MediumSegment,
     channel: usize,
     first: Tentative,
     survived: &mut DVec3,
-    tracker: &mut Tracker<'_, W>,
+    tracker: &mut Tracker<'_>,
 ) -> ControlFlow<(RealCollision, DVec3), Tentative> {
     let scratch = &mut *tracker.scratch;
     let set = media.scattering(segment.set);

@@ -7,7 +7,7 @@ use super::sampler::Sampler;
 use super::scene_context::SceneContext;
 use crate::math::Moments;
 use crate::math::rng::{Purpose, Stream};
-use crate::render::counters::Work;
+use crate::render::counters::Counters;
 use crate::render::pixels::{Pixels, rows};
 use crate::render::plan::RadiativeFeatures;
 use crate::render::progress::SAMPLES_A_STEP;
@@ -16,12 +16,12 @@ use glam::DVec3;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The radiance of each pixel by integrals along the line of sight; `scattering`: light is scattered, once.
-pub(in crate::render) fn integrate<W: Work>(
+pub(in crate::render) fn integrate(
     scene: &Radiative,
     features: RadiativeFeatures,
     scattering: bool,
     pixels: &Pixels<'_>,
-) -> (Vec<Result<[f32; 3], PathFault>>, W) {
+) -> (Vec<Result<[f32; 3], PathFault>>, Counters) {
     let renderer = LineOfSight {
         scene: SceneContext::for_integrals(scene, features),
         scattering,
@@ -31,7 +31,7 @@ pub(in crate::render) fn integrate<W: Work>(
     rows(
         pixels,
         Scratch::default,
-        |pixel, _, scratch, work: &mut W| {
+        |pixel, _, scratch, work: &mut Counters| {
             let ray = scene.camera.ray(pixel, size);
             let radiance = renderer.radiance(&ray, scratch, work);
             finite(radiance).map(|radiance| radiance.as_vec3().to_array())
@@ -41,13 +41,13 @@ pub(in crate::render) fn integrate<W: Work>(
 
 /// The moments of the samples of each pixel, by channel: paths of at most `max_order` scatterings, each through a
 /// random point of its pixel.
-pub(in crate::render) fn trace<W: Work>(
+pub(in crate::render) fn trace(
     scene: &Radiative,
     features: RadiativeFeatures,
     max_order: Option<u32>,
     seed: u64,
     pixels: &Pixels<'_>,
-) -> (Vec<Result<[Moments; 3], PathFault>>, W) {
+) -> (Vec<Result<[Moments; 3], PathFault>>, Counters) {
     let tracer = PathTracer::new(scene, max_order, features);
     let size = [pixels.width, pixels.height];
     let edge = pixels.edge();
@@ -55,7 +55,7 @@ pub(in crate::render) fn trace<W: Work>(
     rows(
         pixels,
         Scratch::default,
-        |[column, row], samples, scratch, work: &mut W| {
+        |[column, row], samples, scratch, work: &mut Counters| {
             let index = (row * size[0] + column) as u32;
             if given_up.is_before(index) {
                 return Err(PathFault::Endless);

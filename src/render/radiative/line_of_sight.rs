@@ -19,7 +19,7 @@ use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
 use crate::math::sampling::Equiangular;
 use crate::optics::{Light, Material};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use glam::DVec3;
 
 /// Light along the line of sight.
@@ -47,7 +47,7 @@ const CUTS: [f64; 4] = [1.0, 8.0, 64.0, 746.0];
 
 impl LineOfSight<'_> {
     /// Radiance along `ray`.
-    pub fn radiance<W: Work>(&self, ray: &Ray, scratch: &mut Scratch, work: &mut W) -> DVec3 {
+    pub fn radiance(&self, ray: &Ray, scratch: &mut Scratch, work: &mut Counters) -> DVec3 {
         let segments = &mut scratch.segments;
         let tracker = &mut Tracker::for_integrals(&mut scratch.tracker, work);
         let (scene, radiative) = (&self.scene, self.scene.radiative);
@@ -105,7 +105,7 @@ impl LineOfSight<'_> {
     }
 
     /// Radiance that a surface reflects of direct light.
-    fn reflected<W: Work>(&self, vertex: &Vertex, tracker: &mut Tracker<'_, W>) -> DVec3 {
+    fn reflected(&self, vertex: &Vertex, tracker: &mut Tracker<'_>) -> DVec3 {
         tracker.work.count(Event::FirstScattering);
         let lights = self.scene.radiative.lights.iter();
         lights.fold(DVec3::ZERO, |sum, light| {
@@ -114,12 +114,12 @@ impl LineOfSight<'_> {
     }
 
     /// Single scattering of `light` in the media along `ray`.
-    fn single_scattering<W: Work>(
+    fn single_scattering(
         &self,
         light: &Light,
         segments: &MediumSegments,
         ray: &Ray,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> DVec3 {
         let Some(lit) = lit_span(segments, ray, light) else {
             return DVec3::ZERO;

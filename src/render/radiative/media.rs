@@ -3,7 +3,7 @@
 use super::medium::{Medium, MediumProperties, over};
 use crate::geometry::{Aabb, Ray, Solid, Span, Surface};
 use crate::optics::Density;
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use crate::scene::Body;
 use glam::DVec3;
 
@@ -160,7 +160,7 @@ impl<'s> Media<'s> {
 
     /// Scattering coefficient, by channel, of the media in `set` at the world point `point`,
     /// which lies in the boundaries of all of them. No density is looked up for a coefficient of 0.
-    pub fn sigma_s<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
+    pub fn sigma_s(&self, set: Set, point: DVec3, work: &mut Counters) -> DVec3 {
         let mut lookups = 0;
         let scatterers = members(set).map(|index| &self.media[index]);
         let sigma_s = scatterers
@@ -174,7 +174,7 @@ impl<'s> Media<'s> {
 
     /// Emitted radiance per length, by channel, of the media in `set` at the world point `point`,
     /// which lies in the boundaries of all of them. No density is looked up for an emission of 0.
-    pub fn emission<W: Work>(&self, set: Set, point: DVec3, work: &mut W) -> DVec3 {
+    pub fn emission(&self, set: Set, point: DVec3, work: &mut Counters) -> DVec3 {
         let mut lookups = 0;
         let emitters = members(set).map(|index| &self.media[index]);
         let emission = emitters
@@ -196,12 +196,12 @@ impl<'s> Media<'s> {
     /// # Panics
     ///
     /// If a density on the way has no integral.
-    pub fn optical_depth<W: Work>(
+    pub fn optical_depth(
         &self,
         ray: &Ray,
         end: f64,
         spans: &mut Vec<Span>,
-        work: &mut W,
+        work: &mut Counters,
     ) -> DVec3 {
         let mut depth = DVec3::ZERO;
         for medium in &self.media {

@@ -3,7 +3,7 @@
 use super::majorants::HeterogeneousSegment;
 use crate::geometry::{Boundary, Ray, Span};
 use crate::optics::{Density, Homogeneous, Phase, optical_depth};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use glam::DVec3;
 
 /// Coefficients of one medium, or of several together, per world length and channel.
@@ -108,7 +108,7 @@ impl Medium<'_> {
     /// # Panics
     ///
     /// If the density has no integral.
-    pub fn column<W: Work>(&self, ray: &Ray, span: Span, work: &mut W) -> f64 {
+    pub fn column(&self, ray: &Ray, span: Span, work: &mut Counters) -> f64 {
         let Some(density) = self.density else {
             return span.length();
         };

@@ -35,7 +35,7 @@ use super::vertex::Vertex;
 use crate::geometry::{Hit, Ray};
 use crate::math::rng::Purpose;
 use crate::optics::Material;
-use crate::render::counters::{Event, Uncounted, Work};
+use crate::render::counters::{Counters, Event};
 use crate::render::plan::RadiativeFeatures;
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -90,12 +90,12 @@ impl<'s> PathTracer<'s> {
     /// # Errors
     ///
     /// [`PathFault::Endless`] and [`PathFault::Majorant`].
-    pub fn radiance<W: Work>(
+    pub fn radiance(
         &self,
         ray: Ray,
         sampler: Sampler,
         scratch: &mut Scratch,
-        work: &mut W,
+        work: &mut Counters,
     ) -> Result<DVec3, PathFault> {
         let mut path = PathContext::new(ray, self.limit, sampler, scratch, work);
         let radiance = self.traced(&mut path);
@@ -111,14 +111,14 @@ impl<'s> PathTracer<'s> {
 
     /// Bounces of the path along `ray` with the random numbers of `sampler`.
     pub fn bounces(&self, ray: Ray, sampler: Sampler, scratch: &mut Scratch) -> u32 {
-        let mut work = Uncounted;
+        let mut work = Counters::default();
         let mut path = PathContext::new(ray, self.limit, sampler, scratch, &mut work);
         let _ = self.traced(&mut path);
         path.tracker.scratch.take_violations();
         path.depth
     }
 
-    fn traced<W: Work>(&self, path: &mut PathContext<'_, W>) -> Result<DVec3, PathFault> {
+    fn traced(&self, path: &mut PathContext<'_>) -> Result<DVec3, PathFault> {
         let scene = &self.scene;
         let mut radiance = DVec3::ZERO;
         let mut first_throughput = DVec3::ONE;
@@ -202,7 +202,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// Emission of the media along the ray.
-    fn emission<W: Work>(&self, path: &mut PathContext<'_, W>) -> DVec3 {
+    fn emission(&self, path: &mut PathContext<'_>) -> DVec3 {
         if self.scene.is_heterogeneous() {
             Emission(&self.scene).tracked(path)
         } else {
@@ -212,7 +212,7 @@ impl<'s> PathTracer<'s> {
 
     /// Single scattering of positioned lights in the media along the ray, weighted against the
     /// light vertices of the bounce before.
-    fn single_scattering<W: Work>(&self, path: &mut PathContext<'_, W>) -> DVec3 {
+    fn single_scattering(&self, path: &mut PathContext<'_>) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         for light in self.scene.positioned_lights() {
             let (ray, tracker) = (&path.ray, &mut path.tracker);
@@ -246,7 +246,7 @@ impl<'s> PathTracer<'s> {
 
     /// Single scattering of area lights in the media along the ray, weighted against hits of the
     /// lights after a collision there.
-    fn area_lights_along<W: Work>(&self, path: &mut PathContext<'_, W>) -> DVec3 {
+    fn area_lights_along(&self, path: &mut PathContext<'_>) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         for index in 0..self.scene.radiative.area_lights.len() {
             if let Some(scattered) = AreaLightScattering(&self.scene).radiance(index, path) {
@@ -259,7 +259,7 @@ impl<'s> PathTracer<'s> {
 
     /// Emission of an area light that the ray hits, through the media in between, weighted against
     /// the direct light of the bounce before.
-    fn area_light<W: Work>(&self, index: usize, hit: &Hit, path: &mut PathContext<'_, W>) -> DVec3 {
+    fn area_light(&self, index: usize, hit: &Hit, path: &mut PathContext<'_>) -> DVec3 {
         let scene = &self.scene;
         let light = &scene.radiative.area_lights[index];
         let weight = match path.previous {
@@ -284,7 +284,7 @@ impl<'s> PathTracer<'s> {
     /// light vertices. Direct light of positioned and area lights at a vertex in a medium has been
     /// counted along the ray; at a surface that of positioned lights is weighted against the light
     /// vertices of the bounce before.
-    fn connections<W: Work>(&self, vertex: &Vertex, path: &mut PathContext<'_, W>) -> DVec3 {
+    fn connections(&self, vertex: &Vertex, path: &mut PathContext<'_>) -> DVec3 {
         let scene = &self.scene;
         let mut radiance = DVec3::ZERO;
         for (index, light) in scene.radiative.lights.iter().enumerate() {
@@ -323,11 +323,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// Samples the direction in which the path continues.
-    fn bounce<W: Work>(
-        &self,
-        interaction: &Interaction,
-        path: &mut PathContext<'_, W>,
-    ) -> Option<Bounce> {
+    fn bounce(&self, interaction: &Interaction, path: &mut PathContext<'_>) -> Option<Bounce> {
         match interaction {
             Interaction::Scattering(vertex, collided_at) => {
                 let throughput = path.throughput;
@@ -363,7 +359,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// The chain of specular bounces that the bounce of `path` on `object` begins or continues.
-    fn specular_chain<W>(&self, object: usize, path: &PathContext<'_, W>) -> SpecularChain {
+    fn specular_chain(&self, object: usize, path: &PathContext<'_>) -> SpecularChain {
         let scene = &self.scene;
         match path.previous {
             PreviousBounce::Eye => LightsThroughGlass(scene).chain_from_eye(),

@@ -4,7 +4,7 @@ use super::majorants::HeterogeneousSegment;
 use super::media::{Media, Set, members};
 use super::tracking::{MajorantSegment, Majorants};
 use crate::geometry::{Ray, Span};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use glam::DVec3;
 
 /// The ray–majorant iterator: segments of a ray within which the majorants of all media of a set
@@ -57,7 +57,7 @@ impl<'m, 's> RayMajorants<'m, 's> {
     }
 
     /// Counts the densities looked up and the blocks walked.
-    pub fn count_work<W: Work>(&self, work: &mut W) {
+    pub fn count_work(&self, work: &mut Counters) {
         work.count_times(Event::DensityLookup, self.lookups);
         work.count_times(Event::CellWalked, self.blocks);
     }

@@ -13,7 +13,7 @@ use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{cosine_hemisphere, cosine_hemisphere_pdf};
 use crate::optics::{Deflection, Density, Phase};
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use glam::DVec3;
 use std::cell::Cell;
 use std::f64::consts::PI;
@@ -50,12 +50,7 @@ pub struct ScatteringFunction<'s>(pub &'s SceneContext<'s>);
 
 impl<'s> ScatteringFunction<'s> {
     /// The response of `vertex` to light from `direction`, seen from there.
-    pub fn response<W: Work>(
-        self,
-        vertex: &Vertex,
-        direction: Direction,
-        work: &mut W,
-    ) -> Response {
+    pub fn response(self, vertex: &Vertex, direction: Direction, work: &mut Counters) -> Response {
         match vertex {
             Vertex::Medium {
                 point,
@@ -83,11 +78,11 @@ impl<'s> ScatteringFunction<'s> {
     }
 
     /// Samples the direction in which a path of `throughput` continues from `vertex`.
-    pub fn sample<W: Work>(
+    pub fn sample(
         self,
         vertex: &Vertex,
         throughput: DVec3,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> Option<SampledDirection> {
         let Tracker { sampler, work, .. } = tracker;
         match vertex {
@@ -174,13 +169,7 @@ impl<'s> ScatteringFunction<'s> {
 
     /// Response of the media in `set` at `point`: their phase functions in the proportion of their
     /// scattering.
-    fn medium_response<W: Work>(
-        self,
-        set: Set,
-        point: DVec3,
-        cosine: f64,
-        work: &mut W,
-    ) -> Response {
+    fn medium_response(self, set: Set, point: DVec3, cosine: f64, work: &mut Counters) -> Response {
         let deflection = Deflection::from_cos(cosine.clamp(-1.0, 1.0));
         let value = |phase: &Phase| {
             if self.0.features.anisotropic {
@@ -230,13 +219,13 @@ impl<'s> ScatteringFunction<'s> {
     /// One of the overlapping media, sampled in the proportion of their scattering of the
     /// throughput, and by channel its fraction of the scattering over its probability. So the sum
     /// of the channels is preserved, however often media are sampled.
-    fn sample_phase<W: Work>(
+    fn sample_phase(
         self,
         set: Set,
         point: DVec3,
         throughput: DVec3,
         sampler: &mut Sampler,
-        work: &mut W,
+        work: &mut Counters,
     ) -> (&'s Phase, DVec3) {
         if let Some(phase) = self.only_scatterer(set) {
             return (phase, DVec3::ONE);
@@ -272,7 +261,7 @@ impl<'s> ScatteringFunction<'s> {
     }
 
     /// Counts the value of a phase function; an isotropic one is constant.
-    fn count_evaluation(self, work: &mut impl Work) {
+    fn count_evaluation(self, work: &mut Counters) {
         if self.0.features.anisotropic {
             work.count(Event::PhaseEvaluation);
         }

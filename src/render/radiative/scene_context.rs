@@ -7,7 +7,7 @@ use super::variance_reduction::light_vertex_shares::LightVertexShares;
 use super::variance_reduction::specular_objects::SpecularObject;
 use crate::geometry::{Emitter, EmitterExtent, Ray};
 use crate::optics::Light;
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use crate::render::plan::RadiativeFeatures;
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -82,7 +82,7 @@ impl<'s> SceneContext<'s> {
     }
 
     /// The nearest surface on `ray`, of several at the same distance the first of the scene.
-    pub(crate) fn intersect<W: Work>(&self, ray: &Ray, work: &mut W) -> Option<Intersection> {
+    pub(crate) fn intersect(&self, ray: &Ray, work: &mut Counters) -> Option<Intersection> {
         if !self.features.surfaces {
             return None;
         }
@@ -92,7 +92,7 @@ impl<'s> SceneContext<'s> {
 
     /// No surface stands between the origin of `ray`, a vertex or a light, and another of them at the
     /// distance `limit`; if that is infinite, anywhere on `ray`.
-    pub(crate) fn is_unoccluded<W: Work>(&self, ray: &Ray, limit: f64, work: &mut W) -> bool {
+    pub(crate) fn is_unoccluded(&self, ray: &Ray, limit: f64, work: &mut Counters) -> bool {
         let occluders = self.surfaces.occluders(limit);
         work.count_times(Event::SurfaceTest, occluders.count());
         !self.surfaces.block(ray, limit)

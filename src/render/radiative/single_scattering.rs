@@ -20,7 +20,6 @@ use crate::math::sampling::{
     Equiangular, LightOnRay, truncated_free_flight_pdf, truncated_optical_distance,
 };
 use crate::optics::{Light, Spot, opacity};
-use crate::render::counters::Work;
 use glam::DVec3;
 
 /// The span of `ray` on which `light` shines on media that scatter, if there is one.
@@ -317,12 +316,12 @@ pub struct SingleScattering<'s>(pub &'s SceneContext<'s>);
 impl SingleScattering<'_> {
     /// Radiance per length that is scattered into `ray` at `point`, seen from the origin of the ray.
     /// `direct` is the radiance scattered at a vertex there.
-    pub fn at<W: Work>(
+    pub fn at(
         self,
         ray: &Ray,
         point: &ScatteringPoint,
-        tracker: &mut Tracker<'_, W>,
-        direct: impl FnOnce(&Vertex, &mut Tracker<'_, W>) -> DVec3,
+        tracker: &mut Tracker<'_>,
+        direct: impl FnOnce(&Vertex, &mut Tracker<'_>) -> DVec3,
     ) -> DVec3 {
         let vertex = Vertex::Medium {
             point: ray.at(point.t),

@@ -4,16 +4,17 @@ use super::majorants::HeterogeneousSegment;
 use super::sampler::Sampler;
 use super::tracking::Effort;
 use crate::geometry::Span;
+use crate::render::counters::Counters;
 
 /// Random numbers, memory and counters, handed from estimate to estimate along a path.
 #[derive(Debug)]
-pub struct Tracker<'c, W> {
+pub struct Tracker<'c> {
     /// Random numbers of the path.
     pub sampler: Sampler,
     /// Memory.
     pub scratch: &'c mut TrackerScratch,
     /// Counters.
-    pub work: &'c mut W,
+    pub work: &'c mut Counters,
 }
 
 /// Memory kept from ray to ray, and lookups above their majorants.
@@ -27,9 +28,9 @@ pub struct TrackerScratch {
     pub effort: Effort,
 }
 
-impl<'c, W> Tracker<'c, W> {
+impl<'c> Tracker<'c> {
     /// A tracker with the random numbers of `sampler`.
-    pub fn new(sampler: Sampler, scratch: &'c mut TrackerScratch, work: &'c mut W) -> Self {
+    pub fn new(sampler: Sampler, scratch: &'c mut TrackerScratch, work: &'c mut Counters) -> Self {
         Tracker {
             sampler,
             scratch,
@@ -38,7 +39,7 @@ impl<'c, W> Tracker<'c, W> {
     }
 
     /// A tracker for integrals, which use no random numbers.
-    pub fn for_integrals(scratch: &'c mut TrackerScratch, work: &'c mut W) -> Self {
+    pub fn for_integrals(scratch: &'c mut TrackerScratch, work: &'c mut Counters) -> Self {
         Tracker::new(Sampler::for_integrals(), scratch, work)
     }
 }

@@ -16,7 +16,7 @@ use super::tracker::Tracker;
 use super::tracking::{Control, Small, ratio_tracking};
 use crate::geometry::{Ray, Solid, Span};
 use crate::optics;
-use crate::render::counters::{Event, Work};
+use crate::render::counters::{Counters, Event};
 use glam::DVec3;
 
 /// Transmittance of the media of a scene.
@@ -26,7 +26,7 @@ pub struct Transmittance<'s>(pub &'s SceneContext<'s>);
 impl Transmittance<'_> {
     /// Transmittance of the optical depth `depth`, by channel; one exponential where all channels
     /// are the same.
-    pub fn closed<W: Work>(self, depth: DVec3, work: &mut W) -> DVec3 {
+    pub fn closed(self, depth: DVec3, work: &mut Counters) -> DVec3 {
         work.count(Event::Attenuation);
         if self.0.features.chromatic {
             work.count_times(Event::ChannelAttenuation, 2);
@@ -42,7 +42,7 @@ impl Transmittance<'_> {
     }
 
     /// Transmittance, by channel, of all media from the origin of `ray` to distance `end`.
-    pub fn along<W: Work>(self, ray: &Ray, end: f64, tracker: &mut Tracker<'_, W>) -> DVec3 {
+    pub fn along(self, ray: &Ray, end: f64, tracker: &mut Tracker<'_>) -> DVec3 {
         if !self.0.is_heterogeneous() {
             let spans = &mut tracker.scratch.spans;
             let depth = self.0.media.optical_depth(ray, end, spans, tracker.work);
@@ -81,13 +81,13 @@ impl Transmittance<'_> {
 
     /// Transmittance, by channel, of the media that only absorb along `ray` up to distance `t`:
     /// of the homogeneous ones their optical `depth` is given, the others lie on `segments`.
-    pub(crate) fn of_absorbing<W: Work>(
+    pub(crate) fn of_absorbing(
         self,
         segments: &MediumSegments,
         ray: &Ray,
         t: f64,
         depth: DVec3,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> DVec3 {
         let mut transmittance = self.closed(depth, tracker.work);
         if !self.0.is_heterogeneous() {
@@ -106,13 +106,7 @@ impl Transmittance<'_> {
 
     /// Transmittance, by channel, of the heterogeneous media in `set` along `ray` over `span`,
     /// which lies in all of them.
-    fn of_heterogeneous<W: Work>(
-        self,
-        set: Set,
-        ray: &Ray,
-        span: Span,
-        tracker: &mut Tracker<'_, W>,
-    ) -> DVec3 {
+    fn of_heterogeneous(self, set: Set, ray: &Ray, span: Span, tracker: &mut Tracker<'_>) -> DVec3 {
         let mut depth = DVec3::ZERO;
         let mut estimated = 0;
         for index in members(set) {
@@ -134,12 +128,12 @@ impl Transmittance<'_> {
 
 /// An estimate of the transmittance, by channel, of the media in `set` along `ray` over `span`,
 /// which lies in all of them.
-fn estimated_transmittance<W: Work>(
+fn estimated_transmittance(
     media: &Media<'_>,
     set: Set,
     ray: &Ray,
     span: Span,
-    tracker: &mut Tracker<'_, W>,
+    tracker: &mut Tracker<'_>,
 ) -> DVec3 {
     let scratch = &mut *tracker.scratch;
     let mut majorants = RayMajorants::new(media, set, ray, span, &mut scratch.heterogeneous);

@@ -4,7 +4,7 @@ use super::scene_context::SceneContext;
 use super::tracker::Tracker;
 use super::transmittance::Transmittance;
 use crate::geometry::Ray;
-use crate::render::counters::{Event, Work};
+use crate::render::counters::Event;
 use glam::DVec3;
 
 /// Visibility along the shadow rays of a scene.
@@ -14,7 +14,7 @@ pub struct Visibility<'s>(pub &'s SceneContext<'s>);
 impl Visibility<'_> {
     /// Transmittance, by channel, from the origin of `ray` to `distance`: 0 behind a surface, an
     /// estimate through heterogeneous media that scatter.
-    pub fn along<W: Work>(self, ray: &Ray, distance: f64, tracker: &mut Tracker<'_, W>) -> DVec3 {
+    pub fn along(self, ray: &Ray, distance: f64, tracker: &mut Tracker<'_>) -> DVec3 {
         tracker.work.count(Event::ShadowRay);
         if self.0.features.surfaces && !self.0.is_unoccluded(ray, distance, tracker.work) {
             return DVec3::ZERO;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use volref::film::Film;
 use volref::render::plan::{FieldKind, Kernel};
-use volref::render::{Counters, Event, Plan, Sampling, render_counted};
+use volref::render::{Counters, Event, Plan, Sampling, render};
 use volref::scene::Scene;
 
 /// A scene by the text of its file, which stands in a folder of the fixtures.
@@ -25,7 +25,7 @@ pub fn plan(scene: &Scene) -> Plan<'_> {
 #[track_caller]
 pub fn rendered(plan: &Plan<'_>) -> (Film, Counters) {
     let plans = std::slice::from_ref(plan);
-    let rendering = render_counted(plans, Sampling::default(), &|| ());
+    let rendering = render(plans, Sampling::default(), &|| ());
     let rendering = rendering.unwrap_or_else(|error| panic!("{error}"));
     (rendering.film, rendering.work[0])
 }

@@ -9,7 +9,7 @@ use volref::math;
 use volref::optics::{Appearance, Colormap, Phong, TransferFunction, TransferOpacity};
 use volref::render::classified::compositing::Layers;
 use volref::render::classified::ray_caster::RayCaster;
-use volref::render::{Counters, Plan, Sampling, render_counted};
+use volref::render::{Counters, Plan, Sampling, render};
 use volref::scene::{Classified, Compositing, Conventions, Mode, Objects, Panel, Shadow};
 use volref::volume::{Grid, Interpolation, Lattice};
 
@@ -230,7 +230,7 @@ pub fn panel(scene: &Classified, size: usize) -> Panel {
 
 /// The image by `plan`, and the work done.
 pub fn render_by(plan: Plan<'_>) -> (Film, Counters) {
-    let rendering = render_counted(&[plan], Sampling::default(), &|| ()).unwrap();
+    let rendering = render(&[plan], Sampling::default(), &|| ()).unwrap();
     (rendering.film, rendering.work[0])
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use volref::geometry::Ray;
 use volref::math::Moments;
 use volref::math::rng::Stream;
-use volref::render::counters::Uncounted;
+use volref::render::counters::Counters;
 use volref::render::plan::RadiativeFeatures;
 use volref::render::radiative::context::Scratch;
 use volref::render::radiative::line_of_sight::LineOfSight;
@@ -45,7 +45,7 @@ fn line_of_sight(scene: &Radiative, ray: &Ray, turned: bool) -> DVec3 {
         scattering: turned,
         tolerance: 1e-14,
     };
-    renderer.radiance(ray, &mut Scratch::default(), &mut Uncounted)
+    renderer.radiance(ray, &mut Scratch::default(), &mut Counters::default())
 }
 
 /// Paths through a scene, one for each sample number.
@@ -69,9 +69,12 @@ impl<'s> Paths<'s> {
     pub fn radiance(&mut self, sample: u32, ray: impl Fn(&Stream) -> Ray) -> DVec3 {
         let random = Stream::new(self.seed, 0, sample);
         let ray = ray(&random);
-        let radiance =
-            self.tracer
-                .radiance(ray, Sampler::new(random), &mut self.scratch, &mut Uncounted);
+        let radiance = self.tracer.radiance(
+            ray,
+            Sampler::new(random),
+            &mut self.scratch,
+            &mut Counters::default(),
+        );
         radiance.expect("no path is endless")
     }
 }

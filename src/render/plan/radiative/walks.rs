@@ -142,7 +142,7 @@ fn mean(density: &Density) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Event, Sampling, plans, render_counted};
+    use crate::render::{Event, Sampling, plans, render};
     use crate::scene::{Model, Scene};
     use std::path::Path;
 
@@ -178,7 +178,7 @@ mod tests {
             ("sigma_t = 300\nalbedo = 0.97", BALL),
         ] {
             let scene = scene("environment = 1", &format!("{medium}\n{shape}"));
-            let rendering = render_counted(&plans(&scene), Sampling::default(), &|| ());
+            let rendering = render(&plans(&scene), Sampling::default(), &|| ());
             let work = rendering.unwrap().work[0];
             let counted =
                 (work[Event::FirstScattering] + work[Event::FurtherScattering]) as f64 / 512.0;

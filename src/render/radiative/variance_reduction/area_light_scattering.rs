@@ -15,7 +15,6 @@ use crate::geometry::{Direction, Hit, Ray, Span};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::optics::Sides;
-use crate::render::counters::Work;
 use crate::render::radiative::context::{PathContext, PreviousCollision};
 use crate::render::radiative::direct_light::{DirectLight, pdf_of_hit};
 use crate::render::radiative::scene_context::SceneContext;
@@ -30,7 +29,7 @@ pub struct AreaLightScattering<'s>(pub &'s SceneContext<'s>);
 impl AreaLightScattering<'_> {
     /// Radiance of the area light with number `index` that media scatter into the ray of `path`, seen
     /// from its origin.
-    pub fn radiance<W: Work>(self, index: usize, path: &mut PathContext<'_, W>) -> Option<DVec3> {
+    pub fn radiance(self, index: usize, path: &mut PathContext<'_>) -> Option<DVec3> {
         let light = &self.0.radiative.area_lights[index];
         if light.radiance == DVec3::ZERO {
             return None;
@@ -57,11 +56,11 @@ impl AreaLightScattering<'_> {
     }
 
     /// Weight of the area light with number `index`, hit by the ray of `path` after `collision`.
-    pub fn weight_after_collision<W>(
+    pub fn weight_after_collision(
         self,
         index: usize,
         hit: &Hit,
-        path: &PathContext<'_, W>,
+        path: &PathContext<'_>,
         collision: &PreviousCollision,
     ) -> f64 {
         let points = self.points(index, path.previous_segments, &collision.ray);

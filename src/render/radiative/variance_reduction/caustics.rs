@@ -16,7 +16,7 @@ use super::specular_objects::SpecularObject;
 use crate::geometry::{Ray, Surface};
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
-use crate::render::counters::{Event, Work};
+use crate::render::counters::Event;
 use crate::render::radiative::context::PathContext;
 use crate::render::radiative::direct_light::emitted_radiance;
 use crate::render::radiative::scattering_function::ScatteringFunction;
@@ -56,11 +56,7 @@ pub struct Caustics<'s>(pub &'s SceneContext<'s>);
 impl Caustics<'_> {
     /// Radiance scattered at `vertex` of `path` of the light of area lights by way of mirrors and glass,
     /// one of which is aimed at, or none. `None` where nothing is found.
-    pub fn radiance<W: Work>(
-        self,
-        vertex: &Vertex,
-        path: &mut PathContext<'_, W>,
-    ) -> Option<DVec3> {
+    pub fn radiance(self, vertex: &Vertex, path: &mut PathContext<'_>) -> Option<DVec3> {
         let probability = self.aim_probability(path.vertices)?;
         let tracker = &mut path.tracker;
         let [u, v] = tracker.sampler.pair(Purpose::Caustic, 0);
@@ -96,12 +92,12 @@ impl Caustics<'_> {
 
     /// The chain that begins with `ray`, bounces on `target` at most `most` times, and ends at an area
     /// light, as if no other surface were there.
-    fn chain_to_light<W: Work>(
+    fn chain_to_light(
         self,
         mut ray: Ray,
         target: &SpecularObject,
         most: usize,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> Option<Chain> {
         let object = &self.0.radiative.objects[target.object];
         let lights = self.0.radiative.area_lights.len() as u64;
@@ -143,10 +139,10 @@ impl Caustics<'_> {
 
     /// The chain that the bounce of `path` on `object` begins, in a direction that was sampled with the
     /// density `scattered_pdf`.
-    pub fn chain_from_vertex<W>(
+    pub fn chain_from_vertex(
         self,
         object: usize,
-        path: &PathContext<'_, W>,
+        path: &PathContext<'_>,
         scattered_pdf: f64,
     ) -> SpecularChain {
         let mut objects = self.0.specular_objects.iter();

@@ -23,7 +23,6 @@ use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::{Cone, Equiangular, power_heuristic, sphere, sphere_pdf};
 use crate::optics::{Light, Material};
-use crate::render::counters::Work;
 use crate::render::radiative::context::PathContext;
 use crate::render::radiative::direct_light::DirectLight;
 use crate::render::radiative::scattering_function::ScatteringFunction;
@@ -108,11 +107,11 @@ pub struct LightVertices<'s>(pub &'s SceneContext<'s>);
 impl LightVertices<'_> {
     /// Radiance scattered at `vertex` of light that media and surfaces scatter towards it, once,
     /// by a light vertex of `light`.
-    pub fn radiance<W: Work>(
+    pub fn radiance(
         self,
         vertex: &Vertex,
         light: &PositionedLight<'_>,
-        path: &mut PathContext<'_, W>,
+        path: &mut PathContext<'_>,
     ) -> DVec3 {
         let Some((cone, pdf)) = directions(light.light) else {
             return DVec3::ZERO;
@@ -175,13 +174,13 @@ impl LightVertices<'_> {
     }
 
     /// By a light vertex in the media along `out`; `u` samples its distance.
-    fn by_medium_vertex<W: Work>(
+    fn by_medium_vertex(
         self,
         vertex: &Vertex,
         light: &PositionedLight<'_>,
         out: &LightRay,
         u: f64,
-        path: &mut PathContext<'_, W>,
+        path: &mut PathContext<'_>,
     ) -> Option<DVec3> {
         let tracker = &mut path.tracker;
         let (foot, angle) = distances(self.0, &out.ray, vertex.point())?;
@@ -215,12 +214,12 @@ impl LightVertices<'_> {
     }
 
     /// By a light vertex on the diffuse surface that `out` hits.
-    fn by_surface_vertex<W: Work>(
+    fn by_surface_vertex(
         self,
         vertex: &Vertex,
         light: &PositionedLight<'_>,
         out: &LightRay,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> Option<DVec3> {
         let Intersection { surface, hit } = self.0.intersect(&out.ray, tracker.work)?;
         let SurfaceIndex::Object(index) = surface else {

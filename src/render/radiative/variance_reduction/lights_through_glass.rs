@@ -7,7 +7,6 @@
 
 use super::specular_chain::{Follower, SpecularChain};
 use crate::geometry::Ray;
-use crate::render::counters::Work;
 use crate::render::radiative::direct_light::emitted_radiance;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::specular::specular_bounces;
@@ -23,12 +22,12 @@ pub struct LightsThroughGlass<'s>(pub &'s SceneContext<'s>);
 impl LightsThroughGlass<'_> {
     /// Radiance of area lights along `ray` from the eye, which ends at `end`, a mirror or glass: behind up
     /// to [`Follower::FROM_EYE`] specular bounces, and no more than `limit`.
-    pub fn radiance<W: Work>(
+    pub fn radiance(
         self,
         ray: &Ray,
         end: &Intersection,
         limit: u32,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> DVec3 {
         if !self.is_followed_from_eye() {
             return DVec3::ZERO;
@@ -37,12 +36,12 @@ impl LightsThroughGlass<'_> {
     }
 
     /// Radiance of area lights along `ray`, which ends at `end`, behind at most `most` bounces.
-    fn radiance_behind<W: Work>(
+    fn radiance_behind(
         self,
         ray: &Ray,
         end: &Intersection,
         most: usize,
-        tracker: &mut Tracker<'_, W>,
+        tracker: &mut Tracker<'_>,
     ) -> DVec3 {
         let mut radiance = DVec3::ZERO;
         match end.surface {

@@ -9,7 +9,7 @@ use crate::math::{self, Moments, Sum};
 use crate::optics::{Asymmetry, Field, opacity, source_factor};
 use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
-use crate::render::counters::Uncounted;
+use crate::render::counters::Counters;
 use crate::render::plan::RadiativeFeatures;
 use crate::render::radiative::context::Scratch;
 use crate::render::radiative::path_tracer::PathTracer;
@@ -122,7 +122,7 @@ fn a4_orders_of_pixels() {
             let [x, y] = sampler.pair(Purpose::Camera, 0);
             let film_point = [(index % width) as f64 + x, (index / width) as f64 + y];
             let ray = scene.camera.ray_through(film_point, SIZE);
-            let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Uncounted);
+            let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Counters::default());
             radiance.unwrap_or(DVec3::NAN)
         });
         by_channel(samples).map(|moments| moments.mean() as f32)

@@ -9,13 +9,13 @@ use crate::math::rng::Stream;
 use crate::math::{Moments, Sum, exp, exp_m1, log2};
 use crate::optics::{Phong, optical_depth, transmittance};
 use crate::render::classified::steps::Steps;
-use crate::render::counters::Uncounted;
+use crate::render::counters::Counters;
 use crate::render::plan::RadiativeFeatures;
 use crate::render::radiative::sampler::Sampler;
 use crate::render::radiative::scene_context::SceneContext;
 use crate::render::radiative::tracker::{Tracker, TrackerScratch};
 use crate::render::radiative::visibility::Visibility;
-use crate::render::{Effect, Event, Plan, Sampling, render_counted};
+use crate::render::{Effect, Event, Plan, Sampling, render};
 use crate::scene::{Classified, Model};
 use crate::volume::{
     Centring, DensityField, Grid, GridDensity, GridError, Interpolation, Lattice, LoadOptions,
@@ -189,7 +189,7 @@ fn d7_bright_voxel_on_a_border() {
     let around = SceneContext::new(&scene, RadiativeFeatures::ALL);
     let mut scratch = TrackerScratch::default();
     let by_ratio = (0..SAMPLES).map(|sample| {
-        let mut work = Uncounted;
+        let mut work = Counters::default();
         let sampler = Sampler::new(Stream::new(3, 0, sample));
         let mut tracker = Tracker::new(sampler, &mut scratch, &mut work);
         Visibility(&around)
@@ -397,7 +397,7 @@ fn d14_zero_gradient() {
         };
         let scene = scene_of(volume, [8, 8]);
         let plan = Plan::forcing(&scene.panels[0], forced).ok()?;
-        let rendering = render_counted(&[plan], Sampling::default(), &|| ()).ok()?;
+        let rendering = render(&[plan], Sampling::default(), &|| ()).ok()?;
         let asked = rendering.work[0][Event::GradientLookup] > 0;
         Some((rendering.film.pixel_hash(), asked))
     };

@@ -9,14 +9,14 @@ use crate::optics::{
     Appearance, Asymmetry, Coefficients, Colormap, Density, Field, Homogeneous, Phase, Phong,
     TransferFunction, TransferOpacity, TransferPoint, TransferPoints,
 };
-use crate::render::counters::Uncounted;
+use crate::render::counters::Counters;
 use crate::render::plan::RadiativeFeatures;
 use crate::render::radiative::context::Scratch;
 use crate::render::radiative::line_of_sight::{LineOfSight, TOLERANCE};
 use crate::render::radiative::path_tracer::PathTracer;
 use crate::render::radiative::sampler::Sampler;
 use crate::render::radiative::scene_context::SceneContext;
-use crate::render::{RenderError, Rendering, Sampling, plans, render_counted};
+use crate::render::{RenderError, Rendering, Sampling, plans, render};
 use crate::scene::{
     Body, Classified, Compositing, Conventions, Mode, Model, Objects, Panel, Radiative, Scattering,
     Scene, Shadow,
@@ -145,7 +145,7 @@ pub fn line_of_sight(scene: &Radiative, ray: &Ray, scattered: bool, tolerance: f
         scattering: scattered,
         tolerance,
     };
-    renderer.radiance(ray, &mut Scratch::default(), &mut Uncounted)
+    renderer.radiance(ray, &mut Scratch::default(), &mut Counters::default())
 }
 
 /// Radiance of path number `sample` along `ray`, scattered `limit` times at most.
@@ -158,7 +158,7 @@ pub fn paths<'s>(
     let mut scratch = Scratch::default();
     move |sample| {
         let sampler = Sampler::new(Stream::new(scene.seed, 0, sample));
-        let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Uncounted);
+        let radiance = tracer.radiance(ray, sampler, &mut scratch, &mut Counters::default());
         // A path without an end brings back nothing that could be compared.
         radiance.unwrap_or(DVec3::NAN)
     }
@@ -196,7 +196,7 @@ pub fn bits(scene: &Scene) -> Option<String> {
 }
 
 pub fn rendered(scene: &Scene) -> Result<Rendering, RenderError> {
-    render_counted(&plans(scene), Sampling::default(), &|| ())
+    render(&plans(scene), Sampling::default(), &|| ())
 }
 
 /// A classified volume, bumpy, lit and shadowed, seen by a camera in front of it.
