@@ -487,8 +487,7 @@ fn judged_with_number(suite: &Suite, case: &Case, name: &str, change: f64) -> Ju
 /// edge: neither is taken for another number, or for two.
 #[test]
 fn numbers_far_off_are_told_in_noise() {
-    let (suite, predictions) = (suite(), Predictions::default());
-    let search = uninterrupted(None, &predictions);
+    let suite = suite();
     let case = case_of(&suite, "fog/absorption");
     let little = judged_with_number(&suite, case, "density", -0.05).result;
     let named = little.changes.iter().filter(|change| change.fits_best);
@@ -498,22 +497,9 @@ fn numbers_far_off_are_told_in_noise() {
     let off = (change.change + 0.05).abs();
     assert!(off < 4.0 * change.error, "{change:?}");
 
-    let mut much = [judged_with_number(&suite, case, "density", 0.1)];
-    let reason = &much[0].result.reason;
+    let much = judged_with_number(&suite, case, "density", 0.1).result;
+    let reason = &much.reason;
     assert!(reason.contains("is too large for derivatives"), "{reason}");
-    likeness(&[case], &[], None, &mut much, &search);
-    let said = &much[0].result.difference;
-    let is_first = said[0].starts_with("density ");
-    assert!(
-        is_first && said[0].contains("scene agrees with the image"),
-        "{said:?}"
-    );
-    let size = said[0].split(' ').find_map(|word| word.parse::<f64>().ok());
-    assert!((size.unwrap() - 10.0).abs() < 0.5, "{said:?}");
-    assert!(
-        said.iter().all(|said| !said.contains("reflectance")),
-        "{said:?}"
-    );
 }
 
 /// Size and standard error of the number that is called `words`, where `sentence` states them.
@@ -546,6 +532,10 @@ fn intervals_of_far_changes_hold_the_truth() {
         likeness(&[case], &[], None, &mut judged, &search);
         let said = judged[0].result.difference.join("; ");
         println!("{name} {change}: {said}");
+        assert!(
+            name == "reflectance" || !said.contains("reflectance"),
+            "{said}"
+        );
         assert!(said.contains("scene agrees with the image"), "{said}");
         let words = number(&case.load_scene().unwrap(), name).unwrap().words();
         if let Some([size, error]) = interval(&said, &words) {
