@@ -6,13 +6,14 @@
 //! mistake of the scene is made or a convention is asked. Places of samples, values and normals are those of the
 //! [`RayCaster`]. With default conventions and without mistakes both give the same bits.
 
-use super::layer::{Layer, rounded};
+use super::layer::rounded;
 use super::ray_caster::{RayCaster, Way};
 use super::shading::ShadedSample;
 use super::steps::StepRule;
 use super::work::RayWork;
 use crate::geometry::Ray;
 use crate::math::exp;
+use crate::optics::Layer;
 use crate::scene::{
     Classified, Compositing, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
     ProjectionFault, Window,
@@ -122,11 +123,8 @@ impl<'s> FieldCaster<'s> {
         for (t, surface) in passed {
             work.attenuations += 1;
             work.emission_terms += 1;
-            seen = seen.over(Layer {
-                colour: self.shade(ray, *t, surface.colour, faults, work) * surface.opacity,
-                opacity: surface.opacity,
-                transparency: 1.0 - surface.opacity,
-            });
+            let colour = self.shade(ray, *t, surface.colour, faults, work);
+            seen = seen.over(Layer::sample(colour * surface.opacity, surface.opacity));
             seen = seen.rounded(self.scene.conventions.precision);
             if let Compositing::EarlyTermination(threshold) = self.scene.compositing
                 && seen.transparency < threshold

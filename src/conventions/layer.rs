@@ -4,41 +4,14 @@ use super::steps::StepRule;
 use super::work::RayWork;
 use crate::geometry::Ray;
 use crate::math::rng::philox4x32_10;
+use crate::optics::Layer;
 use crate::scene::{Classified, Compositing, Fault, Precision};
 use glam::DVec3;
 use half::f16;
 
-/// Samples of a ray, composited.
-pub(super) struct Layer {
-    /// Associated colour: multiplied by opacity.
-    pub colour: DVec3,
-    /// Fraction of the light from behind that is absorbed.
-    pub opacity: f64,
-    /// Fraction of the light from behind that passes.
-    pub transparency: f64,
-}
-
 impl Layer {
-    pub const EMPTY: Layer = Layer {
-        colour: DVec3::ZERO,
-        opacity: 0.0,
-        transparency: 1.0,
-    };
-
-    /// This layer in front of `back`: the operator "over" of Porter & Duff 1984.
-    pub fn over(self, back: Layer) -> Layer {
-        let passed = self.transparency * back.transparency;
-        let sum = self.opacity + back.opacity * self.transparency;
-        Layer {
-            colour: self.colour + back.colour * self.transparency,
-            // The sum is more accurate while it is small; near 1, rounding could carry it above 1.
-            opacity: if passed < 0.5 { 1.0 - passed } else { sum },
-            transparency: passed,
-        }
-    }
-
     /// This layer in numbers of `precision`.
-    pub fn rounded(self, precision: Precision) -> Layer {
+    pub(super) fn rounded(self, precision: Precision) -> Layer {
         let round = |value| rounded(value, precision);
         Layer {
             colour: self.colour.map(round),
@@ -48,7 +21,7 @@ impl Layer {
     }
 
     /// This layer with the next `sample` of a ray, in the order in which `scene` composites.
-    pub fn with(self, sample: Layer, scene: &Classified) -> Layer {
+    pub(super) fn with(self, sample: Layer, scene: &Classified) -> Layer {
         let sum = self.colour + sample.colour;
         let mut seen = if scene.compositing == Compositing::BackToFront {
             sample.over(self)
@@ -62,7 +35,7 @@ impl Layer {
     }
 
     /// True if the ray ends with this layer; it may be opaque then.
-    pub fn ends(&mut self, scene: &Classified) -> bool {
+    pub(super) fn ends(&mut self, scene: &Classified) -> bool {
         let Compositing::EarlyTermination(threshold) = scene.compositing else {
             return false;
         };

@@ -10,7 +10,7 @@
 //! what a scene does not ask for.
 
 use super::classifier::Classifier;
-use super::layer::{Layer, pixel_of};
+use super::layer::pixel_of;
 use super::normals::{Gradients, NodeGradients};
 use super::opacity::Correction;
 use super::shading::ShadedSample;
@@ -18,7 +18,7 @@ use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world, ta
 use super::work::RayWork;
 use crate::geometry::{Direction, Line, Ray, Span, length_of};
 use crate::math::exp;
-use crate::optics::{Appearance, Phong, over_length};
+use crate::optics::{Appearance, Layer, Phong, over_length};
 use crate::scene::{Classified, Clip, Compositing, Fault, NormalSpace};
 use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox};
 use glam::DVec3;
@@ -212,11 +212,7 @@ impl<'s> RayCaster<'s> {
         if scene.conventions.own_opacity {
             colour *= opacity;
         }
-        Some(Layer {
-            colour: colour * opacity,
-            opacity,
-            transparency: 1.0 - opacity,
-        })
+        Some(Layer::sample(colour * opacity, opacity))
     }
 
     /// The lines of `ray` in the coordinates of the volume.

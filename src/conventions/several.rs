@@ -7,12 +7,13 @@
 //!
 //! [`reference::several_volumes`](crate::reference::several_volumes) states what volref has in its place.
 
-use super::layer::{Layer, pixel_of};
+use super::layer::pixel_of;
 use super::ray_caster::{RayCaster, behind, extent, kept, near_depth};
 use super::steps::{StepRule, StepsInParts, taken};
 use super::stored_values::as_stored;
 use super::work::RayWork;
 use crate::geometry::{Aabb, Ray};
+use crate::optics::Layer;
 use crate::scene::{Classified, Clip};
 
 /// Renders rays through several volumes by common steps.

@@ -5,7 +5,7 @@
 //! | `coefficients`, `homogeneous`, [`emission`], `optical_depth`, `opacity` | absorption, scattering and emission, and what they amount to over a length |
 //! | `density`, `density_line`, [`profiles`] | the density of a heterogeneous medium, at a point and along a ray |
 //! | `phase`, `henyey_greenstein`, `draine`, `droplets`, `deflection` | phase functions |
-//! | `transfer_function`, `transfer_points`, `colormap`, `phong` | the appearance of classified volumes |
+//! | `transfer_function`, `transfer_points`, `colormap`, `phong`, `layer` | the appearance of classified volumes, and samples composited |
 //! | `material`, `fresnel` | scattering at surfaces |
 //! | `light` | light sources without extent |
 //! | [`collocation`] | light along a ray by quadrature |
@@ -22,6 +22,7 @@ pub mod emission;
 mod fresnel;
 mod henyey_greenstein;
 mod homogeneous;
+mod layer;
 mod light;
 mod material;
 mod opacity;
@@ -43,6 +44,7 @@ pub use droplets::Droplets;
 pub use fresnel::{Split, reflected, split};
 pub use henyey_greenstein::HenyeyGreenstein;
 pub use homogeneous::Homogeneous;
+pub use layer::Layer;
 pub use light::{Directional, Light, Point, Spot, SpotError};
 pub use material::{Material, Sides};
 pub(crate) use opacity::over_lengths;

@@ -2,7 +2,6 @@
 //!
 //! [`RayCaster::layers`](ray_caster::RayCaster::layers) is the loop along one ray.
 
-pub mod compositing;
 pub(super) mod conventional;
 pub mod curve;
 pub mod depth;

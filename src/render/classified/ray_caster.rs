@@ -6,12 +6,11 @@
 //! Source: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering".
 
-use super::compositing::{BackToFront, CompositingOrder as _, FrontToBack, Layers};
 use super::empty_space::EmptySpace;
 use super::steps::Steps;
 use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
-use crate::optics::{Appearance, Phong, over_length, over_lengths};
+use crate::optics::{Appearance, Layer, Phong, over_length, over_lengths};
 use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
 use crate::render::plan::{FieldKind, RayCasterFeatures};
@@ -119,8 +118,8 @@ impl<'s> RayCaster<'s> {
     }
 
     /// The samples along `ray`, composited.
-    pub fn layers(&self, ray: &Ray, work: &mut Counters) -> Layers {
-        let mut layers = Layers::default();
+    pub fn layers(&self, ray: &Ray, work: &mut Counters) -> Layer {
+        let mut layers = Layer::EMPTY;
         let Some(span) = self.extent.span(ray) else {
             return layers;
         };
@@ -133,10 +132,11 @@ impl<'s> RayCaster<'s> {
             let opacities = over_lengths(batch.map(|it| it.opacity), batch.map(|it| it.length));
             for (sample, opacity) in batch[..count].iter().zip(opacities) {
                 let radiance = self.radiance(ray, &walk.line, sample, work);
+                let sample = Layer::sample(radiance * opacity, opacity);
                 layers = if is_reversed {
-                    BackToFront::add(layers, radiance * opacity, opacity)
+                    sample.over(layers)
                 } else {
-                    FrontToBack::add(layers, radiance * opacity, opacity)
+                    layers.over(sample)
                 };
                 if let Compositing::EarlyTermination(threshold) = self.scene.compositing
                     && layers.transparency < threshold

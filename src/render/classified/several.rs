@@ -14,11 +14,10 @@
 //!
 //! Source: Max 1995, "Optical models for direct volume rendering".
 
-use super::compositing::{CompositingOrder as _, FrontToBack, Layers};
 use super::steps::Steps;
 use crate::geometry::{Direction, Hit, Ray, Span, Surface as _, length_of};
 use crate::math::{exp, exp_m1, ln_1p};
-use crate::optics::Appearance;
+use crate::optics::{Appearance, Layer};
 use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
 use crate::scene::{Classified, Fault, Kept, Modulation, OpaqueSurface};
@@ -164,7 +163,7 @@ impl<'s> Caster<'s> {
     }
 
     /// Everything along `ray`, composited.
-    fn layers(&self, ray: &Ray, work: &mut Counters) -> Layers {
+    fn layers(&self, ray: &Ray, work: &mut Counters) -> Layer {
         let fault = self.scene.conventions.fault;
         let objects = &self.scene.objects;
         work.count_times(Event::SurfaceTest, objects.surfaces.len() as u64);
@@ -191,12 +190,12 @@ impl<'s> Caster<'s> {
             Some(Fault::LastInFront) => cursors.reverse(),
             _ => {}
         }
-        let mut layers = Layers::default();
+        let mut layers = Layer::EMPTY;
         match fault {
             Some(Fault::NearestBoxInFront | Fault::LastInFront) => {
                 for cursor in &mut cursors {
                     let of_one = self.merged(std::slice::from_mut(cursor), ray, work);
-                    layers = FrontToBack::add(layers, of_one.colour, of_one.opacity);
+                    layers = layers.over(of_one);
                 }
             }
             _ => layers = self.merged(&mut cursors, ray, work),
@@ -205,16 +204,16 @@ impl<'s> Caster<'s> {
             None => layers,
             Some((hit, surface)) => {
                 let radiance = self.surface(ray, &hit, surface, work);
-                FrontToBack::add(layers, radiance, 1.0)
+                layers.over(Layer::sample(radiance, 1.0))
             }
         }
     }
 
     /// The volumes along `ray`, composited.
-    fn merged(&self, cursors: &mut [Cursor<'_>], ray: &Ray, work: &mut Counters) -> Layers {
-        let mut layers = Layers::default();
+    fn merged(&self, cursors: &mut [Cursor<'_>], ray: &Ray, work: &mut Counters) -> Layer {
+        let mut layers = Layer::EMPTY;
         self.pieces(cursors, ray, work, |_, colour, opacity| {
-            layers = FrontToBack::add(layers, colour * opacity, opacity);
+            layers = layers.over(Layer::sample(colour * opacity, opacity));
         });
         layers
     }

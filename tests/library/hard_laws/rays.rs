@@ -5,11 +5,11 @@ use super::scenes::{any_scene, lattice, layers, power_of_two, rays, settings, sp
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::{Direction, Ray};
-use volref::render::classified::compositing::Layers;
+use volref::optics::Layer;
 use volref::volume::Lattice;
 
 /// The bits of what a ray sees.
-fn bits(layers: &Layers) -> [u64; 4] {
+fn bits(layers: &Layer) -> [u64; 4] {
     let DVec3 { x, y, z } = layers.colour;
     [x, y, z, layers.opacity].map(f64::to_bits)
 }

@@ -10,8 +10,8 @@ use super::{U, scenes};
 use glam::DVec3;
 use serde_json::Value;
 use volref::geometry::Span;
+use volref::optics::Layer;
 use volref::optics::{TransferFunction, over_length};
-use volref::render::classified::compositing::{BackToFront, CompositingOrder, FrontToBack, Layers};
 use volref::render::classified::steps::Steps;
 
 fn entries(case: &str) -> Vec<Value> {
@@ -61,9 +61,9 @@ fn every_entry_has_a_test() {
 fn identical_samples() {
     for entry in entries("N identical samples") {
         let (alpha, count) = (input(&entry, "alpha"), input(&entry, "N"));
-        let mut layers = Layers::default();
+        let mut layers = Layer::EMPTY;
         for _ in 0..count as u64 {
-            layers = FrontToBack::add(layers, DVec3::ZERO, alpha);
+            layers = layers.over(Layer::sample(DVec3::ZERO, alpha));
         }
         let opacity = expected(&entry, "opacity");
         // The sum rounds by u of at most the final opacity in every step; the two roundings of
@@ -111,9 +111,10 @@ fn sequences() {
             .iter()
             .map(|pair| (pair[0].as_f64().unwrap(), pair[1].as_f64().unwrap()))
             .collect();
-        let front = put_together::<FrontToBack>(&samples);
-        let back = put_together::<BackToFront>(&samples);
-        for layers in [front, back] {
+        let layers = samples
+            .iter()
+            .map(|&(opacity, colour)| Layer::sample(DVec3::splat(colour * opacity), opacity));
+        for layers in in_both_orders(layers) {
             // At most 5u a sample (see `order.rs`), u for each product with its opacity and u
             // of the expected number; colours are at most 2.
             let bound = (6 * samples.len() + 1) as f64 * U;
@@ -124,29 +125,33 @@ fn sequences() {
     }
 }
 
-fn put_together<O: CompositingOrder + Default>(samples: &[(f64, f64)]) -> Layers {
-    (0..samples.len()).fold(Layers::default(), |layers, done| {
-        let (opacity, colour) = samples[O::index(done, samples.len())];
-        O::add(layers, DVec3::splat(colour * opacity), opacity)
-    })
+/// These samples composited front to back, and back to front.
+fn in_both_orders(samples: impl DoubleEndedIterator<Item = Layer> + Clone) -> [Layer; 2] {
+    [
+        samples.clone().fold(Layer::EMPTY, Layer::over),
+        samples.rfold(Layer::EMPTY, |behind, sample| sample.over(behind)),
+    ]
 }
 
 /// A ray through a slab of the entry's `length`, in its number of `steps`, with an extinction along z. With floor 0 and
 /// a reference length of 1 the transfer function is `T = exp(−d²)` per length: a density is the root of an extinction.
-fn march<O: CompositingOrder + Default>(entry: &Value, sigma: impl Fn(f64) -> f64) -> Layers {
+fn march(entry: &Value, sigma: impl Fn(f64) -> f64) -> [Layer; 2] {
     let length = input(entry, "length");
     let transfer_function = TransferFunction {
         appearance: scenes::formula(0.0, "white"),
         reference_length: 1.0,
     };
     let steps = Steps::over(Span::new(0.0, length), length / input(entry, "steps"));
-    (0..steps.count()).fold(Layers::default(), |layers, done| {
-        let (t, length) = steps.sample(O::index(done, steps.count()));
-        let density = sigma(t).sqrt();
-        let opacity = transfer_function.opacity(density, length);
-        let radiance = transfer_function.colour(density) * transfer_function.emission(density);
-        O::add(layers, radiance * opacity, opacity)
-    })
+    let samples: Vec<Layer> = (0..steps.count())
+        .map(|index| {
+            let (t, length) = steps.sample(index);
+            let density = sigma(t).sqrt();
+            let opacity = transfer_function.opacity(density, length);
+            let radiance = transfer_function.colour(density) * transfer_function.emission(density);
+            Layer::sample(radiance * opacity, opacity)
+        })
+        .collect();
+    in_both_orders(samples.into_iter())
 }
 
 #[test]
@@ -154,10 +159,7 @@ fn linear_density() {
     for entry in entries("ray march, linear density") {
         let (sigma0, a) = (input(&entry, "sigma0"), input(&entry, "a"));
         let sigma = |t: f64| sigma0 * (1.0 + a * t);
-        for layers in [
-            march::<FrontToBack>(&entry, sigma),
-            march::<BackToFront>(&entry, sigma),
-        ] {
+        for layers in march(&entry, sigma) {
             // Extinction along the way rounds 8 times up to σ, root and square 3 times more;
             // x·e^(−x) < 1 keeps that below 11u of opacity, and a sample has 6u and rounds 5u.
             let bound = (17.0 + 5.0 * input(&entry, "steps") + 1.0) * U;
@@ -172,10 +174,7 @@ fn linear_density() {
 fn constant_emission() {
     for entry in entries("ray march, constant emission") {
         let (emission, sigma) = (input(&entry, "j"), input(&entry, "sigma_t"));
-        for layers in [
-            march::<FrontToBack>(&entry, |_| sigma),
-            march::<BackToFront>(&entry, |_| sigma),
-        ] {
+        for layers in march(&entry, |_| sigma) {
             // A classified sample emits d² = σ per opacity; this one is to emit j/σ.
             let radiance = layers.colour.x * (emission / (sigma * sigma));
             let bound = (17.0 + 5.0 * input(&entry, "steps") + 1.0) * U;

@@ -5,8 +5,8 @@ use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Ray;
 use volref::math;
+use volref::optics::Layer;
 use volref::optics::over_length;
-use volref::render::classified::compositing::{CompositingOrder, FrontToBack};
 use volref::scene::{Classified, Compositing};
 use volref::volume::{Interpolation, Lattice};
 
@@ -21,8 +21,8 @@ proptest! {
     ) {
         let whole = over_length(opacity, near + far);
         let layers = [near, far].map(|ratio| over_length(opacity, ratio));
-        let split = layers.into_iter().fold(Default::default(), |layers, opacity| {
-            FrontToBack::add(layers, DVec3::ZERO, opacity)
+        let split = layers.into_iter().fold(Layer::EMPTY, |layers, opacity| {
+            layers.over(Layer::sample(DVec3::ZERO, opacity))
         });
         // Each opacity: 2u for ln_1p, u for the product, 2u for exp_m1, which does not magnify
         // the relative error of a negative argument; the whole also u for near + far. Put

@@ -3,10 +3,10 @@
 use super::{U, config, scenes};
 use proptest::prelude::*;
 use volref::math;
-use volref::render::classified::compositing::Layers;
+use volref::optics::Layer;
 use volref::scene::{Classified, Compositing};
 
-fn both_orders(mut scene: Classified, size: usize) -> [Vec<Layers>; 2] {
+fn both_orders(mut scene: Classified, size: usize) -> [Vec<Layer>; 2] {
     let rays = scenes::rays(&scene, size);
     [Compositing::FrontToBack, Compositing::BackToFront].map(|compositing| {
         scene.compositing = compositing;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use volref::film::Film;
 use volref::geometry::{Camera, Ray};
 use volref::math;
+use volref::optics::Layer;
 use volref::optics::{Appearance, Colormap, Phong, TransferFunction, TransferOpacity};
-use volref::render::classified::compositing::Layers;
 use volref::render::classified::ray_caster::RayCaster;
 use volref::render::{Counters, Plan, Sampling, render};
 use volref::scene::{Classified, Compositing, Conventions, Mode, Objects, Panel, Shadow};
@@ -257,7 +257,7 @@ pub fn rays(scene: &Classified, size: usize) -> Vec<Ray> {
 }
 
 /// What `rays` see in full precision, without leaps over empty space.
-pub fn layers(scene: &Classified, rays: &[Ray]) -> Vec<Layers> {
+pub fn layers(scene: &Classified, rays: &[Ray]) -> Vec<Layer> {
     let caster = RayCaster::plain(scene);
     let mut work = Counters::default();
     let layers = rays.iter().map(|ray| caster.layers(ray, &mut work));

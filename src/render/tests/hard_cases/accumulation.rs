@@ -6,8 +6,8 @@ use crate::film::Film;
 use crate::geometry::{Aabb, Span};
 use crate::math::rng::{Purpose, Stream};
 use crate::math::{self, Moments, Sum};
+use crate::optics::Layer;
 use crate::optics::{Asymmetry, Field, opacity, source_factor};
-use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::counters::Counters;
 use crate::render::plan::RadiativeFeatures;
@@ -23,10 +23,10 @@ use glam::DVec3;
 fn a1_a_million_thin_layers() {
     let margin = &Margin;
     let right = 0.632_120_742_768_355;
-    let mut layers = Layers::default();
+    let mut layers = Layer::EMPTY;
     let mut depth = Sum::default();
     for _ in 0..1_000_000 {
-        layers = FrontToBack::add(layers, DVec3::ZERO, 1e-6);
+        layers = layers.over(Layer::sample(DVec3::ZERO, 1e-6));
         depth.add(-math::ln_1p(-1e-6));
     }
     margin.relative("product", layers.opacity, right, 1e-10);

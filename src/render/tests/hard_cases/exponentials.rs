@@ -4,8 +4,8 @@ use super::margin::Margin;
 use super::scenes::*;
 use crate::geometry::Span;
 use crate::math::Sum;
+use crate::optics::Layer;
 use crate::optics::{opacity, optical_depth, transmittance};
-use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use crate::render::classified::steps::Steps;
 use crate::render::{Event, Plan};
 use crate::scene::{Classified, Compositing};
@@ -30,11 +30,11 @@ fn e8_any_number_of_steps() {
         for length in [3.0, 1.0, 0.5, 0.15, 1.0 / 7.0, 1e-3, 1e-6] {
             let steps = Steps::over(Span::new(0.5, 1.5), length);
             let mut sum = Sum::default();
-            let mut layers = Layers::default();
+            let mut layers = Layer::EMPTY;
             for index in 0..steps.count() {
                 let own = optical_depth(sigma, steps.sample(index).1);
                 sum.add(own);
-                layers = FrontToBack::add(layers, DVec3::ZERO, opacity(own));
+                layers = layers.over(Layer::sample(DVec3::ZERO, opacity(own)));
             }
             let (through, held) = (transmittance(sigma), opacity(sigma));
             for (how, found, right, share) in [

@@ -3,12 +3,12 @@
 use super::margin::{Margin, U};
 use super::scenes::{ray, unit_box};
 use crate::math::sampling::{free_flight, optical_distance};
+use crate::optics::Layer;
 use crate::optics::emission::constant_emission;
 use crate::optics::{
     Asymmetry, Coefficients, HenyeyGreenstein, collision_weight, escape_weight, opacity,
     optical_depth, over_length, source_factor, transmittance,
 };
-use crate::render::classified::compositing::{CompositingOrder, FrontToBack, Layers};
 use glam::DVec3;
 use serde::Deserialize;
 
@@ -52,7 +52,7 @@ impl Table {
             }
             ("transparency behind a layer", &[opacity, length, right]) => {
                 let opacity = over_length(opacity, length);
-                let layers = FrontToBack::add(Layers::default(), DVec3::ZERO, opacity);
+                let layers = Layer::EMPTY.over(Layer::sample(DVec3::ZERO, opacity));
                 vec![[layers.transparency, right]]
             }
             ("transmittance over a length", &[sigma, length, right]) => {
