@@ -137,7 +137,7 @@ def judge(name, results, explain, renders):
     folder = results / name
     folder.mkdir(parents=True, exist_ok=True)
     rendered = render(name, folder) if renders else json.loads((folder / "results.json").read_text())
-    known = ["--known", folder / "known.toml"] if (folder / "known.toml").is_file() else []
+    known = ["--known", os.path.relpath(folder / "known.toml")] if (folder / "known.toml").is_file() else []
     with tempfile.TemporaryDirectory() as place:
         source = ["--outputs", folder, "--only-present", *known]
         judged = validate(source, RENDERERS[name], explain, Path(place) / "results.json")

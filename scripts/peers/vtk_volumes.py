@@ -31,8 +31,9 @@ def image_of(volume):
 
 def planes_of(panel):
     """Points and normals of the planes that clip the volumes."""
-    for index in panel.get("volumes", [panel])[0].get("clips", []):
-        clip = panel["clips"][index]
+    clips = panel.get("clips", [])
+    # Of several volumes each names its own; they are the same for all here.
+    for clip in [clips[number] for number in panel["volumes"][0]["clips"]] if "volumes" in panel else clips:
         if clip["kind"] == "plane":
             yield clip["point"], clip["normal"]
             continue
