@@ -5,7 +5,6 @@
 //! [stochastic](Stochastic), each in its own file with its limits and their reasons.
 
 mod advice;
-mod change_with_step;
 pub(crate) mod coarse;
 pub mod depth;
 pub mod deterministic;
@@ -30,14 +29,13 @@ pub mod stochastic;
 pub(crate) mod unexplained;
 
 pub use advice::{Advice, Undecided};
-pub use change_with_step::change_with_step;
 pub use deterministic::Deterministic;
 pub use difference_scale::{BlockMap, DifferenceScale};
 pub use exact::Exact;
 pub use gate::Gate;
 pub(crate) use gate::Metric;
 pub use image_gate::{Conditions, ImageGate};
-pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
+pub use judgement::{Detectable, Judgement, NumberChange};
 pub use margin::Margin;
 pub(crate) use margin::STANDARD_ERRORS;
 pub use perceptual::Perceptual;

@@ -118,7 +118,6 @@ pub(crate) fn add_right_declaration(
         return;
     };
     let result = &mut judged.result;
-    result.drop_as_if();
     let otherwise = match right {
         None => "without --alpha: its colours contain the background".to_owned(),
         Some(right) => format!("where its colours are declared with --alpha {right}"),
@@ -390,12 +389,9 @@ fn with_words(
             // No number of the scene is measured by what is not there, and nothing is searched.
             finding.reason = nothing;
             finding.cause_is_said = true;
-            (finding.changes, finding.certain, exposure) = (Vec::new(), None, None);
+            (finding.changes, exposure) = (Vec::new(), None);
         } else {
             said.extend(right.map(|reading| reading.words));
-            if !said.is_empty() {
-                finding.drop_as_if();
-            }
             said.push(finding.reason);
             finding.reason = said.join("; ");
         }

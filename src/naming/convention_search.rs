@@ -103,7 +103,6 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
     };
     let conventions = result.conventions.join("; ");
     result.reason = format!("differs by convention{size}: it {conventions}. {agreement}");
-    result.certain = None;
 }
 
 /// A search that reached the limit of its work.

@@ -4,9 +4,8 @@
 //! number that shows in smaller details, of pixels. What a layer was computed from stands in the comment of
 //! the file, and its hash in the record of the golden.
 
-use super::golden::{Golden, input_hashes, scene_hash};
+use super::golden::{input_hashes, scene_hash};
 use super::name_hash;
-use super::{Case, Store};
 use crate::compare::Sensitivity;
 use crate::compare::stochastic::BLOCK;
 use crate::film::{Film, LayeredFilm};
@@ -16,10 +15,6 @@ use crate::sensitivity::{Dependence, Differences, derivative, numbers};
 
 /// Share of a step by which a number is changed to test if it can change.
 const SLIGHT: f64 = 1e-3;
-
-/// The cosine between two derivatives up to which an image tells their numbers apart: a third of each
-/// is then across the other.
-const TOLD_APART: f64 = 0.8;
 
 /// Samples for a derivative of pixels over those for one of blocks.
 const TIMES_FOR_FINE: u32 = 16;
@@ -159,49 +154,13 @@ pub(crate) fn decoded(bytes: &[u8], scene: &Scene) -> Result<Vec<Sensitivity>, S
     Ok(kept.collect())
 }
 
-/// The case whose image tells the numbers called `names` apart best, if any does: where their
-/// derivatives are least alike.
-pub(crate) fn telling_case<'c>(
-    cases: &'c [Case],
-    store: &Store,
-    names: [&str; 2],
-) -> Option<&'c Case> {
-    let likeness = |case: &Case| {
-        case.sampling?;
-        let golden = Golden::read(store, case).ok()?;
-        let known = decoded(&golden.sensitivities?, &case.load_scene().ok()?).ok()?;
-        let [a, b] = names.map(|name| known.iter().find(|it| it.name == name));
-        let [a, b] = [&a?.derivative, &b?.derivative];
-        let shared = |a: &Film, b: &Film, is_same: bool| {
-            let mut sum = 0.0;
-            for (at, (of_a, of_b)) in a.radiance().iter().zip(b.radiance()).enumerate() {
-                for c in 0..3 {
-                    let noise = a
-                        .noise()
-                        .map_or(0.0, |noise| noise.variance()[at][c].into());
-                    let noise = if is_same { noise } else { 0.0 };
-                    sum += f64::from(of_a[c]) * f64::from(of_b[c]) - noise;
-                }
-            }
-            sum
-        };
-        let [of_a, of_b] = [shared(a, a, true), shared(b, b, true)];
-        let likeness = shared(a, b, false).abs() / (of_a * of_b).sqrt();
-        (of_a > 0.0 && of_b > 0.0 && likeness <= TOLD_APART).then_some(likeness)
-    };
-    let likely = cases
-        .iter()
-        .filter_map(|case| Some((case, likeness(case)?)));
-    let least = likely.min_by(|(_, a), (_, b)| a.total_cmp(b));
-    least.map(|(case, _)| case)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::compare::stochastic::FINE_BLOCK;
     use crate::math::rng::{Purpose, Stream};
     use crate::suite::Suite;
+    use crate::suite::golden::Golden;
     use crate::suite::golden::SENSITIVITIES;
     use std::path::Path;
 
@@ -268,17 +227,5 @@ mod tests {
         assert!(!far.is_empty());
         // 72 squares of noise: their mean is 2 once in millions.
         assert!(noise.into_iter().all(|at| !kept(at)));
-    }
-
-    /// Density changes what lies behind a medium, the lamp everything; a shifted image is an eye
-    /// that moved in every case.
-    #[test]
-    fn a_case_tells_numbers_apart_or_none_does() {
-        let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-        let store = suite.store();
-        let telling = |names| telling_case(suite.cases(), &store, names);
-        assert!(telling(["density", "lamp"]).is_some());
-        assert!(telling(["camera.x", "camera.right"]).is_none());
-        assert!(telling(["density", "no number"]).is_none());
     }
 }

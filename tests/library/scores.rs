@@ -106,7 +106,10 @@ fn scores_raise_no_more_alarms_than_promised() {
             let shape = &shapes[suite as usize % shapes.len()];
             let pair = pair(suite, shape, 32, scene);
             let judgement = judged(&pair, &sensitivities(suite), level);
-            alarms += u32::from(judgement.reason.contains("looks like"));
+            alarms += u32::from(
+                judgement.reason.contains("looks like it")
+                    || judgement.reason.contains("for derivatives"),
+            );
         }
         let expected = 0.1 * level * suites as f64;
         let most = expected + 4.0 * expected.sqrt();
@@ -161,7 +164,7 @@ fn a_faint_change_is_seen_and_named() {
     assert!(without.passed, "{}", without.reason);
     let judgement = judged(&pair, &sensitivities(3), 1e-6);
     assert!(
-        !judgement.passed && judgement.reason.contains("this: density"),
+        !judgement.passed && judgement.reason.contains("looks like it: density"),
         "{}",
         judgement.reason
     );
@@ -170,48 +173,6 @@ fn a_faint_change_is_seen_and_named() {
         "{}",
         judgement.reason
     );
-}
-
-/// Beyond the change for which its derivative was taken, a number is no cause.
-#[test]
-fn a_far_number_is_only_as_if() {
-    let shapes = Shape::all();
-    let pair = pair(3, &shapes[1], 64, |x, y| {
-        let (light, change) = (scene(x, y), change(x, y));
-        [0, 1, 2].map(|c| light[c] + 0.06 * change[c])
-    });
-    for (step, words) in [
-        (
-            0.01,
-            "as if this were so, or a mistake that looks like it: density",
-        ),
-        (0.2, "the difference looks like this: density"),
-    ] {
-        let mut sensitivities = sensitivities(3);
-        sensitivities[0].step = step;
-        let judgement = judged(&pair, &sensitivities, 1e-6);
-        let reason = &judgement.reason;
-        assert!(!judgement.passed && reason.contains(words), "{reason}");
-    }
-}
-
-/// Two numbers that change the image alike are both named.
-#[test]
-fn what_cannot_be_told_apart_is_said() {
-    let shapes = Shape::all();
-    let mut known = sensitivities(4);
-    known.push(sensitivity("strength", BLOCK, 0.3, 99, |x, y| {
-        change(x, y).map(|value| -2.0 * value)
-    }));
-    let pair = pair(4, &shapes[0], 64, |x, y| {
-        let (light, change) = (scene(x, y), change(x, y));
-        [0, 1, 2].map(|c| light[c] + 0.1 * change[c])
-    });
-    let reason = judged(&pair, &known, 1e-6).reason;
-    let cannot = reason.split("cannot tell it from").nth(1).unwrap_or("");
-    let both = [reason.split("cannot tell").next().unwrap(), cannot]
-        .map(|part| part.contains("density") || part.contains("strength"));
-    assert_eq!(both, [true, true], "{reason}");
 }
 
 /// What is in details only is found there.

@@ -5,7 +5,7 @@ use super::comparison::Comparison;
 use super::scores::Scores;
 use super::values::value_sensitivities;
 use super::{Metrics, finite};
-use crate::compare::judgement::{Detectable, FitMap, NumberChange};
+use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 
 /// Findings on the numbers of a scene.
@@ -13,13 +13,9 @@ use crate::compare::sensitivity::Sensitivity;
 pub(super) struct NumberFindings {
     /// Reason to reject: the changes that the difference looks like.
     pub fault: Option<String>,
-    /// True if that says no more than "as if".
-    pub is_as_if: bool,
     /// Changes that fit, for a rejected image.
     pub changes: Vec<NumberChange>,
     pub detectable: Vec<Detectable>,
-    /// Map of the fit for a rejected image, in the blocks of the number with the largest score.
-    pub fit: Option<Box<FitMap>>,
 }
 
 /// Tests for an error in each number of which a sensitivity is known, and in those of the values of an
@@ -64,11 +60,9 @@ pub(super) fn judge_numbers(
     if !scores.is_rejected(level / tests as f64) {
         return findings;
     }
-    let explanation = scores.explanation();
-    let (fault, is_as_if) = scores.in_words(&explanation);
-    (findings.fault, findings.is_as_if) = (Some(fault), is_as_if);
-    findings.changes = scores.changes(Some(&explanation));
-    findings.fit = Some(Box::new(scores.map(&explanation)));
+    let best = scores.best();
+    findings.fault = Some(scores.in_words(&best));
+    findings.changes = scores.changes(Some(&best));
     for others in &all[1..] {
         findings.changes.extend(others.changes(None));
     }
