@@ -134,7 +134,7 @@ mod values;
 mod variance;
 mod visible_bias;
 
-pub use blocks::{BLOCK, DARK, FINE_BLOCK};
+pub use blocks::{BLOCK, DARK};
 pub(crate) use map::{block_error, block_map};
 pub(crate) use unstated::is_off_by_noise;
 

@@ -30,7 +30,7 @@
 //! The parameter with the largest score is named. What it leaves, and which others do as well, the
 //! [search for a cause](crate::naming) tells, with scenes rendered anew.
 
-use super::blocks::{BLOCK, Block};
+use super::blocks::Block;
 use super::comparison::Comparison;
 use super::values;
 use crate::compare::judgement::{Detectable, NumberChange};
@@ -49,8 +49,6 @@ pub(super) struct Scores<'s> {
     /// Scores by number.
     tested: Vec<Tested>,
     cells: Vec<Cell>,
-    /// Pixels on a side of a block.
-    edge: usize,
 }
 
 /// A channel of a block.
@@ -161,13 +159,8 @@ pub(super) struct Fitted {
 }
 
 impl<'s> Scores<'s> {
-    /// Scores in blocks with an `edge` of that many pixels; `None` without sensitivities in such
-    /// blocks.
-    pub fn new(
-        comparison: &Comparison<'_>,
-        edge: usize,
-        all: &[&'s Sensitivity],
-    ) -> Option<Scores<'s>> {
+    /// Scores of the sensitivities in blocks; `None` without any.
+    pub fn new(comparison: &Comparison<'_>, all: &[&'s Sensitivity]) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
         let mut sensitivities: Vec<&Sensitivity> = all.iter().copied().filter(fits).collect();
@@ -194,7 +187,6 @@ impl<'s> Scores<'s> {
             tested: tested.collect(),
             sensitivities,
             cells,
-            edge,
         })
     }
 
@@ -234,9 +226,7 @@ impl<'s> Scores<'s> {
                 let [derivative, noise] = cell.derivatives[k];
                 // What noise makes of the derivative of a block is no change of it.
                 let known = (derivative * derivative - noise).max(0.0).sqrt();
-                if self.edge == BLOCK {
-                    without_score = f64::min(without_score, of_block * variance.sqrt() / known);
-                }
+                without_score = f64::min(without_score, of_block * variance.sqrt() / known);
                 sums[at % 3][0] += derivative;
                 sums[at % 3][1] += variance;
             }
@@ -293,10 +283,9 @@ impl<'s> Scores<'s> {
         }
     }
 
-    /// Every parameter with the change of it that fits, by the size of their scores; first the `best`, where that is in
-    /// blocks of this size.
-    pub fn changes(&self, best: Option<&Fitted>) -> Vec<NumberChange> {
-        let best = |k: usize| best.is_some_and(|it| it.number == k);
+    /// Every parameter with the change of it that fits, by the size of their scores; first the `best`.
+    pub fn changes(&self, best: &Fitted) -> Vec<NumberChange> {
+        let best = |k: usize| best.number == k;
         let mut all: Vec<usize> = (0..self.count()).collect();
         all.sort_by(|&a, &b| {
             (best(b), self.size(b))
