@@ -68,11 +68,12 @@ impl Judgement {
         reason: String,
         metrics: &[(&str, f64)],
     ) -> Judgement {
+        let is_finite = |(_, value): &&(&str, f64)| value.is_finite();
         let named = |&(name, value): &(&str, f64)| (name.to_owned(), value);
         Judgement {
             passed,
             gate,
-            metrics: metrics.iter().map(named).collect(),
+            metrics: metrics.iter().filter(is_finite).map(named).collect(),
             reason,
             undecided: None,
             changes: Vec::new(),

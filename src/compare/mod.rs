@@ -83,6 +83,17 @@ pub(crate) fn default_gate(
     claims.next().unwrap_or((&Deterministic, ""))
 }
 
+/// The pixels of an image of `width` × `height` that are at most `reach` rows and columns from one, with that one.
+pub(crate) fn around(
+    index: usize,
+    [width, height]: [usize; 2],
+    reach: usize,
+) -> impl Iterator<Item = usize> {
+    let near = |at: usize, count| at.saturating_sub(reach)..(at + reach + 1).min(count);
+    let (rows, columns) = (near(index / width, height), near(index % width, width));
+    rows.flat_map(move |row| columns.clone().map(move |column| column + width * row))
+}
+
 /// Images of one size, with finite pixels and variances: the gates compare no others.
 pub(crate) fn are_comparable(reference: &Film, test: &Film) -> bool {
     incomparable::films(&Stochastic, reference, test).is_none()

@@ -149,29 +149,18 @@ pub(crate) fn accept_with(
         .iter()
         .map(|case| LoadedCase::of(renderer, case))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut images = Vec::new();
     for task in &mut tasks {
-        let image = if request.keep_images {
-            task.keep_image(store)?
-        } else {
-            None
-        };
-        images.push(image);
-    }
-    let mut sensitivities = Vec::new();
-    for task in &tasks {
-        sensitivities.push(sensitivities_of(task, store)?);
+        if request.keep_images {
+            task.keep_image(store)?;
+        }
+        task.sensitivities = sensitivities_of(task, store)?;
     }
     let mut accepted = Vec::new();
     let mut files = Vec::new();
-    for ((task, image), sensitivities) in tasks.iter().zip(images).zip(sensitivities) {
+    for task in tasks {
         watch.begin_case(&task.case.name);
-        let image = task.picture(renderer, image, watch)?;
-        let image = GoldenImage {
-            sensitivities,
-            ..image
-        };
-        let (change, mut new) = prepare(task, image, store, reason)?;
+        let image = task.picture(renderer, watch)?;
+        let (change, mut new) = prepare(&task, image, store, reason)?;
         accepted.push(Accepted {
             case: task.case.name.clone(),
             change,
@@ -212,6 +201,9 @@ struct LoadedCase<'c> {
     scene: Scene,
     /// A stochastic case has the quick one first, then the image of the golden unless that is a known answer.
     renderings: Vec<CaseRendering>,
+    /// The image of the golden, where it is kept.
+    image: Option<Film>,
+    sensitivities: Option<Vec<u8>>,
 }
 
 impl<'c> LoadedCase<'c> {
@@ -234,15 +226,16 @@ impl<'c> LoadedCase<'c> {
             case,
             scene,
             renderings,
+            image: None,
+            sensitivities: None,
         })
     }
 
-    /// Takes the image of the golden in `store`, and removes the converged rendering from this
-    /// task; `None` where the golden is not a converged rendering.
-    fn keep_image(&mut self, store: &Store) -> Result<Option<Film>, AcceptError> {
+    /// Takes the image of the golden in `store` in place of the converged rendering, where it is one.
+    fn keep_image(&mut self, store: &Store) -> Result<(), AcceptError> {
         let converged = self.case.sampling.and_then(|sampling| sampling.converged);
         let Some(converged) = converged else {
-            return Ok(None);
+            return Ok(());
         };
         let nothing = |reason: String| {
             let reason = format!("there is no image to keep: {reason}");
@@ -262,14 +255,14 @@ impl<'c> LoadedCase<'c> {
             )));
         }
         self.renderings.pop();
-        Ok(Some(golden.film))
+        self.image = Some(golden.film);
+        Ok(())
     }
 
-    /// The picture of the golden, with the rendering that `verify` repeats. An `image` that is given is that picture.
+    /// The picture of the golden, with the rendering that `verify` repeats.
     fn picture(
         &self,
         renderer: &dyn Renderer,
-        image: Option<Film>,
         watch: &dyn AcceptWatch,
     ) -> Result<GoldenImage, AcceptError> {
         let (plans, mut films, mut error_bound) = (plans(&self.scene), Vec::new(), None);
@@ -279,7 +272,12 @@ impl<'c> LoadedCase<'c> {
             films.push(made.film);
             error_bound = made.error_bound;
         }
-        self.checked(films, error_bound, image)
+        films.extend(self.image.clone());
+        let image = self.checked(films, error_bound)?;
+        Ok(GoldenImage {
+            sensitivities: self.sensitivities.clone(),
+            ..image
+        })
     }
 
     /// The picture of the golden, of a case of these renderings, if it is what the case promises.
@@ -287,9 +285,7 @@ impl<'c> LoadedCase<'c> {
         &self,
         mut films: Vec<Film>,
         error_bound: Option<f64>,
-        image: Option<Film>,
     ) -> Result<GoldenImage, AcceptError> {
-        films.extend(image);
         let golden = films.pop().expect("a case has a picture");
         if let Some(formula) = self.case.truth {
             return self.known(formula, &golden);
