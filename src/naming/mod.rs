@@ -4,5 +4,5 @@ pub(crate) mod convention_search;
 pub(crate) mod likeness;
 mod shipped_profile;
 
-pub use convention_search::{ConventionSearch, Explained, Unfinished};
+pub use convention_search::{ConventionSearch, Explained};
 pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, Unexplained, likeness};

@@ -157,7 +157,7 @@ impl ComparedCase {
         let mut case = ComparedCase {
             index,
             name: case.name.clone(),
-            simple: simple(case, &golden, &picture),
+            simple: (picture.radiance()).and_then(|_| simple(case, &golden, &picture)),
             is_of_opacity: gate == Deterministic.name() && has_right_colours(&golden, &picture),
             spent: judged.evidence.work_of_search,
             is_sampled,
@@ -193,7 +193,7 @@ impl ComparedCase {
     /// True if the image is the golden times a factor, as far as the gate can tell: then it shows
     /// no curve of values.
     pub fn is_gain(&self) -> bool {
-        self.simple == Some(SimpleMap::Gain)
+        self.simple.as_ref().is_some_and(|map| map.is_gain)
     }
 
     /// Places of the difference as sentences; none where the verdict says how the image
