@@ -81,7 +81,7 @@ pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult
         interrupted: &|| false,
         progress: &|_| (),
     };
-    likeness(&cases, &[], None, &mut judged, &search);
+    likeness(&cases, None, &mut judged, &search);
     let [judged] = judged;
     Ok(judged.result)
 }

@@ -12,15 +12,14 @@ use crate::judging::{CaseResult, Cause, Evidence, Verdict};
 use crate::naming::Likenesses;
 use crate::report::Page;
 use crate::runs;
-use crate::runs::{AcceptError, AcceptRequest, Change, KeptRenderings};
+use crate::runs::{AcceptError, AcceptRequest, Change};
 use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
 use serde_json::json;
 use std::path::Path;
 
 /// Render cases and accept the images as new goldens
 ///
-/// Look at the images before and after. All cases are accepted, or none. Finished renderings of stochastic cases are kept
-/// in .volref until all goldens are written: the same command, run again after an interruption, continues there.
+/// Look at the images before and after. All cases are accepted, or none.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out. A scene
@@ -69,15 +68,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
-    let bar = progress::work();
-    let kept = KeptRenderings::open(suite.cache_folder());
+    let bar = progress::counted("cases", cases.len());
     let store = suite.store();
     // Before they are replaced.
     let old: Vec<Option<Film>> = match arguments.page.is_asked() {
         true => cases.iter().map(|case| image(&store, case)).collect(),
         false => Vec::new(),
     };
-    let accepted = runs::accept(&cases, &store, &kept, request, &bar);
+    let accepted = runs::accept(&cases, &store, request, &bar);
     bar.finish_and_clear();
     let accepted = accepted.map_err(failure)?;
 
@@ -94,11 +92,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
                 "same image; its record (scene, plan, truth, how it is judged, quick rendering or sensitivities) changed".to_owned(),
             ),
             Change::Replaced(difference) => ("replaced", difference.clone()),
-        };
-        let detail = if entry.resumed {
-            format!("{detail} (rendered by an earlier run)")
-        } else {
-            detail
         };
         text.push_str(&format!("{word:<9}  {}: {detail}\n", entry.case));
         entries.push(json!({ "name": entry.case, "change": word, "reason": detail }));

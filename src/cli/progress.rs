@@ -54,11 +54,6 @@ pub fn counted(name: &'static str, parts: usize) -> Bar {
     bar
 }
 
-/// Progress of work whose amount is given later.
-pub fn work() -> Bar {
-    Bar::begin("", None, Vec::new())
-}
-
 /// Runs `work` without known parts, such as reading files.
 pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
     let bar = Bar::begin(label, None, Vec::new());
@@ -192,20 +187,12 @@ impl Watch for Bar {
 }
 
 impl AcceptWatch for Bar {
-    fn begin_all(&self, work: u64) {
-        self.set_length(work);
-    }
-
     fn begin_case(&self, case: &str) {
         self.set_message(case);
     }
 
-    fn worked(&self, work: u64) {
-        self.bar.inc(work);
-    }
-
-    fn note(&self, text: &str) {
-        self.bar.suspend(|| note(text));
+    fn end_case(&self) {
+        self.inc(1);
     }
 }
 

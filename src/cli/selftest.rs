@@ -7,12 +7,7 @@ use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::judging::{SelfTest, SelfTestCases, SelfTestExtent, Step, case_trials, self_test_steps};
-use crate::naming::{Naming, Predictions, naming};
 use crate::report;
-use crate::suite::{Case, Store};
-use crate::variations::mistakes;
-use crate::variations::mistakes::Mistake;
-use serde_json::json;
 
 /// The name of the command.
 pub const SELF_TEST: &str = "selftest";
@@ -33,14 +28,6 @@ pub struct Arguments {
     /// Try each mistake only until a case catches it
     #[arg(long)]
     quick: bool,
-    /// Instead of the self-test: simulate each mistake RUNS times and report how often it is
-    /// identified first
-    #[arg(long, value_name = "RUNS", value_parser = clap::value_parser!(u64).range(1..=1000))]
-    naming: Option<u64>,
-    /// Instead of the self-test: simulate COUNT pairs of mistakes and report how often both are among
-    /// the first three named
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..=100_000))]
-    pairs: Option<u64>,
     #[command(flatten)]
     json: Json,
 }
@@ -55,10 +42,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
     let store = suite.store();
-    if arguments.naming.is_some() || arguments.pairs.is_some() {
-        let made = made(arguments.naming.unwrap_or(0), arguments.pairs.unwrap_or(0));
-        return measure_naming(&cases, &store, &made, &arguments.json);
-    }
     let extent = if arguments.quick {
         SelfTestExtent::Quick
     } else {
@@ -106,48 +89,4 @@ pub fn exit_of(test: &SelfTest) -> Exit {
         Exit::SelfTest
     };
     Exit::first_of(golden.into_iter().chain([of_the_suite]))
-}
-
-/// Mistakes to simulate: each `runs` times, and `pairs` pairs, spread over all pairs.
-fn made(runs: u64, pairs: u64) -> Vec<(Vec<&'static Mistake>, u64)> {
-    let all: Vec<&'static Mistake> = mistakes::catalogue().collect();
-    let mut made = Vec::new();
-    for run in 1..=runs {
-        made.extend(all.iter().map(|mistake| (vec![*mistake], run)));
-    }
-    // A stride without a common factor goes round all pairs before any comes twice.
-    let every: Vec<(usize, usize)> = (0..all.len())
-        .flat_map(|second| (0..second).map(move |first| (first, second)))
-        .collect();
-    const STRIDE: usize = 1009;
-    for index in 0..pairs as usize {
-        let (first, second) = every[index * STRIDE % every.len()];
-        made.push((vec![all[first], all[second]], index as u64 + 1));
-    }
-    made
-}
-
-fn measure_naming(
-    cases: &[&Case],
-    store: &Store,
-    made: &[(Vec<&'static Mistake>, u64)],
-    json: &Json,
-) -> Result<Outcome, Failure> {
-    let bar = progress::counted("cases", made.len());
-    let namings: Vec<Naming> = naming(cases, store, made, &Predictions::default(), &|| bar.inc(1));
-    bar.finish_and_clear();
-    let rows: Vec<_> = namings
-        .iter()
-        .map(|naming| {
-            json!({
-                "made": naming.made,
-                "failed_cases": naming.failed,
-                "rank": naming.rank(),
-                "named": naming.named,
-            })
-        })
-        .collect();
-    let value = json!({ "schema": "volref/naming/1", "runs": rows });
-    let text = json.instead_of(report::naming_text(&namings), &value)?;
-    Ok(text.into())
 }

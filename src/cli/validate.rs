@@ -23,7 +23,7 @@ use crate::judging::{
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;
 use crate::runs::{ResultFolder, Run};
-use crate::suite::{Case, Output, Outputs, Store, Suite, image_path, telling_case};
+use crate::suite::{Case, Output, Outputs, Store, Suite, image_path};
 use clap::ArgAction;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -207,7 +207,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let judged_with = JudgedWith::of(&settings, profile, skipped, &results);
             said.print(&report::judged_with_text(&judged_with));
             said.print(&judge.unknown_files());
-            let (found, mut text) = search.mistakes(&suite, &cases, profile, &mut judged);
+            let (found, mut text) = search.mistakes(&cases, profile, &mut judged);
             if let Some(known) = &judge.known {
                 text.push_str(&known.finish(&mut judged)?);
             }
@@ -494,19 +494,6 @@ impl Judge<'_> {
         decided.for_each(|(judged, _)| said.verdict(&judged.result));
     }
 
-    /// Note on the case that would tell two numbers apart, where the image of this one cannot.
-    fn telling_case(&self, result: &CaseResult) -> Option<String> {
-        let best = result.changes.iter().find(|change| change.fits_best)?;
-        let other = result.changes.iter().find(|change| change.alike)?;
-        let names = [best.name.as_str(), other.name.as_str()];
-        let case = telling_case(self.suite.cases(), &self.store, names)?;
-        let [best, other] = names;
-        Some(format!(
-            "the image of {} tells {best} and {other} apart",
-            case.name
-        ))
-    }
-
     /// Judges the image of one case; an error if it has none and is to be skipped.
     fn case(&self, case: &Case) -> Result<Box<Judged>, SkippedCase> {
         let start = Instant::now();
@@ -536,8 +523,6 @@ impl Judge<'_> {
         }
         judged.result.search_ended = judged.differs().then_some(false);
         judged.result.notes.extend(rendered.notes);
-        let telling_case = self.telling_case(&judged.result);
-        judged.result.notes.extend(telling_case);
         judged.evidence.output = rendered.printed;
         judged.evidence.call = rendered.call;
         judged.evidence.reproduce = vec![self.arguments.again(case)];

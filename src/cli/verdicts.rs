@@ -151,7 +151,6 @@ impl CauseSearch {
     /// Names the likely mistakes behind failed images; returns also the text to print.
     pub fn mistakes(
         &mut self,
-        suite: &Suite,
         cases: &[&Case],
         profile: Option<&Profile>,
         judged: &mut [Judged],
@@ -173,13 +172,8 @@ impl CauseSearch {
             interrupted: &interrupt::is_cut_short,
             progress: &|step| progress::mistake(&bar, step),
         };
-        let found = likeness(cases, suite.cases(), profile, judged, &search);
+        let found = likeness(cases, profile, judged, &search);
         bar.finish_and_clear();
-        for judged in judged.iter_mut() {
-            if has_finding(&judged.result) {
-                judged.result.drop_as_if();
-            }
-        }
         let text = report::likely_text(&found, interrupt::is_cut_short(), self.seconds);
         (found, text)
     }
@@ -187,8 +181,3 @@ impl CauseSearch {
 
 /// Said where CI is set and nobody asked for the search.
 const LEFT_OUT: &str = "\nno cause was looked for, since the environment variable CI is set; --explain 10 looks for it\n";
-
-/// True if a mistake is named, or a change of numbers that was rendered agrees with the image.
-fn has_finding(result: &CaseResult) -> bool {
-    !result.looks_like.is_empty() || result.change_agrees
-}

@@ -5,6 +5,7 @@
 //! neighbouring pixels are farther apart than that, a ray may fall on either side: any depth between those of the
 //! neighbours agrees there.
 
+use super::around;
 use super::deterministic::OUTLIERS;
 use super::gate::Metric;
 
@@ -49,16 +50,9 @@ impl DepthDifference {
         let (mut most, mut sum, mut both) = (0.0, 0.0, 0_usize);
         for (index, &at) in right.iter().enumerate().filter(|(_, at)| at.is_finite()) {
             found.seen += 1;
-            let [x, y] = [index % width, index / width];
-            let rows = y.saturating_sub(1)..(y + 2).min(height);
-            let columns = x.saturating_sub(1)..(x + 2).min(width);
-            let around = rows.flat_map(|row| {
-                columns
-                    .clone()
-                    .map(move |column| right[column + width * row])
-            });
             let (mut near, mut far, mut ends) = (at, at, false);
-            for depth in around {
+            for other in around(index, [width, height], 1) {
+                let depth = right[other];
                 ends |= !depth.is_finite();
                 if depth.is_finite() {
                     (near, far) = (near.min(depth), far.max(depth));

@@ -6,6 +6,7 @@
 //! Structural and mean-pooled metrics are no substitute: of sixteen seeded faults they caught
 //! between one and twelve, this rule all.
 
+use super::around;
 use super::difference_scale::DifferenceScale;
 use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::image_gate::{Conditions, ImageGate};
@@ -158,8 +159,7 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
         if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
             return false;
         }
-        let mut neighbours =
-            (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| x + width * y));
+        let mut neighbours = around(index, [width, height], 1);
         neighbours.all(|other| is_lit(other) && (other == index || agrees(other)))
     };
     (0..width * height)

@@ -21,35 +21,11 @@ pub struct Judgement {
     /// [bias](super::Conditions::promise): the verdict is *inconclusive*, and this would
     /// decide.
     pub undecided: Option<Undecided>,
-    /// The reason without what says no more than "as if", where the reason says such a thing.
-    pub certain: Option<String>,
     /// Changes of numbers of the scene that fit the difference, the most significant first; for
     /// images that differ, where [sensitivities](super::Conditions::sensitivities) are known.
     pub changes: Vec<NumberChange>,
     /// Changes of these numbers that would have been seen.
     pub detectable: Vec<Detectable>,
-    /// The changes that together fit best, as a picture.
-    pub fit: Option<Box<FitMap>>,
-}
-
-/// A difference, and its part explained by the changes that fit best: by block, in standard errors
-/// of its difference; row by row from the top.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FitMap {
-    /// Blocks in a row.
-    pub columns: usize,
-    /// Test minus reference, by channel.
-    pub difference: Vec<[f64; 3]>,
-    /// The part of it that the changes make.
-    pub fitted: Vec<[f64; 3]>,
-}
-
-impl FitMap {
-    /// True if the map has whole rows, at least one, and both values of each block.
-    pub(crate) fn is_whole(&self) -> bool {
-        let blocks = self.difference.len();
-        blocks > 0 && self.fitted.len() == blocks && blocks.checked_rem(self.columns) == Some(0)
-    }
 }
 
 /// The smallest change of a number of the scene that two images, of the noise that they have, would
@@ -81,10 +57,8 @@ pub struct NumberChange {
     pub error: f64,
     /// Score of this change alone, in standard errors.
     pub score: f64,
-    /// Member of the changes that together fit best; else it is fitted alone.
+    /// The one with the largest score, of those that can change so.
     pub fits_best: bool,
-    /// Indistinguishable, in these images, from the one that fits best.
-    pub alike: bool,
 }
 
 impl Judgement {
@@ -94,26 +68,23 @@ impl Judgement {
         reason: String,
         metrics: &[(&str, f64)],
     ) -> Judgement {
+        let is_finite = |(_, value): &&(&str, f64)| value.is_finite();
         let named = |&(name, value): &(&str, f64)| (name.to_owned(), value);
         Judgement {
             passed,
             gate,
-            metrics: metrics.iter().map(named).collect(),
+            metrics: metrics.iter().filter(is_finite).map(named).collect(),
             reason,
             undecided: None,
-            certain: None,
             changes: Vec::new(),
             detectable: Vec::new(),
-            fit: None,
         }
     }
 
     /// With the changes that `film`, the image called `name`, underwent on reading.
     pub(crate) fn with_changes_of(mut self, name: &str, film: &Film) -> Judgement {
         for change in film.changes_on_reading() {
-            for reason in [&mut self.reason].into_iter().chain(&mut self.certain) {
-                reason.push_str(&format!("; the {name} {change}"));
-            }
+            self.reason.push_str(&format!("; the {name} {change}"));
         }
         self
     }

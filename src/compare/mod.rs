@@ -5,7 +5,6 @@
 //! [stochastic](Stochastic), each in its own file with its limits and their reasons.
 
 mod advice;
-mod change_with_step;
 pub(crate) mod coarse;
 pub mod depth;
 pub mod deterministic;
@@ -30,14 +29,13 @@ pub mod stochastic;
 pub(crate) mod unexplained;
 
 pub use advice::{Advice, Undecided};
-pub use change_with_step::change_with_step;
 pub use deterministic::Deterministic;
 pub use difference_scale::{BlockMap, DifferenceScale};
 pub use exact::Exact;
 pub use gate::Gate;
 pub(crate) use gate::Metric;
 pub use image_gate::{Conditions, ImageGate};
-pub use judgement::{Detectable, FitMap, Judgement, NumberChange};
+pub use judgement::{Detectable, Judgement, NumberChange};
 pub use margin::Margin;
 pub(crate) use margin::STANDARD_ERRORS;
 pub use perceptual::Perceptual;
@@ -83,6 +81,17 @@ pub(crate) fn default_gate(
         .into_iter()
         .filter_map(|gate| Some((gate, gate.default_reason(reference, test)?)));
     claims.next().unwrap_or((&Deterministic, ""))
+}
+
+/// The pixels of an image of `width` × `height` that are at most `reach` rows and columns from one, with that one.
+pub(crate) fn around(
+    index: usize,
+    [width, height]: [usize; 2],
+    reach: usize,
+) -> impl Iterator<Item = usize> {
+    let near = |at: usize, count| at.saturating_sub(reach)..(at + reach + 1).min(count);
+    let (rows, columns) = (near(index / width, height), near(index % width, width));
+    rows.flat_map(move |row| columns.clone().map(move |column| column + width * row))
 }
 
 /// Images of one size, with finite pixels and variances: the gates compare no others.

@@ -29,9 +29,6 @@ const IN_ONE_CHANNEL: f64 = 0.8;
 /// Largest share of the squared difference that the golden times a factor for each channel leaves, if that is said.
 const LEFT_BY_GAIN: f64 = 0.8;
 
-/// Share of the squared difference in black pixels from which other places are not said.
-const NEARLY_ALL: f64 = 0.95;
-
 /// Share of the lit pixels that count as edges.
 const STEEPEST: f64 = 0.2;
 
@@ -68,11 +65,7 @@ pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<Stri
     if shares.whole <= 0.0 || has_noise && shares.whole <= SIGNIFICANT * shares.error {
         return Vec::new();
     }
-    // By chance a pixel of few samples is black, too.
-    let black = (!has_noise).then(|| black(&differences, &shares)).flatten();
-    let is_elsewhere = black.as_ref().is_none_or(|(share, _)| *share < NEARLY_ALL);
-    let mut said = Vec::from_iter(black.map(|(_, words)| words));
-    said.extend(cut_off(&differences));
+    let mut said = Vec::from_iter(cut_off(&differences));
     let channel = |c: usize| shares.channel(c).is_at_least(IN_ONE_CHANNEL);
     said.extend((0..3).find(|&c| channel(c)).map(|c| {
         let share = percent(shares.channel(c).value);
@@ -86,9 +79,7 @@ pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<Stri
             .then(|| gain(&differences, shares.whole))
             .flatten(),
     );
-    if is_elsewhere {
-        said.extend(places(&differences, &shares, border));
-    }
+    said.extend(places(&differences, &shares, border));
     // Noise of single lines would decide where the box ends.
     said.extend(in_a_box(
         &differences,
@@ -281,28 +272,6 @@ fn jackknife(parts: [[f64; 2]; PARTS], estimate: fn([f64; 2]) -> f64) -> (f64, f
 fn is_clearly_more(share: f64, due: f64) -> bool {
     let odds = |share: f64| share / (1.0 - share).max(1e-9);
     share >= WORTH_SAYING && odds(share.min(1.0)) >= ODDS * odds(due)
-}
-
-/// Pixels that are exactly 0 in all channels where the golden is not, if they hold clearly more than their share: that
-/// share, and a sentence.
-fn black(differences: &Differences<'_>, shares: &Shares) -> Option<(f64, String)> {
-    let [golden, test] = [differences.golden, differences.test].map(Film::radiance);
-    let shown = golden.iter().filter(|pixel| **pixel != [0.0; 3]).count();
-    let is_black = |i: &usize| golden[*i] != [0.0; 3] && test[*i] == [0.0; 3];
-    let black: Vec<usize> = (0..golden.len()).filter(is_black).collect();
-    let squares: f64 = black.iter().map(|&i| differences.squares(i)).sum();
-    let share = squares / shares.whole;
-    is_clearly_more(share, black.len() as f64 / shown.max(1) as f64).then(|| {
-        let pixels = match black.len() {
-            1 => "a pixel that is black where the golden is not".to_owned(),
-            count => format!("{count} pixels that are black where the golden is not"),
-        };
-        let words = format!(
-            "{} of the squared relative difference lies in {pixels}",
-            percent(share)
-        );
-        (share, words)
-    })
 }
 
 /// Values that end at one number, which nearly all that should be above it have, whatever they should be.

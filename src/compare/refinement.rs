@@ -22,6 +22,7 @@
 //! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.
 
 use super::advice::Undecided;
+use super::around;
 use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, in_tolerances, tolerance};
 use super::difference_scale::DifferenceScale;
 use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
@@ -153,22 +154,20 @@ pub(crate) fn judge_refinement(
         extrapolated(middle, fine, factor)
     };
 
-    let mut outcome = Outcome::default();
+    let mut metrics = Vec::new();
     if !is_still {
-        outcome.metric("observed_order", observed);
+        metrics.push(("observed_order", observed));
     }
     let at_step = relative_error(golden, &images[0].nearest_to(golden));
-    outcome.metric("error_at_step", at_step);
-    outcome.metric(
-        "error_at_finest_step",
-        relative_error(golden, &fine.nearest_to(golden)),
-    );
+    metrics.push(("error_at_step", at_step));
+    let at_finest = relative_error(golden, &fine.nearest_to(golden));
+    metrics.push(("error_at_finest_step", at_finest));
     // Extrapolation enlarges the roundings of pixels.
     let left = match fine.quantisation() {
-        Some(_) => relative_error(golden, &fine.nearest_to(golden)),
+        Some(_) => at_finest,
         None => relative_error(golden, &limit),
     };
-    outcome.metric("error_of_limit", left);
+    metrics.push(("error_of_limit", left));
 
     let mut step_errors = step_errors(golden, [coarse, middle, fine], order, factor);
     if !is_still && order < HALFWAY {
@@ -196,7 +195,7 @@ pub(crate) fn judge_refinement(
             changes[1],
             trend(golden, images)
         );
-        return outcome.judgement(false, reason);
+        return Judgement::new(&Refinement, false, reason, &metrics);
     }
     let judged = Judged {
         golden,
@@ -207,7 +206,7 @@ pub(crate) fn judge_refinement(
         mean_errors,
         table: LargestErrors::of(golden, truth.looked_up),
     };
-    judged.judgement(outcome, &steps)
+    judged.judgement(metrics, &steps)
 }
 
 /// Errors that steps leave in the finest image: those between two images, where they converge with this `order`.
@@ -316,9 +315,7 @@ pub(crate) fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Fil
         }
     }
     let by_rules = LargestErrors::of(golden, first_order);
-    let mut outcome = Outcome::default();
     let error = relative_error(golden, &image.nearest_to(golden));
-    outcome.metric("error_at_step", error);
     let steps = format!(
         "one image: {:.2} % off at its step, judged by what a rule of first order may be off by there; \
          images with half and a quarter of the step would say more",
@@ -332,7 +329,7 @@ pub(crate) fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Fil
         mean_errors: by_rules.means,
         table: LargestErrors::of(golden, truth.looked_up),
     };
-    judged.judgement(outcome, &steps)
+    judged.judgement(vec![("error_at_step", error)], &steps)
 }
 
 /// An image, and the error allowed for its step.
@@ -350,7 +347,7 @@ struct Judged<'f> {
 }
 
 impl Judged<'_> {
-    fn judgement(&self, mut outcome: Outcome, steps: &str) -> Judgement {
+    fn judgement(&self, mut metrics: Vec<(&str, f64)>, steps: &str) -> Judgement {
         let golden = self.golden;
         let behind = behind_last_level(golden);
         let (mut outside, mut far, mut worst) = (0_usize, 0_usize, (0, 0.0_f64));
@@ -384,7 +381,7 @@ impl Judged<'_> {
             off[c].abs() / (allowed + behind + half_code(right[c]))
         });
         let widest = self.relative_width();
-        for (name, value) in [
+        metrics.extend([
             ("error_allowed", widest),
             ("pixels_off_limit", outside as f64),
             ("share_off_limit", share),
@@ -395,9 +392,7 @@ impl Judged<'_> {
             (MEAN_DIFFERENCES[0].0, off[0]),
             (MEAN_DIFFERENCES[1].0, off[1]),
             (MEAN_DIFFERENCES[2].0, off[2]),
-        ] {
-            outcome.metric(name, value);
-        }
+        ]);
         let most = (0..3)
             .max_by(|&a, &b| bias[a].total_cmp(&bias[b]))
             .unwrap_or(0);
@@ -408,7 +403,7 @@ impl Judged<'_> {
                 100.0 * share,
                 worst.1
             );
-            return outcome.judgement(false, reason);
+            return Judgement::new(&Refinement, false, reason, &metrics);
         }
         if bias[most] > 1.0 {
             let reason = format!(
@@ -418,9 +413,15 @@ impl Judged<'_> {
                 100.0 * off[most] / right[most].max(f64::MIN_POSITIVE),
                 bias[most]
             );
-            return outcome.judgement(false, reason);
+            return Judgement::new(&Refinement, false, reason, &metrics);
         }
-        outcome.judgement(true, steps.to_owned())
+        let mut judgement = Judgement::new(&Refinement, true, steps.to_owned(), &metrics);
+        if widest > WIDEST {
+            let undecided = Undecided::Step(widest);
+            judgement.reason.push_str(&format!("; {undecided}"));
+            judgement.undecided = Some(undecided);
+        }
+        judgement
     }
 
     /// The golden, cut off where the image is.
@@ -443,32 +444,6 @@ impl Judged<'_> {
         }
         let [errors, right] = sums.map(|sum| sum.value());
         if errors == 0.0 { 0.0 } else { errors / right }
-    }
-}
-
-/// Judgement under construction.
-#[derive(Default)]
-struct Outcome {
-    metrics: Vec<(&'static str, f64)>,
-}
-
-impl Outcome {
-    fn metric(&mut self, name: &'static str, value: f64) {
-        if value.is_finite() {
-            self.metrics.push((name, value));
-        }
-    }
-
-    fn judgement(self, passed: bool, reason: String) -> Judgement {
-        let mut judgement = Judgement::new(&Refinement, passed, reason, &self.metrics);
-        let width = judgement.metrics.get("error_allowed");
-        let width = width.copied().unwrap_or_default();
-        if passed && width > WIDEST {
-            let undecided = Undecided::Step(width);
-            judgement.reason.push_str(&format!("; {undecided}"));
-            judgement.undecided = Some(undecided);
-        }
-        judgement
     }
 }
 
@@ -553,20 +528,13 @@ fn extrapolated(before: &Film, fine: &Film, factor: f64) -> Film {
 /// The largest of each channel in a pixel and its eight neighbours: where a ray leaves the volume just
 /// at the end of a step, its error is small by chance.
 fn largest_around(image: &Film, errors: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let (width, height) = (image.width(), image.height());
-    let around = |index: usize| {
-        let [x, y] = [index % width, index / width];
-        let rows = y.saturating_sub(1)..(y + 2).min(height);
-        let columns = x.saturating_sub(1)..(x + 2).min(width);
-        let mut largest = [0.0_f64; 3];
-        for row in rows {
-            for near in &errors[row * width..][columns.clone()] {
-                largest = std::array::from_fn(|c| largest[c].max(near[c]));
-            }
-        }
-        largest
+    let size = [image.width(), image.height()];
+    let largest = |index: usize| {
+        around(index, size, 1).fold([0.0_f64; 3], |largest, near| {
+            std::array::from_fn(|c| largest[c].max(errors[near][c]))
+        })
     };
-    (0..width * height).map(around).collect()
+    (0..errors.len()).map(largest).collect()
 }
 
 /// Means of the channels.

@@ -15,8 +15,7 @@ pub struct Sensitivity {
     pub step: f64,
     /// True where the number can be smaller, and larger: an albedo of 1 cannot be larger.
     pub can_be: [bool; 2],
-    /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels, or of
-    /// [`FINE_BLOCK`](super::stochastic::FINE_BLOCK)², per unit of change, with its variance.
+    /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels, per unit of change, with its variance.
     pub derivative: Film,
 }
 

@@ -51,6 +51,9 @@ impl DepthComparison<'_> {
 /// Distances must be spread this much, as the farthest over the nearest, for two planes to be found from them.
 const LEAST_SPREAD: f64 = 1.02;
 
+/// A factor and an offset are printed with so many digits: less is none.
+const NOTHING: f64 = 5e-5;
+
 /// The nature of `test`, a wrong depth in place of the `right` one, which is `asked` for, if nothing but that is wrong: another depth of the
 /// scene, or a number that follows from it.
 pub(super) fn cause(
@@ -85,53 +88,16 @@ pub(super) fn cause(
         ..asked
     };
     let right_along_view = compared.right(along_view).ok()?;
-    let buffers = [Buffer::Perspective, Buffer::Linear].into_iter();
-    let mut buffers = buffers.filter_map(|kind| Planes::of(kind, &right_along_view, test));
-    let planes =
-        buffers.find(|planes| compared.explains(&right_along_view, &planes.distances(test)));
-    planes
-        .map(|planes| planes.in_words())
-        .or_else(|| changed_unit_or_origin(compared, right, test))
-}
-
-/// The right depth times a number, or with one added, whichever is nearer: in other units, or from another place.
-fn changed_unit_or_origin(
-    compared: &DepthComparison<'_>,
-    right: &[f32],
-    test: &[f32],
-) -> Option<String> {
-    let both = right.iter().zip(test);
-    let both = both.filter(|(right, test)| right.is_finite() && test.is_finite());
-    let (mut count, mut sums) = (0.0, [0.0; 4]);
-    for (&z, &value) in both {
-        let (z, value) = (f64::from(z), f64::from(value));
-        count += 1.0;
-        for (sum, term) in sums.iter_mut().zip([z * z, z * value, z, value]) {
-            *sum += term;
-        }
-    }
-    let [squares, products, depths, values] = sums;
-    let (factor, offset) = (products / squares, (values - depths) / count);
-    let restored = |restore: &dyn Fn(f64) -> f64| -> Vec<f32> {
-        let restore = |&value: &f32| restore(f64::from(value)) as f32;
-        test.iter().map(restore).collect()
-    };
-    let changes = [
-        (
-            restored(&|value| value / factor),
-            format!("{factor:.4} times the right depth: write distances in world units"),
-        ),
-        (
-            restored(&|value| value - offset),
-            format!("the right depth {offset:+.4}: count from the eye").replace('-', "−"),
-        ),
+    let fits = [
+        (Law::Perspective, &right_along_view[..]),
+        (Law::Linear, &right_along_view[..]),
+        (Law::Linear, right),
     ];
-    let explaining = changes.into_iter().filter_map(|(restored, words)| {
-        let found = compared.of(right, &restored);
-        (found.shows_depth() && found.outside == 0).then_some((found.mean, words))
-    });
-    let nearest = explaining.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    Some(nearest.1)
+    let mut fits = fits
+        .into_iter()
+        .filter_map(|(law, right)| Some((Fit::of(law, right, test)?, right)));
+    let found = fits.find(|(fit, right)| compared.explains(right, &fit.distances(test)))?;
+    Some(found.0.in_words())
 }
 
 /// Distance at which the ray of each pixel enters the volume, along it or along the view.
@@ -153,72 +119,84 @@ fn entries(scene: &Scene, along_view: bool) -> Option<Vec<f32>> {
     Some((0..width * height).map(entry).collect())
 }
 
-/// Values of a depth buffer.
+/// How values follow from distances.
 #[derive(Clone, Copy)]
-enum Buffer {
+enum Law {
     /// `a + b / z`, as a perspective projection makes it.
     Perspective,
     /// `a + b z`.
     Linear,
 }
 
-/// The planes between which a depth buffer goes from its least value to 1.
-struct Planes {
-    kind: Buffer,
+/// The law nearest to the values of an image.
+struct Fit {
+    law: Law,
     a: f64,
     b: f64,
-    /// Values are below 0, as in the clip space of OpenGL, which goes from −1 to 1.
-    is_clip_space: bool,
+    /// The least and the largest value.
+    values: [f64; 2],
 }
 
-impl Planes {
-    /// The planes nearest to `test`, given distances `right` along the view: by least squares.
-    fn of(kind: Buffer, right: &[f32], test: &[f32]) -> Option<Planes> {
+impl Fit {
+    /// The fit to `test`, given distances `right`: by least squares.
+    fn of(law: Law, right: &[f32], test: &[f32]) -> Option<Fit> {
         let pairs = right.iter().zip(test);
-        let pairs = pairs.map(|(&z, &value)| (f64::from(z), f64::from(value)));
-        let pairs: Vec<_> = pairs.filter(|(z, _)| z.is_finite()).collect();
-        let far = pairs.iter().map(|(z, _)| *z).fold(0.0, f64::max);
-        let near = pairs.iter().map(|(z, _)| *z).fold(far, f64::min);
-        let lowest = match kind {
-            Buffer::Perspective => -1.0,
-            Buffer::Linear => 0.0,
+        let pairs = pairs.filter(|(z, value)| z.is_finite() && value.is_finite());
+        let pairs: Vec<[f64; 2]> = pairs.map(|(&z, &value)| [z.into(), value.into()]).collect();
+        let range = |axis: usize| {
+            let all = pairs.iter().map(|pair| pair[axis]);
+            all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
+                [at.min(low), at.max(high)]
+            })
         };
-        let are_values = pairs
-            .iter()
-            .all(|(_, value)| (lowest..=1.0).contains(value));
-        let is_clip_space = pairs.iter().any(|(_, value)| *value < 0.0);
-        if !(are_values && near > 0.0 && far > LEAST_SPREAD * near) {
-            return None;
-        }
-        let of = |z: f64| match kind {
-            Buffer::Perspective => z.recip(),
-            Buffer::Linear => z,
+        let [[near, far], values] = [0, 1].map(range);
+        let of = |z: f64| match law {
+            Law::Perspective => z.recip(),
+            Law::Linear => z,
         };
         let count = pairs.len() as f64;
-        let x_mean = pairs.iter().map(|(z, _)| of(*z)).sum::<f64>() / count;
-        let y_mean = pairs.iter().map(|(_, value)| value).sum::<f64>() / count;
+        let x_mean = pairs.iter().map(|[z, _]| of(*z)).sum::<f64>() / count;
+        let y_mean = pairs.iter().map(|[_, value]| value).sum::<f64>() / count;
         let (mut xx, mut xy) = (0.0, 0.0);
-        for (z, value) in pairs {
+        for [z, value] in pairs {
             let x = of(z) - x_mean;
             xx += x * x;
             xy += x * (value - y_mean);
         }
         let b = xy / xx;
-        let planes = Planes {
-            kind,
+        let fit = Fit {
+            law,
             a: y_mean - b * x_mean,
             b,
-            is_clip_space,
+            values,
         };
-        let near = planes.distance(if is_clip_space { -1.0 } else { 0.0 });
-        let far = planes.distance(1.0);
-        (b.is_finite() && near >= 0.0 && far > near).then_some(planes)
+        let is_known = near > 0.0 && far > LEAST_SPREAD * near && b.is_finite();
+        let is_possible = match law {
+            Law::Perspective => fit.is_buffer(),
+            Law::Linear => b > 0.0,
+        };
+        (is_known && is_possible).then_some(fit)
+    }
+
+    /// The value of the near plane: clip space goes below 0.
+    fn lowest(&self) -> f64 {
+        match self.law {
+            Law::Perspective if self.values[0] < 0.0 => -1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// True if the values go from those of the near plane to 1 at the far one, as depth buffers do.
+    fn is_buffer(&self) -> bool {
+        let [least, most] = self.values;
+        let [near, far] = [self.lowest(), 1.0].map(|value| self.distance(value));
+        near >= 0.0 && far > near && least >= self.lowest() && most <= 1.0
     }
 
     fn distance(&self, value: f64) -> f64 {
-        match self.kind {
-            Buffer::Perspective => self.b / (value - self.a),
-            Buffer::Linear => (value - self.a) / self.b,
+        match self.law {
+            Law::Perspective => self.b / (value - self.a),
+            Law::Linear => (value - self.a) / self.b,
         }
     }
 
@@ -228,20 +206,27 @@ impl Planes {
     }
 
     fn in_words(&self) -> String {
+        let (a, b) = (self.a, self.b);
         let [clip, near, far] = [-1.0, 0.0, 1.0].map(|value| self.distance(value));
         let to_far = format!("and 1 at the far one, about {far:.3}");
-        let buffer = match self.kind {
-            Buffer::Linear => {
+        let what = match self.law {
+            Law::Linear if self.is_buffer() => {
                 format!("a share of the way, 0 at the near plane, about {near:.3}, {to_far}")
             }
-            Buffer::Perspective if self.is_clip_space => {
+            Law::Linear if a.abs() < NOTHING * b => format!("{b:.4} times the right depth"),
+            Law::Linear if (b - 1.0).abs() < NOTHING => {
+                let depth = format!("the right depth {a:+.4}: count from the eye");
+                return depth.replace('-', "−");
+            }
+            Law::Linear => format!("{b:.4} times the right depth, {a:+.4}").replace('-', "−"),
+            Law::Perspective if self.lowest() < 0.0 => {
                 format!("the depth of clip space, −1 at the near plane, about {clip:.3}, {to_far}")
             }
-            Buffer::Perspective => format!(
+            Law::Perspective => format!(
                 "the value of a depth buffer, 0 at the near plane, about {near:.3}, {to_far}, or of clip space, −1 at \
                  about {clip:.3}"
             ),
         };
-        format!("{buffer}: write distances in world units")
+        format!("{what}: write distances in world units")
     }
 }

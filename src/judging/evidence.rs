@@ -86,8 +86,4 @@ pub struct Likeness {
     pub of: usize,
     /// Names of the cases that it explains.
     pub cases: Vec<String>,
-    /// Comparison with the next mistake, if both explain the same cases: a sentence without its
-    /// subject, for people.
-    #[serde(skip)]
-    pub beside_the_next: Option<String>,
 }

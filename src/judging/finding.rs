@@ -46,8 +46,6 @@ impl From<Judgement> for CaseResult {
             metrics: judgement.metrics,
             changes: judgement.changes,
             detectable: judgement.detectable,
-            fit: judgement.fit,
-            certain: judgement.certain,
             ..CaseResult::new(verdict, cause, judgement.reason)
         }
     }

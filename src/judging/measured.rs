@@ -19,67 +19,42 @@ const LARGEST_CODE: f64 = 255.0;
 const OF_CODES: &str =
     "every value is a whole number from 0 to 255: the image holds codes, not radiance";
 
-/// Measurements of `picture`, a failed image of `case`: sentences without a full stop.
-pub(crate) fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
-    if let Some(test) = picture.radiance().filter(|it| golden.is_comparable(it))
-        && is_black(golden)
-    {
-        let mean = number(test.mean_magnitude().unwrap_or_default());
-        return vec![format!(
-            "the golden is black, and the mean of the image is {mean}"
-        )];
-    }
-    let words = |map: Map| match map.factor() {
-        Some(factor) if is_of_png(picture) => another_exposure(factor),
-        _ => map.in_words(),
-    };
-    let map = simple_map(case, golden, picture).map(words);
-    codes_in_words(picture).into_iter().chain(map).collect()
-}
-
 /// Statement that `picture` holds codes that were written as numbers.
 pub(crate) fn codes_in_words(picture: &Picture) -> Option<String> {
     let codes = Quantisation::of_whole_numbers(picture.radiance()?);
     codes.map(|_| OF_CODES.to_owned())
 }
 
-/// A simple map of an image's values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SimpleMap {
-    /// A factor, or one for each channel.
-    Gain,
-    /// An offset or a power besides, or of a black golden.
-    Other,
-}
-
-fn is_black(film: &Film) -> bool {
-    film.mean_magnitude() == Some(0.0)
+/// A simple map from a golden to an image of its case.
+pub(crate) struct SimpleMap {
+    /// A sentence without a full stop.
+    pub words: String,
+    /// It is a factor, or one for each channel.
+    pub is_gain: bool,
 }
 
 /// The simple map from the golden to the radiance of `picture`, if there is one.
 pub(crate) fn simple(case: &Case, golden: &Film, picture: &Picture) -> Option<SimpleMap> {
-    picture.radiance()?;
-    if is_black(golden) {
-        return Some(SimpleMap::Other);
+    if golden.mean_magnitude() == Some(0.0) {
+        let test = picture.radiance().filter(|it| golden.is_comparable(it))?;
+        let mean = number(test.mean_magnitude().unwrap_or_default());
+        return Some(SimpleMap {
+            words: format!("the golden is black, and the mean of the image is {mean}"),
+            is_gain: false,
+        });
     }
     let map = simple_map(case, golden, picture)?;
-    Some(match map.offset == 0.0 && map.exponent == 1.0 {
-        true => SimpleMap::Gain,
-        false => SimpleMap::Other,
+    Some(SimpleMap {
+        words: match map.factor() {
+            Some(factor) if is_of_png(picture) => another_exposure(factor),
+            _ => map.in_words(),
+        },
+        is_gain: map.offset == 0.0 && map.exponent == 1.0,
     })
 }
 
-/// True if `picture` is an 8-bit image of the golden at another exposure. In a file made for a
-/// display that is what a plain factor means first.
-pub(crate) fn is_another_exposure(case: &Case, golden: &Film, picture: &Picture) -> bool {
-    is_of_png(picture)
-        && !is_black(golden)
-        && simple_map(case, golden, picture)
-            .is_some_and(|map| map.offset == 0.0 && map.exponent == 1.0)
-}
-
 /// True of codes, and of radiance from those of a PNG image.
-fn is_of_png(picture: &Picture) -> bool {
+pub(crate) fn is_of_png(picture: &Picture) -> bool {
     match picture {
         Picture::Codes(_) => true,
         Picture::Radiance(film) => film
@@ -312,6 +287,11 @@ mod tests {
     use crate::suite::Suite;
     use std::path::Path;
 
+    fn measured(case: &Case, golden: &Film, picture: &Picture) -> Vec<String> {
+        let map = simple(case, golden, picture).map(|map| map.words);
+        codes_in_words(picture).into_iter().chain(map).collect()
+    }
+
     fn case(name: &str) -> Case {
         let suite = Suite::open(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
         suite.select(&[name.to_owned()]).unwrap()[0].clone()
@@ -402,7 +382,7 @@ mod tests {
             let radiance = Picture::Radiance(decoded(&codes, case.exposure));
             let [said, of_radiance] = [Picture::Codes(codes), radiance].map(|picture| {
                 let said = measured(&case, &golden, &picture).join("; ");
-                let is_said = is_another_exposure(&case, &golden, &picture);
+                let is_said = simple(&case, &golden, &picture).is_some_and(|map| map.is_gain);
                 assert_eq!(!said.is_empty(), is_said);
                 said
             });

@@ -1,9 +1,7 @@
 //! Results of cases.
 
 use super::known::{Known, KnownStatus};
-use crate::compare::{
-    self, Detectable, Exact, FitMap, GATES, Gate, Metric, NumberChange, Refinement,
-};
+use crate::compare::{self, Detectable, Exact, GATES, Gate, Metric, NumberChange, Refinement};
 use crate::suite::OF_TOLERANCE;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -119,12 +117,6 @@ pub struct CaseResult {
     /// Changes of numbers of the scene that the images would have shown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detectable: Vec<Detectable>,
-    /// The changes that fit best, as a picture for a report.
-    #[serde(skip)]
-    pub fit: Option<Box<FitMap>>,
-    /// The reason without what says no more than "as if", where the reason says such a thing.
-    #[serde(skip)]
-    pub certain: Option<String>,
     /// The reason says the cause, such as codes read in another way or an image without anything drawn: none is looked for.
     #[serde(skip)]
     pub cause_is_said: bool,
@@ -163,8 +155,6 @@ impl CaseResult {
             change_agrees: false,
             changes: Vec::new(),
             detectable: Vec::new(),
-            fit: None,
-            certain: None,
             cause_is_said: false,
             search_ended: None,
             seconds: 0.0,
@@ -192,13 +182,6 @@ impl CaseResult {
             Some(known) if known.status == KnownStatus::Known => Cause::None,
             Some(known) if known.is_outdated() => self.cause.max(Cause::Mismatch),
             _ => self.cause,
-        }
-    }
-
-    /// Takes out of the reason what says no more than "as if", beside a finding.
-    pub(crate) fn drop_as_if(&mut self) {
-        if let Some(certain) = self.certain.take() {
-            self.reason = certain;
         }
     }
 }

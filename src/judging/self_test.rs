@@ -350,46 +350,17 @@ impl<'c> Subject<'c> {
         picture(&self.checked.scene, self.samples, run)
     }
 
-    /// The scene without mistakes.
-    pub fn scene(&self) -> &Scene {
-        &self.checked.scene
-    }
-
-    /// The picture as it should be, judged.
-    pub fn judged_right(&self) -> Judged {
-        self.judge(Picture::Radiance(self.honest().clone()))
-    }
-
     /// Judges a picture of the case.
     pub fn judge(&self, picture: Picture) -> Judged {
         validate_with(self.case, &self.checked, picture)
     }
 
-    /// The picture with all of `mistakes` that the case has occasion for, first those of the scene;
-    /// `None` if it has none.
-    pub fn with_all(&self, mistakes: &[&Mistake], run: u64) -> Option<Film> {
-        let mut scene = None;
-        for mistake in mistakes {
-            let edited = mistake.in_scene(scene.as_ref().unwrap_or(&self.checked.scene));
-            scene = edited.or(scene);
+    /// The picture with `mistake`; `None` if the case gives no occasion for it.
+    fn with(&self, mistake: &Mistake) -> Option<Film> {
+        if mistake.is_of_the_image() {
+            return mistake.in_image(self.honest());
         }
-        let mut occurs = scene.is_some();
-        if !occurs && !mistakes.iter().any(|mistake| mistake.is_of_the_image()) {
-            return None;
-        }
-        let mut film = match &scene {
-            Some(scene) => picture(scene, self.samples, run)?,
-            // The seeds of the honest picture.
-            None if run == 0 => self.honest().clone(),
-            None => self.right(run)?,
-        };
-        for mistake in mistakes {
-            if let Some(edited) = mistake.in_image(&film) {
-                film = edited;
-                occurs = true;
-            }
-        }
-        occurs.then_some(film)
+        picture(&mistake.in_scene(&self.checked.scene)?, self.samples, 0)
     }
 }
 
@@ -417,7 +388,7 @@ fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -
         if extent == SelfTestExtent::Quick && is_caught && !promises(subject) {
             break;
         }
-        trials[index] = match subject.with_all(&[mistake], 0) {
+        trials[index] = match subject.with(mistake) {
             None => Trial::NoOccasion,
             Some(film) => match subject.judge(Picture::Radiance(film)).result.verdict {
                 Verdict::Fail => Trial::Caught,

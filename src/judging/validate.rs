@@ -3,7 +3,7 @@
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CheckedGolden, MOST_CASES};
-use super::measured::{codes_in_words, is_another_exposure, measured};
+use super::measured::{SimpleMap, codes_in_words, is_of_png, simple};
 use super::nothing_drawn::{is_emptied, nothing_drawn};
 use super::precision::{before_background, known, known_radiance, other_readings};
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
@@ -118,7 +118,6 @@ pub(crate) fn add_right_declaration(
         return;
     };
     let result = &mut judged.result;
-    result.drop_as_if();
     let otherwise = match right {
         None => "without --alpha: its colours contain the background".to_owned(),
         Some(right) => format!("where its colours are declared with --alpha {right}"),
@@ -378,24 +377,21 @@ fn with_words(
         let mut readings =
             other_readings(case, (&checked.golden.film, &checked.scene), picture).into_iter();
         let right = readings.find(|reading| agrees(case, checked, &reading.film));
-        finding.cause_is_said =
-            right.is_some() || is_another_exposure(case, &checked.golden.film, picture);
         // A map of values would be the reading, measured.
-        let mut said = match &right {
-            Some(_) => codes_in_words(picture).into_iter().collect(),
-            None => measured(case, &checked.golden.film, picture),
-        };
+        let map = simple(case, &checked.golden.film, picture).filter(|_| right.is_none());
+        // In a file made for a display a plain factor means another exposure first.
+        let is_exposure = |map: &SimpleMap| map.is_gain && is_of_png(picture);
+        finding.cause_is_said = right.is_some() || map.as_ref().is_some_and(is_exposure);
+        let mut said = Vec::from_iter(codes_in_words(picture));
+        said.extend(map.map(|map| map.words));
         let nothing = nothing_drawn(case, &checked.scene, &checked.golden.film, picture);
         if let Some(nothing) = nothing.filter(|_| right.is_none()) {
             // No number of the scene is measured by what is not there, and nothing is searched.
             finding.reason = nothing;
             finding.cause_is_said = true;
-            (finding.changes, finding.certain, exposure) = (Vec::new(), None, None);
+            (finding.changes, exposure) = (Vec::new(), None);
         } else {
             said.extend(right.map(|reading| reading.words));
-            if !said.is_empty() {
-                finding.drop_as_if();
-            }
             said.push(finding.reason);
             finding.reason = said.join("; ");
         }

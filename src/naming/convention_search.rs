@@ -103,13 +103,7 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
     };
     let conventions = result.conventions.join("; ");
     result.reason = format!("differs by convention{size}: it {conventions}. {agreement}");
-    result.certain = None;
 }
-
-/// A search that reached the limit of its work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the search for conventions reached the limit of its work")]
-pub struct Unfinished;
 
 /// The search for the conventions behind images, with the sets that were found so far: what
 /// explains one image is tried first in the next.
@@ -171,22 +165,23 @@ impl<'s> ConventionSearch<'s> {
         let images = Images::of(&scene, &clock);
         let profile = self.profile(case, store, &scene, judged, &images);
         let found = match &profile {
-            Some(_) => Ok(None),
+            Some(_) => None,
             None => self.explain_by(case, &tests, &images),
         };
+        let is_open = profile.is_none() && found.is_none() && clock.is_over();
         judged.evidence.work_of_search = clock.work();
-        judged.evidence.conventions_are_open = found.is_err();
+        judged.evidence.conventions_are_open = is_open;
         if let Some(profile) = profile {
             explain_by_profile(&profile, &mut judged.result, accepted);
         }
         // A plainer cause has all of the work for the case.
         let search = self.within(Some(seconds), &predictions);
-        if let Ok(Some(explained)) = &found
+        if let Some(explained) = &found
             && (explained.is_plain() || !likeness::is_plainly_explained(case, judged, &search))
         {
             explained.explain(&mut judged.result, accepted);
         }
-        if found.is_err() && !(self.interrupted)() {
+        if is_open && !(self.interrupted)() {
             let note = format!(
                 "the search for conventions reached its limit, half of {seconds} s of work: give it more with --explain"
             );
@@ -223,20 +218,17 @@ impl<'s> ConventionSearch<'s> {
     }
 
     /// The fewest conventions, of those tried, under which `images` pass as images of `case`: one with the
-    /// step of the scene, and any with half of it, a quarter and so on. `None` if there are none.
-    ///
-    /// # Errors
-    ///
-    /// If none were found with as much work as two cores do in these `seconds`.
+    /// step of the scene, and any with half of it, a quarter and so on. `None` if there are none, or none were found
+    /// with as much work as two cores do in these `seconds`.
     pub fn explain(
         &self,
         case: &Case,
         scene: &Scene,
         images: &[Film],
         seconds: Option<f64>,
-    ) -> Result<Option<Explained>, Unfinished> {
+    ) -> Option<Explained> {
         if !may_be_by_convention(scene, images) {
-            return Ok(None);
+            return None;
         }
         let predictions = Predictions::default();
         let search = self.within(seconds, &predictions);
@@ -245,12 +237,7 @@ impl<'s> ConventionSearch<'s> {
     }
 
     /// [`explain`](Self::explain) of `tests` by `images` of the scene.
-    fn explain_by(
-        &self,
-        case: &Case,
-        tests: &[Film],
-        images: &Images<'_>,
-    ) -> Result<Option<Explained>, Unfinished> {
+    fn explain_by(&self, case: &Case, tests: &[Film], images: &Images<'_>) -> Option<Explained> {
         let attempt = Attempt::new(case.exposure, tests, images);
         let known = self.known.lock().expect("no panic holds it").clone();
         let from_before = known.into_iter().find_map(|set| {
@@ -260,24 +247,18 @@ impl<'s> ConventionSearch<'s> {
                 .then_some((set, but_for))
         });
         let is_new = from_before.is_none();
-        let Some((set, but_for)) = from_before.or_else(|| attempt.search()) else {
-            return if images.clock.is_over() {
-                Err(Unfinished)
-            } else {
-                Ok(None)
-            };
-        };
+        let (set, but_for) = from_before.or_else(|| attempt.search())?;
         if is_new {
             let mut known = self.known.lock().expect("no panic holds it");
             known.push(set.clone());
         }
         let alternatives = attempt.alternatives(&set, but_for);
-        Ok(Some(Explained {
+        Some(Explained {
             profile: profile_text(images.scene, &set, &alternatives),
             alternatives,
             set,
             but_for,
-        }))
+        })
     }
 }
 

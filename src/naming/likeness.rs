@@ -24,13 +24,13 @@ pub use predictions::Predictions;
 pub(super) use predictor::{lattice_of, pixels_of};
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Cause, Judged, Likeness};
-use crate::scene::Scene;
+use crate::judging::{CaseResult, Cause, Judged, Likeness, Verdict};
 use crate::suite::Case;
 use crate::variations::mistakes;
 use compared_case::ComparedCase;
 use explanation::{Explanation, contradict};
 use fit::Fitted;
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 /// Sentence for a difference of which noise hides the cause.
@@ -86,41 +86,11 @@ impl Unexplained {
 impl Likenesses {
     /// What searches have left in `results`, each judged by itself.
     pub fn of_results(results: &[CaseResult]) -> Likenesses {
-        let advice = |name: &str| -> String {
-            let parts = name.split(" + ").filter_map(mistakes::named);
-            let parts: Vec<&str> = parts.map(|mistake| mistake.advice).collect();
-            parts.join("; and ")
-        };
-        let searched = results.iter().filter(|it| it.search_ended == Some(true));
-        let of = results
-            .iter()
-            .filter(|it| it.search_ended.is_some())
-            .count();
-        let mut likely: Vec<Likeness> = Vec::new();
-        for result in results {
-            for name in &result.looks_like {
-                let known = likely.iter_mut().find(|known| known.mistake == *name);
-                match known {
-                    Some(known) => known.cases.push(result.name.clone()),
-                    None => likely.push(Likeness {
-                        mistake: name.clone(),
-                        advice: advice(name),
-                        explains: 0,
-                        of,
-                        cases: vec![result.name.clone()],
-                        beside_the_next: None,
-                    }),
-                }
-            }
-        }
-        likely
-            .iter_mut()
-            .for_each(|known| known.explains = known.cases.len());
-        likely.sort_by_key(|known| std::cmp::Reverse(known.explains));
-        likely.truncate(MOST_NAMED);
+        let failed = results.iter().filter(|it| it.verdict == Verdict::Fail);
+        let searched = failed.filter(|it| it.search_ended == Some(true));
         let unexplained = searched.clone().filter(|it| it.looks_like.is_empty());
         Likenesses {
-            likely,
+            likely: likely(results.iter()),
             searched: searched.count(),
             unexplained: unexplained.map(Unexplained::of).collect(),
             ..Likenesses::default()
@@ -145,42 +115,57 @@ impl Likenesses {
     }
 }
 
+/// The mistakes that `results` look like, first those that explain most cases.
+fn likely<'r>(results: impl Iterator<Item = &'r CaseResult>) -> Vec<Likeness> {
+    let failed = results.filter(|it| it.verdict == Verdict::Fail);
+    let searched: Vec<&CaseResult> = failed.filter(|it| it.search_ended.is_some()).collect();
+    let mut likely: Vec<Likeness> = Vec::new();
+    for result in &searched {
+        for name in &result.looks_like {
+            let at = likely.iter().position(|known| known.mistake == *name);
+            let at = at.unwrap_or_else(|| {
+                let parts = name.split(" + ").filter_map(mistakes::named);
+                let advice: Vec<&str> = parts.map(|mistake| mistake.advice).collect();
+                likely.push(Likeness {
+                    mistake: name.clone(),
+                    advice: advice.join("; and "),
+                    explains: 0,
+                    of: searched.len(),
+                    cases: Vec::new(),
+                });
+                likely.len() - 1
+            });
+            likely[at].explains += 1;
+            likely[at].cases.push(result.name.clone());
+        }
+    }
+    likely.sort_by_key(|known| Reverse(known.explains));
+    likely.truncate(MOST_NAMED);
+    likely
+}
+
 /// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
-/// and for all together, most likely first. `others` are cases that may distinguish mistakes where
-/// these cannot. Mistakes are made in scenes under the `profile` by which the images were judged.
+/// and for all together, most likely first. Mistakes are made in scenes under the `profile` by which the images were
+/// judged.
 pub fn likeness(
     cases: &[&Case],
-    others: &[Case],
     profile: Option<&Profile>,
     judged: &mut [Judged],
     search: &Search<'_>,
 ) -> Likenesses {
-    let scene_of = |case: &Case| {
+    let scenes = |case: &Case| {
         let scene = case.load_scene().ok()?;
         let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
         Some(under.unwrap_or(scene))
     };
-    Likenesses {
-        under_a_profile: profile.is_some(),
-        ..likeness_with(cases, others, judged, &scene_of, search)
-    }
-}
-
-/// [`likeness`], where scenes come from elsewhere.
-pub(crate) fn likeness_with(
-    cases: &[&Case],
-    others: &[Case],
-    judged: &mut [Judged],
-    scenes: &dyn Fn(&Case) -> Option<Scene>,
-    search: &Search<'_>,
-) -> Likenesses {
     let (mut failing, mut passing) = (Vec::new(), Vec::new());
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
-        let compared = || ComparedCase::new(index, case, judged, scenes);
         match judged.result.cause {
-            Cause::Mismatch if judged.differs() => failing.extend(compared()),
+            Cause::Mismatch if judged.differs() => {
+                failing.extend(ComparedCase::new(index, case, judged, &scenes));
+            }
             Cause::None | Cause::Undecided => passing.push((index, *case)),
             _ => {}
         }
@@ -200,7 +185,7 @@ pub(crate) fn likeness_with(
     } = diagnosis;
     explanations.sort_by_cached_key(Explanation::rank);
     let passed =
-        |(index, case): (usize, &Case)| ComparedCase::new(index, case, &judged[index], scenes);
+        |(index, case): (usize, &Case)| ComparedCase::new(index, case, &judged[index], &scenes);
     contradict(&mut explanations, passing, &passed, search);
     explanations.sort_by_cached_key(Explanation::rank);
     let mut unexplained = Vec::new();
@@ -231,11 +216,11 @@ pub(crate) fn likeness_with(
         with_open_conventions: with_open_conventions
             .map(|it| it.result.name.clone())
             .collect(),
-        likely: explanation::named(&explanations, others, judged, failing.len()),
+        likely: likely(judged.iter().map(|it| &it.result)),
         searched: failing.len(),
         unfinished,
         unexplained,
-        under_a_profile: false,
+        under_a_profile: profile.is_some(),
     }
 }
 

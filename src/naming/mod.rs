@@ -2,9 +2,7 @@
 
 pub(crate) mod convention_search;
 pub(crate) mod likeness;
-pub(crate) mod rate;
 mod shipped_profile;
 
-pub use convention_search::{ConventionSearch, Explained, Unfinished};
+pub use convention_search::{ConventionSearch, Explained};
 pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, Unexplained, likeness};
-pub use rate::{Naming, naming};

@@ -15,7 +15,7 @@ pub(crate) use gallery::{GalleryCase, GalleryRenderer, GalleryRow, gallery_html,
 pub use html::{Page, results_html};
 pub(crate) use json::{results_json, validation_json};
 pub(crate) use junit::results_junit;
-pub(crate) use self_test::{naming_text, self_test_json, self_test_text};
+pub(crate) use self_test::{self_test_json, self_test_text};
 pub(crate) use terminal::{
     families_text, judged_with_text, results_text, summary_text, without_image_text,
 };

@@ -2,7 +2,6 @@
 
 use super::terminal::widest;
 use crate::judging::{MistakeTrials, SelfTest, Trial};
-use crate::naming::Naming;
 use crate::variations::mistakes;
 use serde_json::{Value, json};
 
@@ -119,45 +118,4 @@ pub(crate) fn self_test_json(test: &SelfTest) -> Value {
             "passed": test.passed(),
         },
     })
-}
-
-/// Share of the mistakes that were named, and the names given instead.
-pub(crate) fn naming_text(namings: &[Naming]) -> String {
-    let mut text = String::new();
-    for (what, size, within) in [("mistakes", 1, 1), ("pairs of mistakes", 2, 3)] {
-        let seen: Vec<&Naming> = namings
-            .iter()
-            .filter(|naming| naming.made.len() == size && naming.failed > 0)
-            .collect();
-        let unseen = namings.iter().filter(|n| n.made.len() == size).count() - seen.len();
-        if seen.is_empty() {
-            continue;
-        }
-        let is_named = |naming: &&&Naming| naming.rank().is_some_and(|rank| rank <= within);
-        for naming in seen.iter().filter(|naming| !is_named(naming)) {
-            let named: Vec<_> = naming.named.iter().map(|n| n.mistake.as_str()).collect();
-            let named = if named.is_empty() {
-                "nothing".to_owned()
-            } else {
-                named.join(", ")
-            };
-            text.push_str(&format!(
-                "{} ({} failed): named {named}\n",
-                naming.made.join(" + "),
-                naming.failed
-            ));
-        }
-        let right = seen.iter().filter(is_named).count();
-        text.push_str(&format!(
-            "{what}: {right} of {} {} ({:.1} %); {unseen} caused no case to fail\n",
-            seen.len(),
-            if within == 1 {
-                "identified first"
-            } else {
-                "with both among the first three named"
-            },
-            100.0 * right as f64 / seen.len() as f64
-        ));
-    }
-    text
 }

@@ -204,9 +204,6 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
             text.push_str(&format!(": {}", known.cases.join(", ")));
         }
         text.push_str(&format!(")\n            {}\n", known.advice));
-        if let Some(beside) = &known.beside_the_next {
-            text.push_str(&format!("            {beside}\n"));
-        }
     }
     let unfinished = &found.unfinished;
     let is_said = found.unexplained.iter().any(|it| !it.said.is_empty());

@@ -3,9 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::kept_renderings::{KeptRenderings, RenderingKey};
 use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
-use crate::files::program_hash::{hash, program_hash};
 use crate::film::Film;
 use crate::judging::finding::MARGIN;
 use crate::judging::truth::judge_by_truth;
@@ -14,15 +12,13 @@ use crate::known_answers::Formula;
 use crate::render::{self, Detail, plans};
 use crate::scene::Scene;
 use crate::suite::golden::{
-    Golden, GoldenImage, LIBM_VERSION, Reasons, input_hashes, plan_hash, scene_hash,
-    sensitivities_file,
+    Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash, sensitivities_file,
 };
 use crate::suite::rendering::{
     CaseRendering, ReferenceRenderer, Renderer, check_class, render_case,
 };
 use crate::suite::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
 use miette::Diagnostic;
-use std::sync::atomic::{AtomicU64, Ordering};
 use thiserror::Error;
 
 /// The outcome for the golden of one case.
@@ -32,8 +28,6 @@ pub struct Accepted {
     pub case: String,
     /// Change of the golden.
     pub change: Change,
-    /// True if a rendering from an earlier run was used.
-    pub resumed: bool,
 }
 
 /// Change of a golden.
@@ -122,64 +116,29 @@ impl Request<'_> {
     }
 }
 
-/// Progress of an accept, called from any thread. Work is counted in pixels times samples.
-pub trait AcceptWatch: Sync {
-    /// Announces the amount of work, without what earlier runs kept.
-    fn begin_all(&self, work: u64);
+/// Progress of an accept, called from any thread.
+pub trait AcceptWatch: render::Watch {
     /// A case begins.
     fn begin_case(&self, case: &str);
-    /// Reports this amount of work as done.
-    fn worked(&self, work: u64);
-    /// Reports something unexpected, as a sentence.
-    fn note(&self, text: &str);
+
+    /// It is rendered.
+    fn end_case(&self);
 }
 
-/// Turns the steps of a rendering into work.
-struct StepsOfWork<'w> {
-    watch: &'w dyn AcceptWatch,
-    work: u64,
-    steps: AtomicU64,
-}
-
-impl<'w> StepsOfWork<'w> {
-    /// Steps of a rendering with this amount of `work`.
-    pub fn new(watch: &'w dyn AcceptWatch, work: u64) -> StepsOfWork<'w> {
-        StepsOfWork {
-            watch,
-            work,
-            steps: AtomicU64::new(1),
-        }
-    }
-}
-
-impl render::Watch for StepsOfWork<'_> {
-    fn begin(&self, steps: u64) {
-        self.steps.store(steps.max(1), Ordering::Relaxed);
-    }
-
-    fn step(&self) {
-        self.watch
-            .worked(self.work / self.steps.load(Ordering::Relaxed));
-    }
-}
-
-/// Renders `cases` and accepts the images as their goldens, all at once or none. Finished renderings of stochastic cases
-/// are kept in `kept` until then, so that an interrupted run resumes after them.
+/// Renders `cases` and accepts the images as their goldens, all at once or none.
 pub fn accept(
     cases: &[&Case],
     store: &Store,
-    kept: &KeptRenderings,
     request: Request<'_>,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
-    accept_with(&ReferenceRenderer, cases, store, kept, request, watch)
+    accept_with(&ReferenceRenderer, cases, store, request, watch)
 }
 
 pub(crate) fn accept_with(
     renderer: &dyn Renderer,
     cases: &[&Case],
     store: &Store,
-    kept: &KeptRenderings,
     request: Request<'_>,
     watch: &dyn AcceptWatch,
 ) -> Result<Vec<Accepted>, AcceptError> {
@@ -190,46 +149,27 @@ pub(crate) fn accept_with(
         .iter()
         .map(|case| LoadedCase::of(renderer, case))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut images = Vec::new();
     for task in &mut tasks {
-        if task.case.sampling.is_some() {
-            let place = kept.check(&task.case.name);
-            place.map_err(|error| AcceptError::incomplete(task.case, error))?;
+        if request.keep_images {
+            task.keep_image(store)?;
         }
-        let image = if request.keep_images {
-            task.keep_image(store)?
-        } else {
-            None
-        };
-        images.push(image);
+        task.sensitivities = sensitivities_of(task, store)?;
     }
-    let mut sensitivities = Vec::new();
-    for task in &tasks {
-        sensitivities.push(sensitivities_of(task, store)?);
-    }
-    watch.begin_all(tasks.iter().map(|task| task.work(kept)).sum());
     let mut accepted = Vec::new();
     let mut files = Vec::new();
-    for ((task, image), sensitivities) in tasks.iter().zip(images).zip(sensitivities) {
+    for task in tasks {
         watch.begin_case(&task.case.name);
-        let (image, resumed) = task.pictures(renderer, kept, image, watch)?;
-        let image = GoldenImage {
-            sensitivities,
-            ..image
-        };
-        let (change, mut new) = prepare(task, image, store, reason)?;
+        let image = task.picture(renderer, watch)?;
+        let (change, mut new) = prepare(&task, image, store, reason)?;
         accepted.push(Accepted {
             case: task.case.name.clone(),
             change,
-            resumed,
         });
         files.append(&mut new);
+        watch.end_case();
     }
     // Also without files: an accept that was interrupted after it was decided is completed.
     store.publish(&files)?;
-    for case in cases.iter().filter(|case| case.sampling.is_some()) {
-        kept.forget(&case.name);
-    }
     Ok(accepted)
 }
 
@@ -261,6 +201,9 @@ struct LoadedCase<'c> {
     scene: Scene,
     /// A stochastic case has the quick one first, then the image of the golden unless that is a known answer.
     renderings: Vec<CaseRendering>,
+    /// The image of the golden, where it is kept.
+    image: Option<Film>,
+    sensitivities: Option<Vec<u8>>,
 }
 
 impl<'c> LoadedCase<'c> {
@@ -283,78 +226,16 @@ impl<'c> LoadedCase<'c> {
             case,
             scene,
             renderings,
+            image: None,
+            sensitivities: None,
         })
     }
 
-    /// Pixels times samples of a rendering.
-    fn paths(&self, rendering: CaseRendering) -> u64 {
-        let pixels = (self.scene.width() * self.scene.height()) as u64;
-        pixels * u64::from(rendering.samples())
-    }
-
-    /// By what a rendering is kept; `None` for a deterministic one, which takes seconds, and where it cannot be told
-    /// which program made it.
-    fn key(&self, rendering: CaseRendering) -> Option<RenderingKey> {
-        let (name, program) = (rendering.name()?, program_hash()?);
-        let inputs: Vec<_> = input_hashes(&self.scene).into_iter().collect();
-        let parts = [
-            &scene_hash(&self.scene),
-            &plan_hash(&plans(&self.scene)),
-            &format!("{inputs:?}"),
-            &format!("{name} {}", rendering.samples()),
-            env!("CARGO_PKG_VERSION"),
-            LIBM_VERSION,
-            program,
-        ];
-        Some(RenderingKey {
-            case: self.case.name.clone(),
-            hash: hash(&parts),
-        })
-    }
-
-    /// The work of the renderings that are not kept.
-    fn work(&self, kept: &KeptRenderings) -> u64 {
-        let is_kept = |of: &&CaseRendering| self.key(**of).is_some_and(|key| kept.has(&key));
-        let left = self.renderings.iter().filter(|of| !is_kept(of));
-        left.map(|of| self.paths(*of)).sum()
-    }
-
-    /// A rendering that an earlier run kept.
-    fn kept(
-        &self,
-        rendering: CaseRendering,
-        kept: &KeptRenderings,
-        watch: &dyn AcceptWatch,
-    ) -> Option<Film> {
-        kept.get(&self.key(rendering)?).unwrap_or_else(|reason| {
-            watch.note(&format!("computed again: {reason}"));
-            None
-        })
-    }
-
-    /// Makes a rendering, and keeps it; with the bound of its error where there is one.
-    fn rendered(
-        &self,
-        renderer: &dyn Renderer,
-        rendering: CaseRendering,
-        kept: &KeptRenderings,
-        watch: &dyn AcceptWatch,
-    ) -> Result<(Film, Option<f64>), AcceptError> {
-        let steps = StepsOfWork::new(watch, self.paths(rendering));
-        let plans = plans(&self.scene);
-        let picture = render_case(renderer, &plans, rendering, Detail::Whole, &steps)
-            .map_err(|reason| AcceptError::incomplete(self.case, reason))?;
-        // A failure is ignored: the next run renders it again.
-        let _ = self.key(rendering).map(|key| kept.put(&key, &picture.film));
-        Ok((picture.film, picture.error_bound))
-    }
-
-    /// Takes the image of the golden in `store`, and removes the converged rendering from this
-    /// task; `None` where the golden is not a converged rendering.
-    fn keep_image(&mut self, store: &Store) -> Result<Option<Film>, AcceptError> {
+    /// Takes the image of the golden in `store` in place of the converged rendering, where it is one.
+    fn keep_image(&mut self, store: &Store) -> Result<(), AcceptError> {
         let converged = self.case.sampling.and_then(|sampling| sampling.converged);
         let Some(converged) = converged else {
-            return Ok(None);
+            return Ok(());
         };
         let nothing = |reason: String| {
             let reason = format!("there is no image to keep: {reason}");
@@ -374,30 +255,29 @@ impl<'c> LoadedCase<'c> {
             )));
         }
         self.renderings.pop();
-        Ok(Some(golden.film))
+        self.image = Some(golden.film);
+        Ok(())
     }
 
-    /// The picture of the golden with the rendering that `verify` repeats, and whether an earlier run kept one of them.
-    /// An `image` that is given is that picture.
-    fn pictures(
+    /// The picture of the golden, with the rendering that `verify` repeats.
+    fn picture(
         &self,
         renderer: &dyn Renderer,
-        kept: &KeptRenderings,
-        image: Option<Film>,
         watch: &dyn AcceptWatch,
-    ) -> Result<(GoldenImage, bool), AcceptError> {
-        let (mut films, mut error_bound, mut resumed) = (Vec::new(), None, false);
+    ) -> Result<GoldenImage, AcceptError> {
+        let (plans, mut films, mut error_bound) = (plans(&self.scene), Vec::new(), None);
         for rendering in &self.renderings {
-            if let Some(film) = self.kept(*rendering, kept, watch) {
-                films.push(film);
-                resumed = true;
-                continue;
-            }
-            let (film, bound) = self.rendered(renderer, *rendering, kept, watch)?;
-            films.push(film);
-            error_bound = bound;
+            let made = render_case(renderer, &plans, *rendering, Detail::Whole, watch)
+                .map_err(|reason| AcceptError::incomplete(self.case, reason))?;
+            films.push(made.film);
+            error_bound = made.error_bound;
         }
-        Ok((self.checked(films, error_bound, image)?, resumed))
+        films.extend(self.image.clone());
+        let image = self.checked(films, error_bound)?;
+        Ok(GoldenImage {
+            sensitivities: self.sensitivities.clone(),
+            ..image
+        })
     }
 
     /// The picture of the golden, of a case of these renderings, if it is what the case promises.
@@ -405,9 +285,7 @@ impl<'c> LoadedCase<'c> {
         &self,
         mut films: Vec<Film>,
         error_bound: Option<f64>,
-        image: Option<Film>,
     ) -> Result<GoldenImage, AcceptError> {
-        films.extend(image);
         let golden = films.pop().expect("a case has a picture");
         if let Some(formula) = self.case.truth {
             return self.known(formula, &golden);

@@ -3,7 +3,7 @@
 use crate::files::atomic_file::WriteError;
 use crate::files::own_file;
 use crate::files::own_file::FolderError;
-use crate::files::{partial_file, regular_file};
+use crate::files::partial_file;
 use std::path::{Path, PathBuf};
 
 /// A file could not be kept.
@@ -60,21 +60,6 @@ pub(crate) fn hide(folder: &Path) {
     if !ignore.exists() {
         let _ = own_file::write(&ignore, IGNORES_ALL);
     }
-}
-
-/// Removes `folder` if it is empty but for the file that hides it.
-pub(crate) fn remove_if_empty(folder: &Path) {
-    let is_hidden = |entry: std::fs::DirEntry| entry.file_name() == IGNORE;
-    let only_hidden = |entries: std::fs::ReadDir| entries.flatten().all(is_hidden);
-    if !std::fs::read_dir(folder).is_ok_and(only_hidden) {
-        return;
-    }
-    let ignore = folder.join(IGNORE);
-    let is_ours = || regular_file::read(&ignore, IGNORES_ALL.len() as u64);
-    if own_file::check(&ignore).is_ok() && is_ours().is_ok_and(|text| text == IGNORES_ALL) {
-        let _ = std::fs::remove_file(ignore);
-    }
-    let _ = std::fs::remove_dir(folder);
 }
 
 const IGNORE: &str = ".gitignore";

@@ -5,7 +5,7 @@
 //! that were judged.
 
 use super::kept_folder::{self, KeepError};
-use crate::compare::{FitMap, Picture};
+use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::program_hash::hash;
 use crate::files::{own_file, regular_file};
@@ -103,7 +103,6 @@ pub struct KeptResult {
     #[serde(flatten)]
     pub result: CaseResult,
     cause: Cause,
-    fit: Option<Box<FitMap>>,
     evidence: Evidence,
     /// Ending of the name of the image.
     image: Option<FilmFormat>,
@@ -118,7 +117,6 @@ impl KeptResult {
         KeptResult {
             result: judged.result.clone(),
             cause: judged.result.cause,
-            fit: judged.result.fit.clone(),
             evidence: judged.evidence.clone(),
             image: judged.evidence.test.as_ref().map(format),
         }
@@ -138,7 +136,6 @@ impl KeptResult {
         Judged {
             result: CaseResult {
                 cause: self.cause,
-                fit: self.fit.filter(|fit| fit.is_whole()),
                 ..self.result
             },
             evidence: self.evidence,
@@ -309,22 +306,4 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<T, String> {
         read.map_err(|it| format!("it was cut off, or another version of volref wrote it: {it}"))
     });
     value.map_err(|reason| format!("{}: {reason}", path.display()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pictures_of_differences_have_whole_rows() {
-        let fit = |columns, difference, fitted| FitMap {
-            columns,
-            difference: vec![[0.0; 3]; difference],
-            fitted: vec![[0.0; 3]; fitted],
-        };
-        assert!(fit(3, 6, 6).is_whole());
-        for broken in [fit(0, 6, 6), fit(4, 6, 6), fit(3, 6, 5), fit(3, 0, 0)] {
-            assert!(!broken.is_whole());
-        }
-    }
 }

@@ -2,9 +2,7 @@
 
 pub(crate) mod accept;
 pub(crate) mod kept_folder;
-pub(crate) mod kept_renderings;
 pub(crate) mod kept_results;
 
 pub use accept::{AcceptError, AcceptWatch, Accepted, Change, Request as AcceptRequest, accept};
-pub use kept_renderings::KeptRenderings;
 pub use kept_results::{KeptResult, Part, RESULTS, ResultFolder, Run};

@@ -108,8 +108,6 @@ pub struct Number {
     /// Change by which derivatives are taken, in [units](Quantity::unit): small beside what changes
     /// an image altogether, large beside the noise of a few samples.
     pub step: f64,
-    /// Shows in details that are smaller than a block of 8 × 8 pixels, as what glass refracts.
-    pub is_fine: bool,
     edit: Edit,
 }
 
@@ -125,7 +123,6 @@ impl Number {
             quantity,
             index: None,
             step,
-            is_fine: false,
             edit: Arc::new(edit),
         }
     }
@@ -178,13 +175,6 @@ impl Number {
                 }
                 Some(())
             }),
-            ..self
-        }
-    }
-
-    pub(super) fn fine(self) -> Number {
-        Number {
-            is_fine: true,
             ..self
         }
     }

@@ -27,5 +27,5 @@ pub(crate) use name_hash::name_hash;
 pub(crate) use outline::CORE;
 pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path};
 pub(crate) use outputs::{NOT_RENDERED, entries, refusal, step_name};
-pub(crate) use sensitivities::{sensitivities_of, telling_case};
+pub(crate) use sensitivities::sensitivities_of;
 pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};

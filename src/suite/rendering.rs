@@ -24,23 +24,6 @@ pub(crate) enum CaseRendering {
 }
 
 impl CaseRendering {
-    /// Samples per pixel.
-    pub fn samples(self) -> u32 {
-        match self {
-            CaseRendering::Only => 1,
-            CaseRendering::Quick(samples) | CaseRendering::Converged(samples) => samples,
-        }
-    }
-
-    /// Name, for one of several renderings.
-    pub fn name(self) -> Option<&'static str> {
-        match self {
-            CaseRendering::Only => None,
-            CaseRendering::Quick(_) => Some("quick"),
-            CaseRendering::Converged(_) => Some("converged"),
-        }
-    }
-
     /// Samples and random numbers of this rendering.
     fn sampling(self) -> render::Sampling {
         match self {

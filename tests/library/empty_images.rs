@@ -33,7 +33,7 @@ fn searched(case: &Case, picture: Picture) -> Judged {
     };
     let mut all = [judged];
     if all[0].result.reason.contains("nothing was drawn") {
-        let likely = likeness(&[case], &[], None, &mut all, &search);
+        let likely = likeness(&[case], None, &mut all, &search);
         assert_eq!(likely.searched, 0);
     }
     let [judged] = all;

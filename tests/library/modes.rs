@@ -707,7 +707,7 @@ fn mistakes_of_the_family_are_named() {
                 interrupted: &|| false,
                 progress: &|_| {},
             };
-            likeness(&[case], &[], None, &mut judged, &search);
+            likeness(&[case], None, &mut judged, &search);
             let said = &judged[0].result.looks_like;
             if said.contains(name) {
                 named += 1;

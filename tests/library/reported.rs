@@ -164,7 +164,7 @@ fn answer(case: &Case, suite: &Suite, film: Film, predictions: &Predictions) -> 
         interrupted: &|| false,
         progress: &|_| (),
     };
-    likeness(&[case], &[], None, &mut judged, &search);
+    likeness(&[case], None, &mut judged, &search);
     judged.swap_remove(0).result
 }
 

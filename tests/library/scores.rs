@@ -1,7 +1,7 @@
 //! Score tests of the stochastic gate: sizes without bias, alarms no more often than promised.
 
 use crate::common::simulated::{Bits, Sampling, Shape, sampled, scene};
-use volref::compare::stochastic::{BLOCK, FINE_BLOCK, judge_scores};
+use volref::compare::stochastic::{BLOCK, judge_scores};
 use volref::compare::{Judgement, Sensitivity};
 use volref::film::Film;
 
@@ -27,31 +27,24 @@ fn others(which: usize, x: f64, y: f64) -> [f64; 3] {
     }
 }
 
-/// Stripes of a pixel, which no block of 8 × 8 shows.
-fn ripple(x: f64, y: f64) -> [f64; 3] {
-    let sign = if x % 2.0 == 0.0 { 1.0 } else { -1.0 };
-    scene(x, y).map(|value| sign * value)
-}
-
 /// Means over blocks of a derivative, with noise of `relative` standard deviations of its size.
 fn sensitivity(
     name: &str,
-    edge: usize,
     relative: f64,
     seed: u64,
     of: impl Fn(f64, f64) -> [f64; 3],
 ) -> Sensitivity {
-    let columns = SIDE / edge;
+    let columns = SIDE / BLOCK;
     let mut bits = Bits(seed);
     let (mut means, mut variances) = (Vec::new(), Vec::new());
     for at in 0..columns * columns {
         let mut mean = [0.0; 3];
-        for pixel in 0..edge * edge {
-            let x = at % columns * edge + pixel % edge;
-            let y = at / columns * edge + pixel / edge;
+        for pixel in 0..BLOCK * BLOCK {
+            let x = at % columns * BLOCK + pixel % BLOCK;
+            let y = at / columns * BLOCK + pixel / BLOCK;
             let of_pixel = of(x as f64, y as f64);
             for c in 0..3 {
-                mean[c] += of_pixel[c] / (edge * edge) as f64;
+                mean[c] += of_pixel[c] / (BLOCK * BLOCK) as f64;
             }
         }
         let error = mean.map(|mean| relative * mean.abs());
@@ -75,10 +68,9 @@ fn sensitivity(
 
 fn sensitivities(seed: u64) -> Vec<Sensitivity> {
     vec![
-        sensitivity("density", BLOCK, 0.3, 3 * seed + 1, change),
-        sensitivity("lamp", BLOCK, 0.3, 3 * seed + 2, |x, y| others(0, x, y)),
-        sensitivity("shift", BLOCK, 0.3, 3 * seed + 3, |x, y| others(1, x, y)),
-        sensitivity("ripple", FINE_BLOCK, 0.3, 3 * seed + 4, ripple),
+        sensitivity("density", 0.3, 3 * seed + 1, change),
+        sensitivity("lamp", 0.3, 3 * seed + 2, |x, y| others(0, x, y)),
+        sensitivity("shift", 0.3, 3 * seed + 3, |x, y| others(1, x, y)),
     ]
 }
 
@@ -106,7 +98,10 @@ fn scores_raise_no_more_alarms_than_promised() {
             let shape = &shapes[suite as usize % shapes.len()];
             let pair = pair(suite, shape, 32, scene);
             let judgement = judged(&pair, &sensitivities(suite), level);
-            alarms += u32::from(judgement.reason.contains("looks like"));
+            alarms += u32::from(
+                judgement.reason.contains("looks like it")
+                    || judgement.reason.contains("for derivatives"),
+            );
         }
         let expected = 0.1 * level * suites as f64;
         let most = expected + 4.0 * expected.sqrt();
@@ -161,7 +156,7 @@ fn a_faint_change_is_seen_and_named() {
     assert!(without.passed, "{}", without.reason);
     let judgement = judged(&pair, &sensitivities(3), 1e-6);
     assert!(
-        !judgement.passed && judgement.reason.contains("this: density"),
+        !judgement.passed && judgement.reason.contains("looks like it: density"),
         "{}",
         judgement.reason
     );
@@ -170,60 +165,4 @@ fn a_faint_change_is_seen_and_named() {
         "{}",
         judgement.reason
     );
-}
-
-/// Beyond the change for which its derivative was taken, a number is no cause.
-#[test]
-fn a_far_number_is_only_as_if() {
-    let shapes = Shape::all();
-    let pair = pair(3, &shapes[1], 64, |x, y| {
-        let (light, change) = (scene(x, y), change(x, y));
-        [0, 1, 2].map(|c| light[c] + 0.06 * change[c])
-    });
-    for (step, words) in [
-        (
-            0.01,
-            "as if this were so, or a mistake that looks like it: density",
-        ),
-        (0.2, "the difference looks like this: density"),
-    ] {
-        let mut sensitivities = sensitivities(3);
-        sensitivities[0].step = step;
-        let judgement = judged(&pair, &sensitivities, 1e-6);
-        let reason = &judgement.reason;
-        assert!(!judgement.passed && reason.contains(words), "{reason}");
-    }
-}
-
-/// Two numbers that change the image alike are both named.
-#[test]
-fn what_cannot_be_told_apart_is_said() {
-    let shapes = Shape::all();
-    let mut known = sensitivities(4);
-    known.push(sensitivity("strength", BLOCK, 0.3, 99, |x, y| {
-        change(x, y).map(|value| -2.0 * value)
-    }));
-    let pair = pair(4, &shapes[0], 64, |x, y| {
-        let (light, change) = (scene(x, y), change(x, y));
-        [0, 1, 2].map(|c| light[c] + 0.1 * change[c])
-    });
-    let reason = judged(&pair, &known, 1e-6).reason;
-    let cannot = reason.split("cannot tell it from").nth(1).unwrap_or("");
-    let both = [reason.split("cannot tell").next().unwrap(), cannot]
-        .map(|part| part.contains("density") || part.contains("strength"));
-    assert_eq!(both, [true, true], "{reason}");
-}
-
-/// What is in details only is found there.
-#[test]
-fn a_change_of_details_is_seen_and_named() {
-    let shapes = Shape::all();
-    let pair = pair(7, &shapes[1], 32, |x, y| {
-        let (light, change) = (scene(x, y), ripple(x, y));
-        [0, 1, 2].map(|c| light[c] + 0.2 * change[c])
-    });
-    let judgement = judged(&pair, &sensitivities(7), 1e-6);
-    let first = &judgement.changes[0];
-    assert_eq!(first.name, "ripple", "{judgement:?}");
-    assert!((first.change - 0.2).abs() < 4.0 * first.error, "{first:?}");
 }

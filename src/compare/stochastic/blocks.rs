@@ -7,9 +7,6 @@ use std::ops::Range;
 /// Pixels on a side of a block. The last blocks take the remaining pixels at the edges.
 pub const BLOCK: usize = 8;
 
-/// Pixels on a side of a block in the search for changes of small details: single pixels.
-pub const FINE_BLOCK: usize = 1;
-
 /// Radiance added to the mean of a block before a bias is taken relative to it: the absolute
 /// part of the tolerance of the deterministic gate.
 pub const DARK: f64 = 1e-3;
@@ -219,18 +216,13 @@ impl Block {
 
 /// `length` pixels in parts of at least [`BLOCK`], or one part of all.
 pub(super) fn parts(length: usize) -> impl Iterator<Item = Range<usize>> + Clone {
-    parts_of(length, BLOCK)
-}
-
-/// `length` pixels in parts of at least `edge`, or one part of all.
-pub(super) fn parts_of(length: usize, edge: usize) -> impl Iterator<Item = Range<usize>> + Clone {
-    let count = (length / edge).max(1);
+    let count = (length / BLOCK).max(1);
     (0..count).map(move |i| {
         let end = if i + 1 == count {
             length
         } else {
-            (i + 1) * edge
+            (i + 1) * BLOCK
         };
-        i * edge..end
+        i * BLOCK..end
     })
 }

@@ -1,7 +1,7 @@
 //! Two images compared block by block, with variances that are not stated filled in.
 
 use super::super::significance::deviation;
-use super::blocks::{BLOCK, Block, Channel, FINE_BLOCK, Rounding, Total, Variance, parts_of};
+use super::blocks::{Block, Channel, Rounding, Total, Variance, parts};
 use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 
@@ -22,8 +22,6 @@ pub(super) struct Comparison<'f> {
     pub left_out: Option<&'f [bool]>,
     /// Rounding of the values of the test image.
     pub rounding: Rounding,
-    /// Pixels on a side of a block.
-    edge: usize,
 }
 
 /// Direction of the lines of an image.
@@ -90,22 +88,6 @@ impl<'f> Comparison<'f> {
         level: f64,
     ) -> Comparison<'f> {
         let rounding = Rounding::of(films[1]);
-        Comparison::in_blocks(films, left_out, rounding, BLOCK, level)
-    }
-
-    /// This comparison in the smallest blocks.
-    pub fn fine(&self) -> Comparison<'f> {
-        let (left_out, rounding) = (self.left_out, self.rounding);
-        Comparison::in_blocks(self.films, left_out, rounding, FINE_BLOCK, self.level)
-    }
-
-    fn in_blocks(
-        films: [&'f Film; 2],
-        left_out: Option<&'f [bool]>,
-        rounding: Rounding,
-        edge: usize,
-        level: f64,
-    ) -> Comparison<'f> {
         let [reference, _] = films;
         let mut comparison = Comparison {
             films,
@@ -115,10 +97,9 @@ impl<'f> Comparison<'f> {
             level,
             left_out,
             rounding,
-            edge,
         };
-        for rows in parts_of(reference.height(), edge) {
-            for columns in parts_of(reference.width(), edge) {
+        for rows in parts(reference.height()) {
+            for columns in parts(reference.width()) {
                 let block = Block::new(films, rounding, columns, rows.clone());
                 comparison.blocks.push(block);
             }
@@ -168,7 +149,7 @@ impl<'f> Comparison<'f> {
 
     /// Blocks in a row.
     pub fn columns(&self) -> usize {
-        parts_of(self.films[0].width(), self.edge).count()
+        parts(self.films[0].width()).count()
     }
 
     /// Number of blocks and channels tested for a bias.

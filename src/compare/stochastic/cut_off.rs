@@ -17,6 +17,7 @@
 
 use super::comparison::Comparison;
 use super::variance::Stated;
+use crate::compare::around;
 use crate::film::{Film, Quantisation};
 
 /// Standard errors of the noise of a pixel.
@@ -89,13 +90,9 @@ fn beside_cut_off(test: &Film, quantisation: Quantisation) -> Vec<bool> {
         })
     };
     let may_be: Vec<bool> = (0..width * height).map(may_be_cut_off).collect();
-    let near = |at: usize, length: usize| at.saturating_sub(1)..(at + 2).min(length);
     let is_left_out = |index: usize| {
-        let [x, y] = [index % width, index / width];
-        let around = near(y, height).flat_map(|row| near(x, width).map(move |x| x + width * row));
-        around
-            .into_iter()
-            .any(|other| other != index && may_be[other])
+        let mut others = around(index, [width, height], 1);
+        others.any(|other| other != index && may_be[other])
     };
     (0..width * height).map(is_left_out).collect()
 }

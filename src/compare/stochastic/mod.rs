@@ -134,7 +134,7 @@ mod values;
 mod variance;
 mod visible_bias;
 
-pub use blocks::{BLOCK, DARK, FINE_BLOCK};
+pub use blocks::{BLOCK, DARK};
 pub(crate) use map::{block_error, block_map};
 pub(crate) use unstated::is_off_by_noise;
 
@@ -338,7 +338,6 @@ fn judgement(
     let is_biased = !faults.is_empty();
     let deviations = limits.deviations();
     let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
-    let as_if = numbers.is_as_if.then_some(faults.len());
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
     if let [Some(a), Some(b)] = comparison.numbers() {
@@ -378,10 +377,6 @@ fn judgement(
             comparison.asked(),
         ),
     };
-    let certain = as_if.map(|at| match (&faults[..at], &faults[at + 1..]) {
-        ([], []) => "the images differ beyond noise".to_owned(),
-        (before, behind) => [before, behind].concat().join("; "),
-    });
     let reason = match (undecided, promise) {
         (Some((undecided, required)), Some(promise)) => {
             visible.too_large(&undecided, required, &promise)
@@ -397,10 +392,8 @@ fn judgement(
     }
     Judgement {
         undecided,
-        certain,
         changes: numbers.changes,
         detectable: numbers.detectable,
-        fit: numbers.fit,
         ..Judgement::new(&Stochastic, passed, reason, &metrics)
     }
 }

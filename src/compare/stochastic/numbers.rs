@@ -1,11 +1,10 @@
-//! Tests for changed numbers of the scene, in large blocks and in small ones.
+//! Tests for changed numbers of the scene.
 
-use super::blocks::{BLOCK, FINE_BLOCK};
 use super::comparison::Comparison;
 use super::scores::Scores;
 use super::values::value_sensitivities;
 use super::{Metrics, finite};
-use crate::compare::judgement::{Detectable, FitMap, NumberChange};
+use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 
 /// Findings on the numbers of a scene.
@@ -13,13 +12,9 @@ use crate::compare::sensitivity::Sensitivity;
 pub(super) struct NumberFindings {
     /// Reason to reject: the changes that the difference looks like.
     pub fault: Option<String>,
-    /// True if that says no more than "as if".
-    pub is_as_if: bool,
     /// Changes that fit, for a rejected image.
     pub changes: Vec<NumberChange>,
     pub detectable: Vec<Detectable>,
-    /// Map of the fit for a rejected image, in the blocks of the number with the largest score.
-    pub fit: Option<Box<FitMap>>,
 }
 
 /// Tests for an error in each number of which a sensitivity is known, and in those of the values of an
@@ -36,41 +31,19 @@ pub(super) fn judge_numbers(
     }
     let of_values = value_sensitivities(comparison);
     let sensitivities: Vec<&Sensitivity> = sensitivities.iter().chain(&of_values).collect();
-    let mut all = Vec::from_iter(Scores::new(comparison, BLOCK, &sensitivities));
-    let pixels = comparison.films[0].radiance().len();
-    if sensitivities
-        .iter()
-        .any(|it| it.derivative.radiance().len() == pixels)
-    {
-        all.extend(Scores::new(&comparison.fine(), FINE_BLOCK, &sensitivities));
-    }
     let mut findings = NumberFindings::default();
-    // The one with the largest score comes first.
-    all.sort_by(|a, b| {
-        let [a, b] = [a, b].map(|scores| scores.largest().1.abs());
-        b.total_cmp(&a)
-    });
-    let Some(scores) = all.first() else {
+    let Some(scores) = Scores::new(comparison, &sensitivities) else {
         return findings;
     };
-    let tests: usize = all.iter().map(Scores::count).sum();
+    let tests = scores.count() as f64;
     let (_, largest) = scores.largest();
-    metrics.push(("scores", tests as f64));
+    metrics.push(("scores", tests));
     metrics.push(("largest_score", finite(largest)));
-    for scores in &all {
-        let detectable = scores.detectable(level / tests as f64, deviations);
-        findings.detectable.extend(detectable);
-    }
-    if !scores.is_rejected(level / tests as f64) {
-        return findings;
-    }
-    let explanation = scores.explanation();
-    let (fault, is_as_if) = scores.in_words(&explanation);
-    (findings.fault, findings.is_as_if) = (Some(fault), is_as_if);
-    findings.changes = scores.changes(Some(&explanation));
-    findings.fit = Some(Box::new(scores.map(&explanation)));
-    for others in &all[1..] {
-        findings.changes.extend(others.changes(None));
+    findings.detectable = scores.detectable(level / tests, deviations);
+    if scores.is_rejected(level / tests) {
+        let best = scores.best();
+        findings.fault = Some(scores.in_words(&best));
+        findings.changes = scores.changes(&best);
     }
     findings
 }

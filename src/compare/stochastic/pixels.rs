@@ -8,6 +8,7 @@ use super::blocks::{DARK, Difference};
 use super::comparison::{Axis, Comparison};
 use super::hits::{Hits, all_zero};
 use super::variance::Stated;
+use crate::compare::around;
 use crate::math;
 
 /// A pixel beyond this many standard errors is counted.
@@ -234,8 +235,6 @@ impl BlackPixels {
         let mut black = BlackPixels::default();
         for index in 0..width * height {
             let [x, y] = [index % width, index / width];
-            let near =
-                |at: usize, length: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(length);
             let mut likeliest = 1.0_f64;
             for c in 0..3 {
                 let mean = f64::from(golden.radiance()[index][c]);
@@ -248,14 +247,11 @@ impl BlackPixels {
                 } else {
                     0.0
                 };
-                for row in near(y, height) {
-                    for column in near(x, width) {
-                        let other = column + width * row;
-                        let stated = f64::from(test_noise.variance()[other][c]);
-                        variance = variance.max(stated * of_test);
-                        let stated = f64::from(golden_noise.variance()[other][c]);
-                        variance = variance.max(stated * of_golden);
-                    }
+                for other in around(index, [width, height], REACH) {
+                    let stated = f64::from(test_noise.variance()[other][c]);
+                    variance = variance.max(stated * of_test);
+                    let stated = f64::from(golden_noise.variance()[other][c]);
+                    variance = variance.max(stated * of_golden);
                 }
                 // All channels have to be 0, which is no likelier than that one is.
                 likeliest = likeliest.min(all_zero(of_test, mean, variance));

@@ -27,23 +27,13 @@
 //!
 //! The change that fits best is `S/G` with `G = Σ D²/v`. The noise of D makes its square too large on
 //! the average by its variance, which is taken off; without that, sizes would come out too small.
-//! The parameter with the largest score is named, and those that leave no score of it. Several together are fitted by the
-//! [search for a cause](crate::naming), with scenes rendered anew.
-//!
-//! # What noise hides
-//!
-//! That a change leaves no more than noise shows little where the whole difference is hardly more. In n squares, in
-//! units of their variance, a remainder of `h = 4·√(6n) + k` goes unseen: four standard errors of their sum, where
-//! the
-//! three channels share their noise, and a square for each of the k numbers of which the best was chosen. A change c of
-//! the number makes `c²·G` of the squares, which is `S²/G`. Only from the score on at which a remainder of h is less than
-//! [a tenth](LEAVES) of the whole is the difference said to look like the change; of a smaller one, as far as the noise
-//! tells.
+//! The parameter with the largest score is named. What it leaves, and which others do as well, the
+//! [search for a cause](crate::naming) tells, with scenes rendered anew.
 
-use super::blocks::{BLOCK, Block};
+use super::blocks::Block;
 use super::comparison::Comparison;
 use super::values;
-use crate::compare::judgement::{Detectable, FitMap, NumberChange};
+use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 use crate::compare::significance::deviation;
 use crate::math;
@@ -53,31 +43,12 @@ use std::cmp::Ordering;
 /// series are of this size, whatever the noise.
 const FLOOR: f64 = 1e-3;
 
-/// The score from which a parameter is significant beside another: what noise alone exceeds in one test of sixteen
-/// thousand.
-const BESIDE: f64 = 4.0;
-
-/// Largest share of the squared difference that numbers leave if it is said to be as if they were off.
-const LEAVES: f64 = 0.1;
-
-/// Largest residual of a block, in standard errors, beside changes that the difference looks like:
-/// noise with rare events exceeds five in an image of many blocks.
-const LARGEST_LEFT: f64 = 8.0;
-
-/// The part of the largest score that the score of a number has which explains a difference as well:
-/// the noise of its derivative takes some of it.
-const ALIKE: f64 = 0.5;
-
 /// Scores of one comparison.
 pub(super) struct Scores<'s> {
     sensitivities: Vec<&'s Sensitivity>,
     /// Scores by number.
     tested: Vec<Tested>,
     cells: Vec<Cell>,
-    /// Pixels on a side of a block.
-    edge: usize,
-    /// Blocks in a row.
-    columns: usize,
 }
 
 /// A channel of a block.
@@ -178,7 +149,7 @@ impl Tested {
 
 /// A change of a number that fits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Fitted {
+pub(super) struct Fitted {
     /// Index of the number.
     number: usize,
     /// Change in its unit.
@@ -187,22 +158,9 @@ struct Fitted {
     error: f64,
 }
 
-/// A change that explains a difference.
-pub(super) struct Explanation {
-    /// The one with the largest score.
-    best: Fitted,
-    /// Parameters that explain it as well.
-    alike: Vec<usize>,
-}
-
 impl<'s> Scores<'s> {
-    /// Scores in blocks with an `edge` of that many pixels; `None` without sensitivities in such
-    /// blocks.
-    pub fn new(
-        comparison: &Comparison<'_>,
-        edge: usize,
-        all: &[&'s Sensitivity],
-    ) -> Option<Scores<'s>> {
+    /// Scores of the sensitivities in blocks; `None` without any.
+    pub fn new(comparison: &Comparison<'_>, all: &[&'s Sensitivity]) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
         let mut sensitivities: Vec<&Sensitivity> = all.iter().copied().filter(fits).collect();
@@ -229,8 +187,6 @@ impl<'s> Scores<'s> {
             tested: tested.collect(),
             sensitivities,
             cells,
-            edge,
-            columns: comparison.columns(),
         })
     }
 
@@ -270,9 +226,7 @@ impl<'s> Scores<'s> {
                 let [derivative, noise] = cell.derivatives[k];
                 // What noise makes of the derivative of a block is no change of it.
                 let known = (derivative * derivative - noise).max(0.0).sqrt();
-                if self.edge == BLOCK {
-                    without_score = f64::min(without_score, of_block * variance.sqrt() / known);
-                }
+                without_score = f64::min(without_score, of_block * variance.sqrt() / known);
                 sums[at % 3][0] += derivative;
                 sums[at % 3][1] += variance;
             }
@@ -291,70 +245,16 @@ impl<'s> Scores<'s> {
         tested.filter_map(of_number).collect()
     }
 
-    /// The parameter with the largest score among those that can change so.
-    fn largest_possible(&self) -> usize {
-        let can = |k: &usize| self.is_possible(&self.fit(*k));
-        let possible = (0..self.count()).filter(can);
-        let largest = possible.max_by(|&a, &b| self.size(a).total_cmp(&self.size(b)));
-        largest.unwrap_or(self.largest().0)
+    /// The change that fits of the parameter with the largest score, among those that can change so.
+    pub fn best(&self) -> Fitted {
+        let all = || (0..self.count()).map(|k| self.fit(k));
+        let possible = all().filter(|it| self.is_possible(it));
+        let largest = possible.max_by(|a, b| self.size(a.number).total_cmp(&self.size(b.number)));
+        largest.unwrap_or_else(|| self.fit(self.largest().0))
     }
 
     fn is_possible(&self, it: &Fitted) -> bool {
         self.sensitivities[it.number].is_possible(it.change)
-    }
-
-    /// The score of a parameter in the residual of a fitted one, in standard errors of a single
-    /// test.
-    fn score_beside(&self, k: usize, it: &Fitted) -> f64 {
-        let whole = self.tested[k].information;
-        let shared = self.shared(k, it.number);
-        let score = self.tested[k].score - shared * it.change;
-        let left = whole - shared * shared / self.tested[it.number].information;
-        if left <= 0.01 * whole {
-            return 0.0;
-        }
-        // What varies alike is gone with the fit; the error of the derivatives of the fit is added.
-        let of_derivatives = of_blocks(&self.cells, |cell| {
-            let [derivative, noise] = cell.derivatives[k];
-            let [of_fit, noise_of_fit] = cell.derivatives[it.number];
-            let square = derivative * derivative * noise_of_fit + of_fit * of_fit * noise;
-            cell.weight * it.change * square.sqrt()
-        });
-        let variance = self.tested[k].expected_variance * left / whole + of_derivatives;
-        // Nor is what the fitted one does out of proportion a score of this one.
-        let of_cell = |cell: &Cell| {
-            let [along, fitted] = [k, it.number].map(|number| cell.derivatives[number][0].abs());
-            cell.weight * along * fitted
-        };
-        let curvature = self.sensitivities[it.number].curvature(it.change);
-        let explained =
-            curvature * self.cells.iter().map(of_cell).sum::<f64>() + self.tested[k].hidden;
-        score.signum() * (score.abs() - explained).max(0.0) / variance.sqrt()
-    }
-
-    /// Parameters that explain the difference as well as the `first` one: none leaves a score of that.
-    fn alike(&self, first: &Fitted) -> Vec<usize> {
-        let others = (0..self.count()).filter(|&k| k != first.number);
-        let of_first = self.size(first.number);
-        let leaves_noise = self.left(first).is_noise;
-        let is_alike = |&k: &usize| {
-            let alone = self.fit(k);
-            alone.error.is_finite()
-                && (!leaves_noise || self.left(&alone).is_noise)
-                && self.is_possible(&alone)
-                && self.size(k) > ALIKE * of_first
-                && self.score_beside(first.number, &alone).abs() < BESIDE
-        };
-        others.filter(is_alike).collect()
-    }
-
-    /// Σ D_k·D_l/v, the noise of a square taken out.
-    fn shared(&self, k: usize, l: usize) -> f64 {
-        if k == l {
-            return self.tested[k].information;
-        }
-        let of_cell = |cell: &Cell| cell.weight * cell.derivatives[k][0] * cell.derivatives[l][0];
-        self.cells.iter().map(of_cell).sum()
     }
 
     /// The change of number `k` that fits, by weighted least squares.
@@ -383,54 +283,9 @@ impl<'s> Scores<'s> {
         }
     }
 
-    /// The score of number `k`, in standard errors, from which noise hides no more than [`LEAVES`] of a squared
-    /// difference of which a change of that number leaves this.
-    fn telling(&self, k: usize, left: &Left) -> f64 {
-        let hidden = left.hidden + self.count() as f64;
-        let squares = (1.0 / LEAVES - 1.0) * hidden;
-        (squares * self.tested[k].information / self.tested[k].expected_variance).sqrt()
-    }
-
-    /// Residual of the difference after the change.
-    fn left(&self, it: &Fitted) -> Left {
-        let (mut whole, mut left, mut squares) = (0.0, 0.0, 0.0);
-        let (mut squares_left, mut largest) = (0.0, 0.0_f64);
-        for cell in &self.cells {
-            let mut rest = cell.difference;
-            let mut noise = cell.variance();
-            // The channels of a block may share their noise; the square of a normal number varies by
-            // twice the square of its variance.
-            squares += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
-            whole += cell.weight * (rest * rest - noise);
-            let [derivative, variance] = cell.derivatives[it.number];
-            rest -= it.change * derivative;
-            noise += it.change * it.change * variance;
-            left += cell.weight * (rest * rest - noise);
-            squares_left += 3.0 * 2.0 * (cell.weight * noise) * (cell.weight * noise);
-            largest = largest.max((rest.abs() - cell.rounding).max(0.0) / noise.sqrt());
-        }
-        let is_known = whole > BESIDE * squares.sqrt();
-        let hidden = BESIDE * squares_left.sqrt();
-        Left {
-            share: is_known.then(|| (left / whole).clamp(0.0, 1.0)),
-            is_noise: left <= hidden && largest <= LARGEST_LEFT,
-            hidden,
-        }
-    }
-
-    /// The change that fits best, and the parameters that cannot be told from it.
-    pub fn explanation(&self) -> Explanation {
-        let best = self.fit(self.largest_possible());
-        Explanation {
-            alike: self.alike(&best),
-            best,
-        }
-    }
-
-    /// Every parameter with the change of it that fits, by the size of their scores; first the one of the `explanation`,
-    /// where that is in blocks of this size.
-    pub fn changes(&self, explanation: Option<&Explanation>) -> Vec<NumberChange> {
-        let best = |k: usize| explanation.is_some_and(|it| it.best.number == k);
+    /// Every parameter with the change of it that fits, by the size of their scores; first the `best`.
+    pub fn changes(&self, best: &Fitted) -> Vec<NumberChange> {
+        let best = |k: usize| best.number == k;
         let mut all: Vec<usize> = (0..self.count()).collect();
         all.sort_by(|&a, &b| {
             (best(b), self.size(b))
@@ -449,101 +304,26 @@ impl<'s> Scores<'s> {
                 error: it.error,
                 score,
                 fits_best: best(k),
-                alike: explanation.is_some_and(|it| it.alike.contains(&k)),
             })
         };
         all.into_iter().filter_map(change).collect()
     }
 
-    /// The difference and the part of it that the best change makes.
-    pub fn map(&self, Explanation { best, .. }: &Explanation) -> FitMap {
-        let of_blocks = |sum: &dyn Fn(&Cell) -> f64| {
-            let of_cell = |cell: &Cell| match sum(cell) / cell.variance().sqrt() {
-                errors if errors.is_finite() => errors,
-                _ => 0.0,
-            };
-            let blocks = self.cells.chunks_exact(3);
-            blocks
-                .map(|block| [0, 1, 2].map(|c| of_cell(&block[c])))
-                .collect()
-        };
-        let fitted = |cell: &Cell| best.change * cell.derivatives[best.number][0];
-        FitMap {
-            columns: self.columns,
-            difference: of_blocks(&|cell| cell.difference),
-            fitted: of_blocks(&fitted),
-        }
-    }
-
-    /// Sentence on what the difference looks like, and whether it says no more than "as if".
-    pub fn in_words(&self, Explanation { best, alike }: &Explanation) -> (String, bool) {
-        let size = self.size(best.number);
-        let deviation = format!("{size:.1} standard errors");
-        let left = self.left(best);
+    /// Sentence on what the difference looks like.
+    pub fn in_words(&self, best: &Fitted) -> String {
+        let deviation = format!("{:.1} standard errors", self.size(best.number));
         let sensitivity = self.sensitivities[best.number];
-        let is_far = sensitivity.is_far(best.change);
-        // Only where derivatives hold, and leave noise, is it the same as a rendering with the change.
-        let is_found = left.is_noise && !is_far;
-        let is_as_if = left.share.map_or(left.is_noise, |share| share <= LEAVES);
-        if !self.is_possible(best) || !(is_found || is_as_if) {
-            let what = if is_far {
-                "the difference is too large for derivatives to tell if a number is off, and which"
-            } else {
-                "no small change of a parameter explains the difference"
-            };
-            return (
-                format!("{what} (score of the likeliest: {deviation})"),
-                false,
+        if sensitivity.is_far(best.change) || !self.is_possible(best) {
+            return format!(
+                "the difference is too large for derivatives to tell if a number is off, and which (score of the \
+                 likeliest: {deviation})"
             );
         }
         let change = sensitivity.in_words(best.change, best.error);
-        let telling = self.telling(best.number, &left);
-        let mut text = if !is_found {
-            format!(
-                "the difference is as if this were so, or a mistake that looks like it: {change} ({deviation})"
-            )
-        } else if size >= telling {
-            format!("the difference looks like this: {change} ({deviation})")
-        } else {
-            format!(
-                "as far as the noise tells, the difference looks like this: {change} ({deviation}; below {telling:.0} a \
-                 tenth of its square, or more, may have another cause)"
-            )
-        };
-        match left.share {
-            _ if is_found => text.push_str(", which leaves nothing beyond noise"),
-            Some(share) if !is_far => {
-                let share = crate::compare::left(share);
-                text.push_str(&format!(
-                    "; that leaves {share} of its square, weighed by noise"
-                ));
-            }
-            _ => {}
-        }
-        let others = alike.iter().map(|&k| {
-            let other = self.fit(k);
-            self.sensitivities[k].in_words(other.change, other.error)
-        });
-        let others: Vec<String> = others.collect();
-        if !others.is_empty() {
-            text.push_str(&format!(
-                "; this image cannot tell it from {}",
-                others.join(", or ")
-            ));
-        }
-        (text, !is_found)
+        format!(
+            "the difference is as if this were so, or a mistake that looks like it: {change} ({deviation})"
+        )
     }
-}
-
-/// Residual of a difference after changes of numbers.
-struct Left {
-    /// Share of the squared difference, noise taken out; `None` where noise makes nearly all of the
-    /// squares.
-    share: Option<f64>,
-    /// True if it is no more than noise, in all blocks together and in each.
-    is_noise: bool,
-    /// Squares that noise makes by chance, or hides.
-    hidden: f64,
 }
 
 /// The score at which one test rejects at `level`.

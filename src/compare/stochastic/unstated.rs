@@ -6,7 +6,7 @@
 //! a bias, of a displaced edge and of a filtered image are on the same side.
 
 use super::super::deterministic::tolerance;
-use super::blocks::{BLOCK, DARK, parts_of};
+use super::blocks::{DARK, parts};
 use crate::film::Film;
 use std::collections::BTreeMap;
 
@@ -36,8 +36,8 @@ fn grey(reference: &Film, test: &Film, index: usize) -> [f64; 2] {
 pub(crate) fn is_off_by_noise(reference: &Film, test: &Film) -> bool {
     let (width, height) = (reference.width(), reference.height());
     let (mut filled, mut differing, mut same, mut pairs) = (0_usize, 0_usize, 0_usize, 0_usize);
-    for rows in parts_of(height, BLOCK) {
-        for columns in parts_of(width, BLOCK) {
+    for rows in parts(height) {
+        for columns in parts(width) {
             let indices = rows
                 .clone()
                 .flat_map(|y| columns.clone().map(move |x| y * width + x));
@@ -96,7 +96,7 @@ mod tests {
         };
         // The row makes the first of a block the median alone.
         let striped = film(&|index| match index % 2 {
-            0 => 0.55 + 0.001 * (index / 2 % BLOCK) as f32,
+            0 => 0.55 + 0.001 * (index / 2 % 8) as f32,
             _ => 0.45,
         });
         assert!(!is_off_by_noise(&film(&|_| 0.5), &striped));

@@ -10,8 +10,8 @@ use crate::compare::unexplained::{
     MOST_IN_NOISE, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows,
 };
 use crate::compare::{
-    Conditions, Deterministic, Gate as _, NumberChange, Picture, Refinement, change_with_step,
-    default_gate, judge, measured,
+    Conditions, Deterministic, Gate as _, NumberChange, Picture, Refinement, default_gate, judge,
+    measured,
 };
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
@@ -105,9 +105,6 @@ pub(super) struct ComparedCase {
     test: Film,
     /// The image as it was given.
     picture: Picture,
-    /// The image with the step of the scene, with half of it and so on, if they are judged by their
-    /// limit.
-    refined: Vec<Film>,
     exposure: f64,
     kept: KeptValues,
     /// What the look with the fewest pixels sees.
@@ -160,14 +157,13 @@ impl ComparedCase {
         let mut case = ComparedCase {
             index,
             name: case.name.clone(),
-            simple: simple(case, &golden, &picture),
+            simple: (picture.radiance()).and_then(|_| simple(case, &golden, &picture)),
             is_of_opacity: gate == Deterministic.name() && has_right_colours(&golden, &picture),
             spent: judged.evidence.work_of_search,
             is_sampled,
             has_step: gate == Refinement.name(),
             in_single_precision: true,
             suspects: suspects(judged),
-            refined: judged.evidence.refined.clone(),
             few: View::new(few_golden, few_test),
             pixels: states_noise.then(|| {
                 let [golden, test] = of_pixels();
@@ -197,10 +193,10 @@ impl ComparedCase {
     /// True if the image is the golden times a factor, as far as the gate can tell: then it shows
     /// no curve of values.
     pub fn is_gain(&self) -> bool {
-        self.simple == Some(SimpleMap::Gain)
+        self.simple.as_ref().is_some_and(|map| map.is_gain)
     }
 
-    /// Places of the difference, and its change with the step, as sentences; none where the verdict says how the image
+    /// Places of the difference as sentences; none where the verdict says how the image
     /// follows from the golden.
     pub fn measured_difference(&self) -> Vec<String> {
         let test = self.picture.radiance();
@@ -208,11 +204,7 @@ impl ComparedCase {
             return Vec::new();
         };
         let border = silhouette(self.scene());
-        let mut said = measured(&self.kept.film(&self.golden), test, border.as_deref());
-        if self.has_step {
-            said.extend(change_with_step(&self.golden, &self.refined));
-        }
-        said
+        measured(&self.kept.film(&self.golden), test, border.as_deref())
     }
 
     /// `film`, a prediction of the whole image or in a look, in the pixels of `view`.
@@ -504,9 +496,8 @@ fn suspects(judged: &Judged) -> Vec<String> {
     let changes = &judged.result.changes;
     let scores = changes.iter().map(|change| change.score.abs());
     let largest = scores.fold(0.0, f64::max);
-    let is_suspect = |change: &&NumberChange| {
-        change.fits_best || change.alike || change.score.abs() > SUSPICIOUS * largest
-    };
+    let is_suspect =
+        |change: &&NumberChange| change.fits_best || change.score.abs() > SUSPICIOUS * largest;
     let named = changes.iter().filter(is_suspect);
     named.map(|change| change.name.clone()).collect()
 }

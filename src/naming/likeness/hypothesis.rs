@@ -65,9 +65,4 @@ impl Hypothesis {
         let names: Vec<_> = self.mistakes().map(|mistake| mistake.name).collect();
         names.join(" + ")
     }
-
-    pub fn advice(&self) -> String {
-        let advice: Vec<_> = self.mistakes().map(|mistake| mistake.advice).collect();
-        advice.join("; and ")
-    }
 }

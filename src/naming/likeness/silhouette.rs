@@ -1,5 +1,6 @@
 //! Pixels at the silhouette of a volume's box.
 
+use crate::compare::around;
 use crate::geometry::{Surface as _, length_of};
 use crate::optics::Field;
 use crate::scene::{Model, Panel, Scene};
@@ -46,11 +47,8 @@ pub(super) fn silhouette(scene: &Scene) -> Option<Vec<bool>> {
         extent.span(&ray).is_some()
     };
     let sees: Vec<bool> = (0..width * height).map(sees).collect();
-    let around = |at: usize, count: usize| at.saturating_sub(reach)..(at + reach + 1).min(count);
-    let is_at_border = |i: usize| {
-        let mut rows = around(i / width, height);
-        rows.any(|row| around(i % width, width).any(|column| sees[row * width + column] != sees[i]))
-    };
+    let is_at_border =
+        |i: usize| around(i, [width, height], reach).any(|other| sees[other] != sees[i]);
     (distance > 0.0).then(|| (0..width * height).map(is_at_border).collect())
 }
 

@@ -62,7 +62,6 @@ pub(super) fn view(
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
         changes => forest::rows(&result.changes),
-        fit => result.fit.as_deref().map(forest::pictures),
         p_values,
         by_samples => noise::by_samples(&evidence.noise_by_samples),
         // Red, green and blue over the image, where there are both images.

@@ -87,14 +87,14 @@ impl Renderer for ExtraNoise {
 
 struct Unwatched;
 
-impl AcceptWatch for Unwatched {
-    fn begin_all(&self, _: u64) {}
+impl render::Watch for Unwatched {
+    fn step(&self) {}
+}
 
+impl AcceptWatch for Unwatched {
     fn begin_case(&self, _: &str) {}
 
-    fn worked(&self, _: u64) {}
-
-    fn note(&self, _: &str) {}
+    fn end_case(&self) {}
 }
 
 struct SampledFolder(tempfile::TempDir);
@@ -138,12 +138,10 @@ impl SampledFolder {
     ) -> Result<Vec<Accepted>, AcceptError> {
         let suite = self.suite();
         let cases: Vec<_> = suite.cases().iter().collect();
-        let kept = KeptRenderings::open(suite.cache_folder());
         accept_with(
             renderer,
             &cases,
             &self.store(),
-            &kept,
             Request {
                 reason: "a test",
                 keep_images,
@@ -160,10 +158,6 @@ impl SampledFolder {
     fn golden(&self) -> Golden {
         Golden::read(&self.store(), &self.suite().cases()[0]).unwrap()
     }
-
-    fn has_cache(&self) -> bool {
-        self.suite().cache_folder().exists()
-    }
 }
 
 #[test]
@@ -172,7 +166,6 @@ fn two_renderings_that_share_no_random_number() {
     let renderer = ExtraNoise::new();
     let accepted = folder.accept(&renderer).unwrap();
     assert_eq!(accepted[0].change, Change::New { damaged: false });
-    assert!(!accepted[0].resumed && !folder.has_cache());
     assert_eq!(renderer.calls(), [(16, 0), (400, 1 << 63)]);
 
     let provenance = folder.golden().provenance;
@@ -282,45 +275,6 @@ fn a_noisy_golden_is_refused_with_the_samples_that_would_do() {
     assert!((210..400).contains(&enough), "{enough}");
     folder.manifest("= 400", &format!("= {enough}"));
     folder.accept(&ExtraNoise::new()).unwrap();
-}
-
-#[test]
-fn an_interrupted_run_goes_on_where_it_was() {
-    let folder = SampledFolder::new();
-    folder.manifest("= 400", "= 200");
-    folder.accept(&ExtraNoise::new()).unwrap_err();
-    assert!(folder.has_cache());
-    let ignored = folder.suite().cache_folder().join(".gitignore");
-    assert_eq!(std::fs::read_to_string(ignored).unwrap(), "*\n");
-
-    // Less is promised: both renderings are there already.
-    folder.manifest("= 400", "= 200\nresolution = 0.1");
-    let renderer = ExtraNoise::new();
-    assert!(folder.accept(&renderer).unwrap()[0].resumed);
-    assert_eq!(renderer.calls(), []);
-    assert!(!folder.has_cache());
-    assert_eq!(folder.verify(&renderer).verdict, Verdict::Pass);
-}
-
-#[test]
-fn nothing_kept_is_used_for_another_scene_or_when_damaged() {
-    let folder = SampledFolder::new();
-    folder.manifest("= 400", "= 200");
-    folder.accept(&ExtraNoise::new()).unwrap_err();
-    let kept = folder.suite().cache_folder().join("accept/fog/room");
-    for entry in std::fs::read_dir(&kept).unwrap() {
-        std::fs::write(entry.unwrap().path(), "garbage").unwrap();
-    }
-    let renderer = ExtraNoise::new();
-    folder.accept(&renderer).unwrap_err();
-    assert_eq!(renderer.calls().len(), 2);
-
-    let scene = SCENE
-        .replace("= 256", "= 16")
-        .replace("sigma_t = 0.01", "sigma_t = 0.02");
-    folder.write("fixtures/scenes/fog/room.toml", &scene);
-    folder.accept(&renderer).unwrap_err();
-    assert_eq!(renderer.calls().len(), 2);
 }
 
 #[test]

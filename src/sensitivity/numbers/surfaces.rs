@@ -56,7 +56,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
             }
             Some(())
         });
-        numbers.push(index.fine());
+        numbers.push(index);
     }
     numbers
 }

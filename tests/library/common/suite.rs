@@ -64,7 +64,7 @@ pub fn searched(case: &Case, film: Film) -> CaseResult {
         interrupted: &|| false,
         progress: &|_| (),
     };
-    likeness(&[case], &[], None, &mut judged, &search);
+    likeness(&[case], None, &mut judged, &search);
     let [judged] = judged;
     judged.result
 }

@@ -198,7 +198,7 @@ fn verdict(
         let search = ConventionSearch::default();
         search.explain_mismatch(case, &suite.store(), &mut judged[0], seconds, false);
     }
-    likeness(&[case], &[], None, &mut judged, search);
+    likeness(&[case], None, &mut judged, search);
     judge(fault, &scene, &judged[0].result)
 }
 
@@ -295,7 +295,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
         let mut judged = [validated(&suite, case, rendered(&scene, 4))];
         let predictions = Predictions::default();
         let search = uninterrupted(Some(Duration::from_millis(300)), &predictions);
-        let found = likeness(&[case], &[], None, &mut judged, &search);
+        let found = likeness(&[case], None, &mut judged, &search);
         let [judged] = judged;
         (found, judged.result.looks_like, judged.result.difference)
     };
@@ -450,7 +450,7 @@ fn result_of_mistake(
     if judged[0].result.verdict != Verdict::Fail {
         return None;
     }
-    likeness(&[case], &[], None, &mut judged, search);
+    likeness(&[case], None, &mut judged, search);
     let [judged] = judged;
     Some(judged.result)
 }
@@ -529,7 +529,7 @@ fn intervals_of_far_changes_hold_the_truth() {
     ] {
         let case = case_of(&suite, case);
         let mut judged = [judged_with_number(&suite, case, name, change)];
-        likeness(&[case], &[], None, &mut judged, &search);
+        likeness(&[case], None, &mut judged, &search);
         let said = judged[0].result.difference.join("; ");
         println!("{name} {change}: {said}");
         assert!(

@@ -256,7 +256,6 @@ fn made_suite() -> Sample {
             explains: 1,
             of: 6,
             cases: Vec::new(),
-            beside_the_next: None,
         },
         Likeness {
             mistake: "no opacity correction".to_owned(),
@@ -264,7 +263,6 @@ fn made_suite() -> Sample {
             explains: 1,
             of: 6,
             cases: Vec::new(),
-            beside_the_next: None,
         },
     ];
     sample
@@ -309,7 +307,6 @@ pub fn hostile() -> Sample {
         explains: 1,
         of: 1,
         cases: Vec::new(),
-        beside_the_next: None,
     }];
     sample
 }
