@@ -195,52 +195,38 @@ impl Classified {
     ) -> SceneResult<()> {
         self.check_objects_of_mode(reader)?;
         self.check_clips(reader, names)?;
+        let keys = self.conventions.keys_of_objects();
         if !self.has_objects() {
-            let keys = self.conventions.keys_of_objects();
-            if keys.is_empty() {
-                return Ok(());
+            refuse! { reader:
+                "conventions" if !keys.is_empty(), format!(
+                    "the scene has no further volumes, surfaces or clips, which these conventions are about: {}",
+                    keys.join(", ")
+                ), "leave the keys out";
             }
-            let message = format!(
-                "the scene has no further volumes, surfaces or clips, which these conventions are about: {}",
-                keys.join(", ")
-            );
-            return Err(reader.mistake("conventions", message, "leave the keys out"));
+            return Ok(());
         }
         let with = match self.objects.are_modulation_alone() {
             true => "modulated opacities",
             false => "several volumes, surfaces or clips",
         };
-        if !self.continuous {
-            let message = format!("with {with} samples are composited front to back");
-            let help = "leave `compositing` out: the order changes no more than rounding";
-            reader.without("compositing", message, help)?;
-        }
-        let message = format!("with {with} no ray is ended early");
-        reader.without("early_termination", message, "leave the key out")?;
-        let is_modulated =
-            (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
-        if !self.has_conventions_that_are_rendered() {
-            let (message, help) = if self.shadow.is_some() || is_modulated {
-                (
-                    "beside a shadow, or modulated opacities, several objects follow no conventions",
-                    "leave the table out, or `shadow` and `modulation`",
-                )
-            } else {
-                (
-                    "several volumes follow these conventions only where they are sampled by common steps",
-                    "add `volume_steps = \"common\"`, or leave the keys out",
-                )
-            };
-            return Err(reader.mistake("conventions", message, help));
-        }
-        if self.continuous && is_modulated {
-            let message = "modulated opacities are sampled: their integral is not known";
-            let help = "leave `compositing` out, and give a `step`";
-            return Err(reader.mistake("compositing", message, help));
-        }
-        if self.shadow.is_some() && is_modulated {
-            let message = "shadows of modulated opacities are not rendered";
-            return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
+        let mut volumes = 0..self.volume_count();
+        let is_modulated = volumes.any(|index| self.modulation_of(index).is_some());
+        let is_ordinary = self.has_conventions_that_are_rendered();
+        refuse! { reader:
+            "compositing" if !self.continuous, format!("with {with} samples are composited front to back"),
+                "leave `compositing` out: the order changes no more than rounding";
+            "early_termination", format!("with {with} no ray is ended early"), "leave the key out";
+            "conventions" if !is_ordinary && (self.shadow.is_some() || is_modulated),
+                "beside a shadow, or modulated opacities, several objects follow no conventions",
+                "leave the table out, or `shadow` and `modulation`";
+            "conventions" if !is_ordinary,
+                "several volumes follow these conventions only where they are sampled by common steps",
+                "add `volume_steps = \"common\"`, or leave the keys out";
+            "compositing" if self.continuous && is_modulated,
+                "modulated opacities are sampled: their integral is not known",
+                "leave `compositing` out, and give a `step`";
+            "shadow" if is_modulated, "shadows of modulated opacities are not rendered",
+                "leave `shadow` or `modulation` out";
         }
         self.check_common_steps()
             .map_err(|message| reader.error("conventions", message))
@@ -251,18 +237,15 @@ impl Classified {
         let is_one_volume = self.objects.volumes.is_empty()
             && self.objects.surfaces.is_empty()
             && self.objects.modulation.is_none();
-        if self.mode == Mode::Composited || is_one_volume {
-            return Ok(());
-        }
-        let with = if self.objects.are_modulation_alone() {
-            "modulated opacities"
-        } else {
-            "several volumes or surfaces"
+        let with = match self.objects.are_modulation_alone() {
+            true => "modulated opacities",
+            false => "several volumes or surfaces",
         };
-        let message = format!("with {with} samples are composited");
-        let help =
-            "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
-        Err(reader.mistake("mode", message, help))
+        refuse! { reader:
+            "mode" if self.mode != Mode::Composited && !is_one_volume, format!("with {with} samples are composited"),
+                "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
+        }
+        Ok(())
     }
 
     fn check_clips(&self, reader: &Reader, names: &[Option<String>]) -> SceneResult<()> {
