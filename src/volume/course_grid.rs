@@ -32,7 +32,6 @@ pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
 /// finite; densities that are negative are left to
 /// [`Grid::check_densities`](super::Grid::check_densities).
 fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-    let length = source.remaining();
     let mut header = [0; HEADER];
     let filled = fill(source, &mut header)?;
     if filled < HEADER {
@@ -42,7 +41,6 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
         ));
     }
     let lattice = lattice(&header)?;
-    check_length(&lattice, length)?;
     let axes = Axes::upright(lattice.nodes(), lattice.spacing(), lattice.first());
     read_grid(source, &Layout::raw(Element::Float32, axes), options)
 }
@@ -78,25 +76,6 @@ fn lattice(header: &[u8; HEADER]) -> Result<Lattice, VolumeFault> {
     }
     let spacing = f64::from(sizes[axis]) / (nodes[axis] - 1) as f64;
     Ok(Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO)?)
-}
-
-/// Checks that a file of `bytes` bytes is as long as its header says.
-fn check_length(lattice: &Lattice, bytes: u64) -> Result<(), VolumeFault> {
-    // No overflow: a lattice has at most 2³¹ nodes.
-    let promised = HEADER as u64 + 4 * lattice.node_count() as u64;
-    if bytes == promised {
-        return Ok(());
-    }
-    let [nx, ny, nz] = lattice.nodes();
-    let cause = if bytes < promised {
-        "is truncated, or is not little endian"
-    } else {
-        "contains something else as well, or is not float32"
-    };
-    refused(format!(
-        "the header declares {nx} × {ny} × {nz} float32 densities, {promised} bytes in total, but \
-         the file has {bytes} bytes: it {cause}"
-    ))
 }
 
 #[cfg(test)]

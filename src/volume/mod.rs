@@ -13,6 +13,7 @@ mod fractal;
 mod gradient;
 mod grid;
 mod grid_density;
+mod header_field;
 mod interpolation;
 mod lattice;
 mod layers;

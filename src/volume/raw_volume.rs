@@ -201,9 +201,7 @@ impl RawVolume {
             layout.axes = layout.axes.reversed();
         }
         let packed = source.fill_buf()?.starts_with(&[0x1f, 0x8b]);
-        let samples: usize = layout.axes.sizes.iter().product();
-        let expected = samples as u64 * layout.element.bytes() as u64;
-        let more = source.remaining().saturating_sub(expected);
+        let more = source.remaining().saturating_sub(layout.promised());
         read_grid(source, &layout, &options.of_array()).map_err(|fault| {
             let remedy = match layout.encoding {
                 Encoding::Raw if packed => "the samples begin like gzip: `encoding = \"gzip\"` \

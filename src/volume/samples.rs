@@ -149,6 +149,12 @@ impl Layout {
             space: None,
         }
     }
+
+    /// Bytes of all samples, not compressed. No overflow: a lattice has at most 2³¹ nodes.
+    pub(super) fn promised(&self) -> u64 {
+        let count: usize = self.axes.sizes.iter().product();
+        count as u64 * self.element.bytes() as u64
+    }
 }
 
 /// Grid of a file, and its storage.
@@ -310,13 +316,8 @@ impl<'l> Samples<'l> {
         }
     }
 
-    /// No overflow: a lattice has at most 2³¹ nodes.
-    fn promised(&self) -> u64 {
-        self.count as u64 * self.bytes_each as u64
-    }
-
     fn check_length(&self, found: u64) -> Result<(), VolumeFault> {
-        let promised = self.promised();
+        let promised = self.layout.promised();
         if found == promised {
             return Ok(());
         }
@@ -333,7 +334,7 @@ impl<'l> Samples<'l> {
     }
 
     fn check_density(&self, found: u64, most_expansion: f64) -> Result<(), VolumeFault> {
-        let promised = self.promised();
+        let promised = self.layout.promised();
         if promised as f64 <= found as f64 * most_expansion {
             return Ok(());
         }
