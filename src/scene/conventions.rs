@@ -105,12 +105,6 @@ macro_rules! conventions {
 /// A value of a convention, by its kind: `number`, in [0, 1]; `flag`; `count`, optional; `either` of two words, the
 /// second for true; `choice` of many. The default is the first.
 macro_rules! value {
-    (default number $default:literal) => {
-        $default
-    };
-    (default flag $default:literal) => {
-        $default
-    };
     (default count $low:literal..=$high:literal) => {
         None
     };
@@ -119,6 +113,9 @@ macro_rules! value {
     };
     (default choice $word:literal) => {
         Choice::named($word)
+    };
+    (default $kind:ident $default:literal) => {
+        $default
     };
 
     (key number $key:literal, $type:ty, $default:literal) => {
@@ -145,12 +142,6 @@ macro_rules! value {
         $read
     };
 
-    (text number $number:expr, $($values:tt)+) => {
-        format!("{:?}", $number)
-    };
-    (text flag $flag:expr, $($values:tt)+) => {
-        $flag.to_string()
-    };
     (text count $count:expr, $($values:tt)+) => {
         $count.map_or(String::new(), |n| n.to_string())
     };
@@ -159,6 +150,9 @@ macro_rules! value {
     };
     (text choice $chosen:expr, $($values:tt)+) => {
         $chosen.shown()
+    };
+    (text $kind:ident $value:expr, $($values:tt)+) => {
+        format!("{:?}", $value)
     };
 }
 

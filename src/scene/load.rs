@@ -329,12 +329,10 @@ pub(super) fn panel_tables<'s>(
         let message = "`panel` must be tables in double brackets, [[panel]]";
         document.error(Some(span), message, None)
     };
-    let DeValue::Array(items) = panels.get_ref() else {
-        return Err(not_tables(panels.span()));
+    let items = match panels.get_ref() {
+        DeValue::Array(items) if !items.is_empty() => items,
+        _ => return Err(not_tables(panels.span())),
     };
-    if items.is_empty() {
-        return Err(not_tables(panels.span()));
-    }
     let too_many = |message: String| {
         let help = "render the others from a scene of their own";
         document.error(Some(items[0].span()), message, Some(help.to_owned()))

@@ -8,7 +8,6 @@ use super::objects::{Objects, Volume};
 use super::reader::Reader;
 use super::{Classified, Compositing, Length, Mode, SceneResult};
 use crate::geometry::{Aabb, length_of};
-use crate::volume::PlacedBox;
 
 impl Classified {
     /// True if it composites volumes after the first, surfaces, clips or modulated opacities. Clips of projections
@@ -248,38 +247,31 @@ impl Classified {
         Ok(())
     }
 
+    /// Refuses clips that leave nothing of a volume: the first that does so alone, or with those before it.
     fn check_clips(&self, reader: &Reader, names: &[Option<String>]) -> SceneResult<()> {
         for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
-            self.check_clips_of(index, &alone.extent(), name.as_deref(), reader)?;
+            let extent = alone.extent();
+            let clips = self.objects.clips.iter().enumerate();
+            let clips: Vec<_> = clips.filter(|(_, clip)| clip.cuts(index)).collect();
+            let leave_nothing = |clips: &[(usize, &Clip)]| {
+                !leave_something(&extent, clips.iter().map(|(_, clip)| *clip))
+            };
+            let alone = clips.iter().find(|clip| leave_nothing(&[**clip]));
+            let count = (1..=clips.len()).find(|&count| leave_nothing(&clips[..count]));
+            let (number, which) = match (alone, count) {
+                (Some((number, _)), _) => (*number, "this clip leaves"),
+                (None, Some(count)) => (clips[count - 1].0, "this clip and those before it leave"),
+                (None, None) => continue,
+            };
+            let name = name
+                .as_ref()
+                .map_or(String::new(), |name| format!(", {name:?}"));
+            let message = format!("{which} nothing of volume {}{name}", index + 1);
+            let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
+                        normal points, or the inside of its box";
+            let tables = reader.tables("clip")?;
+            return Err(tables[number].mistake_here(message, help));
         }
         Ok(())
-    }
-
-    /// Refuses clips that leave nothing of a volume: the first that does so alone, or with those before it.
-    fn check_clips_of(
-        &self,
-        index: usize,
-        extent: &PlacedBox,
-        name: Option<&str>,
-        reader: &Reader,
-    ) -> SceneResult<()> {
-        let clips = self.objects.clips.iter().enumerate();
-        let clips: Vec<_> = clips.filter(|(_, clip)| clip.cuts(index)).collect();
-        let leave_nothing = |clips: &[(usize, &Clip)]| {
-            !leave_something(extent, clips.iter().map(|(_, clip)| *clip))
-        };
-        let alone = clips.iter().find(|clip| leave_nothing(&[**clip]));
-        let count = (1..=clips.len()).find(|&count| leave_nothing(&clips[..count]));
-        let (number, which) = match (alone, count) {
-            (Some((number, _)), _) => (*number, "this clip leaves"),
-            (None, Some(count)) => (clips[count - 1].0, "this clip and those before it leave"),
-            (None, None) => return Ok(()),
-        };
-        let name = name.map_or(String::new(), |name| format!(", {name:?}"));
-        let message = format!("{which} nothing of volume {}{name}", index + 1);
-        let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
-                    normal points, or the inside of its box";
-        let tables = reader.tables("clip")?;
-        Err(tables[number].mistake_here(message, help))
     }
 }

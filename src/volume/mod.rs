@@ -55,7 +55,7 @@ pub use grid::{Grid, GridError};
 pub use grid_density::GridDensity;
 pub use interpolation::{Cell, Interpolation, Lerp, Node, Scalar};
 pub use lattice::{Centring, Lattice, LatticeError, NodePoint};
-pub use layers::{ConstantDensity, ExponentialLayer, LinearRamp};
+pub use layers::{ExponentialLayer, LinearRamp};
 pub use load_options::{AxisOrder, LoadOptions, NonFinite};
 pub use mitsuba_vol::vol_bytes;
 pub(crate) use node_formula::NodeFormula;

@@ -295,6 +295,9 @@ const CHUNK: usize = 1 << 18;
 /// Longest number read from text.
 const LONGEST_NUMBER: usize = 64;
 
+/// Bytes of text that a number takes at most, blanks included: a longer text is not held in memory.
+const MOST_OF_A_NUMBER: u64 = 256;
+
 struct Samples<'l> {
     layout: &'l Layout,
     non_finite: NonFinite,
@@ -479,61 +482,57 @@ impl<'l> Samples<'l> {
     }
 
     fn read_text(&mut self, source: &mut VolumeSource) -> Result<(), VolumeFault> {
-        let separates = |byte: u8| byte.is_ascii_whitespace() || byte == b',';
-        let mut word = Word {
-            bytes: Vec::new(),
-            line: source.line + 1,
-            column: 1,
-        };
-        loop {
-            let buffer = source.fill_buf()?;
-            let length = buffer.len();
-            if length == 0 {
-                break;
-            }
-            // The borrow of the buffer ends before samples are taken from its copy.
-            let bytes = buffer.to_vec();
-            source.consume(length);
-            for byte in bytes {
-                if !separates(byte) {
-                    word.bytes.push(byte);
-                    if word.bytes.len() > LONGEST_NUMBER {
-                        return Err(self.wrong_word(&word, "no number"));
-                    }
-                    continue;
-                }
-                self.take_word(&mut word)?;
-                word.column += 1;
-                if byte == b'\n' {
-                    (word.line, word.column) = (word.line + 1, 1);
-                }
-            }
-        }
-        // Writers end the last number as they do the others; one that is cut short is a number, too.
-        if !word.bytes.is_empty() && self.values.len() + 1 == self.count {
-            let message = "the last of the text, with nothing behind it, and may have lost digits: \
-                           copy the file again, or end it with a line break if it is whole";
-            return Err(self.wrong_word(&word, message));
-        }
-        self.take_word(&mut word)?;
-        if self.values.len() < self.count {
-            return Err(self.ends());
-        }
-        Ok(())
-    }
-
-    /// Takes the sample that `word` stands for, if there is one, and leaves it empty.
-    fn take_word(&mut self, word: &mut Word) -> Result<(), VolumeFault> {
-        if word.bytes.is_empty() {
-            return Ok(());
-        }
-        if self.values.len() == self.count {
+        let separates = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
+        if source.remaining() > self.count as u64 * MOST_OF_A_NUMBER + CHUNK as u64 {
             return Err(self.goes_on());
         }
-        let text = std::str::from_utf8(&word.bytes).unwrap_or_default();
-        let number: f64 = text
-            .parse()
-            .map_err(|_| self.wrong_word(word, "no number"))?;
+        let (first_line, mut text, mut at) = (source.line + 1, Vec::new(), 0);
+        source.read_to_end(&mut text)?;
+        for piece in text.split_inclusive(separates) {
+            let word = piece.strip_suffix(&[b',']).unwrap_or(piece).trim_ascii();
+            let before = &text[..at];
+            at += piece.len();
+            if word.is_empty() {
+                continue;
+            }
+            if self.values.len() == self.count {
+                return Err(self.goes_on());
+            }
+            let is_ended = piece.last().is_some_and(separates);
+            let number = self.number(word, is_ended).map_err(|message| {
+                let line = first_line + before.iter().filter(|byte| **byte == b'\n').count();
+                let mut lines = before.rsplit(|byte| *byte == b'\n');
+                let column = 1 + lines.next().map_or(0, <[u8]>::len);
+                let (index, word) = (self.values.len(), &word[..word.len().min(LONGEST_NUMBER)]);
+                let word = String::from_utf8_lossy(word);
+                VolumeFault::Line(format!(
+                    "{line}:{column}: sample {index} is {word:?}, {message}"
+                ))
+            })?;
+            self.grow(1)?;
+            self.push(&[0; 1], |_: [u8; 1]| number)?;
+        }
+        match self.values.len() < self.count {
+            true => Err(self.ends()),
+            false => Ok(()),
+        }
+    }
+
+    /// The sample that `word` stands for, or what it is instead.
+    fn number(&self, word: &[u8], is_ended: bool) -> Result<f64, String> {
+        let text = std::str::from_utf8(word)
+            .ok()
+            .filter(|text| text.len() <= LONGEST_NUMBER);
+        let number = text.and_then(|text| text.parse::<f64>().ok());
+        let (text, number) = text.zip(number).ok_or("no number")?;
+        // Writers end the last number as they do the others; one that is cut short is a number, too.
+        if !is_ended && self.values.len() + 1 == self.count {
+            return Err(
+                "the last of the text, with nothing behind it, and may have lost digits: copy the file again, or end \
+                 it with a line break if it is whole"
+                    .to_owned(),
+            );
+        }
         if let Some((least, most)) = self.layout.element.whole_range() {
             let fits = match text.parse::<i128>() {
                 Ok(whole) => (least..=most).contains(&whole),
@@ -542,26 +541,12 @@ impl<'l> Samples<'l> {
             };
             if !fits {
                 let element = self.layout.element.name();
-                let message = format!(
-                    "no {element}, a whole number from {least} to {most}: correct it, or the type \
-                     in the header"
-                );
-                return Err(self.wrong_word(word, &message));
+                return Err(format!(
+                    "no {element}, a whole number from {least} to {most}: correct it, or the type in the header"
+                ));
             }
         }
-        word.column += word.bytes.len();
-        word.bytes.clear();
-        self.grow(1)?;
-        self.push(&[0; 1], |_: [u8; 1]| number)
-    }
-
-    /// The error of a word of the text.
-    fn wrong_word(&self, word: &Word, message: &str) -> VolumeFault {
-        let (index, text) = (self.values.len(), String::from_utf8_lossy(&word.bytes));
-        let Word { line, column, .. } = word;
-        VolumeFault::Line(format!(
-            "{line}:{column}: sample {index} is {text:?}, {message}"
-        ))
+        Ok(number)
     }
 
     /// The data end early.
@@ -592,15 +577,6 @@ impl<'l> Samples<'l> {
             .map(|size| size.to_string())
             .join(" × ")
     }
-}
-
-/// A word of a text, as far as it was read.
-struct Word {
-    bytes: Vec<u8>,
-    /// Line of its first byte, the first being 1.
-    line: usize,
-    /// Column of its first byte, in bytes, the first being 1.
-    column: usize,
 }
 
 /// Reads until `bytes` are full or the source ends. The number of bytes read.

@@ -155,16 +155,9 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
     }
     let mut spacing = DVec3::ONE;
     for axis in 0..3 {
-        let stated = AxisPositions {
-            ordinal: kept[axis] + 1,
-            samples: axes.sizes[axis],
-            centring: axes.centring,
-            spacing: spacings[axis],
-            min: mins[axis],
-            max: maxs[axis],
-        };
+        let stated = [spacings[axis], mins[axis], maxs[axis]];
         let first;
-        (spacing[axis], first) = stated.resolved()?;
+        (spacing[axis], first) = resolved(kept[axis] + 1, axes.sizes[axis], axes.centring, stated)?;
         axes.first[axis] = first.unwrap_or(axes.first[axis]);
     }
     axes.steps = if spacing.cmpgt(DVec3::ZERO).all() {
@@ -226,50 +219,39 @@ fn numbers(
     Err(wrong())
 }
 
-/// Positions of the samples along an axis of space, as a header states them.
-struct AxisPositions {
-    /// Number of the axis in the file, from 1.
+/// The spacing along an axis of space, and the position of the first of its `samples` where it is stated: by what the
+/// header says of both, and of the ends of the axis of this `ordinal`, from 1.
+fn resolved(
     ordinal: usize,
     samples: usize,
     centring: Centring,
-    spacing: Option<f64>,
-    min: Option<f64>,
-    max: Option<f64>,
-}
-
-impl AxisPositions {
-    /// The spacing, and the position of the first sample where it is stated.
-    fn resolved(&self) -> Result<(f64, Option<f64>), VolumeFault> {
-        let (beyond, intervals) = match self.centring {
-            Centring::Nodes if self.samples > 1 => (0.0, self.samples - 1),
-            // A single sample stands in the middle, whatever the centring.
-            Centring::Nodes | Centring::Cells => (0.5, self.samples),
-        };
-        let intervals = intervals as f64;
-        let ordinal = self.ordinal;
-        if let (Some(min), Some(max)) = (self.min, self.max)
-            && min == max
-        {
-            return refused(format!(
-                "along axis {ordinal} `axis mins` and `axis maxs` are both {min}, and must differ"
-            ));
-        }
-        let between = self.min.zip(self.max);
-        let between = between.map(|(min, max)| (max - min) / intervals);
-        // Headers are written with six digits, some with fewer.
-        if let (Some(given), Some(length)) = (self.spacing, between)
-            && (length - given).abs() > 1e-3 * length.abs()
-        {
-            return refused(format!(
-                "along axis {ordinal} the header gives a spacing of {given}, and minimum and \
-                 maximum that make it {length}: keep one"
-            ));
-        }
-        let spacing = between.or(self.spacing).unwrap_or(1.0);
-        let by_min = self.min.map(|min| min + beyond * spacing);
-        let by_max = self.max.map(|max| max - (intervals - beyond) * spacing);
-        Ok((spacing, by_min.or(by_max)))
+    [spacing, min, max]: [Option<f64>; 3],
+) -> Result<(f64, Option<f64>), VolumeFault> {
+    let (beyond, intervals) = match centring {
+        Centring::Nodes if samples > 1 => (0.0, samples - 1),
+        // A single sample stands in the middle, whatever the centring.
+        Centring::Nodes | Centring::Cells => (0.5, samples),
+    };
+    let intervals = intervals as f64;
+    if let Some(min) = min.filter(|_| min == max) {
+        return refused(format!(
+            "along axis {ordinal} `axis mins` and `axis maxs` are both {min}, and must differ"
+        ));
     }
+    let between = min.zip(max).map(|(min, max)| (max - min) / intervals);
+    // Headers are written with six digits, some with fewer.
+    if let (Some(given), Some(length)) = (spacing, between)
+        && (length - given).abs() > 1e-3 * length.abs()
+    {
+        return refused(format!(
+            "along axis {ordinal} the header gives a spacing of {given}, and minimum and \
+             maximum that make it {length}: keep one"
+        ));
+    }
+    let spacing = between.or(spacing).unwrap_or(1.0);
+    let by_min = min.map(|min| min + beyond * spacing);
+    let by_max = max.map(|max| max - (intervals - beyond) * spacing);
+    Ok((spacing, by_min.or(by_max)))
 }
 
 /// Role of an axis.
