@@ -5,7 +5,6 @@
 //! node lies at the world origin.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::orientation::Axes;
 use super::samples::{VolumeRead, fill, read_grid};
 use super::source::VolumeSource;
@@ -18,20 +17,12 @@ const HEADER: usize = 24;
 const ONE_NODE: &str =
     "a binary grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes";
 
-/// The binary grid of the ray-casting assignment.
-pub(super) const COURSE_GRID: VolumeFormat = VolumeFormat {
-    name: "binary grid",
-    extensions: &[".bin"],
-    content: Content::Grid,
-    read,
-};
-
 /// The spacing is `size / (n − 1)` of the first axis with more than one node, in `f64`; that
 /// size must be positive. The other sizes have no effect, but must be finite and not negative: a
 /// thin axis may give 0. Header and length are checked before anything is allocated. Values must be
 /// finite; densities that are negative are left to
 /// [`Grid::check_densities`](super::Grid::check_densities).
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let mut header = [0; HEADER];
     let filled = fill(source, &mut header)?;
     if filled < HEADER {

@@ -9,7 +9,6 @@
 //! decimal numbers, or compressed by zlib.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::header_field::{HeaderField, HeaderFields, in_line, read_data, shortened};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{VolumeRead, check_sizes, read_grid};
@@ -20,14 +19,6 @@ use crate::files::misspelling::nearest;
 use glam::DVec3;
 use std::io::{BufRead, Read};
 use strsim::damerau_levenshtein;
-
-/// MetaImage, whose data may lie in another file.
-pub(super) const META_IMAGE: VolumeFormat = VolumeFormat {
-    name: "MetaImage",
-    extensions: &[".mha", ".mhd"],
-    content: Content::Grid,
-    read,
-};
 
 /// Fields that are read.
 const READ: [&str; 24] = [
@@ -94,7 +85,7 @@ const MOST_AXES: usize = 10;
 const WRITE_ONE: &str = "write one volume to one file, as by `SimpleITK.WriteImage(SimpleITK.ReadImage(\"a.mhd\"), \
                          \"one.mha\")`";
 
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     let header = Fields::read(source)?.header()?;
     let name = Some(&*header.data_file).filter(|name| !name.eq_ignore_ascii_case("local"));

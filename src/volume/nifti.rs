@@ -12,7 +12,6 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{VolumeRead, check_sizes, fill, gunzipped, read_grid, read_unpacked};
 use super::source::VolumeSource;
@@ -31,15 +30,7 @@ const FIRST_DATA: u64 = 352;
 /// circle would else come out tilted by a thousandth.
 const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
 
-/// NIfTI-1, compressed or not.
-pub(super) const NIFTI: VolumeFormat = VolumeFormat {
-    name: "NIfTI-1",
-    extensions: &[".nii", ".nii.gz"],
-    content: Content::Grid,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     if !source.ends_in(".gz") {
         let layout = layout(source, Encoding::Raw, VolumeFault::from)?;
         return read_grid(source, &layout, options);

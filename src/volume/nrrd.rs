@@ -20,7 +20,6 @@ mod fields;
 mod geometry;
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::header_field::{HeaderFields, read_data};
 use super::samples::{VolumeRead, read_grid};
 use super::source::VolumeSource;
@@ -113,15 +112,7 @@ impl NrrdHeader {
     }
 }
 
-/// NRRD, whose data may lie in another file.
-pub(super) const NRRD: VolumeFormat = VolumeFormat {
-    name: "NRRD",
-    extensions: &[".nrrd", ".nhdr"],
-    content: Content::Grid,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let header = NrrdHeader::read(source)?;
     let name = header.data_file.as_deref();
     read_data(source, 0, name, options, |data, _| {

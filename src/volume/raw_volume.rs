@@ -16,7 +16,6 @@
 //! A wrong `endian` cannot be told apart from unusual values.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::load_options::AxisOrder;
 use super::orientation::{Axes, Orientation};
 use super::samples::{VolumeRead, check_sizes, read_grid};
@@ -32,15 +31,7 @@ use toml::{Spanned, Value};
 /// Longest description, in bytes: 1 MiB.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Bare samples by their description.
-pub(super) const BARE_SAMPLES: VolumeFormat = VolumeFormat {
-    name: "raw samples, described in TOML",
-    extensions: &[".toml"],
-    content: Content::Samples,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     if length > MOST_BYTES {
         return refused(format!(

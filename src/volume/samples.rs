@@ -13,82 +13,81 @@ use crate::files::gzip;
 use crate::geometry::Aabb;
 use std::io::{self, BufRead, Read};
 
-/// The type of a stored sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Element {
+/// Declares the types of samples, one a row: name, type of Rust, and whether it is of whole numbers.
+macro_rules! elements {
+    ($($(#[$doc:meta])+ $variant:ident = $name:literal, $kind:ident $type:ty;)+) => {
+        /// The type of a stored sample.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Element { $($(#[$doc])+ $variant,)+ }
+
+        impl Element {
+            /// Every type, by its name.
+            pub const ALL: [(&'static str, Element); 11] = [$(($name, Element::$variant),)+];
+
+            /// Bytes of one sample.
+            pub fn bytes(self) -> usize {
+                match self { $(Element::$variant => size_of::<$type>(),)+ }
+            }
+
+            /// Least and most whole number; `None` of floating-point types.
+            fn whole_range(self) -> Option<(i128, i128)> {
+                match self { $(Element::$variant => elements!(range $kind $type),)+ }
+            }
+        }
+
+        impl Samples<'_> {
+            fn decode(&mut self, bytes: &[u8]) -> Result<(), VolumeFault> {
+                match (self.layout.element, self.layout.endian) {$(
+                    (Element::$variant, Endian::Little) => {
+                        self.push(bytes, |word| elements!(number $kind <$type>::from_le_bytes(word)))
+                    }
+                    (Element::$variant, Endian::Big) => {
+                        self.push(bytes, |word| elements!(number $kind <$type>::from_be_bytes(word)))
+                    }
+                )+}
+            }
+        }
+    };
+    (range whole $type:ty) => { Some((<$type>::MIN as i128, <$type>::MAX as i128)) };
+    (range float $type:ty) => { None };
+    (number whole $value:expr) => { $value as f64 };
+    (number float $value:expr) => { f64::from($value) };
+}
+
+elements! {
     /// Signed, 8 bits.
-    Int8,
+    Int8 = "int8", whole i8;
     /// Unsigned, 8 bits.
-    Uint8,
+    Uint8 = "uint8", whole u8;
     /// Signed, 16 bits.
-    Int16,
+    Int16 = "int16", whole i16;
     /// Unsigned, 16 bits.
-    Uint16,
+    Uint16 = "uint16", whole u16;
     /// Signed, 32 bits.
-    Int32,
+    Int32 = "int32", whole i32;
     /// Unsigned, 32 bits.
-    Uint32,
+    Uint32 = "uint32", whole u32;
     /// Signed, 64 bits.
-    Int64,
+    Int64 = "int64", whole i64;
     /// Unsigned, 64 bits.
-    Uint64,
+    Uint64 = "uint64", whole u64;
     /// IEEE 754 half precision.
-    Float16,
+    Float16 = "float16", float half::f16;
     /// IEEE 754 single precision.
-    Float32,
+    Float32 = "float32", float f32;
     /// IEEE 754 double precision.
-    Float64,
+    Float64 = "float64", float f64;
 }
 
 impl Element {
-    /// Every type, by its name.
-    pub const ALL: [(&'static str, Element); 11] = [
-        ("int8", Element::Int8),
-        ("uint8", Element::Uint8),
-        ("int16", Element::Int16),
-        ("uint16", Element::Uint16),
-        ("int32", Element::Int32),
-        ("uint32", Element::Uint32),
-        ("int64", Element::Int64),
-        ("uint64", Element::Uint64),
-        ("float16", Element::Float16),
-        ("float32", Element::Float32),
-        ("float64", Element::Float64),
-    ];
-
-    /// Bytes of one sample.
-    pub fn bytes(self) -> usize {
-        match self {
-            Element::Int8 | Element::Uint8 => 1,
-            Element::Int16 | Element::Uint16 | Element::Float16 => 2,
-            Element::Int32 | Element::Uint32 | Element::Float32 => 4,
-            Element::Int64 | Element::Uint64 | Element::Float64 => 8,
-        }
-    }
-
     /// True if samples are whole numbers.
     pub(crate) fn is_whole(self) -> bool {
-        !matches!(self, Element::Float16 | Element::Float32 | Element::Float64)
+        self.whole_range().is_some()
     }
 
     /// True if it has numbers that 32-bit floats do not hold.
     fn is_beyond_float32(self) -> bool {
         self.bytes() == 8 || matches!(self, Element::Int32 | Element::Uint32)
-    }
-
-    /// Least and most whole number; `None` of floating-point types.
-    fn whole_range(self) -> Option<(i128, i128)> {
-        let bits = 8 * self.bytes();
-        match self {
-            Element::Int8 | Element::Int16 | Element::Int32 | Element::Int64 => {
-                let half = 1 << (bits - 1);
-                Some((-half, half - 1))
-            }
-            Element::Uint8 | Element::Uint16 | Element::Uint32 | Element::Uint64 => {
-                Some((0, (1 << bits) - 1))
-            }
-            Element::Float16 | Element::Float32 | Element::Float64 => None,
-        }
     }
 
     /// Its name, such as `uint16`.
@@ -387,30 +386,6 @@ impl<'l> Samples<'l> {
         match fill(source, &mut [0]).map_err(trouble)? {
             0 => Ok(()),
             _ => Err(self.goes_on()),
-        }
-    }
-
-    fn decode(&mut self, bytes: &[u8]) -> Result<(), VolumeFault> {
-        macro_rules! decode {
-            ($type:ty, $to_f64:expr) => {
-                match self.layout.endian {
-                    Endian::Little => self.push(bytes, |b| $to_f64(<$type>::from_le_bytes(b))),
-                    Endian::Big => self.push(bytes, |b| $to_f64(<$type>::from_be_bytes(b))),
-                }
-            };
-        }
-        match self.layout.element {
-            Element::Int8 => decode!(i8, f64::from),
-            Element::Uint8 => decode!(u8, f64::from),
-            Element::Int16 => decode!(i16, f64::from),
-            Element::Uint16 => decode!(u16, f64::from),
-            Element::Int32 => decode!(i32, f64::from),
-            Element::Uint32 => decode!(u32, f64::from),
-            Element::Int64 => decode!(i64, |x| x as f64),
-            Element::Uint64 => decode!(u64, |x| x as f64),
-            Element::Float16 => decode!(half::f16, f64::from),
-            Element::Float32 => decode!(f32, f64::from),
-            Element::Float64 => decode!(f64, |x| x),
         }
     }
 
