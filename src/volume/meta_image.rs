@@ -285,14 +285,13 @@ impl Fields {
             .get("CompressedDataSize")
             .filter(|_| encoding == Encoding::Zlib);
         let packed = packed.map(|field| field.number("a number of bytes", |_: &u64| true));
+        let (axes, element) = (self.axes()?, self.element()?);
         Ok(Header {
             layout: Layout {
-                axes: self.axes()?,
-                element: self.element()?,
                 endian: if big { Endian::Big } else { Endian::Little },
                 encoding,
-                scaling: None,
                 space: Some("left-posterior-superior, as ITK takes it"),
+                ..Layout::raw(element, axes)
             },
             data_file: self.data_file()?,
             skip,

@@ -464,7 +464,7 @@ impl<'l> Samples<'l> {
         let (first_line, mut text, mut at) = (source.line + 1, Vec::new(), 0);
         source.read_to_end(&mut text)?;
         for piece in text.split_inclusive(separates) {
-            let word = piece.strip_suffix(&[b',']).unwrap_or(piece).trim_ascii();
+            let word = piece.strip_suffix(b",").unwrap_or(piece).trim_ascii();
             let before = &text[..at];
             at += piece.len();
             if word.is_empty() {

@@ -141,12 +141,10 @@ pub(super) fn header(fields: &HeaderFields) -> Result<NrrdHeader, VolumeFault> {
     };
     Ok(NrrdHeader {
         layout: Layout {
-            axes,
-            element,
             endian,
             encoding,
-            scaling: None,
             space: geometry::space(fields),
+            ..Layout::raw(element, axes)
         },
         data_file,
         line_skip,
