@@ -10,9 +10,9 @@ use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::view::is_parallel;
 use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface, Transform};
-use crate::optics::{Coefficients, Field, Homogeneous};
+use crate::optics::{Field, Homogeneous};
 use crate::scene::{Body, Radiative};
-use crate::volume::{DensityField, GridDensity};
+use crate::volume::GridDensity;
 use glam::DVec3;
 
 /// Coordinates nearer to each other than this, times the largest coordinate, are one.
@@ -172,13 +172,10 @@ fn nested_medium<'s>(
     body: &'s Body,
     contacts: &Contacts,
 ) -> Result<Option<NestedMedium<'s>>, String> {
-    let mut medium = body.medium;
+    let medium = body.medium;
     let mut grid = None;
     if let Some(density) = &body.density {
         match density.field() {
-            Field::Constant(field) => {
-                medium = thinned(medium, field.density(DVec3::ZERO))?;
-            }
             Field::Grid(field) => grid = Some(field),
             Field::Noise(_) => return Err("fractal noise".to_owned()),
             Field::Exponential(_) => return Err("an exponential layer".to_owned()),
@@ -235,17 +232,6 @@ fn nested_medium<'s>(
         grid: placed,
         parent: None,
     }))
-}
-
-/// The same medium at another density.
-fn thinned(medium: Homogeneous, density: f64) -> Result<Homogeneous, String> {
-    let whole = &medium.coefficients;
-    let thinned = Coefficients::new(whole.sigma_a() * density, whole.sigma_s() * density);
-    Ok(Homogeneous {
-        coefficients: thinned.map_err(|error| error.to_string())?,
-        emission: medium.emission * density,
-        ..medium
-    })
 }
 
 /// The part of a boundary that its grid fills: there the medium ends.

@@ -67,215 +67,85 @@ const TIFF: &str = "in Python, `numpy.save(\"a.npy\", tifffile.imread(\"a.tif\")
 
 const HDF5: &str = "in Python, `numpy.save(\"a.npy\", h5py.File(\"a.h5\")[NAME][:])`";
 
-const fn kind(
-    name: &'static str,
-    endings: &'static [&'static str],
-    marks: &'static [Mark],
-    as_volume: Option<&'static str>,
-) -> FileKind {
-    FileKind {
-        name,
-        endings,
-        marks,
-        as_volume,
-    }
+/// Kinds of files, one a row: name, endings, marks, and the remedy where a volume is not read from it.
+macro_rules! kinds {
+    ($($name:literal, $endings:expr, $marks:expr, $as_volume:expr;)+) => {
+        [$(FileKind { name: $name, endings: &$endings, marks: &$marks, as_volume: $as_volume },)+]
+    };
 }
 
 use Mark::{At, Markup};
 
-/// What stands in a file in place of its content: no reader is meant to have it.
-const STAND_INS: [(FileKind, &str); 3] = [
-    (
-        kind(
-            "a pointer of Git LFS",
-            &[],
-            &[At(0, b"version https://git-lfs.github.com/spec/")],
-            None,
-        ),
-        "run `git lfs pull` (in GitHub Actions: `lfs: true`)",
-    ),
-    (
-        kind(
-            "a web page",
-            &[".html", ".htm"],
-            &[Markup("<!doctype html"), Markup("<html")],
-            None,
-        ),
-        DOWNLOAD,
-    ),
-    (
-        kind(
-            "the message of a server of files",
-            &[],
-            &[Markup("<error><code>")],
-            None,
-        ),
-        DOWNLOAD,
-    ),
-];
+/// What stands in a file in place of its content, with the remedy: no reader is meant to have it.
+const STAND_INS: [FileKind; 3] = kinds! {
+    "a pointer of Git LFS", [], [At(0, b"version https://git-lfs.github.com/spec/")],
+        Some("run `git lfs pull` (in GitHub Actions: `lfs: true`)");
+    "a web page", [".html", ".htm"], [Markup("<!doctype html"), Markup("<html")], Some(DOWNLOAD);
+    "the message of a server of files", [], [Markup("<error><code>")], Some(DOWNLOAD);
+};
 
 const DOWNLOAD: &str = "download the file again, signed in where its server asks for it";
 
 /// Kinds of files, those that are read as volumes or images among them.
-const KINDS: [FileKind; 31] = [
-    kind(
-        "an EXR image",
-        &[".exr"],
-        &[At(0, b"\x76\x2f\x31\x01")],
-        None,
-    ),
-    kind(
-        "a PFM image",
-        &[".pfm"],
-        &[At(0, b"PF\n"), At(0, b"Pf\n")],
-        None,
-    ),
-    kind("a NumPy array", &[".npy"], &[At(0, b"\x93NUMPY")], None),
-    kind(
-        "a PNG image",
-        &[".png"],
-        &[At(0, b"\x89PNG\r\n\x1a\n")],
-        None,
-    ),
-    kind(
-        "a JPEG image",
-        &[".jpg", ".jpeg"],
-        &[At(0, b"\xff\xd8\xff")],
-        None,
-    ),
-    kind(
-        "a TIFF image",
-        &[".tif", ".tiff"],
-        &[
-            At(0, b"II*\0"),
-            At(0, b"MM\0*"),
-            At(0, b"II+\0"),
-            At(0, b"MM\0+"),
-        ],
-        Some(TIFF),
-    ),
-    kind("a Radiance HDR image", &[], &[At(0, b"#?RADIANCE")], None),
-    kind("a GIF image", &[".gif"], &[At(0, b"GIF8")], None),
-    kind("a PPM image", &[".ppm"], &[At(0, b"P6")], None),
-    kind(
-        "a ZIP archive (as .npz is)",
-        &[".npz"],
-        &[At(0, b"PK\x03\x04")],
-        None,
-    ),
-    kind(
-        "an NRRD file packed once more",
-        &[".nrrd.gz"],
-        &[],
-        Some("unpack the file, as by `gunzip`; the format compresses by `encoding: gzip`"),
-    ),
-    kind(
-        "raw samples, compressed",
-        &[".raw.gz"],
-        &[],
-        Some(
-            "describe the samples by a .toml with the keys `file`, `type`, `endian`, `nodes`, and \
-             `encoding = \"gzip\"`",
-        ),
-    ),
-    kind(
-        "a FreeSurfer volume",
-        &[".mgz", ".mgh"],
-        &[],
-        Some(
-            "in Python, `nibabel.save(nibabel.Nifti1Image.from_image(nibabel.load(\"a.mgz\")), \
-             \"a.nii\")`",
-        ),
-    ),
-    kind(
-        "a file compressed by gzip",
-        &[".nii.gz", ".obj.gz", ".vol.gz"],
-        &[At(0, b"\x1f\x8b\x08")],
-        Some(UNPACK),
-    ),
-    kind(
-        "an NRRD file",
-        &[".nrrd", ".nhdr"],
-        &[At(0, b"NRRD000")],
-        None,
-    ),
-    kind("a NIfTI-1 file", &[".nii"], &[At(344, b"n+1\0")], None),
-    kind("a Mitsuba volume", &[".vol"], &[At(0, b"VOL\x03")], None),
-    kind(
-        "a MetaImage",
-        &[".mha", ".mhd"],
-        &[At(0, b"ObjectType"), At(0, b"NDims")],
-        None,
-    ),
-    kind("an Analyze image", &[".hdr", ".img"], &[], Some(CONVERT)),
-    kind(
-        "a DICOM file",
-        &[".dcm", ".ima"],
-        &[At(128, b"DICM")],
-        Some(OF_SLICES),
-    ),
-    kind(
-        "a VTK file",
-        &[".vti", ".vtk", ".vtr", ".vts", ".vtu"],
-        &[At(0, b"# vtk DataFile"), Markup("<vtkfile")],
-        Some(VTK),
-    ),
-    kind("an OpenVDB file", &[".vdb"], &[At(0, b" BDV")], Some(VDB)),
-    kind(
-        "a NanoVDB file",
-        &[".nvdb"],
-        &[At(0, b"NanoVDB")],
-        Some(
-            "`nanovdb_convert a.nvdb a.vdb` writes an OpenVDB file, whose grids `openvdb` reads in Python",
-        ),
-    ),
-    kind(
-        "an MRC file",
-        &[".mrc", ".rec", ".map"],
-        &[At(208, b"MAP ")],
-        Some(
-            "in Python, `numpy.save(\"a.npy\", mrcfile.read(\"a.mrc\"))`; `spacing` beside `file` in the \
-             scene is its `voxel_size`",
-        ),
-    ),
-    kind(
-        "an HDF5 file",
-        &[".h5", ".hdf5", ".hdf"],
-        &[At(0, b"\x89HDF\r\n\x1a\n")],
-        Some(HDF5),
-    ),
-    kind(
-        "raw samples",
-        &[".raw"],
-        &[],
-        Some("describe the samples by a .toml with the keys `file`, `type`, `endian` and `nodes`"),
-    ),
-    kind("a list of points", &[".xyz"], &[], Some(POINTS)),
-    kind(
-        "a PLY file",
-        &[".ply"],
-        &[At(0, b"ply\n"), At(0, b"ply\r")],
-        Some(POINTS),
-    ),
-    kind("a PCD file", &[".pcd"], &[At(0, b"# .PCD")], Some(POINTS)),
-    kind("a mesh of glTF", &[".glb"], &[At(0, b"glTF")], None),
-    kind("a PDF document", &[".pdf"], &[At(0, b"%PDF")], None),
-];
+const KINDS: [FileKind; 31] = kinds! {
+    "an EXR image", [".exr"], [At(0, b"\x76\x2f\x31\x01")], None;
+    "a PFM image", [".pfm"], [At(0, b"PF\n"), At(0, b"Pf\n")], None;
+    "a NumPy array", [".npy"], [At(0, b"\x93NUMPY")], None;
+    "a PNG image", [".png"], [At(0, b"\x89PNG\r\n\x1a\n")], None;
+    "a JPEG image", [".jpg", ".jpeg"], [At(0, b"\xff\xd8\xff")], None;
+    "a TIFF image", [".tif", ".tiff"], [At(0, b"II*\0"), At(0, b"MM\0*"), At(0, b"II+\0"), At(0, b"MM\0+")], Some(TIFF);
+    "a Radiance HDR image", [], [At(0, b"#?RADIANCE")], None;
+    "a GIF image", [".gif"], [At(0, b"GIF8")], None;
+    "a PPM image", [".ppm"], [At(0, b"P6")], None;
+    "a ZIP archive (as .npz is)", [".npz"], [At(0, b"PK\x03\x04")], None;
+    "an NRRD file packed once more", [".nrrd.gz"], [],
+        Some("unpack the file, as by `gunzip`; the format compresses by `encoding: gzip`");
+    "raw samples, compressed", [".raw.gz"], [],
+        Some("describe the samples by a .toml with the keys `file`, `type`, `endian`, `nodes`, and \
+             `encoding = \"gzip\"`");
+    "a FreeSurfer volume", [".mgz", ".mgh"], [],
+        Some("in Python, `nibabel.save(nibabel.Nifti1Image.from_image(nibabel.load(\"a.mgz\")), \
+             \"a.nii\")`");
+    "a file compressed by gzip", [".nii.gz", ".obj.gz", ".vol.gz"], [At(0, b"\x1f\x8b\x08")], Some(UNPACK);
+    "an NRRD file", [".nrrd", ".nhdr"], [At(0, b"NRRD000")], None;
+    "a NIfTI-1 file", [".nii"], [At(344, b"n+1\0")], None;
+    "a Mitsuba volume", [".vol"], [At(0, b"VOL\x03")], None;
+    "a MetaImage", [".mha", ".mhd"], [At(0, b"ObjectType"), At(0, b"NDims")], None;
+    "an Analyze image", [".hdr", ".img"], [], Some(CONVERT);
+    "a DICOM file", [".dcm", ".ima"], [At(128, b"DICM")], Some(OF_SLICES);
+    "a VTK file", [".vti", ".vtk", ".vtr", ".vts", ".vtu"], [At(0, b"# vtk DataFile"), Markup("<vtkfile")], Some(VTK);
+    "an OpenVDB file", [".vdb"], [At(0, b" BDV")], Some(VDB);
+    "a NanoVDB file", [".nvdb"], [At(0, b"NanoVDB")],
+        Some("`nanovdb_convert a.nvdb a.vdb` writes an OpenVDB file, whose grids `openvdb` reads in Python");
+    "an MRC file", [".mrc", ".rec", ".map"], [At(208, b"MAP ")],
+        Some("in Python, `numpy.save(\"a.npy\", mrcfile.read(\"a.mrc\"))`; `spacing` beside `file` in the \
+             scene is its `voxel_size`");
+    "an HDF5 file", [".h5", ".hdf5", ".hdf"], [At(0, b"\x89HDF\r\n\x1a\n")], Some(HDF5);
+    "raw samples", [".raw"], [],
+        Some("describe the samples by a .toml with the keys `file`, `type`, `endian` and `nodes`");
+    "a list of points", [".xyz"], [], Some(POINTS);
+    "a PLY file", [".ply"], [At(0, b"ply\n"), At(0, b"ply\r")], Some(POINTS);
+    "a PCD file", [".pcd"], [At(0, b"# .PCD")], Some(POINTS);
+    "a mesh of glTF", [".glb"], [At(0, b"glTF")], None;
+    "a PDF document", [".pdf"], [At(0, b"%PDF")], None;
+};
 
 /// What stands in a file that begins with `first` in place of its content, and the remedy.
 pub fn stand_in(first: &[u8]) -> Option<String> {
-    let first = &first[..first.len().min(HEAD)];
-    let found = STAND_INS
-        .iter()
-        .find(|(kind, _)| kind.marks.iter().any(|mark| mark.is_in(first)));
-    found.map(|(kind, remedy)| format!("this is {}, not the file: {remedy}", kind.name))
+    let kind = known(&STAND_INS, first)?;
+    let remedy = kind.as_volume.unwrap_or_default();
+    Some(format!("this is {}, not the file: {remedy}", kind.name))
 }
 
 /// The kind of a file that begins with `first`.
 pub fn by_bytes(first: &[u8]) -> Option<&'static FileKind> {
+    known(&KINDS, first)
+}
+
+fn known(kinds: &'static [FileKind], first: &[u8]) -> Option<&'static FileKind> {
     let first = &first[..first.len().min(HEAD)];
     let is_it = |kind: &&FileKind| kind.marks.iter().any(|mark| mark.is_in(first));
-    KINDS.iter().find(is_it)
+    kinds.iter().find(is_it)
 }
 
 /// The kind of a file at `path`, by its name.

@@ -44,22 +44,6 @@ pub enum FilmError {
         /// Bytes of the file.
         bytes: usize,
     },
-    /// No colour channels.
-    #[error(
-        "no layer of the image has the channels R, G and B; there are: {found}; name those of linear \
-        RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y"
-    )]
-    Channels {
-        /// Names of the channels there are, `layer.channel` in a named layer.
-        found: String,
-    },
-    /// Colours of several layers, none of which is the main one.
-    #[error(
-        "several layers have colours, and none is the main one: {}; write one of them without a \
-         name, or call it rgba, beauty or combined",
-        .0.join(", ")
-    )]
-    Layers(Vec<String>),
     /// Larger than any image of the suite.
     #[error(
         "the image claims {width} × {height} pixels; at most {} are read",

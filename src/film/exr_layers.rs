@@ -131,8 +131,13 @@ pub(super) fn main_layer(file: &ExrParts) -> Result<Colours<'_>, FilmError> {
             "write R, G and B",
         ));
     }
-    the_one(&groups, Group::grey)?.ok_or_else(|| FilmError::Channels {
-        found: all_names(file),
+    the_one(&groups, Group::grey)?.ok_or_else(|| {
+        let found = all_names(file);
+        FilmError::unsuited(
+            format!("no layer of the image has the channels R, G and B; there are: {found}"),
+            "name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey \
+             image Y",
+        )
     })
 }
 
@@ -173,7 +178,14 @@ fn the_one<'f>(
         "" => "one without a name".to_owned(),
         name => name.to_owned(),
     };
-    Err(FilmError::Layers(with_colours.iter().map(name).collect()))
+    let names: Vec<String> = with_colours.iter().map(name).collect();
+    Err(FilmError::unsuited(
+        format!(
+            "several layers have colours, and none is the main one: {}",
+            names.join(", ")
+        ),
+        "write one of them without a name, or call it rgba, beauty or combined",
+    ))
 }
 
 fn all_names(file: &ExrParts) -> String {

@@ -6,9 +6,8 @@
 
 use super::error::{check_claim, check_size};
 use super::primaries::are_rec709;
-use super::{Film, FilmError};
+use super::{Bits, Film, FilmError};
 use crate::files::decoder;
-use crate::math;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
 use std::io::Cursor;
@@ -27,13 +26,7 @@ impl Film {
     /// 8-bit sRGB codes of the radiance times 2^`exposure`, clipped to [0, 1], rounded to the
     /// nearest code. NaN becomes black.
     pub fn srgb_codes(&self, exposure: f64) -> Vec<[u8; 3]> {
-        let scale = math::exp2(exposure);
-        let code = |value: f32| {
-            let linear = (f64::from(value) * scale).clamp(0.0, 1.0);
-            // A cast saturates and turns NaN into 0.
-            (math::linear_to_srgb(linear) * 255.0 + 0.5) as u8
-        };
-        self.radiance.iter().map(|pixel| pixel.map(code)).collect()
+        Bits::UNKNOWN.of_png(exposure).codes(self)
     }
 
     /// A PNG preview at `exposure` stops.

@@ -32,7 +32,9 @@ impl ClosedMesh {
         if volume > 0.0 {
             Ok(ClosedMesh(mesh))
         } else {
-            Err(MeshError::InsideOut { volume })
+            Err(MeshError::Faces(format!(
+                "the mesh is inside out (it encloses the volume {volume}); reverse the order of the corners of every face"
+            )))
         }
     }
 
@@ -108,18 +110,7 @@ fn check_edges(mesh: &Mesh) -> Result<(), MeshError> {
     let mut edges = edges(mesh);
     edges.sort_by_key(|edge| (edge.ends, edge.face));
     for sharing in edges.chunk_by(|a, b| a.ends == b.ends) {
-        check(mesh, sharing).map_err(|error| match error {
-            MeshError::Open { from, to, face } => match twin(mesh, &edges, &sharing[0]) {
-                Some(apart) => MeshError::Seam {
-                    from,
-                    to,
-                    face,
-                    apart,
-                },
-                None => error,
-            },
-            other => other,
-        })?;
+        check(mesh, &edges, sharing).map_err(MeshError::Faces)?;
     }
     Ok(())
 }
@@ -142,24 +133,34 @@ fn twin(mesh: &Mesh, edges: &[MeshEdge], open: &MeshEdge) -> Option<f64> {
         .min_by(f64::total_cmp)
 }
 
-/// Checks the faces that share an edge.
-fn check(mesh: &Mesh, sharing: &[MeshEdge]) -> Result<(), MeshError> {
+/// Checks the faces that share an edge, one of `edges`.
+fn check(mesh: &Mesh, edges: &[MeshEdge], sharing: &[MeshEdge]) -> Result<(), String> {
     let [from, to] = sharing[0].ends.map(|vertex| mesh.vertices()[vertex]);
     let face = mesh.face_name(sharing[0].face);
     match sharing {
         [a, b] if a.ascending != b.ascending => Ok(()),
-        [_] => Err(MeshError::Open { from, to, face }),
-        [a, b] => Err(MeshError::Orientation {
-            from,
-            to,
-            faces: [a, b].map(|edge| mesh.face_name(edge.face)),
-        }),
-        more => Err(MeshError::Branching {
-            from,
-            to,
-            face,
-            count: more.len(),
-        }),
+        [open] => {
+            let open_at =
+                format!("the mesh is open: the edge from {from} to {to} belongs to {face} only");
+            Err(match twin(mesh, edges, open) {
+                None => format!(
+                    "{open_at}; a medium or glass needs a closed boundary, so fill the hole"
+                ),
+                Some(apart) => format!(
+                    "{open_at}; another edge lies {apart:.1e} beside it, so their vertices almost coincide: merge \
+                     vertices by distance, for instance in Blender or MeshLab"
+                ),
+            })
+        }
+        [_, b] => Err(format!(
+            "{face} and {} run along the edge from {from} to {to} in the same direction, so one of them is inside out; \
+             reverse the order of its corners",
+            mesh.face_name(b.face)
+        )),
+        more => Err(format!(
+            "{} faces meet at the edge from {from} to {to}, among them {face}; a closed boundary has exactly two at each",
+            more.len()
+        )),
     }
 }
 

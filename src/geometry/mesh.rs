@@ -4,8 +4,8 @@ use super::bvh::Bvh;
 use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
 use super::{
-    Aabb, Crossing, Direction, Emitter, EmitterExtent, FaceName, Hit, MeshError, Ray, Surface,
-    SurfacePoint, Transform, length_of,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, MeshError, Ray, Surface, SurfacePoint,
+    Transform, length_of,
 };
 use crate::math::Sum;
 use glam::DVec3;
@@ -42,10 +42,14 @@ impl Mesh {
         let mut boxes = Vec::with_capacity(faces.len());
         let mut area = Sum::default();
         for (index, face) in faces.iter().enumerate() {
-            let name = face_name(&lines, index);
+            let name = || face_name(&lines, index);
             let corners = corners(&vertices, *face, name)?;
-            let face = name;
-            normals.push(normal(corners).ok_or(MeshError::Degenerate { face, corners })?);
+            normals.push(normal(corners).ok_or_else(|| {
+                let ([a, b, c], face) = (corners, name());
+                MeshError::Faces(format!(
+                    "{face} has no area: its corners {a}, {b} and {c} lie on a line; remove it"
+                ))
+            })?);
             area.add(
                 0.5 * (corners[1] - corners[0])
                     .cross(corners[2] - corners[0])
@@ -58,10 +62,12 @@ impl Mesh {
             .iter()
             .copied()
             .reduce(Aabb::union)
-            .ok_or(MeshError::Empty)?;
+            .ok_or_else(MeshError::empty)?;
         let area = area.value();
         if !(area > 0.0 && area.is_finite()) {
-            return Err(MeshError::Range(area));
+            return Err(MeshError::Faces(format!(
+                "the mesh's area is {area}: its size leaves the range of numbers; choose other units"
+            )));
         }
         Ok(Mesh {
             bvh: Bvh::new(&boxes),
@@ -112,7 +118,7 @@ impl Mesh {
     }
 
     /// Name of the face with this index, for messages.
-    pub(super) fn face_name(&self, index: usize) -> FaceName {
+    pub(super) fn face_name(&self, index: usize) -> String {
         face_name(&self.lines, index)
     }
 
@@ -242,30 +248,33 @@ impl Emitter for Mesh {
     }
 }
 
-fn face_name(lines: &[usize], index: usize) -> FaceName {
-    let number = || FaceName::Number(index + 1);
-    lines
-        .get(index)
-        .copied()
-        .map_or_else(number, FaceName::Line)
+/// Name of a face for messages: the line of the file where it begins, or its number.
+fn face_name(lines: &[usize], index: usize) -> String {
+    match lines.get(index) {
+        Some(line) => format!("the face in line {line}"),
+        None => format!("face {}", index + 1),
+    }
 }
 
-fn corners(vertices: &[DVec3], face: [usize; 3], name: FaceName) -> Result<[DVec3; 3], MeshError> {
-    let mut corners = [DVec3::ZERO; 3];
-    for (corner, &vertex) in corners.iter_mut().zip(&face) {
-        *corner = *vertices.get(vertex).ok_or(MeshError::NoSuchVertex {
-            face: name,
-            vertex,
-            count: vertices.len(),
-        })?;
-        if !corner.is_finite() {
-            return Err(MeshError::NotFinite {
-                face: name,
-                vertex: *corner,
-            });
-        }
-    }
-    Ok(corners)
+fn corners(
+    vertices: &[DVec3],
+    face: [usize; 3],
+    name: impl Fn() -> String,
+) -> Result<[DVec3; 3], MeshError> {
+    let corner = |vertex: usize| match vertices.get(vertex) {
+        Some(corner) if corner.is_finite() => Ok(*corner),
+        Some(corner) => Err(format!(
+            "{} has the vertex {corner}; coordinates must be finite",
+            name()
+        )),
+        None => Err(format!(
+            "{} refers to vertex {vertex}, but there are {} (counted from 0)",
+            name(),
+            vertices.len()
+        )),
+    };
+    let [a, b, c] = face.map(|vertex| corner(vertex).map_err(MeshError::Faces));
+    Ok([a?, b?, c?])
 }
 
 /// The normal, or `None` for corners on a line.
@@ -308,13 +317,10 @@ mod tests {
         let mut bad = vertices();
         bad[2].z = f64::NAN;
         let error = Mesh::new(bad, vec![[0, 1, 2]]).unwrap_err();
-        assert!(matches!(
-            error,
-            MeshError::NotFinite {
-                face: FaceName::Number(1),
-                ..
-            }
-        ));
+        assert!(
+            error.to_string().starts_with("face 1 has the vertex"),
+            "{error}"
+        );
     }
 
     #[test]

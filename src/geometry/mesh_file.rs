@@ -47,7 +47,7 @@ impl Mesh {
         let read = tobj::load_obj_buf(&mut plain.text.as_slice(), &options, no_materials);
         // Without objects, groups and materials there is one model.
         let (mut models, _) = read.map_err(|error| ObjFault::in_file(&error.to_string()))?;
-        let model = models.pop().ok_or(MeshError::Empty)?.mesh;
+        let model = models.pop().ok_or_else(MeshError::empty)?.mesh;
         let positions: Vec<DVec3> = (model.positions.chunks_exact(3))
             .map(DVec3::from_slice)
             .collect();
@@ -159,7 +159,7 @@ impl PlainObj {
                      put together from several files?"
                 ),
             })?,
-            _ if plain.polygons.is_empty() && skipped.is_empty() => Err(MeshError::Empty),
+            _ if plain.polygons.is_empty() && skipped.is_empty() => Err(MeshError::empty()),
             _ if plain.polygons.is_empty() => Err(ObjFault::in_file(&format!(
                 "the mesh has no faces; beside points this file has {skipped}: export it as polygons"
             )))?,

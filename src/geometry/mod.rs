@@ -42,7 +42,7 @@ pub use emitter::{Emitter, EmitterExtent, EmitterPdf};
 pub(crate) use forward::{forward, within};
 pub use hit::{Crossing, Hit, Side, SurfacePoint};
 pub use mesh::Mesh;
-pub use mesh_error::{FaceName, MeshError};
+pub use mesh_error::MeshError;
 pub use obj_text::ObjFault;
 pub(crate) use obj_text::{Skipped, Statements, Word};
 pub use placed::Placed;

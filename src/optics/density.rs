@@ -4,8 +4,8 @@ use super::density_line::DensityLine;
 use super::profiles::{ExponentialProfile, GaussianProfile, LinearProfile};
 use crate::geometry::{Aabb, Ray, Span, Transform, forward};
 use crate::volume::{
-    Blob, Blocks, ConstantDensity, DensityField, DensityRange, ExponentialLayer, FractalDensity,
-    GridDensity, LinearRamp, Walk,
+    Blob, Blocks, DensityField, DensityRange, ExponentialLayer, FractalDensity, GridDensity,
+    LinearRamp, Walk,
 };
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -13,8 +13,6 @@ use std::sync::OnceLock;
 /// A density, as a factor on the coefficients and the emission of a medium.
 #[derive(Clone, Debug)]
 pub enum Field {
-    /// The same everywhere.
-    Constant(ConstantDensity),
     /// The density of a grid.
     Grid(GridDensity),
     /// Noise at many scales.
@@ -28,7 +26,7 @@ pub enum Field {
 }
 
 impl DensityField for Field {
-    forward! { (Field: Constant | Grid | Noise | Exponential | Linear | Blob)
+    forward! { (Field: Grid | Noise | Exponential | Linear | Blob)
         fn density(point: DVec3) -> f64;
         fn range_over(bounds: &Aabb) -> DensityRange;
     }
@@ -122,11 +120,6 @@ impl Density {
         // the others may be given work that waits for these blocks.
         let blocks = self.made_blocks();
         self.blocks.get_or_init(|| blocks)
-    }
-
-    /// Bytes of the bounds, if they have been made.
-    pub fn bytes_of_blocks(&self) -> usize {
-        self.blocks.get().map_or(0, Blocks::bytes)
     }
 
     /// Bytes that the bounds take, once they are made.
@@ -231,24 +224,21 @@ impl Density {
     pub fn integral(&self, line: &DensityLine, span: Span, lookups: &mut u64) -> f64 {
         let DensityLine { origin, direction } = *line;
         match &self.field {
-            Field::Constant(density) => {
-                super::optical_depth(density.density(origin), span.length())
-            }
             Field::Noise(_) => panic!("noise has no integral"),
             // From the denser end on: downwards the density may grow out of nothing to all there is.
             Field::Exponential(layer) => {
                 let mut from = line.from(span.near);
-                if ExponentialProfile::along(&from, layer, 1.0).rate < 0.0 {
+                if ExponentialProfile::along(&from, layer).rate < 0.0 {
                     from = DensityLine {
                         origin: line.at(span.far),
                         direction: -line.direction,
                     };
                 }
-                let profile = ExponentialProfile::along(&from, layer, 1.0);
+                let profile = ExponentialProfile::along(&from, layer);
                 profile.optical_depth(0.0, span.length())
             }
             Field::Linear(ramp) => {
-                let profile = LinearProfile::along(&line.from(span.near), ramp, 1.0);
+                let profile = LinearProfile::along(&line.from(span.near), ramp);
                 let positive = profile.positive_part(0.0, span.length());
                 positive.map_or(0.0, |(near, far)| profile.optical_depth(near, far))
             }
@@ -274,7 +264,7 @@ impl Density {
                 kinks.extend(pieces.map(|piece| piece.far));
             }
             Field::Linear(ramp) => {
-                let profile = LinearProfile::along(&line.from(span.near), ramp, 1.0);
+                let profile = LinearProfile::along(&line.from(span.near), ramp);
                 if let Some((near, far)) = profile.positive_part(0.0, span.length()) {
                     kinks.extend([span.near + near, span.near + far]);
                 }
@@ -285,7 +275,7 @@ impl Density {
                 kinks.extend(cuts.map(|widths| centre + widths * width));
             }
             Field::Exponential(layer) => {
-                let rate = ExponentialProfile::along(&line.from(span.near), layer, 1.0).rate;
+                let rate = ExponentialProfile::along(&line.from(span.near), layer).rate;
                 let cuts = [1.0, 8.0, 64.0, 745.0].map(|heights| heights / rate.abs());
                 // From the denser end on.
                 kinks.extend(cuts.map(|distance| {
@@ -296,7 +286,7 @@ impl Density {
                     }
                 }));
             }
-            Field::Constant(_) | Field::Noise(_) => {}
+            Field::Noise(_) => {}
         }
     }
 }

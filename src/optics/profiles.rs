@@ -16,14 +16,11 @@ pub struct LinearProfile {
 }
 
 impl LinearProfile {
-    /// Along `line` through a ramp of density, `sigma_t` the extinction of density 1. Where the
+    /// Along `line` through a ramp of density, for an extinction of 1 at density 1. Where the
     /// ramp ends the profile goes on below 0: see [`LinearProfile::positive_part`].
-    pub fn along(line: &DensityLine, ramp: &LinearRamp, sigma_t: f64) -> LinearProfile {
-        let (density, slope) = ramp.along(line.origin, line.direction);
-        LinearProfile {
-            start: sigma_t * density,
-            slope: sigma_t * slope,
-        }
+    pub fn along(line: &DensityLine, ramp: &LinearRamp) -> LinearProfile {
+        let (start, slope) = ramp.along(line.origin, line.direction);
+        LinearProfile { start, slope }
     }
 
     /// The segment from `near` to `far ≥ near` without the part where the profile is below 0;
@@ -57,13 +54,10 @@ pub struct ExponentialProfile {
 }
 
 impl ExponentialProfile {
-    /// Along `line` through a layer of density, `sigma_t` the extinction of density 1.
-    pub fn along(line: &DensityLine, layer: &ExponentialLayer, sigma_t: f64) -> ExponentialProfile {
-        let (density, rate) = layer.along(line.origin, line.direction);
-        ExponentialProfile {
-            start: sigma_t * density,
-            rate,
-        }
+    /// Along `line` through a layer of density, for an extinction of 1 at density 1.
+    pub fn along(line: &DensityLine, layer: &ExponentialLayer) -> ExponentialProfile {
+        let (start, rate) = layer.along(line.origin, line.direction);
+        ExponentialProfile { start, rate }
     }
 
     /// Optical depth from `near` to `far ≥ near`; `far` may be infinite where the extinction
@@ -156,20 +150,20 @@ mod tests {
         let up = DVec3::new(1.0, 2.0, 2.0);
         let layer = ExponentialLayer::new(0.8, DVec3::new(0.0, 0.5, 0.0), up, 2.5).unwrap();
         for far in [0.5, 10.0] {
-            let depth = ExponentialProfile::along(&slanted, &layer, 3.0).optical_depth(0.0, far);
-            let seen = by_quadrature(|t| 3.0 * layer.density(slanted.at(t)), far);
+            let depth = ExponentialProfile::along(&slanted, &layer).optical_depth(0.0, far);
+            let seen = by_quadrature(|t| layer.density(slanted.at(t)), far);
             assert!((depth / seen - 1.0).abs() < 1e-12, "{depth} for {seen}");
         }
         // Straight up the depth is σ₀ H (1 − e^(−L/H)).
         let straight = line(DVec3::new(0.0, 0.5, 0.0), up);
-        let profile = ExponentialProfile::along(&straight, &layer, 1.0);
+        let profile = ExponentialProfile::along(&straight, &layer);
         let depth = 0.8 * 2.5 * -crate::math::exp_m1(-4.0 / 2.5);
         assert!((profile.optical_depth(0.0, 4.0) / depth - 1.0).abs() < 1e-14);
 
         let ramp = LinearRamp::new(1.0, DVec3::ZERO, DVec3::new(0.25, 0.0, 0.5)).unwrap();
-        let profile = LinearProfile::along(&slanted, &ramp, 2.0);
+        let profile = LinearProfile::along(&slanted, &ramp);
         let depth = profile.optical_depth(0.0, 4.0);
-        let seen = by_quadrature(|t| 2.0 * ramp.density(slanted.at(t)), 4.0);
+        let seen = by_quadrature(|t| ramp.density(slanted.at(t)), 4.0);
         assert!((depth / seen - 1.0).abs() < 1e-12, "{depth} for {seen}");
     }
 

@@ -29,9 +29,12 @@ pub(super) const CAMERA: Table = Table::new("The camera: pinhole, or orthographi
         .doc("Place of the optical axis in the image, pixels from its left edge; half its width is the middle."),
     Key::optional("cy", Kind::Number(CENTRE))
         .doc("Place of the optical axis in the image, pixels from its upper edge; half its height is the middle."),
-    AROUND[0],
-    AROUND[1],
-    AROUND[2],
+    Key::optional("azimuth", Kind::Number(Range::closed(-360.0, 360.0)))
+        .doc("In place of `eye` and `target`, of a classified volume: angle of the eye about `up`, degrees, from in front of the volume towards the right of the image; 0 if left out."),
+    Key::optional("elevation", Kind::Number(Range::open(-90.0, 90.0)))
+        .doc("In place of `eye` and `target`, of a classified volume: angle of the eye above the horizon, degrees; 0 if left out."),
+    Key::optional("zoom", Kind::Number(Range::closed(0.01, 100.0)))
+        .doc("In place of `eye` and `target`, of a classified volume: its distance from the eye is divided by this number; at 1, which holds if left out, the whole box just fits into the image."),
 ]).rules(&[
     Rule::Apart([&["vertical_fov"], &["orthographic_height"]]),
     Rule::Together(&MATRIX),
@@ -46,17 +49,8 @@ const MATRIX: [&str; 5] = ["matrix", "fl_x", "fl_y", "cx", "cy"];
 const CENTRE: Range = Range::closed(-1e9, 1e9);
 const FOCAL_LENGTH: Range = Range::closed(1e-3, 1e9);
 
-const AROUND_NAMES: [&str; 3] = ["azimuth", "elevation", "zoom"];
-
 /// Keys that place the eye around a classified volume, which is seen whole.
-const AROUND: [Key; 3] = [
-    Key::optional(AROUND_NAMES[0], Kind::Number(Range::closed(-360.0, 360.0)))
-        .doc("In place of `eye` and `target`, of a classified volume: angle of the eye about `up`, degrees, from in front of the volume towards the right of the image; 0 if left out."),
-    Key::optional(AROUND_NAMES[1], Kind::Number(Range::open(-90.0, 90.0)))
-        .doc("In place of `eye` and `target`, of a classified volume: angle of the eye above the horizon, degrees; 0 if left out."),
-    Key::optional(AROUND_NAMES[2], Kind::Number(Range::closed(0.01, 100.0)))
-        .doc("In place of `eye` and `target`, of a classified volume: its distance from the eye is divided by this number; at 1, which holds if left out, the whole box just fits into the image."),
-];
+const AROUND_NAMES: [&str; 3] = ["azimuth", "elevation", "zoom"];
 
 /// The camera and its target.
 pub(super) struct View {

@@ -11,7 +11,7 @@ use super::modulation::{MODULATION, Modulation};
 use super::objects::{CLIPS, Objects, SURFACES, Volume};
 use super::placement::PlacedGrid;
 use super::reader::Reader;
-use super::record::Record;
+use super::record::{Choice, Record};
 use super::shadow::Shadow;
 use super::transfer_function::TRANSFER_FUNCTION;
 use super::volume::{PLACED_KEYS, PLACED_RULES};
@@ -31,7 +31,7 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
     MODE[1],
     MODE[2],
     MODE[3],
-    Key::or("interpolation", Kind::Choice(&["trilinear", "nearest"]), "'trilinear'")
+    Key::or("interpolation", Kind::Choice(Interpolation::WORDS), "'trilinear'")
         .doc("Interpolation of densities and gradients between nodes."),
     Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front", CONTINUOUS]), "'front-to-back'")
         .doc("Order in which the samples of a ray are composited; both give the same image up to rounding. Or `continuous`: the integral that they approximate, to a bound, without samples; `step` is then the one that other renderers begin with."),
@@ -171,10 +171,7 @@ impl Classified {
         files: &mut Files,
         size: [usize; 2],
     ) -> SceneResult<Classified> {
-        let interpolation = match reader.get::<String>("interpolation")?.as_str() {
-            "nearest" => Interpolation::Nearest,
-            _ => Interpolation::Trilinear,
-        };
+        let interpolation = reader.get("interpolation")?;
         let order: String = reader.get("compositing")?;
         let mode = Mode::read(reader, &order)?;
         let continuous = order == CONTINUOUS;
@@ -464,33 +461,23 @@ fn read_conventions(reader: &Reader, mode: &Mode) -> SceneResult<Conventions> {
 
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
 fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -> SceneResult<()> {
-    let refuse = |key: &str, message: &str, help: &str| {
-        let message = format!("with `compositing = \"continuous\"` {message}");
-        reader.without(key, message, help)
-    };
     let (key, composite) = (
         "leave the key out",
         "leave the table out, or composite samples front to back",
     );
+    let with = |message: &str| format!("with `compositing = \"continuous\"` {message}");
     // The mode has refused its other keys.
-    if *mode == Mode::Composited {
-        let message = "no ray is ended early: the image is the whole integral";
-        refuse("early_termination", message, key)?;
-    }
-    let message = "no conventions are followed: there are no samples, and objects are merged";
-    let help = "leave the table out, or composite samples; `volref validate --as` judges images under conventions";
-    refuse("conventions", message, help)?;
-    if *mode == Mode::Composited {
-        let message = "samples cannot be shaded: gradients jump from cell to cell, and the integral is \
-                       stated for light that depends on the value alone";
-        refuse("phong", message, composite)?;
-        let message = "samples cannot be in shadow: the integral is stated for light that depends on the \
-                       value alone";
-        refuse("shadow", message, composite)?;
-    }
-    if interpolation == Interpolation::Nearest {
-        let message = "the field is trilinear: between nearest nodes it jumps";
-        refuse("interpolation", message, key)?;
+    let composited = *mode == Mode::Composited;
+    refuse! { reader:
+        "early_termination" if composited, with("no ray is ended early: the image is the whole integral"), key;
+        "conventions", with("no conventions are followed: there are no samples, and objects are merged"),
+            "leave the table out, or composite samples; `volref validate --as` judges images under conventions";
+        "phong" if composited, with("samples cannot be shaded: gradients jump from cell to cell, and the integral \
+            is stated for light that depends on the value alone"), composite;
+        "shadow" if composited, with("samples cannot be in shadow: the integral is stated for light that depends \
+            on the value alone"), composite;
+        "interpolation" if interpolation == Interpolation::Nearest,
+            with("the field is trilinear: between nearest nodes it jumps"), key;
     }
     Ok(())
 }
@@ -522,19 +509,16 @@ pub(super) fn checked_step(step: Length, [voxel, diagonal]: [f64; 2]) -> Result<
 
 /// The order of compositing named `order`, and its early termination.
 fn read_compositing(reader: &Reader, order: &str) -> SceneResult<Compositing> {
-    let compositing = match order {
-        "back-to-front" => Compositing::BackToFront,
-        _ => Compositing::FrontToBack,
-    };
-    match (reader.get("early_termination")?, compositing) {
-        (None, compositing) => Ok(compositing),
-        (Some(below), Compositing::FrontToBack) => Ok(Compositing::EarlyTermination(below)),
-        (Some(_), _) => {
-            let message = "back to front, a ray cannot be ended early: the sample nearest to \
-                the eye comes last";
-            Err(reader.error("early_termination", message))
-        }
+    let early = reader.get("early_termination")?;
+    refuse! { reader:
+        "early_termination" if order == "back-to-front",
+            "back to front, a ray cannot be ended early: the sample nearest to the eye comes last";
     }
+    Ok(match (early, order) {
+        (Some(below), _) => Compositing::EarlyTermination(below),
+        (None, "back-to-front") => Compositing::BackToFront,
+        (None, _) => Compositing::FrontToBack,
+    })
 }
 
 /// The position of the light: above the eye, if the scene states none.

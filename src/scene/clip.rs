@@ -93,10 +93,9 @@ impl Clip {
             }
         };
         let named: Option<Vec<String>> = reader.get("volumes")?;
-        if named.as_ref().is_some_and(Vec::is_empty) {
-            let message = "`volumes` is empty: the clip cuts nothing";
-            let help = "name the volumes that are cut, or leave the key out: then all are";
-            return Err(reader.mistake("volumes", message, help));
+        refuse! { reader:
+            "volumes" if named.as_ref().is_some_and(Vec::is_empty), "`volumes` is empty: the clip cuts nothing",
+                "name the volumes that are cut, or leave the key out: then all are";
         }
         let index = |name: String| index_of(reader, &name, names);
         let volumes = named.map(|named| named.into_iter().map(index).collect());

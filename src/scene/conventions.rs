@@ -40,7 +40,7 @@ const OBJECTS: u8 = COMPOSITED | 16;
 macro_rules! conventions {
     ($(
         $key:literal = $field:ident: $type:ty = $kind:ident($($values:tt)+) of $modes:ident,
-        $doc:literal $(, [$($alternative:expr),+ $(,)?])?;
+        $doc:literal $(, $alternative:expr)*;
     )+) => {
         /// Conventions of a ray caster; by default those of volref.
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +63,7 @@ macro_rules! conventions {
         .keys(&[$(value!(key $kind $key, $type, $($values)+).doc($doc),)+]);
 
         /// Choices with what other renderers do, by the key of each convention.
-        pub const ALTERNATIVES: &[(&str, &[Alternative])] = &[$(($key, &[$($($alternative),+)?]),)+];
+        pub const ALTERNATIVES: &[(&str, &[Alternative])] = &[$(($key, &[$($alternative),*]),)+];
 
         impl Conventions {
             /// Reads the table, in the order of its declaration.
@@ -105,12 +105,6 @@ macro_rules! conventions {
 /// A value of a convention, by its kind: `number`, in [0, 1]; `flag`; `count`, optional; `either` of two words, the
 /// second for true; `choice` of many. The default is the first.
 macro_rules! value {
-    (default number $default:literal) => {
-        $default
-    };
-    (default flag $default:literal) => {
-        $default
-    };
     (default count $low:literal..=$high:literal) => {
         None
     };
@@ -119,6 +113,9 @@ macro_rules! value {
     };
     (default choice $word:literal) => {
         Choice::named($word)
+    };
+    (default $kind:ident $default:literal) => {
+        $default
     };
 
     (key number $key:literal, $type:ty, $default:literal) => {
@@ -145,12 +142,6 @@ macro_rules! value {
         $read
     };
 
-    (text number $number:expr, $($values:tt)+) => {
-        format!("{:?}", $number)
-    };
-    (text flag $flag:expr, $($values:tt)+) => {
-        $flag.to_string()
-    };
     (text count $count:expr, $($values:tt)+) => {
         $count.map_or(String::new(), |n| n.to_string())
     };
@@ -160,17 +151,18 @@ macro_rules! value {
     (text choice $chosen:expr, $($values:tt)+) => {
         $chosen.shown()
     };
+    (text $kind:ident $value:expr, $($values:tt)+) => {
+        format!("{:?}", $value)
+    };
 }
 
 conventions! {
     "first_sample" = first_sample: f64 = number(0.5) of ALL,
     "Position of a sample within its step, in steps: 0 at its beginning, 0.5 in the middle, 1 at its end. So the first sample of a ray lies that far behind the front face.",
-    [
-        other("takes the first sample of a ray a whole step behind the front face, not half a step",
-            |it| it.first_sample = 1.0),
-        other("takes the first sample of a ray on the front face, not half a step behind it",
-            |it| it.first_sample = 0.0),
-    ];
+    other("takes the first sample of a ray a whole step behind the front face, not half a step",
+        |it| it.first_sample = 1.0),
+    other("takes the first sample of a ray on the front face, not half a step behind it",
+        |it| it.first_sample = 0.0);
 
     "jitter" = jitter: bool = flag(false) of COMPOSITED,
     "Places the samples of each ray at a random `first_sample`, the same for all samples of the ray.";
@@ -183,152 +175,114 @@ conventions! {
 
     "step_length" = step_length: StepLength = choice("world") of ALL,
     "Length of a step: that of the scene in the world; as many spacings of the grid as it has voxels, along the ray in node coordinates (voxels), or along the axis on which the ray passes nodes fastest (main-axis); or the part of the cube of texture coordinates that it is of the longest side of the volume (texture); or as long in the coordinates of the volume, before a map places it, as stated in the world (volume).",
-    [
-        other("takes steps of a length in voxels, not in the world", |it| it.step_length = StepLength::Voxels),
-        other("takes steps of a length in voxels along the main axis of the ray",
-            |it| it.step_length = StepLength::MainAxis),
-        other("takes steps of a length in texture coordinates", |it| it.step_length = StepLength::Texture),
-    ];
+    other("takes steps of a length in voxels, not in the world", |it| it.step_length = StepLength::Voxels),
+    other("takes steps of a length in voxels along the main axis of the ray",
+        |it| it.step_length = StepLength::MainAxis),
+    other("takes steps of a length in texture coordinates", |it| it.step_length = StepLength::Texture);
 
     "fitted_steps" = fitted_steps: FittedSteps = choice("none") of ALL,
     "Number of steps of a ray: what its length and that of a step give, the last one cut off (none); or a whole number, the quotient rounded, rounded up or rounded down, of steps that are stretched to fill the ray.",
-    [
-        other("fits a whole number of steps to each ray, the nearest", |it| it.fitted_steps = FittedSteps::Rounded)
-            .instead_of("last_step"),
-        other("fits a whole number of steps to each ray, rounded up", |it| it.fitted_steps = FittedSteps::Up)
-            .instead_of("last_step"),
-        other("fits a whole number of steps to each ray, rounded down", |it| it.fitted_steps = FittedSteps::Down)
-            .instead_of("last_step"),
-    ];
+    other("fits a whole number of steps to each ray, the nearest", |it| it.fitted_steps = FittedSteps::Rounded)
+        .instead_of("last_step"),
+    other("fits a whole number of steps to each ray, rounded up", |it| it.fitted_steps = FittedSteps::Up)
+        .instead_of("last_step"),
+    other("fits a whole number of steps to each ray, rounded down", |it| it.fitted_steps = FittedSteps::Down)
+        .instead_of("last_step");
 
     "step_opacity" = nominal_opacity: bool = either("true", "nominal") of COMPOSITED,
     "Length for which the opacity of a whole step is taken: its own (true), or that stated in the scene, whatever became of it by `step_length` or `fitted_steps` (nominal).",
-    [
-        other("takes opacities for the stated step, not for the true one",
-            |it| it.nominal_opacity = !it.has_stated_steps()),
-    ];
+    other("takes opacities for the stated step, not for the true one",
+        |it| it.nominal_opacity = !it.has_stated_steps());
 
     "last_step" = last_step: LastStep = choice("exact") of ALL,
     "Step cut off by the back face: counted over its true length, counted as a whole step if its sample lies in front of that face, or dropped.",
-    [
-        other("counts the last step of a ray as a whole one", |it| it.last_step = LastStep::Whole),
-        other("drops the last step of a ray where it is not a whole one", |it| it.last_step = LastStep::Dropped),
-    ];
+    other("counts the last step of a ray as a whole one", |it| it.last_step = LastStep::Whole),
+    other("drops the last step of a ray where it is not a whole one", |it| it.last_step = LastStep::Dropped);
 
     "last_sample" = last_sample_on_face: bool = either("step", "face") of ALL,
     "Place of the last sample of a ray: as in its other steps, or on the back face, where it is not the first one (face).",
-    [
-        other("takes the last sample of a ray on the back face", |it| it.last_sample_on_face = true)
-            .instead_of("last_step"),
-    ];
+    other("takes the last sample of a ray on the back face", |it| it.last_sample_on_face = true)
+        .instead_of("last_step");
 
     "one_sample" = one_sample: bool = flag(false) of ALL,
     "Takes the first sample of a ray even if it lies behind the back face, where the values of the outermost nodes are continued.",
-    [
-        other("takes one sample of rays that leave the volume before it, too", |it| it.one_sample = true),
-    ];
+    other("takes one sample of rays that leave the volume before it, too", |it| it.one_sample = true);
 
     "ended_rays" = ended_rays_opaque: bool = either("left", "opaque") of COMPOSITED,
     "Transmittance of a ray that ends early: as it was (left), or 0 (opaque).",
-    [
-        other("takes rays that end early for opaque", |it| it.ended_rays_opaque = true),
-    ];
+    other("takes rays that end early for opaque", |it| it.ended_rays_opaque = true);
 
     "box" = voxel_box: bool = either("nodes", "voxels") of ALL,
     "Faces of the volume: on the outermost nodes; or half a spacing beyond them, where the values of the outermost nodes are continued (voxels). A volume of cells has them there.",
-    [
-        other("fills half a voxel beyond the outermost nodes, too", |it| it.voxel_box = !it.cell_centred)
-            .instead_of("centring"),
-    ];
+    other("fills half a voxel beyond the outermost nodes, too", |it| it.voxel_box = !it.cell_centred)
+        .instead_of("centring");
 
     "centring" = cell_centred: bool = either("nodes", "cells") of ALL,
     "Place of the values: the outermost nodes lie on the faces of the volume (nodes); or the values lie at the centres of n cells that divide each side of it, n the nodes of the axis, and those of the outermost cells reach to the faces (cells), as in textures. A volume of cells stays one.",
-    [
-        other("places values at the centres of cells, as in textures", |it| it.cell_centred = true).beside_others(),
-    ];
+    other("places values at the centres of cells, as in textures", |it| it.cell_centred = true).beside_others();
 
     "stored_values" = stored_values: StoredValues = choice("f32") of COMPOSITED,
     "Numbers in which values are stored at the nodes: floating point of 32 or 16 bits; or whole numbers of 16 or 8 bits, which stand for the range from the smallest value of the volume to the largest.",
-    [
-        other("stores values in half precision", |it| it.stored_values = StoredValues::F16),
-        other("stores values in 16 bits, over their range", |it| it.stored_values = StoredValues::U16),
-        other("stores values in 8 bits, over their range", |it| it.stored_values = StoredValues::U8),
-    ];
+    other("stores values in half precision", |it| it.stored_values = StoredValues::F16),
+    other("stores values in 16 bits, over their range", |it| it.stored_values = StoredValues::U16),
+    other("stores values in 8 bits, over their range", |it| it.stored_values = StoredValues::U8);
 
     "fraction_bits" = fraction_bits: Option<u32> = count(2..=16) of ALL,
     "Bits of the fractions of a voxel by which values are interpolated between nodes: 8 in the units of graphics processors that filter textures. If left out, they are not rounded.",
-    [
-        other("interpolates values by fractions of 8 bits", |it| it.fraction_bits = Some(8)),
-    ];
+    other("interpolates values by fractions of 8 bits", |it| it.fraction_bits = Some(8));
 
     "near_plane" = near_plane: f64 = number(0.0) of ALL,
     "Near plane, as a fraction of the depth of the farthest box corner (boxes extend half a voxel beyond the nodes). Rays start there if it lies inside a volume.";
 
     "opacity" = linear_opacity: bool = either("exact", "linear") of COMPOSITED,
     "Opacity over a step h, stated as a over h0: 1 - (1 - a)^(h/h0), or the linear min(1, a h/h0).",
-    [
-        other("takes opacity in proportion to the step", |it| it.linear_opacity = true),
-    ];
+    other("takes opacity in proportion to the step", |it| it.linear_opacity = true);
 
     "uncorrected_opacity" = uncorrected_opacity: f64 = number(0.0) of COMPOSITED,
     "Opacities stated up to this are taken for those of a step, uncorrected.",
-    [
-        other("does not correct opacities up to 0.0001 for the step", |it| it.uncorrected_opacity = 1e-4),
-    ];
+    other("does not correct opacities up to 0.0001 for the step", |it| it.uncorrected_opacity = 1e-4);
 
     "most_opacity" = most_opacity: f64 = number(1.0) of COMPOSITED,
     "Opacities stated above this count as this.",
-    [
-        other("takes opacities of at most 0.998", |it| it.most_opacity = 0.998),
-    ];
+    other("takes opacities of at most 0.998", |it| it.most_opacity = 0.998);
 
     "least_stated_opacity" = least_stated_opacity: f64 = number(0.0) of COMPOSITED,
     "Opacities stated below this count as 0.",
-    [
-        other("drops samples of a stated opacity below 0.01", |it| it.least_stated_opacity = 0.01),
-        other("drops samples of a stated opacity below 0.0001", |it| it.least_stated_opacity = 1e-4),
-    ];
+    other("drops samples of a stated opacity below 0.01", |it| it.least_stated_opacity = 0.01),
+    other("drops samples of a stated opacity below 0.0001", |it| it.least_stated_opacity = 1e-4);
 
     "least_opacity" = least_opacity: f64 = number(0.0) of COMPOSITED,
     "Samples with an opacity below this over a whole step are dropped.",
-    [
-        other("drops samples of an opacity below 0.001 over a step", |it| it.least_opacity = 0.001),
-        other("drops samples of an opacity below 0.01 over a step", |it| it.least_opacity = 0.01),
-    ];
+    other("drops samples of an opacity below 0.001 over a step", |it| it.least_opacity = 0.001),
+    other("drops samples of an opacity below 0.01 over a step", |it| it.least_opacity = 0.01);
 
     "classification" = preclassified: bool = either("post", "pre") of COMPOSITED,
     "Values are interpolated, then classified (post); or nodes are classified, and opacity and colour interpolated (pre).",
-    [
-        other("classifies nodes before it interpolates", |it| it.preclassified = true),
-        other("classifies nodes, and interpolates their colours without their opacities",
-            |it| (it.preclassified, it.separate_colours) = (true, true)),
-    ];
+    other("classifies nodes before it interpolates", |it| it.preclassified = true),
+    other("classifies nodes, and interpolates their colours without their opacities",
+        |it| (it.preclassified, it.separate_colours) = (true, true));
 
     "node_colours" = separate_colours: bool = either("associated", "separate") of COMPOSITED,
     "Colours of classified nodes are interpolated multiplied by their opacities (associated), or as they are (separate).";
 
     "table_size" = table_size: Option<u32> = count(2..=65_536) of COMPOSITED,
     "Entries of the table in which opacities and colours are looked up, from the first to the last point of the transfer function; from 0 to the largest density for the formula. If left out, they are evaluated at each value.",
-    [
-        other("looks colours and opacities up in a table of 256 entries, the nearest one",
-            |it| (it.table_size, it.nearest_entry) = (Some(256), true)).instead_of("classification"),
-        other("looks colours and opacities up in a table of 256 entries, interpolated",
-            |it| (it.table_size, it.nearest_entry) = (Some(256), false)).instead_of("classification"),
-        other("looks colours and opacities up in a table of 1024 entries, the nearest one",
-            |it| (it.table_size, it.nearest_entry) = (Some(1024), true)).instead_of("classification"),
-        other("looks colours and opacities up in a table of 64 entries, interpolated",
-            |it| (it.table_size, it.nearest_entry) = (Some(64), false)).instead_of("classification"),
-    ];
+    other("looks colours and opacities up in a table of 256 entries, the nearest one",
+        |it| (it.table_size, it.nearest_entry) = (Some(256), true)).instead_of("classification"),
+    other("looks colours and opacities up in a table of 256 entries, interpolated",
+        |it| (it.table_size, it.nearest_entry) = (Some(256), false)).instead_of("classification"),
+    other("looks colours and opacities up in a table of 1024 entries, the nearest one",
+        |it| (it.table_size, it.nearest_entry) = (Some(1024), true)).instead_of("classification"),
+    other("looks colours and opacities up in a table of 64 entries, interpolated",
+        |it| (it.table_size, it.nearest_entry) = (Some(64), false)).instead_of("classification");
 
     "table_lookup" = nearest_entry: bool = either("linear", "nearest") of COMPOSITED,
     "Between the entries of the table: linear, or the nearest entry.";
 
     "table_place" = texture_place: bool = either("ends", "texture") of COMPOSITED,
     "Place of a value in a table of n entries, from the share s of the range of the table that lies below it: s (n - 1), so that the outermost entries lie at both ends (ends), or s n - 1/2 as in textures, within the outermost entries (texture).",
-    [
-        other("looks values up in its table as coordinates of a texture",
-            |it| (*it, it.texture_place) = (it.with_table(), true)),
-    ];
+    other("looks values up in its table as coordinates of a texture",
+        |it| (*it, it.texture_place) = (it.with_table(), true));
 
     "texture_size" = texture_size: Option<u32> = count(2..=65_536) of COMPOSITED,
     "Entries of a texture into which the table is sampled, over the range of the densities, where opacities are corrected; values are its coordinates, and entries are interpolated. If left out, the table itself is looked up.";
@@ -341,147 +295,107 @@ conventions! {
 
     "opacity_correction" = corrected_entries: bool = either("samples", "entries") of COMPOSITED,
     "Opacities are corrected for the length of a step at each sample; or once, for that of the scene, in the entries of the table or at classified nodes, which are interpolated then (entries).",
-    [
-        other("corrects opacities for the step in its table, before interpolation",
-            |it| (*it, it.corrected_entries) = (it.with_entries(), true)),
-    ];
+    other("corrects opacities for the step in its table, before interpolation",
+        |it| (*it, it.corrected_entries) = (it.with_entries(), true));
 
     "colour_bits" = colour_bits: Option<u32> = count(2..=16) of COMPOSITED,
     "Bits of colours in the table or at classified nodes, for [0, 1]. If left out, they are not rounded.",
-    [
-        other("keeps the colours of its table in 8 bits", |it| (*it, it.colour_bits) = (it.with_entries(), Some(8))),
-    ];
+    other("keeps the colours of its table in 8 bits", |it| (*it, it.colour_bits) = (it.with_entries(), Some(8)));
 
     "opacity_bits" = opacity_bits: Option<u32> = count(2..=16) of COMPOSITED,
     "Bits of opacities in the table or at classified nodes, after what `opacity_correction` does there. If left out, they are not rounded.",
-    [
-        other("keeps the opacities of its table in 8 bits", |it| (*it, it.opacity_bits) = (it.with_entries(), Some(8))),
-    ];
+    other("keeps the opacities of its table in 8 bits", |it| (*it, it.opacity_bits) = (it.with_entries(), Some(8)));
 
     "bit_rounding" = rounded_down: bool = either("nearest", "down") of COMPOSITED,
     "Rounding of colours and opacities to the bits of `colour_bits` and `opacity_bits`: to the nearest number, a half upwards, or down.",
-    [
-        other(
-            "rounds the colours and opacities of its table down, to 8 bits",
-            |it| {
-                (*it, it.rounded_down) = (it.with_entries(), true);
-                (it.colour_bits, it.opacity_bits) = (Some(8), Some(8));
-            },
-        ),
-    ];
+    other(
+        "rounds the colours and opacities of its table down, to 8 bits",
+        |it| {
+            (*it, it.rounded_down) = (it.with_entries(), true);
+            (it.colour_bits, it.opacity_bits) = (Some(8), Some(8));
+        },
+    );
 
     "gradient" = gradient: Gradient = choice("central") of SHADED,
     "Gradient for shading: central, forward or backward differences or the 3 x 3 x 3 Sobel filter at the nodes, interpolated; the derivative of the trilinear interpolant; or central differences at the sample over 2 n/(n - 1) spacings, n the nodes of the axis, divided as if over two (texture): what steps of 1/(n - 1) in texture coordinates give; or differences at the sample over twice the component of the ray's step along each axis, undivided (ray-step).",
-    [
-        other("takes forward differences for gradients", |it| it.gradient = Gradient::Forward),
-        other("takes backward differences for gradients", |it| it.gradient = Gradient::Backward),
-        other("takes gradients by Sobel's filter", |it| it.gradient = Gradient::Sobel),
-        other("takes the derivative of the trilinear interpolant for the gradient",
-            |it| it.gradient = Gradient::Interpolant),
-        other("takes differences over n/(n - 1) spacings at the sample for the gradient",
-            |it| it.gradient = Gradient::Texture),
-        other("takes differences over the step of the ray for the gradient", |it| it.gradient = Gradient::RayStep)
-            .beside_others(),
-    ];
+    other("takes forward differences for gradients", |it| it.gradient = Gradient::Forward),
+    other("takes backward differences for gradients", |it| it.gradient = Gradient::Backward),
+    other("takes gradients by Sobel's filter", |it| it.gradient = Gradient::Sobel),
+    other("takes the derivative of the trilinear interpolant for the gradient",
+        |it| it.gradient = Gradient::Interpolant),
+    other("takes differences over n/(n - 1) spacings at the sample for the gradient",
+        |it| it.gradient = Gradient::Texture),
+    other("takes differences over the step of the ray for the gradient", |it| it.gradient = Gradient::RayStep)
+        .beside_others();
 
     "normals" = normalised_at_nodes: bool = either("interpolated", "normalised") of SHADED,
     "Gradients at the nodes are interpolated as they are, or normalised before that.",
-    [
-        other("normalises gradients at the nodes, before it interpolates them",
-            |it| it.normalised_at_nodes = it.gradient.is_stored()),
-    ];
+    other("normalises gradients at the nodes, before it interpolates them",
+        |it| it.normalised_at_nodes = it.gradient.is_stored());
 
     "normal_bits" = normal_bits: Option<u32> = count(2..=16) of SHADED,
     "Bits of each component of a normal stored at the nodes, for [-1, 1]; normals are normalised at the nodes then. If left out, they are not rounded.",
-    [
-        other("stores normals with 8 bits to a component", |it| it.normal_bits = it.gradient.is_stored().then_some(8))
-            .instead_of("normals"),
-    ];
+    other("stores normals with 8 bits to a component", |it| it.normal_bits = it.gradient.is_stored().then_some(8))
+        .instead_of("normals");
 
     "normal_space" = normal_space: NormalSpace = choice("world") of SHADED,
     "Space in which the gradient is normalised: the world; one in which its components are multiplied by the size of the volume along each of its axes, before a map places it (box); or one of which the matrices are multiplied in reverse order: components along the axes of the eye, right, up and backwards, mapped by the transposed map of the volume, then multiplied by its size (eye-box).",
-    [
-        other("stretches normals by the proportions of the volume", |it| it.normal_space = NormalSpace::Box),
-        other("stretches normals by the proportions of the volume, along the axes of the eye",
-            |it| it.normal_space = NormalSpace::EyeBox),
-    ];
+    other("stretches normals by the proportions of the volume", |it| it.normal_space = NormalSpace::Box),
+    other("stretches normals by the proportions of the volume, along the axes of the eye",
+        |it| it.normal_space = NormalSpace::EyeBox);
 
     "shading_point" = texture_shading_point: bool = either("sample", "texture") of SHADED,
     "Point from which light and eye are seen: the sample, or (texture) the point that divides each side of the volume as the sample's texture coordinate (u + 1/2)/n divides [0, 1], u its node coordinate and n the nodes of the axis.",
-    [
-        other("sees light and eye from texture coordinates, as fractions of the volume",
-            |it| it.texture_shading_point = true),
-    ];
+    other("sees light and eye from texture coordinates, as fractions of the volume",
+        |it| it.texture_shading_point = true);
 
     "flat_samples" = flat_samples_ambient: bool = either("unshaded", "ambient") of SHADED,
     "Samples without a gradient: their unshaded colour, or the ambient term alone.",
-    [
-        other("gives samples without a gradient ambient light only", |it| it.flat_samples_ambient = true),
-    ];
+    other("gives samples without a gradient ambient light only", |it| it.flat_samples_ambient = true);
 
     "ambient_colour" = ambient_colour: LightColour = choice("material") of SHADED,
     "Colour that the weight of the ambient term applies to: that of the material, white, or black.",
-    [
-        other("gives ambient light a colour of its own, white", |it| it.ambient_colour = LightColour::White),
-        other("gives ambient light a colour of its own, black", |it| it.ambient_colour = LightColour::Black)
-            .beside_others(),
-    ];
+    other("gives ambient light a colour of its own, white", |it| it.ambient_colour = LightColour::White),
+    other("gives ambient light a colour of its own, black", |it| it.ambient_colour = LightColour::Black)
+        .beside_others();
 
     "highlight_colour" = highlight_colour: LightColour = choice("white") of SHADED,
     "Colour that the weight of the highlight applies to.",
-    [
-        other("gives highlights the colour of the material", |it| it.highlight_colour = LightColour::Material),
-        other("has no highlights", |it| it.highlight_colour = LightColour::Black).beside_others(),
-    ];
+    other("gives highlights the colour of the material", |it| it.highlight_colour = LightColour::Material),
+    other("has no highlights", |it| it.highlight_colour = LightColour::Black).beside_others();
 
     "highlight_emission" = highlight_emission: bool = flag(true) of COMPOSITED,
     "Multiplies the highlight by the emission of the sample, d^2 by the formula, like the rest of its colour.",
-    [
-        other("leaves the emission of a sample out of its highlight", |it| it.highlight_emission = false),
-    ];
+    other("leaves the emission of a sample out of its highlight", |it| it.highlight_emission = false);
 
     "highlight" = half_vector: bool = either("reflected", "half-vector") of SHADED,
     "Cosine of the highlight: between the reflected light and the eye (Phong), or between the normal and the half vector (Blinn).",
-    [
-        other("takes highlights by the half vector (Blinn)", |it| it.half_vector = true),
-    ];
+    other("takes highlights by the half vector (Blinn)", |it| it.half_vector = true);
 
     "shadow_sample" = shadow_sample: f64 = number(0.5) of COMPOSITED,
     "Position of a sample within its step on the way to the light, in steps from the point that is lit.",
-    [
-        other("takes the first sample of a shadow at the point that is lit", |it| it.shadow_sample = 0.0).in_shadow(),
-        other("takes the first sample of a shadow a whole step on", |it| it.shadow_sample = 1.0).in_shadow(),
-    ];
+    other("takes the first sample of a shadow at the point that is lit", |it| it.shadow_sample = 0.0).in_shadow(),
+    other("takes the first sample of a shadow a whole step on", |it| it.shadow_sample = 1.0).in_shadow();
 
     "shadowed_ambient" = shadowed_ambient: bool = flag(true) of COMPOSITED,
     "Volume shadow dims the ambient term like the rest of the light.",
-    [
-        other("leaves ambient light out of the shadow", |it| it.shadowed_ambient = false).in_shadow().shaded(),
-    ];
+    other("leaves ambient light out of the shadow", |it| it.shadowed_ambient = false).in_shadow().shaded();
 
     "head_light" = head_light: bool = flag(false) of SHADED,
     "Puts the light for shading at the eye.",
-    [
-        other("has its light at the eye", |it| it.head_light = true).beside_others(),
-    ];
+    other("has its light at the eye", |it| it.head_light = true).beside_others();
 
     "parallel_light" = parallel_light: bool = flag(false) of SHADED,
     "Lets light shine in parallel, from the position of the light towards the centre of the volume.",
-    [
-        other("has light that shines in parallel", |it| it.parallel_light = true).shaded(),
-    ];
+    other("has light that shines in parallel", |it| it.parallel_light = true).shaded();
 
     "two_sided" = two_sided: bool = flag(false) of SHADED,
     "Turns normals towards the light.",
-    [
-        other("lights both sides of a surface", |it| it.two_sided = true),
-    ];
+    other("lights both sides of a surface", |it| it.two_sided = true);
 
     "normals_to_eye" = normals_to_eye: bool = flag(false) of COMPOSITED,
     "Turns normals towards the eye.",
-    [
-        other("turns normals towards the eye", |it| it.normals_to_eye = true).instead_of("two_sided"),
-    ];
+    other("turns normals towards the eye", |it| it.normals_to_eye = true).instead_of("two_sided");
 
     "volume_steps" = common_steps: bool = either("own", "common") of OBJECTS,
     "Steps of several volumes: of each its own (own); or the shortest of them for all, counted from where a ray enters the box along the axes of the world around all volumes, their faces where `box` has them, and at each place a sample of every volume, one over the next in the order of the scene (common).";
@@ -503,35 +417,25 @@ conventions! {
 
     "own_transmittance" = own_transmittance: bool = flag(false) of COMPOSITED,
     "Dims the colour of each sample by its own transmittance, too, as where the transmittance is updated before the colour is added.",
-    [
-        other("dims each sample by its own transmittance", |it| it.own_transmittance = true).beside_others(),
-    ];
+    other("dims each sample by its own transmittance", |it| it.own_transmittance = true).beside_others();
 
     "own_opacity" = own_opacity: bool = flag(false) of COMPOSITED,
     "Multiplies the colour of each sample by its own opacity once more, as where a table of colours that contain their opacity is multiplied by it again.",
-    [
-        other("multiplies the colour of each sample by its opacity twice", |it| it.own_opacity = true).beside_others(),
-    ];
+    other("multiplies the colour of each sample by its opacity twice", |it| it.own_opacity = true).beside_others();
 
     "clamped_samples" = clamped_samples: bool = flag(false) of SHADED,
     "Clamps the radiance of each sample, shaded, to 1 before it is composited.",
-    [
-        other("clamps the radiance of each sample to 1", |it| it.clamped_samples = true),
-    ];
+    other("clamps the radiance of each sample to 1", |it| it.clamped_samples = true);
 
     "precision" = precision: Precision = choice("f64") of ALL,
     "Numbers that hold the composited colour and opacity of a ray: floating point of 64, 32 or 16 bits, or, for [0, 1], 15 bits, rounded up, or 8.",
-    [
-        other("composites in half precision", |it| it.precision = Precision::F16),
-        other("composites in fixed point of 15 bits", |it| it.precision = Precision::U15),
-        other("composites in 8 bits", |it| it.precision = Precision::U8),
-    ];
+    other("composites in half precision", |it| it.precision = Precision::F16),
+    other("composites in fixed point of 15 bits", |it| it.precision = Precision::U15),
+    other("composites in 8 bits", |it| it.precision = Precision::U8);
 
     "pixel" = pixel_corner: bool = either("centre", "corner") of COMPOSITED,
     "Point of a pixel that its ray passes: its centre, or its upper left corner.",
-    [
-        other("casts rays through the corners of pixels", |it| it.pixel_corner = true),
-    ];
+    other("casts rays through the corners of pixels", |it| it.pixel_corner = true);
 }
 
 impl Conventions {

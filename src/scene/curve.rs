@@ -34,8 +34,9 @@ impl Curve {
                 Ok(Curve::Formula { opacity, densities })
             }
             OpacityByValue::Points(points) => {
-                let message = "the axis of a table of points goes from its first to its last";
-                reader.without("densities", message, "remove `densities`")?;
+                refuse! { reader:
+                    "densities", "the axis of a table of points goes from its first to its last", "remove `densities`";
+                }
                 Ok(Curve::Points(points))
             }
         }

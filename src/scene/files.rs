@@ -120,11 +120,10 @@ impl<'p> Files<'p> {
             .iter()
             .map(|(_, grid)| grid.lattice().node_count());
         let count = others.sum::<usize>() + lattice.node_count();
-        if count > NodeFormula::MOST_NODES {
-            let message = format!(
+        refuse! { reader:
+            "nodes" if count > NodeFormula::MOST_NODES, format!(
                 "the formulas of this scene have {count} nodes together, too many: at most 2^27 are computed, which take 512 MiB"
-            );
-            return Err(reader.mistake("nodes", message, "give fewer nodes, or fewer panels"));
+            ), "give fewer nodes, or fewer panels";
         }
         let grid = Arc::new(reader.accepted(formula.grid(lattice))?);
         self.formulas.push((formula, grid.clone()));

@@ -329,12 +329,10 @@ pub(super) fn panel_tables<'s>(
         let message = "`panel` must be tables in double brackets, [[panel]]";
         document.error(Some(span), message, None)
     };
-    let DeValue::Array(items) = panels.get_ref() else {
-        return Err(not_tables(panels.span()));
+    let items = match panels.get_ref() {
+        DeValue::Array(items) if !items.is_empty() => items,
+        _ => return Err(not_tables(panels.span())),
     };
-    if items.is_empty() {
-        return Err(not_tables(panels.span()));
-    }
     let too_many = |message: String| {
         let help = "render the others from a scene of their own";
         document.error(Some(items[0].span()), message, Some(help.to_owned()))
@@ -458,8 +456,9 @@ fn read_classified(
     let shared_opacity = is_shared
         .then(|| OpacityByValue::read(&shared))
         .transpose()?;
-    let message = "a classified volume is rendered without random numbers";
-    root.without("sampling", message, "remove [sampling]")?;
+    refuse! { root:
+        "sampling", "a classified volume is rendered without random numbers", "remove [sampling]";
+    }
     let has_other_colours = reader.has("window") || reader.has("isosurface");
     let mut volumes: Vec<VolumeTable> = Vec::new();
     for volume in &tables {
@@ -472,10 +471,9 @@ fn read_classified(
         };
         let placed = files.placed_values(volume)?;
         let table = own.as_ref().unwrap_or(&shared);
-        if has_other_colours {
-            let message =
-                "`range` has no effect: a window or isosurfaces state values of their own";
-            table.without("range", message, "leave the key out")?;
+        refuse! { table:
+            "range" if has_other_colours, "`range` has no effect: a window or isosurfaces state values of their own",
+                "leave the key out";
         }
         let mut range = None;
         if matches!(opacity, OpacityByValue::Formula(_)) && !has_other_colours {
@@ -497,9 +495,9 @@ fn read_classified(
         }
         let voxel = placed.voxel();
         let name = volume.get::<Option<String>>("name")?;
-        if name.is_some() && volumes.iter().any(|other| other.name == name) {
-            let message = "another volume has this name, too";
-            return Err(volume.mistake("name", message, "give each volume a name of its own"));
+        refuse! { volume:
+            "name" if volumes.iter().any(|other| other.name == name), "another volume has this name, too",
+                "give each volume a name of its own";
         }
         volumes.push(VolumeTable {
             reader: volume,
@@ -519,10 +517,7 @@ fn read_radiative(
     files: &mut Files,
     size: [usize; 2],
 ) -> SceneResult<Radiative> {
-    if root.has("transfer_function") {
-        let message = "a radiative scene has no densities for a transfer function";
-        return Err(root.error("transfer_function", message));
-    }
+    refuse! { root: "transfer_function", "a radiative scene has no densities for a transfer function"; }
     let Some(camera) = root.table("camera")? else {
         let message = "a radiative scene needs a camera";
         let help = "give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`";
@@ -535,16 +530,13 @@ fn read_radiative(
 fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
     let transfer_function = root.table_or_default("transfer_function")?;
     let opacity = OpacityByValue::read(&transfer_function)?;
-    for unused in ["reference_length", "colormap", "range"] {
-        if transfer_function.has(unused) {
-            let message = format!("`{unused}` has no effect on a plot of the curve");
-            return Err(transfer_function.error(unused, message));
-        }
+    if let Some(unused) = transfer_function.first_of(&["reference_length", "colormap", "range"]) {
+        let message = format!("`{unused}` has no effect on a plot of the curve");
+        return Err(transfer_function.error(unused, message));
     }
-    if root.has("camera") {
-        return Err(root.error("camera", "a plot of the curve has no camera"));
+    refuse! { root:
+        "camera", "a plot of the curve has no camera";
+        "sampling", "a plot of the curve is drawn without random numbers", "remove [sampling]";
     }
-    let message = "a plot of the curve is drawn without random numbers";
-    root.without("sampling", message, "remove [sampling]")?;
     Curve::read(reader, opacity)
 }

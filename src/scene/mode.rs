@@ -7,7 +7,13 @@ use super::record::Record;
 use crate::optics::TransferFunction;
 use glam::DVec3;
 
-const PROJECTIONS: [&str; 5] = ["maximum", "minimum", "mean", "sum", ATTENUATED];
+/// Projections without a number of their own, by name.
+const PLAIN: [(&str, Projected); 4] = [
+    ("maximum", Projected::Maximum),
+    ("minimum", Projected::Minimum),
+    ("mean", Projected::Mean),
+    ("sum", Projected::Sum),
+];
 const ATTENUATED: &str = "attenuated-maximum";
 const ISOSURFACE: &str = "isosurface";
 
@@ -16,7 +22,7 @@ const MOST_SURFACES: usize = 64;
 
 /// The keys of `[classified]` that say what a pixel shows, in place of composited samples.
 pub(super) const MODE: [Key; 4] = [
-    Key::optional("mode", Kind::Choice(&[PROJECTIONS[0], PROJECTIONS[1], PROJECTIONS[2], PROJECTIONS[3], ATTENUATED, ISOSURFACE]))
+    Key::optional("mode", Kind::Choice(&[PLAIN[0].0, PLAIN[1].0, PLAIN[2].0, PLAIN[3].0, ATTENUATED, ISOSURFACE]))
         .doc("Content of a pixel, of the field along its ray: its largest value, its smallest one, its mean or its integral over the way inside the volume (world units), the largest value as the values before it attenuate it, or surfaces of equal value. Sampled every `step`, or exact with `compositing = \"continuous\"`. If left out, samples are composited."),
     Key::optional("attenuation", Kind::Number(Range::NOT_NEGATIVE))
         .doc("Attenuation of `attenuated-maximum`, per world unit of the way through a value at the top of the window."),
@@ -159,47 +165,38 @@ impl Mode {
     /// The mode of `[classified]`, without keys that contradict it; `order` is that of compositing.
     pub(super) fn read(reader: &Reader, order: &str) -> SceneResult<Mode> {
         let Some(name) = reader.optional::<String>("mode")? else {
+            let Some(key) = reader.first_of(&["attenuation", "window", "isosurface"]) else {
+                return Ok(Mode::Composited);
+            };
+            let message = format!("composited samples have no `{key}`");
             let help = "choose what a pixel shows with `mode`, or leave the key out";
-            for Key { name, .. } in &MODE[1..] {
-                reader.without(name, format!("composited samples have no `{name}`"), help)?;
-            }
-            return Ok(Mode::Composited);
+            return Err(reader.mistake(key, message, help));
         };
-        let (key, table) = ("leave the key out", "leave the table out");
+        let (key, own) = ("leave the key out", "isosurfaces have colours of their own");
         let mode = format!("`mode = {name:?}`");
-        reader.without(
-            "early_termination",
-            format!("{mode} ends no ray early"),
-            key,
-        )?;
-        let message = format!("nothing casts a shadow with {mode}");
-        reader.without("shadow", message, "leave the table out, or `mode`")?;
-        if order == "back-to-front" {
-            let message = format!("{mode} knows one order: from the eye on");
-            let help = "leave the key out, or say \"continuous\" for exact values";
-            return Err(reader.mistake("compositing", message, help));
+        refuse! { reader:
+            "early_termination", format!("{mode} ends no ray early"), key;
+            "shadow", format!("nothing casts a shadow with {mode}"), "leave the table out, or `mode`";
+            "compositing" if order == "back-to-front", format!("{mode} knows one order: from the eye on"),
+                "leave the key out, or say \"continuous\" for exact values";
+            "window" if name == ISOSURFACE, own, key;
+            "attenuation" if name == ISOSURFACE, own, key;
         }
         if name == ISOSURFACE {
-            for other in ["window", "attenuation"] {
-                reader.without(other, "isosurfaces have colours of their own", key)?;
-            }
             return Ok(Mode::Isosurfaces(read_surfaces(reader)?));
         }
-        let help = "leave the tables out, or say `mode = \"isosurface\"`";
-        reader.without("isosurface", format!("{mode} shows no surface"), help)?;
-        let message = format!("{mode} shows a value, which has no normal");
-        reader.without("phong", message, table)?;
-        let window = reader.table_as("window", read_window)?;
-        if name != ATTENUATED {
-            let help = "leave the key out, or say `mode = \"attenuated-maximum\"`";
-            reader.without("attenuation", format!("{mode} attenuates nothing"), help)?;
+        refuse! { reader:
+            "isosurface", format!("{mode} shows no surface"), "leave the tables out, or say `mode = \"isosurface\"`";
+            "phong", format!("{mode} shows a value, which has no normal"), "leave the table out";
         }
-        let of = match name.as_str() {
-            "maximum" => Projected::Maximum,
-            "minimum" => Projected::Minimum,
-            "mean" => Projected::Mean,
-            "sum" => Projected::Sum,
-            _ => Projected::AttenuatedMaximum(read_attenuation(reader, window)?),
+        let window = reader.table_as("window", read_window)?;
+        refuse! { reader:
+            "attenuation" if name != ATTENUATED, format!("{mode} attenuates nothing"),
+                "leave the key out, or say `mode = \"attenuated-maximum\"`";
+        }
+        let of = match PLAIN.iter().find(|(known, _)| *known == name) {
+            Some((_, plain)) => *plain,
+            None => Projected::AttenuatedMaximum(read_attenuation(reader, window)?),
         };
         Ok(Mode::Projection(Projection {
             of,
@@ -243,27 +240,21 @@ impl Mode {
         match self {
             Mode::Composited => None,
             Mode::Isosurfaces(_) => Some(ISOSURFACE),
-            Mode::Projection(projection) => Some(match projection.of {
-                Projected::Maximum => "maximum",
-                Projected::Minimum => "minimum",
-                Projected::Mean => "mean",
-                Projected::Sum => "sum",
-                Projected::AttenuatedMaximum(_) => ATTENUATED,
-            }),
+            Mode::Projection(projection) => {
+                let plain = PLAIN.iter().find(|(_, plain)| *plain == projection.of);
+                Some(plain.map_or(ATTENUATED, |(name, _)| name))
+            }
         }
     }
 }
 
 fn read_window(reader: &Reader) -> SceneResult<Window> {
-    let window = Window::read(reader)?;
-    if window.low < window.high {
-        return Ok(window);
+    let Window { low, high } = Window::read(reader)?;
+    refuse! { reader:
+        "high" if low >= high, format!("the window ends at {high}, which is not above its begin, {low}"),
+            "give a `high` above `low`; for values shown the other way round, give a table of points that falls";
     }
-    let message = format!(
-        "the window ends at {}, which is not above its begin, {}",
-        window.high, window.low
-    );
-    Err(reader.mistake("high", message, "give a `high` above `low`; for values shown the other way round, give a table of points that falls"))
+    Ok(Window { low, high })
 }
 
 fn read_attenuation(reader: &Reader, window: Option<Window>) -> SceneResult<f64> {
@@ -280,25 +271,20 @@ fn read_attenuation(reader: &Reader, window: Option<Window>) -> SceneResult<f64>
 
 fn read_surfaces(reader: &Reader) -> SceneResult<Isosurfaces> {
     let tables = reader.tables("isosurface")?;
-    if tables.is_empty() {
-        let message = "`mode = \"isosurface\"` needs a value";
-        let help =
+    let count = tables.len();
+    refuse! { reader:
+        "mode" if count == 0, "`mode = \"isosurface\"` needs a value",
             "give [[classified.isosurface]] with `value` and `colour`, once for each surface";
-        return Err(reader.mistake("mode", message, help));
-    }
-    if tables.len() > MOST_SURFACES {
-        let count = tables.len();
-        let message =
+        "isosurface" if count > MOST_SURFACES,
             format!("{count} isosurfaces are too many: a scene has at most {MOST_SURFACES}");
-        return Err(reader.error("isosurface", message));
     }
     let mut surfaces: Vec<Isosurface> = Vec::new();
     for table in &tables {
         let surface = Isosurface::read(table)?;
-        if surfaces.iter().any(|other| other.value == surface.value) {
-            let message = format!("two isosurfaces have the value {}", surface.value);
-            let help = "leave one of them out: they are one surface";
-            return Err(table.mistake("value", message, help));
+        refuse! { table:
+            "value" if surfaces.iter().any(|other| other.value == surface.value),
+                format!("two isosurfaces have the value {}", surface.value),
+                "leave one of them out: they are one surface";
         }
         surfaces.push(surface);
     }

@@ -61,25 +61,21 @@ pub(super) fn read_formula(reader: &Reader) -> SceneResult<(NodeFormula, Lattice
         let message = format!("`{other}` has no effect on the field {name:?}");
         return Err(reader.error(other, message));
     }
-    if is_ramp {
-        let Some(slope) = reader.get("slope")? else {
-            let message = "the field \"ramp\" needs `slope`, its change from node to node";
-            let help = "give it, such as slope = [0.5, 0, 0.25]";
-            return Err(reader.mistake("field", message, help));
-        };
+    let slope = reader.get::<Option<DVec3>>("slope")?;
+    if let Some(slope) = slope {
         return Ok((NodeFormula::Ramp { value, slope }, lattice));
     }
-    let every = match reader.get("every")? {
-        Some(nodes) => Some((nodes, reader.optional("bright")?.unwrap_or(1.0))),
+    let every: Option<u32> = reader.get("every")?;
+    let every = match every {
+        Some(nodes) => Some((nodes as usize, reader.optional("bright")?.unwrap_or(1.0))),
         None => None,
     };
-    let every = every.map(|(nodes, bright): (u32, f64)| (nodes as usize, bright));
     let spots = reader.tables("spot")?;
-    if every.is_none() && spots.is_empty() {
-        let message = "the field \"spots\" has none";
-        let help =
+    refuse! { reader:
+        "field" if is_ramp, "the field \"ramp\" needs `slope`, its change from node to node",
+            "give it, such as slope = [0.5, 0, 0.25]";
+        "field" if every.is_none() && spots.is_empty(), "the field \"spots\" has none",
             "give `every`, such as every = 32, or `spot`, such as spot = [{ node = [3, 4, 5] }]";
-        return Err(reader.mistake("field", message, help));
     }
     let spot = |spot: &Reader| {
         let Spot { node, value } = Record::read(spot)?;
@@ -94,26 +90,22 @@ pub(super) fn read_formula(reader: &Reader) -> SceneResult<(NodeFormula, Lattice
 }
 
 fn read_lattice(reader: &Reader) -> SceneResult<Lattice> {
-    let Some(nodes) = reader.get::<Option<[u64; 3]>>("nodes")? else {
-        let message = "a formula needs `nodes`, the size of its grid";
-        return Err(reader.mistake("field", message, "give it, such as nodes = [64, 64, 32]"));
-    };
-    let [x, y, z] = nodes;
+    refuse! { reader:
+        "field" if !reader.has("nodes"), "a formula needs `nodes`, the size of its grid",
+            "give it, such as nodes = [64, 64, 32]";
+    }
+    let nodes @ [x, y, z]: [u64; 3] = reader.get("nodes")?;
     let count = x.checked_mul(y).and_then(|plane| plane.checked_mul(z));
-    if count.is_none_or(|count| count > MOST) {
-        let message = format!(
+    refuse! { reader:
+        "nodes" if count.is_none_or(|count| count > MOST), format!(
             "{x} × {y} × {z} nodes are too many: a formula is computed at no more than 2^27, which take 512 MiB"
-        );
-        return Err(reader.mistake("nodes", message, "give fewer nodes, or a file of that size"));
+        ), "give fewer nodes, or a file of that size";
     }
     let spacing = reader.optional("spacing")?.unwrap_or(DVec3::ONE);
     let first = reader.optional("origin")?.unwrap_or(DVec3::ZERO);
-    let centring = match reader.get::<Option<String>>("centring")?.as_deref() {
-        Some("cells") => Centring::Cells,
-        _ => Centring::Nodes,
-    };
+    let centring: Option<Centring> = reader.get("centring")?;
     let lattice = Lattice::new(nodes.map(|count| count as usize), spacing, first)
-        .and_then(|lattice| lattice.with_centring(centring));
+        .and_then(|lattice| lattice.with_centring(centring.unwrap_or_default()));
     lattice.map_err(|error| {
         let key = match error {
             LatticeError::First(_) => "origin",

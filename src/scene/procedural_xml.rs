@@ -201,30 +201,30 @@ fn only_medium<'a, 'i>(
     let media = || xml.descendants().filter(|node| node.has_tag_name("medium"));
     let mut procedural = media().filter(|node| node.attribute("type") == Some("procedural"));
     let Some(medium) = procedural.next() else {
-        let (node, message) = match media().next() {
-            None => {
-                let root = xml.root_element();
-                let message = format!("there is no <medium> in this <{}>", root.tag_name().name());
-                (root, message)
+        let node = media().next().unwrap_or(xml.root_element());
+        let message = match (node.tag_name().name(), node.attribute("type")) {
+            ("medium", Some(kind)) => {
+                format!("the medium is of the type {kind:?}, not \"procedural\"")
             }
-            Some(other) => match other.attribute("type") {
-                Some(kind) => {
-                    let message = format!("the medium is of the type {kind:?}, not \"procedural\"");
-                    (other, message)
-                }
-                None => (other, "the medium has no `type`".to_owned()),
-            },
+            ("medium", None) => "the medium has no `type`".to_owned(),
+            (root, _) => format!("there is no <medium> in this <{root}>"),
         };
-        let help = "expected one <medium type=\"procedural\">".to_owned();
-        let span = opening(document.text, node);
-        return Err(document.error(Some(span), message, Some(help)));
+        return Err(wrong(
+            document,
+            node,
+            message,
+            "expected one <medium type=\"procedural\">",
+        ));
     };
     if let Some(second) = procedural.next() {
         let line = line_of(document.text, medium.range().start);
         let message = format!("a second procedural medium; the first stands in line {line}");
-        let help = "put each medium into a file of its own".to_owned();
-        let span = opening(document.text, second);
-        return Err(document.error(Some(span), message, Some(help)));
+        return Err(wrong(
+            document,
+            second,
+            message,
+            "put each medium into a file of its own",
+        ));
     }
     Ok(medium)
 }
@@ -252,8 +252,7 @@ fn parameters<'a, 'i>(
         if let Some((first, ..)) = found.iter().find(|(first, ..)| first.value() == name) {
             let line = line_of(document.text, first.range().start);
             let message = format!("`{name}` is given a second time; the first is in line {line}");
-            let help = Some("keep one of them".to_owned());
-            return Err(document.error(Some(opening(document.text, child)), message, help));
+            return Err(wrong(document, child, message, "keep one of them"));
         }
         found.push(parameter);
     }
@@ -262,7 +261,6 @@ fn parameters<'a, 'i>(
 
 fn parameter<'a, 'i>(document: &Document, element: Node<'a, 'i>) -> SceneResult<Parameter<'a, 'i>> {
     let tag = element.tag_name().name();
-    let position = opening(document.text, element);
     if !TAGS.contains(&tag) {
         let help = match (tag, nearest(tag, TAGS)) {
             ("phase", _) => {
@@ -273,29 +271,25 @@ fn parameter<'a, 'i>(document: &Document, element: Node<'a, 'i>) -> SceneResult<
             (_, Some(near)) => format!("did you mean <{near}>?"),
             _ => format!("a procedural medium may hold: <{}>", TAGS.join(">, <")),
         };
-        return Err(document.error(
-            Some(position),
+        return Err(wrong(
+            document,
+            element,
             format!("unknown element <{tag}>"),
-            Some(help),
+            help,
         ));
     }
     check_attributes(document, element, &["name", "value", "id"])?;
     let attribute = |name: &str| {
         element.attribute_node(name).ok_or_else(|| {
             let help = format!("write <{tag} name=\"…\" value=\"…\"/>");
-            document.error(
-                Some(position.clone()),
-                format!("<{tag}> has no `{name}`"),
-                Some(help),
-            )
+            wrong(document, element, format!("<{tag}> has no `{name}`"), help)
         })
     };
     let (name, value) = (attribute("name")?, attribute("value")?);
     for child in element.children() {
         if child.is_element() {
             let message = format!("`{}` takes no elements", name.value());
-            let help = Some("remove its contents".to_owned());
-            return Err(document.error(Some(opening(document.text, child)), message, help));
+            return Err(wrong(document, child, message, "remove its contents"));
         }
         check_blank(document, child)?;
     }
@@ -352,6 +346,20 @@ fn check_blank(document: &Document, node: Node) -> SceneResult<()> {
     let help = "parameters are elements, such as <float name=\"gain\" value=\"0.5\"/>";
     let span = start..start + text.trim().len();
     Err(document.error(Some(span), message, Some(help.into())))
+}
+
+/// A mistake in an element.
+fn wrong(
+    document: &Document,
+    element: Node,
+    message: String,
+    help: impl Into<String>,
+) -> Box<SceneError> {
+    document.error(
+        Some(opening(document.text, element)),
+        message,
+        Some(help.into()),
+    )
 }
 
 /// Place of the first line of an element.

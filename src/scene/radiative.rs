@@ -243,16 +243,15 @@ fn read_scattering(reader: &Reader) -> SceneResult<Scattering> {
         reader.get::<String>("scattering")?,
         reader.get("max_bounces")?,
     );
-    match (scattering.as_str(), limit) {
-        ("none", None) => Ok(Scattering::None),
-        ("single", None) => Ok(Scattering::Single),
-        ("multiple", limit) => Ok(Scattering::Multiple(limit)),
-        _ => {
-            let message = format!("`max_bounces` has no effect with {scattering} scattering");
-            let help = "remove it, or set `scattering = \"multiple\"`";
-            Err(reader.mistake("max_bounces", message, help))
-        }
+    refuse! { reader:
+        "max_bounces" if scattering != "multiple", format!("`max_bounces` has no effect with {scattering} scattering"),
+            "remove it, or set `scattering = \"multiple\"`";
     }
+    Ok(match scattering.as_str() {
+        "none" => Scattering::None,
+        "single" => Scattering::Single,
+        _ => Scattering::Multiple(limit),
+    })
 }
 
 /// Half of the largest number an image of `f32` can hold leaves room for rounding.

@@ -91,15 +91,15 @@ impl<'d, 's> Reader<'d, 's> {
         log: &'d RefCell<Vec<Reading>>,
     ) -> SceneResult<Self> {
         let (span, table, path) = (table.span(), table.get_ref(), String::new());
-        Reader {
+        let reader = Reader {
             document,
             declaration,
             table,
             span,
             path,
             log,
-        }
-        .checked()
+        };
+        reader.checked()
     }
 
     /// Reads `value`, a table of `document` that messages call `path`, by `declaration`; `None` if it is none.
@@ -110,19 +110,19 @@ impl<'d, 's> Reader<'d, 's> {
         path: String,
         log: &'d RefCell<Vec<Reading>>,
     ) -> SceneResult<Option<Self>> {
-        let (span, table) = (value.span(), value.get_ref().as_table());
-        let reader = |table| {
-            Reader {
-                document,
-                declaration,
-                table,
-                span,
-                path,
-                log,
-            }
-            .checked()
+        let Some(table) = value.get_ref().as_table() else {
+            return Ok(None);
         };
-        table.map(reader).transpose()
+        let span = value.span();
+        let reader = Reader {
+            document,
+            declaration,
+            table,
+            span,
+            path,
+            log,
+        };
+        reader.checked().map(Some)
     }
 
     /// The reader of a table within this one.
@@ -133,14 +133,14 @@ impl<'d, 's> Reader<'d, 's> {
         span: Range<usize>,
         path: String,
     ) -> SceneResult<Self> {
-        Reader {
+        let reader = Reader {
             declaration,
             table,
             span,
             path,
             ..*self
-        }
-        .checked()
+        };
+        reader.checked()
     }
 
     /// Refuses keys that are not declared, and those that break a rule.

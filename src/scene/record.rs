@@ -42,6 +42,18 @@ macro_rules! record {
     };
 }
 
+/// Refuses the first key of a table that is given and wrong: each row has the key, the condition if it is not always wrong,
+/// the message, and the remedy; without one that is the description of the key.
+macro_rules! refuse {
+    ($reader:ident: $($key:literal $(if $is_wrong:expr)?, $message:expr $(, $help:expr)?;)+) => {
+        $(if $reader.has($key) $(&& $is_wrong)? {
+            return Err(refuse!(@ $reader $key, $message $(, $help)?));
+        })+
+    };
+    (@ $reader:ident $key:literal, $message:expr) => { $reader.error($key, $message) };
+    (@ $reader:ident $key:literal, $message:expr, $help:expr) => { $reader.mistake($key, $message, $help) };
+}
+
 /// A value that is one of several words.
 pub(super) trait Choice: Sized {
     /// The words, in the order of their choices.
@@ -51,14 +63,17 @@ pub(super) trait Choice: Sized {
     fn named(word: &str) -> Self;
 }
 
-/// Declares an enumeration as a [`Choice`].
+/// Makes an enumeration, declared here or elsewhere (`impl`), a [`Choice`].
 macro_rules! choice {
     ($(#[$meta:meta])* pub enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)+ }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum $name { $($(#[$doc])* $variant,)+ }
 
-        impl Choice for $name {
+        choice! { impl $name { $($variant = $word,)+ } }
+    };
+    (impl $name:ident { $($variant:ident = $word:literal,)+ }) => {
+        impl $crate::scene::record::Choice for $name {
             const WORDS: &[&str] = &[$($word),+];
 
             fn named(word: &str) -> $name {
@@ -69,9 +84,13 @@ macro_rules! choice {
             }
         }
 
-        impl Value for $name {
-            fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<$name> {
-                String::read(reader, name, value).map(|word| $name::named(&word))
+        impl $crate::scene::reader::Value for $name {
+            fn read(
+                reader: &$crate::scene::reader::Reader,
+                name: &str,
+                value: &toml::Spanned<toml::de::DeValue>,
+            ) -> $crate::scene::SceneResult<$name> {
+                String::read(reader, name, value).map(|word| $crate::scene::record::Choice::named(&word))
             }
 
             fn shown(&self) -> String {

@@ -8,7 +8,6 @@ use super::objects::{Objects, Volume};
 use super::reader::Reader;
 use super::{Classified, Compositing, Length, Mode, SceneResult};
 use crate::geometry::{Aabb, length_of};
-use crate::volume::PlacedBox;
 
 impl Classified {
     /// True if it composites volumes after the first, surfaces, clips or modulated opacities. Clips of projections
@@ -195,52 +194,38 @@ impl Classified {
     ) -> SceneResult<()> {
         self.check_objects_of_mode(reader)?;
         self.check_clips(reader, names)?;
+        let keys = self.conventions.keys_of_objects();
         if !self.has_objects() {
-            let keys = self.conventions.keys_of_objects();
-            if keys.is_empty() {
-                return Ok(());
+            refuse! { reader:
+                "conventions" if !keys.is_empty(), format!(
+                    "the scene has no further volumes, surfaces or clips, which these conventions are about: {}",
+                    keys.join(", ")
+                ), "leave the keys out";
             }
-            let message = format!(
-                "the scene has no further volumes, surfaces or clips, which these conventions are about: {}",
-                keys.join(", ")
-            );
-            return Err(reader.mistake("conventions", message, "leave the keys out"));
+            return Ok(());
         }
         let with = match self.objects.are_modulation_alone() {
             true => "modulated opacities",
             false => "several volumes, surfaces or clips",
         };
-        if !self.continuous {
-            let message = format!("with {with} samples are composited front to back");
-            let help = "leave `compositing` out: the order changes no more than rounding";
-            reader.without("compositing", message, help)?;
-        }
-        let message = format!("with {with} no ray is ended early");
-        reader.without("early_termination", message, "leave the key out")?;
-        let is_modulated =
-            (0..self.volume_count()).any(|index| self.modulation_of(index).is_some());
-        if !self.has_conventions_that_are_rendered() {
-            let (message, help) = if self.shadow.is_some() || is_modulated {
-                (
-                    "beside a shadow, or modulated opacities, several objects follow no conventions",
-                    "leave the table out, or `shadow` and `modulation`",
-                )
-            } else {
-                (
-                    "several volumes follow these conventions only where they are sampled by common steps",
-                    "add `volume_steps = \"common\"`, or leave the keys out",
-                )
-            };
-            return Err(reader.mistake("conventions", message, help));
-        }
-        if self.continuous && is_modulated {
-            let message = "modulated opacities are sampled: their integral is not known";
-            let help = "leave `compositing` out, and give a `step`";
-            return Err(reader.mistake("compositing", message, help));
-        }
-        if self.shadow.is_some() && is_modulated {
-            let message = "shadows of modulated opacities are not rendered";
-            return Err(reader.mistake("shadow", message, "leave `shadow` or `modulation` out"));
+        let mut volumes = 0..self.volume_count();
+        let is_modulated = volumes.any(|index| self.modulation_of(index).is_some());
+        let is_ordinary = self.has_conventions_that_are_rendered();
+        refuse! { reader:
+            "compositing" if !self.continuous, format!("with {with} samples are composited front to back"),
+                "leave `compositing` out: the order changes no more than rounding";
+            "early_termination", format!("with {with} no ray is ended early"), "leave the key out";
+            "conventions" if !is_ordinary && (self.shadow.is_some() || is_modulated),
+                "beside a shadow, or modulated opacities, several objects follow no conventions",
+                "leave the table out, or `shadow` and `modulation`";
+            "conventions" if !is_ordinary,
+                "several volumes follow these conventions only where they are sampled by common steps",
+                "add `volume_steps = \"common\"`, or leave the keys out";
+            "compositing" if self.continuous && is_modulated,
+                "modulated opacities are sampled: their integral is not known",
+                "leave `compositing` out, and give a `step`";
+            "shadow" if is_modulated, "shadows of modulated opacities are not rendered",
+                "leave `shadow` or `modulation` out";
         }
         self.check_common_steps()
             .map_err(|message| reader.error("conventions", message))
@@ -251,52 +236,42 @@ impl Classified {
         let is_one_volume = self.objects.volumes.is_empty()
             && self.objects.surfaces.is_empty()
             && self.objects.modulation.is_none();
-        if self.mode == Mode::Composited || is_one_volume {
-            return Ok(());
-        }
-        let with = if self.objects.are_modulation_alone() {
-            "modulated opacities"
-        } else {
-            "several volumes or surfaces"
+        let with = match self.objects.are_modulation_alone() {
+            true => "modulated opacities",
+            false => "several volumes or surfaces",
         };
-        let message = format!("with {with} samples are composited");
-        let help =
-            "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
-        Err(reader.mistake("mode", message, help))
-    }
-
-    fn check_clips(&self, reader: &Reader, names: &[Option<String>]) -> SceneResult<()> {
-        for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
-            self.check_clips_of(index, &alone.extent(), name.as_deref(), reader)?;
+        refuse! { reader:
+            "mode" if self.mode != Mode::Composited && !is_one_volume, format!("with {with} samples are composited"),
+                "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
         }
         Ok(())
     }
 
     /// Refuses clips that leave nothing of a volume: the first that does so alone, or with those before it.
-    fn check_clips_of(
-        &self,
-        index: usize,
-        extent: &PlacedBox,
-        name: Option<&str>,
-        reader: &Reader,
-    ) -> SceneResult<()> {
-        let clips = self.objects.clips.iter().enumerate();
-        let clips: Vec<_> = clips.filter(|(_, clip)| clip.cuts(index)).collect();
-        let leave_nothing = |clips: &[(usize, &Clip)]| {
-            !leave_something(extent, clips.iter().map(|(_, clip)| *clip))
-        };
-        let alone = clips.iter().find(|clip| leave_nothing(&[**clip]));
-        let count = (1..=clips.len()).find(|&count| leave_nothing(&clips[..count]));
-        let (number, which) = match (alone, count) {
-            (Some((number, _)), _) => (*number, "this clip leaves"),
-            (None, Some(count)) => (clips[count - 1].0, "this clip and those before it leave"),
-            (None, None) => return Ok(()),
-        };
-        let name = name.map_or(String::new(), |name| format!(", {name:?}"));
-        let message = format!("{which} nothing of volume {}{name}", index + 1);
-        let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
-                    normal points, or the inside of its box";
-        let tables = reader.tables("clip")?;
-        Err(tables[number].mistake_here(message, help))
+    fn check_clips(&self, reader: &Reader, names: &[Option<String>]) -> SceneResult<()> {
+        for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
+            let extent = alone.extent();
+            let clips = self.objects.clips.iter().enumerate();
+            let clips: Vec<_> = clips.filter(|(_, clip)| clip.cuts(index)).collect();
+            let leave_nothing = |clips: &[(usize, &Clip)]| {
+                !leave_something(&extent, clips.iter().map(|(_, clip)| *clip))
+            };
+            let alone = clips.iter().find(|clip| leave_nothing(&[**clip]));
+            let count = (1..=clips.len()).find(|&count| leave_nothing(&clips[..count]));
+            let (number, which) = match (alone, count) {
+                (Some((number, _)), _) => (*number, "this clip leaves"),
+                (None, Some(count)) => (clips[count - 1].0, "this clip and those before it leave"),
+                (None, None) => continue,
+            };
+            let name = name
+                .as_ref()
+                .map_or(String::new(), |name| format!(", {name:?}"));
+            let message = format!("{which} nothing of volume {}{name}", index + 1);
+            let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
+                        normal points, or the inside of its box";
+            let tables = reader.tables("clip")?;
+            return Err(tables[number].mistake_here(message, help));
+        }
+        Ok(())
     }
 }

@@ -75,15 +75,14 @@ pub(super) fn read_points<R: Record>(
 
 /// The key `range`, which holds more than a number.
 fn interval(reader: &Reader) -> SceneResult<Option<[f64; 2]>> {
-    match reader.get::<Option<[f64; 2]>>("range")? {
-        Some([low, high]) if low >= high => {
-            let message = format!(
-                "the range from {low} to {high} is empty: its second number must be above its first"
-            );
-            Err(reader.error("range", message))
+    let range = reader.get::<Option<[f64; 2]>>("range")?;
+    if let Some([low, high]) = range {
+        refuse! { reader:
+            "range" if low >= high,
+                format!("the range from {low} to {high} is empty: its second number must be above its first");
         }
-        range => Ok(range),
     }
+    Ok(range)
 }
 
 /// The range of values of a formula: that of its table, read by `table`, or, without it, that of a `volume` from a

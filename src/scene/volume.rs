@@ -5,9 +5,10 @@ use super::format::{Key, Kind, Range, Rule, Table, joined};
 use super::node_formula::{FORMULA, FORMULA_KEYS, ORIGIN, SPACING};
 use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
+use super::record::Choice;
 use crate::volume::{
-    AxisOrder, Centring, Content, LatticeError, LoadOptions, NonFinite, Orientation, Splatting,
-    volume_format,
+    AxisOrder, Centring, Content, Interpolation, LatticeError, LoadOptions, NonFinite, Orientation,
+    Splatting, volume_format,
 };
 use std::path::Path;
 
@@ -61,7 +62,7 @@ const KEYS: [Key; 8] = [
         .doc("Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included."),
     Key::or("padding", Kind::Count(0, 1024), "2")
         .doc("Point clouds only: empty nodes kept around the cloud on each side."),
-    Key::optional("centring", Kind::Choice(&["nodes", "cells"]))
+    Key::optional("centring", Kind::Choice(Centring::WORDS))
         .doc("Grids only: whether the box ends at the outermost nodes, or half a voxel beyond them; a .vol keeps its box, all others their nodes. If left out, as the file says, or else nodes."),
     Key::optional("replace_non_finite", Kind::Number(Range::STORED))
         .doc("Grids only: the value that takes the place of NaN and infinity. If left out, they are an error."),
@@ -69,9 +70,13 @@ const KEYS: [Key; 8] = [
         .doc("Grids only: \"world\" (default) permutes and flips the axes of the file to match the world axes and rejects oblique ones; \"as-stored\" uses them as x, y and z unchanged."),
     Key::optional("detached_anywhere", Kind::Flag)
         .doc("Grids only: whether a header may name a data file outside its own folder, directly or through a symbolic link. Default: false."),
-    Key::optional("axes", Kind::Choice(&["zyx", "xyz"]))
+    Key::optional("axes", Kind::Choice(AxisOrder::WORDS))
         .doc("Arrays (.npy, .npz) and described raw samples only: the order of their indices, in memory of C order: of \"zyx\" x runs fastest, of \"xyz\" z does. If left out, as the description says, or else \"zyx\"."),
 ];
+
+choice! { impl Centring { Nodes = "nodes", Cells = "cells", } }
+choice! { impl AxisOrder { Zyx = "zyx", Xyz = "xyz", } }
+choice! { impl Interpolation { Trilinear = "trilinear", Nearest = "nearest", } }
 
 /// The request of a table that names a volume file.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,44 +103,55 @@ impl VolumeRequest {
     pub(super) fn read(reader: &Reader, oblique: bool) -> SceneResult<VolumeRequest> {
         let file: String = reader.get("file")?;
         let format = volume_format(Path::new(&file));
-        let without = |keys: &[&'static str], what: &str| {
-            let given = keys.iter().find(|key| reader.has(key));
-            given.map_or(Ok(()), |key| {
-                Err(reader.error(key, format!("`{key}` applies to {what}")))
-            })
-        };
         let mut options = LoadOptions::default();
+        // A file in no known format is reported when it is loaded.
         let content = format.map(|format| format.content);
-        if content.is_some_and(|content| content != Content::Points) {
-            without(
+        let misplaced: [(&[&'static str], &[Content], _); 4] = [
+            (
                 &["resolution", "padding"],
-                &format!("point clouds; {file:?} brings a grid of its own"),
-            )?;
-            options.splatting.padding = 0;
-        } else {
-            // A file in no known format is reported when it is loaded.
-            if content.is_some() {
-                without(
-                    &[
-                        "centring",
-                        "replace_non_finite",
-                        "orientation",
-                        "detached_anywhere",
-                    ],
-                    &format!("grids; {file:?} is a point cloud"),
-                )?;
+                &[Content::Grid, Content::Samples, Content::Array],
+                format!("point clouds; {file:?} brings a grid of its own"),
+            ),
+            (
+                &[
+                    "centring",
+                    "replace_non_finite",
+                    "orientation",
+                    "detached_anywhere",
+                ],
+                &[Content::Points],
+                format!("grids; {file:?} is a point cloud"),
+            ),
+            (
+                &["spacing", "origin"],
+                &[Content::Points, Content::Grid, Content::Samples],
+                format!(".npy and .npz files; {file:?} states its own"),
+            ),
+            (
+                &["axes"],
+                &[Content::Points, Content::Grid],
+                format!(
+                    "arrays and raw samples; the format of {file:?} says in which order its values are"
+                ),
+            ),
+        ];
+        for (keys, without, what) in misplaced {
+            if let Some(key) = reader
+                .first_of(keys)
+                .filter(|_| content.is_some_and(|it| without.contains(&it)))
+            {
+                return Err(reader.error(key, format!("`{key}` applies to {what}")));
             }
+        }
+        options.splatting.padding = 0;
+        if matches!(content, None | Some(Content::Points)) {
             let resolution: Option<u32> = reader.get("resolution")?;
             options.splatting = Splatting {
                 resolution: resolution.map(|nodes| nodes as usize),
                 padding: reader.get::<u32>("padding")? as usize,
             };
         }
-        options.centring = match reader.optional::<String>("centring")?.as_deref() {
-            Some("cells") => Some(Centring::Cells),
-            Some(_) => Some(Centring::Nodes),
-            None => None,
-        };
+        options.centring = reader.get("centring")?;
         if let Some(value) = reader.optional::<f64>("replace_non_finite")? {
             options.non_finite = NonFinite::Replaced(value as f32);
         }
@@ -145,20 +161,9 @@ impl VolumeRequest {
             options.orientation = Orientation::Oblique;
         }
         options.detached_anywhere = reader.optional("detached_anywhere")?.unwrap_or(false);
-        if content.is_some_and(|content| content != Content::Array) {
-            let what = format!(".npy and .npz files; {file:?} states its own");
-            without(&["spacing", "origin"], &what)?;
-        }
-        if matches!(content, Some(Content::Points | Content::Grid)) {
-            let what = format!(
-                "arrays and raw samples; the format of {file:?} says in which order its values are"
-            );
-            without(&["axes"], &what)?;
-        }
-        let axes: Option<String> = reader.get("axes")?;
-        options.axes = axes.as_deref().and_then(AxisOrder::named);
-        options.spacing = reader.optional("spacing")?;
-        options.origin = reader.optional("origin")?;
+        options.axes = reader.get("axes")?;
+        options.spacing = reader.get("spacing")?;
+        options.origin = reader.get("origin")?;
         let is_spacing = |along: f64| along.is_normal() && along > 0.0;
         match options.spacing {
             Some(spacing) if !spacing.to_array().into_iter().all(is_spacing) => {

@@ -51,11 +51,6 @@ impl Blocks {
             .expect("at least one block")
     }
 
-    /// Bytes that the bounds take.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.ranges)
-    }
-
     /// The mean over all blocks of the middle between their bounds.
     pub(crate) fn typical(&self) -> f64 {
         let middles = self

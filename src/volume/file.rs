@@ -1,18 +1,10 @@
 //! Volumes from files, in the format of the extension.
 
-use super::course_grid::COURSE_GRID;
 use super::error::{VolumeError, VolumeFault};
-use super::format::VolumeFormat;
+use super::format::{Content, VolumeFormat};
 use super::grid::Grid;
 use super::load_options::LoadOptions;
-use super::meta_image::META_IMAGE;
-use super::mitsuba_vol::MITSUBA_VOL;
-use super::nifti::NIFTI;
-use super::npy_array::{NPY, NPZ};
-use super::nrrd::NRRD;
 use super::other_formats::{misnamed, remedy};
-use super::point_cloud::POINT_CLOUD;
-use super::raw_volume::BARE_SAMPLES;
 use super::samples::Stored;
 use super::source::{FileRead, VolumeSource};
 use crate::files::file_kind::{HEAD, OF_SLICES, ends_in};
@@ -20,18 +12,25 @@ use crate::geometry::Transform;
 use std::io::BufRead;
 use std::path::Path;
 
+/// Declares formats of volume files, one a row: name, extensions, content, and the function that reads a file.
+macro_rules! formats {
+    ($($name:literal, $extensions:expr, $content:ident, $read:path;)+) => {
+        [$(VolumeFormat { name: $name, extensions: &$extensions, content: Content::$content, read: $read },)+]
+    };
+}
+
 /// Every format that is read.
-const VOLUME_FORMATS: [&VolumeFormat; 9] = [
-    &POINT_CLOUD,
-    &COURSE_GRID,
-    &MITSUBA_VOL,
-    &NRRD,
-    &NIFTI,
-    &META_IMAGE,
-    &NPY,
-    &NPZ,
-    &BARE_SAMPLES,
-];
+static VOLUME_FORMATS: [VolumeFormat; 9] = formats! {
+    "Wavefront point cloud", [".obj"], Points, super::point_cloud::read;
+    "binary grid", [".bin"], Grid, super::course_grid::read;
+    "Mitsuba volume", [".vol"], Grid, super::mitsuba_vol::read;
+    "NRRD", [".nrrd", ".nhdr"], Grid, super::nrrd::read;
+    "NIfTI-1", [".nii", ".nii.gz"], Grid, super::nifti::read;
+    "MetaImage", [".mha", ".mhd"], Grid, super::meta_image::read;
+    "NumPy array", [".npy"], Array, super::npy_array::read;
+    "NumPy archive of one array", [".npz"], Array, super::npy_array::read_archive;
+    "raw samples, described in TOML", [".toml"], Samples, super::raw_volume::read;
+};
 
 /// A volume and its origin.
 #[derive(Clone, Debug)]
@@ -51,7 +50,7 @@ pub struct Loaded {
 
 /// The format of the file at `path`, by its extension.
 pub(crate) fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
-    VOLUME_FORMATS.into_iter().find(|format| {
+    VOLUME_FORMATS.iter().find(|format| {
         let mut extensions = format.extensions.iter();
         extensions.any(|extension| ends_in(path, extension))
     })
@@ -88,9 +87,10 @@ fn known_format(
 
 /// The supported formats with their extensions, as a list for people.
 pub(crate) fn volume_formats() -> String {
-    VOLUME_FORMATS
-        .map(|format| format!("{} ({})", format.extensions.join(" or "), format.name))
-        .join(", ")
+    let named =
+        |format: &VolumeFormat| format!("{} ({})", format.extensions.join(" or "), format.name);
+    let named: Vec<String> = VOLUME_FORMATS.iter().map(named).collect();
+    named.join(", ")
 }
 
 /// The grid of [`load_hashed`].
@@ -145,16 +145,16 @@ mod tests {
     #[test]
     fn formats_go_by_the_extension() {
         let of = |path: &str| volume_format(Path::new(path)).map(|format| format.name);
-        assert_eq!(of("a/b.obj"), Some(POINT_CLOUD.name));
-        assert_eq!(of("a.b/C.OBJ"), Some(POINT_CLOUD.name));
-        assert_eq!(of("smoke.bin"), Some(COURSE_GRID.name));
-        assert_eq!(of("smoke.vol"), Some(MITSUBA_VOL.name));
-        assert_eq!(of("a.nrrd"), Some(NRRD.name));
-        assert_eq!(of("a.Nhdr"), Some(NRRD.name));
-        assert_eq!(of("a.nii"), Some(NIFTI.name));
-        assert_eq!(of("a.b.NII.gz"), Some(NIFTI.name));
-        assert_eq!(of("a.NPY"), Some(NPY.name));
-        assert_eq!(of("a.raw.toml"), Some(BARE_SAMPLES.name));
+        assert_eq!(of("a/b.obj"), Some("Wavefront point cloud"));
+        assert_eq!(of("a.b/C.OBJ"), Some("Wavefront point cloud"));
+        assert_eq!(of("smoke.bin"), Some("binary grid"));
+        assert_eq!(of("smoke.vol"), Some("Mitsuba volume"));
+        assert_eq!(of("a.nrrd"), Some("NRRD"));
+        assert_eq!(of("a.Nhdr"), Some("NRRD"));
+        assert_eq!(of("a.nii"), Some("NIfTI-1"));
+        assert_eq!(of("a.b.NII.gz"), Some("NIfTI-1"));
+        assert_eq!(of("a.NPY"), Some("NumPy array"));
+        assert_eq!(of("a.raw.toml"), Some("raw samples, described in TOML"));
         for other in [
             "", "obj", ".obj", "a.obj.gz", "a.vdb", "a.", "a.gz", ".nii", ".nii.gz",
         ] {

@@ -17,8 +17,7 @@ pub(crate) enum Content {
     Array,
 }
 
-/// A format of volume files. A new one is a file that declares it, and a row of the table in
-/// `file.rs`.
+/// A format of volume files: a row of the table in `file.rs`.
 pub(crate) struct VolumeFormat {
     /// Name of the format.
     pub name: &'static str,

@@ -6,10 +6,6 @@ use crate::geometry::{Aabb, Direction};
 use crate::math::exp;
 use glam::DVec3;
 
-/// The same density everywhere.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConstantDensity(f64);
-
 /// A density that falls by the factor e per scale height, `density·e^(−h/H)`: air, or fog on the
 /// ground. `h` is the height above `base` in the direction `up`; below the base the density
 /// grows on, up to the largest number.
@@ -28,17 +24,6 @@ pub struct LinearRamp {
     density: f64,
     origin: DVec3,
     gradient: DVec3,
-}
-
-impl ConstantDensity {
-    /// Checks the density.
-    ///
-    /// # Errors
-    ///
-    /// [`InvalidParameter`].
-    pub fn new(density: f64) -> Result<ConstantDensity, InvalidParameter> {
-        checked_density(density).map(ConstantDensity)
-    }
 }
 
 impl ExponentialLayer {
@@ -127,16 +112,6 @@ impl LinearRamp {
     fn value(&self, point: DVec3) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| rise(self.gradient, self.origin, point, axis));
         self.density + (x + y + z)
-    }
-}
-
-impl DensityField for ConstantDensity {
-    fn density(&self, _: DVec3) -> f64 {
-        self.0
-    }
-
-    fn range_over(&self, _: &Aabb) -> DensityRange {
-        DensityRange::of(self.0)
     }
 }
 
@@ -230,9 +205,6 @@ mod tests {
             high: 1.5,
         };
         assert_eq!(ramp.range_over(&bounds), range);
-
-        let constant = ConstantDensity::new(0.25).unwrap();
-        assert_eq!(constant.range_over(&bounds), DensityRange::of(0.25));
     }
 
     #[test]
@@ -245,7 +217,6 @@ mod tests {
         assert_eq!(message(1.0, DVec3::ZERO, 1.0), up);
         let height = "scale height must be positive and finite, and not below 2.3e-308, got 0.0";
         assert_eq!(message(1.0, DVec3::Y, 0.0), height);
-        assert!(ConstantDensity::new(f64::INFINITY).is_err());
         assert!(LinearRamp::new(f64::NAN, DVec3::ZERO, DVec3::ZERO).is_err());
         let infinite = DVec3::new(f64::NEG_INFINITY, 0.0, 0.0);
         assert_eq!(

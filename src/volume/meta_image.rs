@@ -9,8 +9,7 @@
 //! decimal numbers, or compressed by zlib.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
-use super::nrrd::field::{HeaderField, shortened};
+use super::header_field::{HeaderField, HeaderFields, in_line, read_data, shortened};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{VolumeRead, check_sizes, read_grid};
 use super::source::VolumeSource;
@@ -20,14 +19,6 @@ use crate::files::misspelling::nearest;
 use glam::DVec3;
 use std::io::{BufRead, Read};
 use strsim::damerau_levenshtein;
-
-/// MetaImage, whose data may lie in another file.
-pub(super) const META_IMAGE: VolumeFormat = VolumeFormat {
-    name: "MetaImage",
-    extensions: &[".mha", ".mhd"],
-    content: Content::Grid,
-    read,
-};
 
 /// Fields that are read.
 const READ: [&str; 24] = [
@@ -94,19 +85,12 @@ const MOST_AXES: usize = 10;
 const WRITE_ONE: &str = "write one volume to one file, as by `SimpleITK.WriteImage(SimpleITK.ReadImage(\"a.mhd\"), \
                          \"one.mha\")`";
 
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     let header = Fields::read(source)?.header()?;
-    if header.is_local() {
-        return header.read_from(source, length, options);
-    }
-    let data = source.open_data(&header.data_file, options)?;
-    let length = data.remaining();
-    let read = header.read_from(data, length, options);
-    read.map_err(|fault| match fault {
-        // A fault with a place of its own needs the file of that place.
-        VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
-        _ => fault,
+    let name = Some(&*header.data_file).filter(|name| !name.eq_ignore_ascii_case("local"));
+    read_data(source, length, name, options, |data, length| {
+        header.read_from(data, length, options)
     })
 }
 
@@ -121,10 +105,6 @@ struct Header {
 }
 
 impl Header {
-    fn is_local(&self) -> bool {
-        self.data_file.eq_ignore_ascii_case("local")
-    }
-
     /// Reads the data from what is left of a source of `length` bytes.
     fn read_from(
         &self,
@@ -134,13 +114,11 @@ impl Header {
     ) -> VolumeRead {
         let mut layout = self.layout;
         let begin = length - source.remaining();
-        let samples: usize = layout.axes.sizes.iter().product();
-        let promised = samples as u64 * layout.element.bytes() as u64;
         let end = match (self.skip, layout.encoding) {
             (Some(0), _) => begin,
             (Some(skip), _) if (begin..=length).contains(&skip) => skip,
             // Too few are reported as a wrong length.
-            (None, Encoding::Raw) => length.saturating_sub(promised).max(begin),
+            (None, Encoding::Raw) => length.saturating_sub(layout.promised()).max(begin),
             (None, _) => return refused("`HeaderSize` of -1 needs data that are not compressed"),
             (Some(skip), _) => {
                 return refused(format!(
@@ -164,9 +142,9 @@ impl Header {
     }
 }
 
-/// The fields of a header: name, value, line.
+/// The fields of a header.
 #[derive(Default)]
-struct Fields(Vec<(&'static str, String, usize)>);
+struct Fields(HeaderFields);
 
 impl Fields {
     /// Reads the header at the beginning of `source`, which is left behind the line of `ElementDataFile`.
@@ -184,7 +162,7 @@ impl Fields {
             }
             let text = String::from_utf8_lossy(line.trim_ascii());
             fields.take(&text, number)?;
-            if fields.get("ElementDataFile").is_some() {
+            if fields.0.get("ElementDataFile").is_some() {
                 source.line = number;
                 break;
             }
@@ -193,7 +171,7 @@ impl Fields {
     }
 
     fn take(&mut self, text: &str, line: usize) -> Result<(), VolumeFault> {
-        let fault = |message| VolumeFault::Line(format!("{line}: {message}"));
+        let fault = |message: String| in_line(line, &message);
         if text.is_empty() {
             return Ok(());
         }
@@ -216,31 +194,18 @@ impl Fields {
                 )))
             });
         };
-        if self.get(field).is_some() {
-            return Err(fault(format!("the field `{field}` is there twice")));
-        }
-        self.0.push((field, value.trim().to_owned(), line));
-        Ok(())
-    }
-
-    fn get(&self, name: &str) -> Option<HeaderField<'_>> {
-        let found = self.0.iter().find(|(field, ..)| *field == name);
-        found.map(|(name, value, line)| HeaderField {
-            name,
-            value,
-            line: *line,
-        })
+        self.0.add(field, value.trim(), line)
     }
 
     fn required(&self, name: &str) -> Result<HeaderField<'_>, VolumeFault> {
         let missing =
             || format!("the header has no field `{name}`, which the format demands").into();
-        self.get(name).ok_or_else(missing)
+        self.0.get(name).ok_or_else(missing)
     }
 
     /// True or false, or `default` if the field is missing.
     fn flag(&self, name: &str, default: bool) -> Result<bool, VolumeFault> {
-        let Some(field) = self.get(name) else {
+        let Some(field) = self.0.get(name) else {
             return Ok(default);
         };
         match field.value.to_ascii_lowercase().as_str() {
@@ -252,7 +217,7 @@ impl Fields {
 
     /// A number; `default` if the field is missing.
     fn number(&self, name: &str, default: f64) -> Result<f64, VolumeFault> {
-        let field = self.get(name);
+        let field = self.0.get(name);
         field.map_or(Ok(default), |field| {
             field.number("a finite number", |number: &f64| number.is_finite())
         })
@@ -260,7 +225,7 @@ impl Fields {
 
     /// `count` numbers of the field with one of these names; two names must say the same.
     fn numbers(&self, names: &[&str], count: usize) -> Result<Option<Vec<f64>>, VolumeFault> {
-        let mut given = names.iter().filter_map(|name| self.get(name));
+        let mut given = names.iter().filter_map(|name| self.0.get(name));
         let Some(field) = given.next() else {
             return Ok(None);
         };
@@ -284,7 +249,7 @@ impl Fields {
     }
 
     fn header(&self) -> Result<Header, VolumeFault> {
-        if let Some(field) = self.get("ObjectType").filter(|it| it.value != "Image") {
+        if let Some(field) = self.0.get("ObjectType").filter(|it| it.value != "Image") {
             return Err(field.wrong("Image: only images are volumes"));
         }
         for (name, usual) in [
@@ -310,23 +275,23 @@ impl Fields {
             "BinaryDataByteOrderMSB",
             self.flag("ElementByteOrderMSB", false)?,
         )?;
-        let skip = match self.get("HeaderSize") {
+        let skip = match self.0.get("HeaderSize") {
             Some(field) if field.value == "-1" => None,
             Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
             None => Some(0),
         };
         let packed = self
+            .0
             .get("CompressedDataSize")
             .filter(|_| encoding == Encoding::Zlib);
         let packed = packed.map(|field| field.number("a number of bytes", |_: &u64| true));
+        let (axes, element) = (self.axes()?, self.element()?);
         Ok(Header {
             layout: Layout {
-                axes: self.axes()?,
-                element: self.element()?,
                 endian: if big { Endian::Big } else { Endian::Little },
                 encoding,
-                scaling: None,
                 space: Some("left-posterior-superior, as ITK takes it"),
+                ..Layout::raw(element, axes)
             },
             data_file: self.data_file()?,
             skip,

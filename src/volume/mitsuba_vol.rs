@@ -10,7 +10,6 @@
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, read_grid};
 use super::source::VolumeSource;
@@ -20,15 +19,7 @@ use glam::DVec3;
 /// Bytes of the header.
 const HEADER: usize = 48;
 
-/// Mitsuba's grid.
-pub(super) const MITSUBA_VOL: VolumeFormat = VolumeFormat {
-    name: "Mitsuba volume",
-    extensions: &[".vol"],
-    content: Content::Grid,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let mut header = [0; HEADER];
     let filled = fill(source, &mut header)?;
     if !header.starts_with(&b"VOL"[..filled.min(3)]) {

@@ -12,7 +12,6 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::orientation::{Axes, AxisSteps};
 use super::samples::{VolumeRead, check_sizes, fill, gunzipped, read_grid, read_unpacked};
 use super::source::VolumeSource;
@@ -31,15 +30,7 @@ const FIRST_DATA: u64 = 352;
 /// circle would else come out tilted by a thousandth.
 const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
 
-/// NIfTI-1, compressed or not.
-pub(super) const NIFTI: VolumeFormat = VolumeFormat {
-    name: "NIfTI-1",
-    extensions: &[".nii", ".nii.gz"],
-    content: Content::Grid,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     if !source.ends_in(".gz") {
         let layout = layout(source, Encoding::Raw, VolumeFault::from)?;
         return read_grid(source, &layout, options);
@@ -70,18 +61,20 @@ fn layout(
         ));
     }
     let header = NiftiHeader::new(&bytes)?;
+    let sizes = header.sizes()?;
+    let (steps, first, space) = header.positions()?;
     let layout = Layout {
         axes: Axes {
-            sizes: header.sizes()?,
-            steps: header.steps()?,
-            first: header.first()?,
+            sizes,
+            steps,
+            first,
             centring: Centring::Nodes,
         },
         element: header.element()?,
         endian: header.endian,
         encoding,
         scaling: header.scaling()?,
-        space: header.space(),
+        space,
     };
     let between = header.data_offset()? - HEADER as u64;
     io::copy(&mut source.take(between), &mut io::sink()).map_err(trouble)?;
@@ -96,14 +89,8 @@ struct NiftiHeader<'h> {
 
 impl<'h> NiftiHeader<'h> {
     fn new(bytes: &'h [u8; HEADER]) -> Result<NiftiHeader<'h>, VolumeFault> {
-        let little = NiftiHeader {
-            bytes,
-            endian: Endian::Little,
-        };
-        let big = NiftiHeader {
-            bytes,
-            endian: Endian::Big,
-        };
+        let [little, big] =
+            [Endian::Little, Endian::Big].map(|endian| NiftiHeader { bytes, endian });
         let header = match (little.int(0), big.int(0)) {
             (348, _) => little,
             (_, 348) => big,
@@ -236,23 +223,8 @@ impl<'h> NiftiHeader<'h> {
         Ok((slope != 1.0 || intercept != 0.0).then_some((slope, intercept)))
     }
 
-    fn by_sform(&self) -> bool {
-        self.short(254) > 0
-    }
-
     fn by_qform(&self) -> bool {
         self.short(252) > 0
-    }
-
-    /// Positions have none where neither form counts.
-    fn space(&self) -> Option<&'static str> {
-        if self.by_sform() {
-            Some("RAS+ (right, anterior, superior), by the sform")
-        } else if self.by_qform() {
-            Some("RAS+ (right, anterior, superior), by the qform")
-        } else {
-            None
-        }
     }
 
     /// The numbers from `at` on, which the fields `names` hold: they must be finite.
@@ -313,27 +285,28 @@ impl<'h> NiftiHeader<'h> {
         Ok(DVec3::from_array(spacing))
     }
 
-    fn first(&self) -> Result<DVec3, VolumeFault> {
-        Ok(if self.by_sform() {
-            DVec3::from_array(self.sform()?.map(|row| row[3]))
-        } else if self.by_qform() {
-            let names = ["qoffset_x", "qoffset_y", "qoffset_z"];
-            DVec3::from_array(self.finite(268, names)?)
-        } else {
-            DVec3::ZERO
-        })
-    }
-
-    fn steps(&self) -> Result<AxisSteps, VolumeFault> {
-        if self.by_sform() {
+    /// The steps along the axes, the position of the first sample, and the space of both, which have none where neither
+    /// form counts.
+    fn positions(&self) -> Result<(AxisSteps, DVec3, Option<&'static str>), VolumeFault> {
+        if self.short(254) > 0 {
             let rows = self.sform()?;
-            let column = |axis: usize| DVec3::from_array([0, 1, 2].map(|row| rows[row][axis]));
-            return Ok(AxisSteps::Directed([column(0), column(1), column(2)]));
+            let [x, y, z, first] =
+                [0, 1, 2, 3].map(|axis| DVec3::from_array(rows.map(|row| row[axis])));
+            let space = "RAS+ (right, anterior, superior), by the sform";
+            return Ok((AxisSteps::Directed([x, y, z]), first, Some(space)));
         }
         let spacing = self.spacing()?;
         if !self.by_qform() {
-            return Ok(AxisSteps::Upright(spacing));
+            return Ok((AxisSteps::Upright(spacing), DVec3::ZERO, None));
         }
+        let steps = self.turned(spacing)?;
+        let first = self.finite(268, ["qoffset_x", "qoffset_y", "qoffset_z"])?;
+        let space = "RAS+ (right, anterior, superior), by the qform";
+        Ok((steps, DVec3::from_array(first), Some(space)))
+    }
+
+    /// The steps along axes that the quaternion of the qform turns.
+    fn turned(&self, spacing: DVec3) -> Result<AxisSteps, VolumeFault> {
         let [dx, dy, dz] = spacing.to_array();
         let handedness = self.float(76);
         let [b, c, d] = self.finite(256, ["quatern_b", "quatern_c", "quatern_d"])?;

@@ -2,7 +2,6 @@
 //! (z, y, x), or (x, y, z) if asked for. They state no positions: spacing and origin are options.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::load_options::AxisOrder;
 use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
@@ -14,23 +13,7 @@ use glam::DVec3;
 use std::io::{self, Cursor, Read};
 use zip::ZipArchive;
 
-/// An array of NumPy.
-pub(super) const NPY: VolumeFormat = VolumeFormat {
-    name: "NumPy array",
-    extensions: &[".npy"],
-    content: Content::Array,
-    read,
-};
-
-/// An archive of one array, stored or deflated.
-pub(super) const NPZ: VolumeFormat = VolumeFormat {
-    name: "NumPy archive of one array",
-    extensions: &[".npz"],
-    content: Content::Array,
-    read: read_archive,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let layout = layout(&header(source)?, options)?;
     read_grid(source, &layout, &options.of_array())
 }
@@ -38,7 +21,7 @@ fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
 /// Largest archive read, in bytes: 4 GiB, which are held in memory.
 const MOST_BYTES: u64 = 1 << 32;
 
-fn read_archive(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read_archive(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     if length > MOST_BYTES {
         return refused(format!(

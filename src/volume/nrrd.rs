@@ -16,16 +16,14 @@
 //!
 //! A file with the wrong `endian` cannot be told apart from one with unusual values.
 
-pub(super) mod field;
 mod fields;
 mod geometry;
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
+use super::header_field::{HeaderFields, read_data};
 use super::samples::{VolumeRead, read_grid};
 use super::source::VolumeSource;
 use super::{Encoding, Layout, LoadOptions};
-use fields::Fields;
 use std::io::{BufRead, Read};
 
 /// A header, and the position of the data.
@@ -53,10 +51,8 @@ impl NrrdHeader {
             (Some(0), _) => 0,
             (Some(skip), Encoding::Raw | Encoding::Text) => skip,
             (None, Encoding::Raw) => {
-                let samples: usize = layout.axes.sizes.iter().product();
-                let promised = samples as u64 * layout.element.bytes() as u64;
                 // Too few are reported as a wrong length.
-                remaining.saturating_sub(promised)
+                remaining.saturating_sub(layout.promised())
             }
             (Some(_), Encoding::Gzip | Encoding::Zlib) => {
                 let message = "`byte skip` within compressed data is not read: write them without";
@@ -75,7 +71,7 @@ impl NrrdHeader {
     /// ends it.
     fn read(source: &mut VolumeSource) -> Result<NrrdHeader, VolumeFault> {
         let mut header = source.by_ref().take(LONGEST_HEADER as u64);
-        let mut fields = Fields::default();
+        let mut fields = HeaderFields::default();
         let mut line = Vec::new();
         let mut length = 0;
         let mut number = 0;
@@ -101,7 +97,7 @@ impl NrrdHeader {
                 ));
             }
             if text.is_empty() && (ended || read == 0) {
-                let header = fields.header()?;
+                let header = fields::header(&fields)?;
                 // A detached header may end with its last field.
                 if !ended && header.data_file.is_none() {
                     let message = "the file ends within its header: a blank line must follow it, \
@@ -111,30 +107,16 @@ impl NrrdHeader {
                 source.line = number;
                 return Ok(header);
             }
-            fields.take(&text, number)?;
+            fields::take(&mut fields, &text, number)?;
         }
     }
 }
 
-/// NRRD, whose data may lie in another file.
-pub(super) const NRRD: VolumeFormat = VolumeFormat {
-    name: "NRRD",
-    extensions: &[".nrrd", ".nhdr"],
-    content: Content::Grid,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let header = NrrdHeader::read(source)?;
-    let Some(name) = &header.data_file else {
-        return header.read_from(source, options);
-    };
-    let data = source.open_data(name, options)?;
-    let read = header.read_from(data, options);
-    read.map_err(|fault| match fault {
-        // A fault with a place of its own needs the file of that place.
-        VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
-        _ => fault,
+    let name = header.data_file.as_deref();
+    read_data(source, 0, name, options, |data, _| {
+        header.read_from(data, options)
     })
 }
 

@@ -1,7 +1,6 @@
 //! Point clouds as volumes: read from Wavefront OBJ, splatted to a grid.
 
 use super::error::VolumeFault;
-use super::format::{Content, VolumeFormat};
 use super::load_options::LoadOptions;
 use super::obj_points::read_obj_points;
 use super::samples::{Stored, VolumeRead};
@@ -13,15 +12,7 @@ use std::io::Read;
 /// Largest point cloud read, in bytes: 4 GiB, some hundred million points.
 const MOST_BYTES: u64 = 1 << 32;
 
-/// Point clouds in Wavefront OBJ. The splatted grid has the maximum 1.
-pub(super) const POINT_CLOUD: VolumeFormat = VolumeFormat {
-    name: "Wavefront point cloud",
-    extensions: &[".obj"],
-    content: Content::Points,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let bytes = source.remaining();
     if bytes > MOST_BYTES {
         return Err(VolumeFault::from(format!(

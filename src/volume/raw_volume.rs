@@ -16,7 +16,6 @@
 //! A wrong `endian` cannot be told apart from unusual values.
 
 use super::error::{VolumeFault, refused};
-use super::format::{Content, VolumeFormat};
 use super::load_options::AxisOrder;
 use super::orientation::{Axes, Orientation};
 use super::samples::{VolumeRead, check_sizes, read_grid};
@@ -32,15 +31,7 @@ use toml::{Spanned, Value};
 /// Longest description, in bytes: 1 MiB.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Bare samples by their description.
-pub(super) const BARE_SAMPLES: VolumeFormat = VolumeFormat {
-    name: "raw samples, described in TOML",
-    extensions: &[".toml"],
-    content: Content::Samples,
-    read,
-};
-
-fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
     if length > MOST_BYTES {
         return refused(format!(
@@ -201,9 +192,7 @@ impl RawVolume {
             layout.axes = layout.axes.reversed();
         }
         let packed = source.fill_buf()?.starts_with(&[0x1f, 0x8b]);
-        let samples: usize = layout.axes.sizes.iter().product();
-        let expected = samples as u64 * layout.element.bytes() as u64;
-        let more = source.remaining().saturating_sub(expected);
+        let more = source.remaining().saturating_sub(layout.promised());
         read_grid(source, &layout, &options.of_array()).map_err(|fault| {
             let remedy = match layout.encoding {
                 Encoding::Raw if packed => "the samples begin like gzip: `encoding = \"gzip\"` \

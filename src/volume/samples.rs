@@ -13,82 +13,81 @@ use crate::files::gzip;
 use crate::geometry::Aabb;
 use std::io::{self, BufRead, Read};
 
-/// The type of a stored sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Element {
+/// Declares the types of samples, one a row: name, type of Rust, and whether it is of whole numbers.
+macro_rules! elements {
+    ($($(#[$doc:meta])+ $variant:ident = $name:literal, $kind:ident $type:ty;)+) => {
+        /// The type of a stored sample.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Element { $($(#[$doc])+ $variant,)+ }
+
+        impl Element {
+            /// Every type, by its name.
+            pub const ALL: [(&'static str, Element); 11] = [$(($name, Element::$variant),)+];
+
+            /// Bytes of one sample.
+            pub fn bytes(self) -> usize {
+                match self { $(Element::$variant => size_of::<$type>(),)+ }
+            }
+
+            /// Least and most whole number; `None` of floating-point types.
+            fn whole_range(self) -> Option<(i128, i128)> {
+                match self { $(Element::$variant => elements!(range $kind $type),)+ }
+            }
+        }
+
+        impl Samples<'_> {
+            fn decode(&mut self, bytes: &[u8]) -> Result<(), VolumeFault> {
+                match (self.layout.element, self.layout.endian) {$(
+                    (Element::$variant, Endian::Little) => {
+                        self.push(bytes, |word| elements!(number $kind <$type>::from_le_bytes(word)))
+                    }
+                    (Element::$variant, Endian::Big) => {
+                        self.push(bytes, |word| elements!(number $kind <$type>::from_be_bytes(word)))
+                    }
+                )+}
+            }
+        }
+    };
+    (range whole $type:ty) => { Some((<$type>::MIN as i128, <$type>::MAX as i128)) };
+    (range float $type:ty) => { None };
+    (number whole $value:expr) => { $value as f64 };
+    (number float $value:expr) => { f64::from($value) };
+}
+
+elements! {
     /// Signed, 8 bits.
-    Int8,
+    Int8 = "int8", whole i8;
     /// Unsigned, 8 bits.
-    Uint8,
+    Uint8 = "uint8", whole u8;
     /// Signed, 16 bits.
-    Int16,
+    Int16 = "int16", whole i16;
     /// Unsigned, 16 bits.
-    Uint16,
+    Uint16 = "uint16", whole u16;
     /// Signed, 32 bits.
-    Int32,
+    Int32 = "int32", whole i32;
     /// Unsigned, 32 bits.
-    Uint32,
+    Uint32 = "uint32", whole u32;
     /// Signed, 64 bits.
-    Int64,
+    Int64 = "int64", whole i64;
     /// Unsigned, 64 bits.
-    Uint64,
+    Uint64 = "uint64", whole u64;
     /// IEEE 754 half precision.
-    Float16,
+    Float16 = "float16", float half::f16;
     /// IEEE 754 single precision.
-    Float32,
+    Float32 = "float32", float f32;
     /// IEEE 754 double precision.
-    Float64,
+    Float64 = "float64", float f64;
 }
 
 impl Element {
-    /// Every type, by its name.
-    pub const ALL: [(&'static str, Element); 11] = [
-        ("int8", Element::Int8),
-        ("uint8", Element::Uint8),
-        ("int16", Element::Int16),
-        ("uint16", Element::Uint16),
-        ("int32", Element::Int32),
-        ("uint32", Element::Uint32),
-        ("int64", Element::Int64),
-        ("uint64", Element::Uint64),
-        ("float16", Element::Float16),
-        ("float32", Element::Float32),
-        ("float64", Element::Float64),
-    ];
-
-    /// Bytes of one sample.
-    pub fn bytes(self) -> usize {
-        match self {
-            Element::Int8 | Element::Uint8 => 1,
-            Element::Int16 | Element::Uint16 | Element::Float16 => 2,
-            Element::Int32 | Element::Uint32 | Element::Float32 => 4,
-            Element::Int64 | Element::Uint64 | Element::Float64 => 8,
-        }
-    }
-
     /// True if samples are whole numbers.
     pub(crate) fn is_whole(self) -> bool {
-        !matches!(self, Element::Float16 | Element::Float32 | Element::Float64)
+        self.whole_range().is_some()
     }
 
     /// True if it has numbers that 32-bit floats do not hold.
     fn is_beyond_float32(self) -> bool {
         self.bytes() == 8 || matches!(self, Element::Int32 | Element::Uint32)
-    }
-
-    /// Least and most whole number; `None` of floating-point types.
-    fn whole_range(self) -> Option<(i128, i128)> {
-        let bits = 8 * self.bytes();
-        match self {
-            Element::Int8 | Element::Int16 | Element::Int32 | Element::Int64 => {
-                let half = 1 << (bits - 1);
-                Some((-half, half - 1))
-            }
-            Element::Uint8 | Element::Uint16 | Element::Uint32 | Element::Uint64 => {
-                Some((0, (1 << bits) - 1))
-            }
-            Element::Float16 | Element::Float32 | Element::Float64 => None,
-        }
     }
 
     /// Its name, such as `uint16`.
@@ -148,6 +147,12 @@ impl Layout {
             scaling: None,
             space: None,
         }
+    }
+
+    /// Bytes of all samples, not compressed. No overflow: a lattice has at most 2³¹ nodes.
+    pub(super) fn promised(&self) -> u64 {
+        let count: usize = self.axes.sizes.iter().product();
+        count as u64 * self.element.bytes() as u64
     }
 }
 
@@ -289,6 +294,9 @@ const CHUNK: usize = 1 << 18;
 /// Longest number read from text.
 const LONGEST_NUMBER: usize = 64;
 
+/// Bytes of text that a number takes at most, blanks included: a longer text is not held in memory.
+const MOST_OF_A_NUMBER: u64 = 256;
+
 struct Samples<'l> {
     layout: &'l Layout,
     non_finite: NonFinite,
@@ -310,13 +318,8 @@ impl<'l> Samples<'l> {
         }
     }
 
-    /// No overflow: a lattice has at most 2³¹ nodes.
-    fn promised(&self) -> u64 {
-        self.count as u64 * self.bytes_each as u64
-    }
-
     fn check_length(&self, found: u64) -> Result<(), VolumeFault> {
-        let promised = self.promised();
+        let promised = self.layout.promised();
         if found == promised {
             return Ok(());
         }
@@ -333,7 +336,7 @@ impl<'l> Samples<'l> {
     }
 
     fn check_density(&self, found: u64, most_expansion: f64) -> Result<(), VolumeFault> {
-        let promised = self.promised();
+        let promised = self.layout.promised();
         if promised as f64 <= found as f64 * most_expansion {
             return Ok(());
         }
@@ -383,30 +386,6 @@ impl<'l> Samples<'l> {
         match fill(source, &mut [0]).map_err(trouble)? {
             0 => Ok(()),
             _ => Err(self.goes_on()),
-        }
-    }
-
-    fn decode(&mut self, bytes: &[u8]) -> Result<(), VolumeFault> {
-        macro_rules! decode {
-            ($type:ty, $to_f64:expr) => {
-                match self.layout.endian {
-                    Endian::Little => self.push(bytes, |b| $to_f64(<$type>::from_le_bytes(b))),
-                    Endian::Big => self.push(bytes, |b| $to_f64(<$type>::from_be_bytes(b))),
-                }
-            };
-        }
-        match self.layout.element {
-            Element::Int8 => decode!(i8, f64::from),
-            Element::Uint8 => decode!(u8, f64::from),
-            Element::Int16 => decode!(i16, f64::from),
-            Element::Uint16 => decode!(u16, f64::from),
-            Element::Int32 => decode!(i32, f64::from),
-            Element::Uint32 => decode!(u32, f64::from),
-            Element::Int64 => decode!(i64, |x| x as f64),
-            Element::Uint64 => decode!(u64, |x| x as f64),
-            Element::Float16 => decode!(half::f16, f64::from),
-            Element::Float32 => decode!(f32, f64::from),
-            Element::Float64 => decode!(f64, |x| x),
         }
     }
 
@@ -478,61 +457,57 @@ impl<'l> Samples<'l> {
     }
 
     fn read_text(&mut self, source: &mut VolumeSource) -> Result<(), VolumeFault> {
-        let separates = |byte: u8| byte.is_ascii_whitespace() || byte == b',';
-        let mut word = Word {
-            bytes: Vec::new(),
-            line: source.line + 1,
-            column: 1,
-        };
-        loop {
-            let buffer = source.fill_buf()?;
-            let length = buffer.len();
-            if length == 0 {
-                break;
-            }
-            // The borrow of the buffer ends before samples are taken from its copy.
-            let bytes = buffer.to_vec();
-            source.consume(length);
-            for byte in bytes {
-                if !separates(byte) {
-                    word.bytes.push(byte);
-                    if word.bytes.len() > LONGEST_NUMBER {
-                        return Err(self.wrong_word(&word, "no number"));
-                    }
-                    continue;
-                }
-                self.take_word(&mut word)?;
-                word.column += 1;
-                if byte == b'\n' {
-                    (word.line, word.column) = (word.line + 1, 1);
-                }
-            }
-        }
-        // Writers end the last number as they do the others; one that is cut short is a number, too.
-        if !word.bytes.is_empty() && self.values.len() + 1 == self.count {
-            let message = "the last of the text, with nothing behind it, and may have lost digits: \
-                           copy the file again, or end it with a line break if it is whole";
-            return Err(self.wrong_word(&word, message));
-        }
-        self.take_word(&mut word)?;
-        if self.values.len() < self.count {
-            return Err(self.ends());
-        }
-        Ok(())
-    }
-
-    /// Takes the sample that `word` stands for, if there is one, and leaves it empty.
-    fn take_word(&mut self, word: &mut Word) -> Result<(), VolumeFault> {
-        if word.bytes.is_empty() {
-            return Ok(());
-        }
-        if self.values.len() == self.count {
+        let separates = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
+        if source.remaining() > self.count as u64 * MOST_OF_A_NUMBER + CHUNK as u64 {
             return Err(self.goes_on());
         }
-        let text = std::str::from_utf8(&word.bytes).unwrap_or_default();
-        let number: f64 = text
-            .parse()
-            .map_err(|_| self.wrong_word(word, "no number"))?;
+        let (first_line, mut text, mut at) = (source.line + 1, Vec::new(), 0);
+        source.read_to_end(&mut text)?;
+        for piece in text.split_inclusive(separates) {
+            let word = piece.strip_suffix(b",").unwrap_or(piece).trim_ascii();
+            let before = &text[..at];
+            at += piece.len();
+            if word.is_empty() {
+                continue;
+            }
+            if self.values.len() == self.count {
+                return Err(self.goes_on());
+            }
+            let is_ended = piece.last().is_some_and(separates);
+            let number = self.number(word, is_ended).map_err(|message| {
+                let line = first_line + before.iter().filter(|byte| **byte == b'\n').count();
+                let mut lines = before.rsplit(|byte| *byte == b'\n');
+                let column = 1 + lines.next().map_or(0, <[u8]>::len);
+                let (index, word) = (self.values.len(), &word[..word.len().min(LONGEST_NUMBER)]);
+                let word = String::from_utf8_lossy(word);
+                VolumeFault::Line(format!(
+                    "{line}:{column}: sample {index} is {word:?}, {message}"
+                ))
+            })?;
+            self.grow(1)?;
+            self.push(&[0; 1], |_: [u8; 1]| number)?;
+        }
+        match self.values.len() < self.count {
+            true => Err(self.ends()),
+            false => Ok(()),
+        }
+    }
+
+    /// The sample that `word` stands for, or what it is instead.
+    fn number(&self, word: &[u8], is_ended: bool) -> Result<f64, String> {
+        let text = std::str::from_utf8(word)
+            .ok()
+            .filter(|text| text.len() <= LONGEST_NUMBER);
+        let number = text.and_then(|text| text.parse::<f64>().ok());
+        let (text, number) = text.zip(number).ok_or("no number")?;
+        // Writers end the last number as they do the others; one that is cut short is a number, too.
+        if !is_ended && self.values.len() + 1 == self.count {
+            return Err(
+                "the last of the text, with nothing behind it, and may have lost digits: copy the file again, or end \
+                 it with a line break if it is whole"
+                    .to_owned(),
+            );
+        }
         if let Some((least, most)) = self.layout.element.whole_range() {
             let fits = match text.parse::<i128>() {
                 Ok(whole) => (least..=most).contains(&whole),
@@ -541,26 +516,12 @@ impl<'l> Samples<'l> {
             };
             if !fits {
                 let element = self.layout.element.name();
-                let message = format!(
-                    "no {element}, a whole number from {least} to {most}: correct it, or the type \
-                     in the header"
-                );
-                return Err(self.wrong_word(word, &message));
+                return Err(format!(
+                    "no {element}, a whole number from {least} to {most}: correct it, or the type in the header"
+                ));
             }
         }
-        word.column += word.bytes.len();
-        word.bytes.clear();
-        self.grow(1)?;
-        self.push(&[0; 1], |_: [u8; 1]| number)
-    }
-
-    /// The error of a word of the text.
-    fn wrong_word(&self, word: &Word, message: &str) -> VolumeFault {
-        let (index, text) = (self.values.len(), String::from_utf8_lossy(&word.bytes));
-        let Word { line, column, .. } = word;
-        VolumeFault::Line(format!(
-            "{line}:{column}: sample {index} is {text:?}, {message}"
-        ))
+        Ok(number)
     }
 
     /// The data end early.
@@ -591,15 +552,6 @@ impl<'l> Samples<'l> {
             .map(|size| size.to_string())
             .join(" × ")
     }
-}
-
-/// A word of a text, as far as it was read.
-struct Word {
-    bytes: Vec<u8>,
-    /// Line of its first byte, the first being 1.
-    line: usize,
-    /// Column of its first byte, in bytes, the first being 1.
-    column: usize,
 }
 
 /// Reads until `bytes` are full or the source ends. The number of bytes read.

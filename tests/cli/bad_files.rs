@@ -43,15 +43,15 @@ fn grids() {
         ),
         (
             &whole[..24],
-            &["56 bytes in total", "the file has 24", "truncated"],
+            &["32 bytes", "but 0 bytes follow", "truncated"],
         ),
         (
             &whole[..whole.len() - 1],
-            &["56 bytes in total", "the file has 55", "truncated"],
+            &["32 bytes", "but 31 bytes follow", "truncated"],
         ),
         (
             &[&whole[..], b"more"].concat(),
-            &["the file has 60", "contains something else"],
+            &["but 36 bytes follow", "contains something else"],
         ),
         // 2^60 voxels: refused by the header, before anything is allocated.
         (&bomb, &["1048576 × 1048576 × 1048576"]),

@@ -58,8 +58,8 @@ fn sizes_are_checked_before_reading() {
     file.set_len(SIZE).unwrap();
     assert_eq!(
         message(&folder, &grid),
-        "huge.bin: the header declares 2 × 2 × 2 float32 densities, 56 bytes in total, but \
-         the file has 1099511627776 bytes: it contains something else as well, or is not float32"
+        "huge.bin: the header declares 2 × 2 × 2 samples of float32, 32 bytes, but 1099511627752 bytes \
+         follow it: the file contains something else as well, or has another type or size"
     );
 }
 

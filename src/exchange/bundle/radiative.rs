@@ -149,11 +149,6 @@ impl Parts<'_, '_> {
 
     fn density(&mut self, density: &Density) -> Entries {
         match density.field() {
-            Field::Constant(_) => self.named(
-                "constant",
-                "density = value",
-                [("value", density.range().high.into())],
-            ),
             Field::Grid(field) => {
                 let file = self.raw.grid(field.shared());
                 let interpolation = interpolation(field.interpolation());

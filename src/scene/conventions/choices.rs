@@ -1,11 +1,5 @@
 //! Conventions with several choices, and mistakes beside them.
 
-use crate::scene::SceneResult;
-use crate::scene::reader::{Reader, Value};
-use crate::scene::record::Choice;
-use toml::Spanned;
-use toml::de::DeValue;
-
 choice! {
     /// Numbers in which values are stored.
     pub enum StoredValues {

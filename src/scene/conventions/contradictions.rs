@@ -13,15 +13,6 @@ const FITTED: &str =
 const BOX_OF_NODES: &str =
     "with `centring = \"cells\"` values fill the box of the nodes: leave one of them out";
 
-/// Refuses the first stated key that has no effect beside others, with a reason and a remedy.
-macro_rules! refuse {
-    ($reader:ident: $($key:literal if $is_wrong:expr, $message:expr;)+) => {
-        $(if $is_wrong && $reader.has($key) {
-            return Err($reader.error($key, $message));
-        })+
-    };
-}
-
 impl Conventions {
     /// Refuses keys without effect beside others.
     pub(super) fn check(&self, reader: &Reader) -> SceneResult<()> {

@@ -6,7 +6,7 @@ use crate::scene::SceneResult;
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
-use crate::scene::record::Record;
+use crate::scene::record::{Choice, Record};
 use crate::scene::volume::VOLUME;
 use crate::scene::{ProceduralMedium, read_procedural};
 use crate::volume::{
@@ -69,7 +69,7 @@ record! {
 pub(super) const DENSITIES: [Key; 7] = [
     Key::optional("grid", Kind::Table(&VOLUME))
         .doc("Density: that of a grid or point cloud, in the box of its own unless the medium has a shape."),
-    Key::optional("interpolation", Kind::Choice(&["trilinear", "nearest"]))
+    Key::optional("interpolation", Kind::Choice(Interpolation::WORDS))
         .doc("With `grid`: how densities between the nodes follow from those at the nodes; trilinear if left out."),
     Key::optional("noise", Kind::Table(&FractalParameters::TABLE)).doc("Density: fractal noise."),
     Key::optional("exponential", Kind::Table(&Exponential::TABLE))
@@ -108,20 +108,16 @@ pub(super) fn procedural(
 
 /// The density that a medium gives by any other of [`KEYS`]; none if it is the same everywhere.
 pub(super) fn field(reader: &Reader, files: &mut Files) -> SceneResult<Option<Field>> {
-    let interpolation: Option<String> = reader.get("interpolation")?;
+    let interpolation: Option<Interpolation> = reader.get("interpolation")?;
     if let Some(grid) = reader.table("grid")? {
-        let interpolation = match interpolation.as_deref() {
-            Some("nearest") => Interpolation::Nearest,
-            _ => Interpolation::Trilinear,
-        };
+        let interpolation = interpolation.unwrap_or(Interpolation::Trilinear);
         let help = "densities must not be negative: shift or scale the values";
         let density = GridDensity::new(files.densities(&grid, help)?, interpolation);
         return Ok(Some(Field::Grid(density)));
     }
-    if interpolation.is_some() {
-        let message = "`interpolation` belongs to a grid, and the medium has none";
-        let help = "remove it, or give the medium a `grid`";
-        return Err(reader.mistake("interpolation", message, help));
+    refuse! { reader:
+        "interpolation", "`interpolation` belongs to a grid, and the medium has none",
+            "remove it, or give the medium a `grid`";
     }
     if let Some(table) = reader.table("noise")? {
         let noise = FractalDensity::new(Record::read(&table)?);

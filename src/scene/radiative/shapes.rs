@@ -118,10 +118,9 @@ pub(in crate::scene) fn shape(
     let transform = ShapeTransform::read(reader)?;
     if let Shape::Box(cuboid) = &form {
         let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
-        if flat > 1 {
-            let message = "the box is a line or a point: no ray can meet it";
-            let help = "give `max` larger coordinates than `min` on two axes or all three";
-            return Err(reader.mistake("box", message, help));
+        refuse! { reader:
+            "box" if flat > 1, "the box is a line or a point: no ray can meet it",
+                "give `max` larger coordinates than `min` on two axes or all three";
         }
         if solid && flat == 1 {
             return Err(flat_box(reader, "glass"));
@@ -153,13 +152,12 @@ pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Lumino
     let shape = match (form, &transform.to_world) {
         (Shape::Sphere(sphere), None) => Luminous::Sphere(sphere),
         (Shape::Sphere(sphere), Some(to_world)) => {
-            let Some(factor) = transform.uniform_scale() else {
-                return Err(reader.mistake(
-                    "scale",
-                    "an emitting sphere cannot be stretched to an ellipsoid",
-                    "scale by the same factor along x, y and z, or give a mesh of the ellipsoid",
-                ));
-            };
+            let factor = transform.uniform_scale().ok_or_else(|| {
+                let message = "an emitting sphere cannot be stretched to an ellipsoid";
+                let help =
+                    "scale by the same factor along x, y and z, or give a mesh of the ellipsoid";
+                reader.mistake("scale", message, help)
+            })?;
             let centre = to_world.point(sphere.centre());
             let sphere = Sphere::new(centre, sphere.radius() * factor);
             Luminous::Sphere(reader.accepted_at("sphere", sphere)?)

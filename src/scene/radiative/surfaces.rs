@@ -6,7 +6,7 @@ use crate::scene::SceneResult;
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
 use crate::scene::reader::Reader;
-use crate::scene::record::Record;
+use crate::scene::record::{Choice, Record};
 use glam::DVec3;
 
 /// The declaration of `[[radiative.surface]]`.
@@ -29,10 +29,12 @@ const KEYS: [Key; 11] = joined(&[
     ],
 ]);
 
+choice! { impl Sides { Front = "front", Both = "both", } }
+
 record! {
     struct Emitter in "Emits light and reflects none." {
         radiance: DVec3 = required Colour(Range::NOT_NEGATIVE), "Linear radiance, the same in every direction.";
-        sides: String = or("'front'") Choice(&["front", "both"]),
+        sides: Sides = or("'front'") Choice(Sides::WORDS),
             "Sides that emit; the front of a closed shape is its outside.";
     }
 }
@@ -75,10 +77,7 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<SurfaceKin
         return Ok(SurfaceKind::AreaLight(AreaLight {
             shape,
             radiance: emitter.radiance,
-            sides: match emitter.sides.as_str() {
-                "both" => Sides::Both,
-                _ => Sides::Front,
-            },
+            sides: emitter.sides,
         }));
     }
     let glass = reader.table("glass")?;

@@ -244,19 +244,6 @@ impl<'d, 's> Reader<'d, 's> {
         self.value(name).is_some()
     }
 
-    /// Refuses a key that the file holds, for a reason, with the remedy.
-    pub(crate) fn without(
-        &self,
-        name: &str,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> SceneResult<()> {
-        match self.has(name) {
-            true => Err(self.mistake(name, message, help)),
-            false => Ok(()),
-        }
-    }
-
     /// The first of some keys that the file holds.
     pub(crate) fn first_of<'k>(&self, names: &[&'k str]) -> Option<&'k str> {
         names.iter().copied().find(|name| self.has(name))

@@ -1,8 +1,9 @@
 //! The fields of a header of NRRD: which there are, and the layout of the data that they state.
 
 use super::NrrdHeader;
-use super::field::{HeaderField, shortened};
+use super::geometry;
 use crate::volume::error::VolumeFault;
+use crate::volume::header_field::{HeaderField, HeaderFields, in_line, shortened};
 use crate::volume::{Element, Encoding, Endian, Layout};
 
 /// As Teem: more axes than anybody uses.
@@ -59,147 +60,131 @@ fn is_listed(list: &str, word: &str) -> bool {
     list.split(", ").any(|listed| listed == word)
 }
 
-/// The fields of a header as they stand there: name, value, line.
-#[derive(Default)]
-pub(super) struct Fields(Vec<(&'static str, String, usize)>);
-
-impl Fields {
-    pub(super) fn take(&mut self, text: &str, line: usize) -> Result<(), VolumeFault> {
-        let fault = |message: String| VolumeFault::Line(format!("{line}: {message}"));
-        if text.starts_with('#') {
-            return Ok(());
-        }
-        let (name, value) = text.split_once(':').ok_or_else(|| {
-            let text = shortened(text);
-            fault(format!(
-                "a line of the header is `field: value`, `key:=value` or `# comment`, not {text:?}"
-            ))
-        })?;
-        if value.starts_with('=') {
-            return Ok(());
-        }
-        let name = name.trim().to_ascii_lowercase();
-        if is_listed(IGNORED, &name) {
-            return Ok(());
-        }
-        let spelling = SPELLINGS.iter().find(|(spelt, _)| *spelt == name);
-        let usual = spelling.map_or(&*name, |(_, usual)| usual);
-        let known = READ.split(", ").find(|field| *field == usual);
-        let field = known.ok_or_else(|| {
-            let name = shortened(&name);
-            fault(format!(
-                "{name:?} is not a field of the format: correct it, or put `#` before it"
-            ))
-        })?;
-        if self.0.iter().any(|(other, ..)| *other == field) {
-            return Err(fault(format!("the field `{field}` is there twice")));
-        }
-        let value = value.trim();
-        if field == "data file" {
-            // Here, as a list of names follows the field up to the end of the header.
-            let name = field;
-            HeaderField { name, value, line }.check_one_file()?;
-        }
-        self.0.push((field, value.to_owned(), line));
-        Ok(())
+/// Adds the field of a line of a header.
+pub(super) fn take(fields: &mut HeaderFields, text: &str, line: usize) -> Result<(), VolumeFault> {
+    let fault = |message: String| in_line(line, &message);
+    if text.starts_with('#') {
+        return Ok(());
     }
-
-    pub(super) fn get(&self, name: &'static str) -> Option<HeaderField<'_>> {
-        let found = self.0.iter().find(|(field, ..)| *field == name);
-        found.map(|(name, value, line)| HeaderField {
-            name,
-            value,
-            line: *line,
-        })
+    let (name, value) = text.split_once(':').ok_or_else(|| {
+        let text = shortened(text);
+        fault(format!(
+            "a line of the header is `field: value`, `key:=value` or `# comment`, not {text:?}"
+        ))
+    })?;
+    if value.starts_with('=') {
+        return Ok(());
     }
-
-    fn required(&self, name: &'static str) -> Result<HeaderField<'_>, VolumeFault> {
-        self.get(name).ok_or_else(|| missing(name))
+    let name = name.trim().to_ascii_lowercase();
+    if is_listed(IGNORED, &name) {
+        return Ok(());
     }
-
-    pub(super) fn header(&self) -> Result<NrrdHeader, VolumeFault> {
-        let dimension = self.required("dimension")?;
-        let expected = "the number of axes, from 1 to 16";
-        let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
-        let element = self.element()?;
-        let encoding = self.encoding()?;
-        let data_file = self.get("data file").map(|field| field.value.to_owned());
-        let endian = match self.get("endian") {
-            Some(field) => match field.value.to_ascii_lowercase().as_str() {
-                "little" => Endian::Little,
-                "big" => Endian::Big,
-                _ => return Err(field.wrong("little or big")),
-            },
-            None if element.bytes() > 1 && encoding != Encoding::Text => {
-                return Err(missing("endian"));
-            }
-            None => Endian::Little,
-        };
-        let sizes = self.required("sizes")?;
-        let expected = "positive whole numbers";
-        let sizes: Vec<u64> = sizes.each(dimension, |text| {
-            let size = text.parse().ok().filter(|&size| size > 0);
-            size.ok_or_else(|| sizes.wrong(expected))
-        })?;
-        let axes = self.axes(&sizes)?;
-        let line_skip = match self.get("line skip") {
-            Some(field) => field.number("a number of lines", |_| true)?,
-            None => 0,
-        };
-        let byte_skip = match self.get("byte skip") {
-            Some(field) if field.value == "-1" => None,
-            Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
-            None => Some(0),
-        };
-        Ok(NrrdHeader {
-            layout: Layout {
-                axes,
-                element,
-                endian,
-                encoding,
-                scaling: None,
-                space: self.space(),
-            },
-            data_file,
-            line_skip,
-            byte_skip,
-        })
+    let spelling = SPELLINGS.iter().find(|(spelt, _)| *spelt == name);
+    let usual = spelling.map_or(&*name, |(_, usual)| usual);
+    let known = READ.split(", ").find(|field| *field == usual);
+    let field = known.ok_or_else(|| {
+        let name = shortened(&name);
+        fault(format!(
+            "{name:?} is not a field of the format: correct it, or put `#` before it"
+        ))
+    })?;
+    let value = value.trim();
+    if field == "data file" {
+        // Here, as a list of names follows the field up to the end of the header.
+        let name = field;
+        HeaderField { name, value, line }.check_one_file()?;
     }
+    fields.add(field, value, line)
+}
 
-    fn element(&self) -> Result<Element, VolumeFault> {
-        let field = self.required("type")?;
-        let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
-        let written = words.join(" ").to_ascii_lowercase();
-        if written == "block" {
-            return Err(field.fault("samples of type block are not numbers"));
+fn required<'f>(
+    fields: &'f HeaderFields,
+    name: &'static str,
+) -> Result<HeaderField<'f>, VolumeFault> {
+    fields.get(name).ok_or_else(|| missing(name))
+}
+
+/// The header that its fields state.
+pub(super) fn header(fields: &HeaderFields) -> Result<NrrdHeader, VolumeFault> {
+    let dimension = required(fields, "dimension")?;
+    let expected = "the number of axes, from 1 to 16";
+    let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
+    let element = element(fields)?;
+    let encoding = encoding(fields)?;
+    let data_file = fields.get("data file").map(|field| field.value.to_owned());
+    let endian = match fields.get("endian") {
+        Some(field) => match field.value.to_ascii_lowercase().as_str() {
+            "little" => Endian::Little,
+            "big" => Endian::Big,
+            _ => return Err(field.wrong("little or big")),
+        },
+        None if element.bytes() > 1 && encoding != Encoding::Text => {
+            return Err(missing("endian"));
         }
-        let mut types = TYPES.iter();
-        let found = types.find(|(_, names)| is_listed(names, &written));
-        let expected = "a type of the format, such as uint8, short or float";
-        found
-            .map(|(element, _)| *element)
-            .ok_or_else(|| field.wrong(expected))
-    }
+        None => Endian::Little,
+    };
+    let sizes = required(fields, "sizes")?;
+    let expected = "positive whole numbers";
+    let sizes: Vec<u64> = sizes.each(dimension, |text| {
+        let size = text.parse().ok().filter(|&size| size > 0);
+        size.ok_or_else(|| sizes.wrong(expected))
+    })?;
+    let axes = geometry::axes(fields, &sizes)?;
+    let line_skip = match fields.get("line skip") {
+        Some(field) => field.number("a number of lines", |_| true)?,
+        None => 0,
+    };
+    let byte_skip = match fields.get("byte skip") {
+        Some(field) if field.value == "-1" => None,
+        Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
+        None => Some(0),
+    };
+    Ok(NrrdHeader {
+        layout: Layout {
+            endian,
+            encoding,
+            space: geometry::space(fields),
+            ..Layout::raw(element, axes)
+        },
+        data_file,
+        line_skip,
+        byte_skip,
+    })
+}
 
-    fn encoding(&self) -> Result<Encoding, VolumeFault> {
-        let field = self.required("encoding")?;
-        let unread = |name| {
-            field.fault(&format!(
-                "the encoding is {name}, and raw, gzip and text are read: write the file again as \
-                 one"
-            ))
-        };
-        match field.value.to_ascii_lowercase().as_str() {
-            "raw" => Ok(Encoding::Raw),
-            "gzip" | "gz" => Ok(Encoding::Gzip),
-            "txt" | "text" | "ascii" => Ok(Encoding::Text),
-            "hex" => Err(unread("hex")),
-            "bzip2" | "bz2" => Err(unread("bzip2")),
-            _ => Err(field.fault(&format!(
-                "{:?} is not an encoding of the format: known are raw, gzip, text, hex and bzip2",
-                shortened(field.value)
-            ))),
-        }
+fn element(fields: &HeaderFields) -> Result<Element, VolumeFault> {
+    let field = required(fields, "type")?;
+    let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
+    let written = words.join(" ").to_ascii_lowercase();
+    if written == "block" {
+        return Err(field.fault("samples of type block are not numbers"));
+    }
+    let mut types = TYPES.iter();
+    let found = types.find(|(_, names)| is_listed(names, &written));
+    let expected = "a type of the format, such as uint8, short or float";
+    found
+        .map(|(element, _)| *element)
+        .ok_or_else(|| field.wrong(expected))
+}
+
+fn encoding(fields: &HeaderFields) -> Result<Encoding, VolumeFault> {
+    let field = required(fields, "encoding")?;
+    let unread = |name| {
+        field.fault(&format!(
+            "the encoding is {name}, and raw, gzip and text are read: write the file again as \
+             one"
+        ))
+    };
+    match field.value.to_ascii_lowercase().as_str() {
+        "raw" => Ok(Encoding::Raw),
+        "gzip" | "gz" => Ok(Encoding::Gzip),
+        "txt" | "text" | "ascii" => Ok(Encoding::Text),
+        "hex" => Err(unread("hex")),
+        "bzip2" | "bz2" => Err(unread("bzip2")),
+        _ => Err(field.fault(&format!(
+            "{:?} is not an encoding of the format: known are raw, gzip, text, hex and bzip2",
+            shortened(field.value)
+        ))),
     }
 }
 

@@ -1,9 +1,8 @@
 //! Geometry of a file of NRRD: its axes of space, and the positions of the samples along them.
 
-use super::field::{HeaderField, shortened};
-use super::fields::Fields;
 use crate::volume::Centring;
 use crate::volume::error::{VolumeFault, refused};
+use crate::volume::header_field::{HeaderField, HeaderFields, shortened};
 use crate::volume::orientation::{Axes, AxisSteps};
 use crate::volume::samples::check_sizes;
 use glam::DVec3;
@@ -18,249 +17,241 @@ const SPACES: [(&str, &str); 6] = [
     ("3D-left-handed", ""),
 ];
 
-impl Fields {
-    /// The coordinate system, if it is one of the format.
-    pub(super) fn space(&self) -> Option<&'static str> {
-        let written = self.get("space")?.value.to_ascii_lowercase();
-        let space = match written.strip_suffix("-time") {
-            Some(space) => space,
-            // RAST, LAST and LPST.
-            None if written.len() == 4 => written.strip_suffix('t')?,
-            None => &written,
-        };
-        let found = SPACES.iter().find(|(name, short)| {
-            [name, short]
-                .into_iter()
-                .any(|name| name.eq_ignore_ascii_case(space))
-        });
-        found.map(|(name, _)| *name)
-    }
-
-    /// Refuses lengths that are not comparable.
-    fn check_units(&self, dimension: usize, kept: [usize; 3]) -> Result<(), VolumeFault> {
-        for name in ["units", "space units"] {
-            let Some(field) = self.get(name) else {
-                continue;
-            };
-            let mut units = field.units();
-            if name == "units" && units.len() == dimension {
-                units = kept.map(|axis| units[axis]).to_vec();
-            }
-            units.retain(|unit| !["", "???", "none"].contains(unit));
-            if units.windows(2).any(|pair| pair[0] != pair[1]) {
-                return Err(field.fault(&format!(
-                    "`{name}` differ between the axes of space, {}: write all positions in one \
-                     unit, and the field accordingly",
-                    shortened(field.value)
-                )));
-            }
-        }
-        Ok(())
-    }
-
-    /// The role of each axis; an error if one that is not of space has several samples.
-    fn roles(&self, sizes: &[u64]) -> Result<Vec<Role>, VolumeFault> {
-        let Some(field) = self.get("kinds") else {
-            return Ok(vec![Role::Space; sizes.len()]);
-        };
-        let kinds = field.each(sizes.len(), |kind| Ok(kind.to_owned()))?;
-        let role = |(axis, kind): (usize, &String)| match kind.to_ascii_lowercase().as_str() {
-            "domain" | "space" | "???" | "none" => Ok(Role::Space),
-            "stub" | "scalar" if sizes[axis] == 1 => Ok(Role::Placeholder),
-            _ if sizes[axis] == 1 => Ok(Role::Other),
-            _ => {
-                let kind = shortened(kind);
-                Err(field.no_space(axis, sizes[axis], &format!("of the kind {kind:?}")))
-            }
-        };
-        kinds.iter().enumerate().map(role).collect()
-    }
-
-    /// The directions of the axes; `None` if they are all unknown.
-    fn directions(&self, sizes: &[u64]) -> Result<Option<Vec<Option<DVec3>>>, VolumeFault> {
-        let Some(field) = self.get("space directions") else {
-            return Ok(None);
-        };
-        let mut directions = field.vectors(sizes.len())?;
-        if directions.iter().all(Option::is_none) {
-            return Ok(None);
-        }
-        for (axis, direction) in directions.iter_mut().enumerate() {
-            // Zero leads nowhere.
-            *direction = direction.filter(|&direction| direction != DVec3::ZERO);
-            if direction.is_none() && sizes[axis] > 1 {
-                return Err(field.no_space(axis, sizes[axis], "without a direction"));
-            }
-        }
-        Ok(Some(directions))
-    }
-
-    /// Positions of the samples.
-    pub(super) fn axes(&self, sizes: &[u64]) -> Result<Axes, VolumeFault> {
-        let dimension = sizes.len();
-        let mut roles = self.roles(sizes)?;
-        let directions = self.directions(sizes)?;
-        if let Some(directions) = &directions {
-            for (role, direction) in roles.iter_mut().zip(directions) {
-                if direction.is_none() {
-                    *role = Role::Other;
-                }
-            }
-        }
-        let kept = kept_axes(sizes, &roles)?;
-        self.check_units(dimension, kept)?;
-        let mut axes = Axes {
-            sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
-            steps: AxisSteps::Upright(DVec3::ONE),
-            first: DVec3::ZERO,
-            centring: self.centring(dimension, kept)?,
-        };
-        let spacings = self.numbers(
-            "spacings",
-            "finite, non-zero",
-            f64::is_normal,
-            dimension,
-            kept,
-        )?;
-        let ends = |name| self.numbers(name, "finite", f64::is_finite, dimension, kept);
-        let (mins, maxs) = (ends("axis mins")?, ends("axis maxs")?);
-        let known = |numbers: [Option<f64>; 3]| numbers.iter().any(Option::is_some);
-        let origin = match self.get("space origin") {
-            Some(field) => field.vector_in(field.value)?,
-            None => None,
-        };
-        axes.first = origin.unwrap_or_default();
-        if let Some(directions) = directions {
-            for (name, given) in [
-                ("spacings", spacings),
-                ("axis mins", mins),
-                ("axis maxs", maxs),
-            ] {
-                if known(given) {
-                    return Err(both("space directions", name));
-                }
-            }
-            let steps = kept.map(|axis| directions[axis].expect("the axes of space have one"));
-            axes.steps = AxisSteps::Directed(steps);
-            return Ok(axes);
-        }
-        if origin.is_some() && (known(mins) || known(maxs)) {
-            return Err(both("space origin", "axis mins or axis maxs"));
-        }
-        let mut spacing = DVec3::ONE;
-        for axis in 0..3 {
-            let stated = AxisPositions {
-                ordinal: kept[axis] + 1,
-                samples: axes.sizes[axis],
-                centring: axes.centring,
-                spacing: spacings[axis],
-                min: mins[axis],
-                max: maxs[axis],
-            };
-            let first;
-            (spacing[axis], first) = stated.resolved()?;
-            axes.first[axis] = first.unwrap_or(axes.first[axis]);
-        }
-        axes.steps = if spacing.cmpgt(DVec3::ZERO).all() {
-            AxisSteps::Upright(spacing)
-        } else {
-            // An axis that runs backwards.
-            AxisSteps::Directed([0, 1, 2].map(|axis| DVec3::AXES[axis] * spacing[axis]))
-        };
-        Ok(axes)
-    }
-
-    fn centring(&self, dimension: usize, kept: [usize; 3]) -> Result<Centring, VolumeFault> {
-        let Some(field) = self.get("centers") else {
-            return Ok(Centring::Nodes);
-        };
-        let expected = "cell, node, ??? or none for each axis";
-        let all = field.each(dimension, |word| match word.to_ascii_lowercase().as_str() {
-            "cell" => Ok(Some(Centring::Cells)),
-            "node" => Ok(Some(Centring::Nodes)),
-            "???" | "none" => Ok(None),
-            _ => Err(field.wrong(expected)),
-        })?;
-        let mut known = kept.iter().filter_map(|&axis| all[axis]);
-        let first = known.next().unwrap_or_default();
-        if known.any(|other| other != first) {
-            let message = "some axes are centred on nodes, others on cells: a grid has one \
-                           centring";
-            return refused(message);
-        }
-        Ok(first)
-    }
-
-    /// Numbers of the axes that are kept; `None` where they are unknown.
-    fn numbers(
-        &self,
-        name: &'static str,
-        expected: &str,
-        accepts: impl Fn(f64) -> bool,
-        dimension: usize,
-        kept: [usize; 3],
-    ) -> Result<[Option<f64>; 3], VolumeFault> {
-        let Some(field) = self.get(name) else {
-            return Ok([None; 3]);
-        };
-        let wrong = || {
-            field.wrong(&format!(
-                "a {expected} number for each axis, or NaN if unknown"
-            ))
-        };
-        let all: Vec<f64> = field.each(dimension, |word| word.parse().map_err(|_| wrong()))?;
-        let numbers = kept.map(|axis| Some(all[axis]).filter(|number| !number.is_nan()));
-        if numbers.into_iter().flatten().all(accepts) {
-            return Ok(numbers);
-        }
-        Err(wrong())
-    }
+/// The coordinate system, if it is one of the format.
+pub(super) fn space(fields: &HeaderFields) -> Option<&'static str> {
+    let written = fields.get("space")?.value.to_ascii_lowercase();
+    let space = match written.strip_suffix("-time") {
+        Some(space) => space,
+        // RAST, LAST and LPST.
+        None if written.len() == 4 => written.strip_suffix('t')?,
+        None => &written,
+    };
+    let found = SPACES.iter().find(|(name, short)| {
+        [name, short]
+            .into_iter()
+            .any(|name| name.eq_ignore_ascii_case(space))
+    });
+    found.map(|(name, _)| *name)
 }
 
-/// Positions of the samples along an axis of space, as a header states them.
-struct AxisPositions {
-    /// Number of the axis in the file, from 1.
+/// Refuses lengths that are not comparable.
+fn check_units(
+    fields: &HeaderFields,
+    dimension: usize,
+    kept: [usize; 3],
+) -> Result<(), VolumeFault> {
+    for name in ["units", "space units"] {
+        let Some(field) = fields.get(name) else {
+            continue;
+        };
+        let mut units = field.units();
+        if name == "units" && units.len() == dimension {
+            units = kept.map(|axis| units[axis]).to_vec();
+        }
+        units.retain(|unit| !["", "???", "none"].contains(unit));
+        if units.windows(2).any(|pair| pair[0] != pair[1]) {
+            return Err(field.fault(&format!(
+                "`{name}` differ between the axes of space, {}: write all positions in one \
+                 unit, and the field accordingly",
+                shortened(field.value)
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The role of each axis; an error if one that is not of space has several samples.
+fn roles(fields: &HeaderFields, sizes: &[u64]) -> Result<Vec<Role>, VolumeFault> {
+    let Some(field) = fields.get("kinds") else {
+        return Ok(vec![Role::Space; sizes.len()]);
+    };
+    let kinds = field.each(sizes.len(), |kind| Ok(kind.to_owned()))?;
+    let role = |(axis, kind): (usize, &String)| match kind.to_ascii_lowercase().as_str() {
+        "domain" | "space" | "???" | "none" => Ok(Role::Space),
+        "stub" | "scalar" if sizes[axis] == 1 => Ok(Role::Placeholder),
+        _ if sizes[axis] == 1 => Ok(Role::Other),
+        _ => {
+            let kind = shortened(kind);
+            Err(field.no_space(axis, sizes[axis], &format!("of the kind {kind:?}")))
+        }
+    };
+    kinds.iter().enumerate().map(role).collect()
+}
+
+/// The directions of the axes; `None` if they are all unknown.
+fn directions(
+    fields: &HeaderFields,
+    sizes: &[u64],
+) -> Result<Option<Vec<Option<DVec3>>>, VolumeFault> {
+    let Some(field) = fields.get("space directions") else {
+        return Ok(None);
+    };
+    let mut directions = field.vectors(sizes.len())?;
+    if directions.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    for (axis, direction) in directions.iter_mut().enumerate() {
+        // Zero leads nowhere.
+        *direction = direction.filter(|&direction| direction != DVec3::ZERO);
+        if direction.is_none() && sizes[axis] > 1 {
+            return Err(field.no_space(axis, sizes[axis], "without a direction"));
+        }
+    }
+    Ok(Some(directions))
+}
+
+/// Positions of the samples.
+pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeFault> {
+    let dimension = sizes.len();
+    let mut roles = roles(fields, sizes)?;
+    let directions = directions(fields, sizes)?;
+    if let Some(directions) = &directions {
+        for (role, direction) in roles.iter_mut().zip(directions) {
+            if direction.is_none() {
+                *role = Role::Other;
+            }
+        }
+    }
+    let kept = kept_axes(sizes, &roles)?;
+    check_units(fields, dimension, kept)?;
+    let mut axes = Axes {
+        sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
+        steps: AxisSteps::Upright(DVec3::ONE),
+        first: DVec3::ZERO,
+        centring: centring(fields, dimension, kept)?,
+    };
+    let spacings = numbers(
+        fields,
+        "spacings",
+        "finite, non-zero",
+        f64::is_normal,
+        dimension,
+        kept,
+    )?;
+    let ends = |name| numbers(fields, name, "finite", f64::is_finite, dimension, kept);
+    let (mins, maxs) = (ends("axis mins")?, ends("axis maxs")?);
+    let known = |numbers: [Option<f64>; 3]| numbers.iter().any(Option::is_some);
+    let origin = match fields.get("space origin") {
+        Some(field) => field.vector_in(field.value)?,
+        None => None,
+    };
+    axes.first = origin.unwrap_or_default();
+    if let Some(directions) = directions {
+        for (name, given) in [
+            ("spacings", spacings),
+            ("axis mins", mins),
+            ("axis maxs", maxs),
+        ] {
+            if known(given) {
+                return Err(both("space directions", name));
+            }
+        }
+        let steps = kept.map(|axis| directions[axis].expect("the axes of space have one"));
+        axes.steps = AxisSteps::Directed(steps);
+        return Ok(axes);
+    }
+    if origin.is_some() && (known(mins) || known(maxs)) {
+        return Err(both("space origin", "axis mins or axis maxs"));
+    }
+    let mut spacing = DVec3::ONE;
+    for axis in 0..3 {
+        let stated = [spacings[axis], mins[axis], maxs[axis]];
+        let first;
+        (spacing[axis], first) = resolved(kept[axis] + 1, axes.sizes[axis], axes.centring, stated)?;
+        axes.first[axis] = first.unwrap_or(axes.first[axis]);
+    }
+    axes.steps = if spacing.cmpgt(DVec3::ZERO).all() {
+        AxisSteps::Upright(spacing)
+    } else {
+        // An axis that runs backwards.
+        AxisSteps::Directed([0, 1, 2].map(|axis| DVec3::AXES[axis] * spacing[axis]))
+    };
+    Ok(axes)
+}
+
+fn centring(
+    fields: &HeaderFields,
+    dimension: usize,
+    kept: [usize; 3],
+) -> Result<Centring, VolumeFault> {
+    let Some(field) = fields.get("centers") else {
+        return Ok(Centring::Nodes);
+    };
+    let expected = "cell, node, ??? or none for each axis";
+    let all = field.each(dimension, |word| match word.to_ascii_lowercase().as_str() {
+        "cell" => Ok(Some(Centring::Cells)),
+        "node" => Ok(Some(Centring::Nodes)),
+        "???" | "none" => Ok(None),
+        _ => Err(field.wrong(expected)),
+    })?;
+    let mut known = kept.iter().filter_map(|&axis| all[axis]);
+    let first = known.next().unwrap_or_default();
+    if known.any(|other| other != first) {
+        let message = "some axes are centred on nodes, others on cells: a grid has one \
+                       centring";
+        return refused(message);
+    }
+    Ok(first)
+}
+
+/// Numbers of the axes that are kept; `None` where they are unknown.
+fn numbers(
+    fields: &HeaderFields,
+    name: &'static str,
+    expected: &str,
+    accepts: impl Fn(f64) -> bool,
+    dimension: usize,
+    kept: [usize; 3],
+) -> Result<[Option<f64>; 3], VolumeFault> {
+    let Some(field) = fields.get(name) else {
+        return Ok([None; 3]);
+    };
+    let wrong = || {
+        field.wrong(&format!(
+            "a {expected} number for each axis, or NaN if unknown"
+        ))
+    };
+    let all: Vec<f64> = field.each(dimension, |word| word.parse().map_err(|_| wrong()))?;
+    let numbers = kept.map(|axis| Some(all[axis]).filter(|number| !number.is_nan()));
+    if numbers.into_iter().flatten().all(accepts) {
+        return Ok(numbers);
+    }
+    Err(wrong())
+}
+
+/// The spacing along an axis of space, and the position of the first of its `samples` where it is stated: by what the
+/// header says of both, and of the ends of the axis of this `ordinal`, from 1.
+fn resolved(
     ordinal: usize,
     samples: usize,
     centring: Centring,
-    spacing: Option<f64>,
-    min: Option<f64>,
-    max: Option<f64>,
-}
-
-impl AxisPositions {
-    /// The spacing, and the position of the first sample where it is stated.
-    fn resolved(&self) -> Result<(f64, Option<f64>), VolumeFault> {
-        let (beyond, intervals) = match self.centring {
-            Centring::Nodes if self.samples > 1 => (0.0, self.samples - 1),
-            // A single sample stands in the middle, whatever the centring.
-            Centring::Nodes | Centring::Cells => (0.5, self.samples),
-        };
-        let intervals = intervals as f64;
-        let ordinal = self.ordinal;
-        if let (Some(min), Some(max)) = (self.min, self.max)
-            && min == max
-        {
-            return refused(format!(
-                "along axis {ordinal} `axis mins` and `axis maxs` are both {min}, and must differ"
-            ));
-        }
-        let between = self.min.zip(self.max);
-        let between = between.map(|(min, max)| (max - min) / intervals);
-        // Headers are written with six digits, some with fewer.
-        if let (Some(given), Some(length)) = (self.spacing, between)
-            && (length - given).abs() > 1e-3 * length.abs()
-        {
-            return refused(format!(
-                "along axis {ordinal} the header gives a spacing of {given}, and minimum and \
-                 maximum that make it {length}: keep one"
-            ));
-        }
-        let spacing = between.or(self.spacing).unwrap_or(1.0);
-        let by_min = self.min.map(|min| min + beyond * spacing);
-        let by_max = self.max.map(|max| max - (intervals - beyond) * spacing);
-        Ok((spacing, by_min.or(by_max)))
+    [spacing, min, max]: [Option<f64>; 3],
+) -> Result<(f64, Option<f64>), VolumeFault> {
+    let (beyond, intervals) = match centring {
+        Centring::Nodes if samples > 1 => (0.0, samples - 1),
+        // A single sample stands in the middle, whatever the centring.
+        Centring::Nodes | Centring::Cells => (0.5, samples),
+    };
+    let intervals = intervals as f64;
+    if let Some(min) = min.filter(|_| min == max) {
+        return refused(format!(
+            "along axis {ordinal} `axis mins` and `axis maxs` are both {min}, and must differ"
+        ));
     }
+    let between = min.zip(max).map(|(min, max)| (max - min) / intervals);
+    // Headers are written with six digits, some with fewer.
+    if let (Some(given), Some(length)) = (spacing, between)
+        && (length - given).abs() > 1e-3 * length.abs()
+    {
+        return refused(format!(
+            "along axis {ordinal} the header gives a spacing of {given}, and minimum and \
+             maximum that make it {length}: keep one"
+        ));
+    }
+    let spacing = between.or(spacing).unwrap_or(1.0);
+    let by_min = min.map(|min| min + beyond * spacing);
+    let by_max = max.map(|max| max - (intervals - beyond) * spacing);
+    Ok((spacing, by_min.or(by_max)))
 }
 
 /// Role of an axis.

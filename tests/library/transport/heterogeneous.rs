@@ -11,8 +11,7 @@ use volref::math::{Moments, exp};
 use volref::optics::{Density, Field, Homogeneous, Material, Sides};
 use volref::scene::{AreaLight, Body, Radiative};
 use volref::volume::{
-    Blob, ConstantDensity, DensityField, ExponentialLayer, Grid, GridDensity, Interpolation,
-    Lattice,
+    Blob, DensityField, ExponentialLayer, Grid, GridDensity, Interpolation, Lattice,
 };
 
 /// Standard errors near 0.5 %.
@@ -80,7 +79,7 @@ fn a_constant_grid() {
     }
     let homogeneous = lit(vec![within(cube(), grey(1.25, 0.8, 0.4))]);
     let heterogeneous = lit(vec![in_cube(
-        Field::Constant(ConstantDensity::new(1.25).unwrap()),
+        field(grid([9, 12, 20], |_| 1.25)),
         grey(1.0, 0.8, 0.4),
     )]);
     same(

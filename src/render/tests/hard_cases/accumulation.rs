@@ -16,7 +16,7 @@ use crate::render::radiative::path_tracer::PathTracer;
 use crate::render::radiative::sampler::Sampler;
 use crate::render::{Effect, Plan, Sampling, State, render};
 use crate::scene::{Classified, Model, Radiative, Scene};
-use crate::volume::{Blob, ConstantDensity};
+use crate::volume::Blob;
 use glam::DVec3;
 
 #[test]
@@ -193,7 +193,11 @@ fn a6_null_effects() {
     let nothing = in_ball(ball(DVec3::X, 0.9), grey(0.0, 0.0, 0.0));
     beside_nothing.media.push(nothing);
     let mut of_no_density = plain.clone();
-    let empty = Field::Constant(ConstantDensity::new(0.0).expect("a density"));
+    let empty = Field::Blob(Blob {
+        centre: DVec3::ZERO,
+        peak: 0.0,
+        width: 1.0,
+    });
     let empty = heterogeneous(cube(), empty, grey(1.0, 1.0, 0.0));
     of_no_density.media.insert(0, empty);
     let transparent = Classified {

@@ -1,30 +1,84 @@
-//! A field of a header of NRRD: its value as numbers, words and vectors.
+//! Fields of a header of text: their values as numbers, words and vectors.
 
-use crate::volume::error::VolumeFault;
+use super::LoadOptions;
+use super::error::VolumeFault;
+use super::samples::VolumeRead;
+use super::source::VolumeSource;
 use glam::DVec3;
+
+/// The fields of a header as they stand there: name, value, line.
+#[derive(Default)]
+pub(super) struct HeaderFields(Vec<(&'static str, String, usize)>);
+
+impl HeaderFields {
+    /// Adds a field that is not there yet.
+    pub(super) fn add(
+        &mut self,
+        name: &'static str,
+        value: &str,
+        line: usize,
+    ) -> Result<(), VolumeFault> {
+        if self.get(name).is_some() {
+            return Err(in_line(line, &format!("the field `{name}` is there twice")));
+        }
+        self.0.push((name, value.to_owned(), line));
+        Ok(())
+    }
+
+    pub(super) fn get(&self, name: &str) -> Option<HeaderField<'_>> {
+        let found = self.0.iter().find(|(field, ..)| *field == name);
+        found.map(|&(name, ref value, line)| HeaderField { name, value, line })
+    }
+}
+
+/// A mistake in a line of a header.
+pub(super) fn in_line(line: usize, message: &str) -> VolumeFault {
+    VolumeFault::Line(format!("{line}: {message}"))
+}
+
+/// Reads data by `read`, with the length of their file: from the rest of `source`, which had `length` bytes, or
+/// from the file that its header names.
+pub(super) fn read_data(
+    source: &mut VolumeSource,
+    length: u64,
+    name: Option<&str>,
+    options: &LoadOptions,
+    read: impl Fn(&mut VolumeSource, u64) -> VolumeRead,
+) -> VolumeRead {
+    let Some(name) = name else {
+        return read(source, length);
+    };
+    let data = source.open_data(name, options)?;
+    let length = data.remaining();
+    read(data, length).map_err(|fault| match fault {
+        // A fault with a place of its own needs the file of that place.
+        VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
+        _ => fault,
+    })
+}
 
 /// A field of a header.
 #[derive(Clone, Copy)]
-pub(in crate::volume) struct HeaderField<'h> {
-    pub(in crate::volume) name: &'static str,
-    pub(in crate::volume) value: &'h str,
-    pub(in crate::volume) line: usize,
+pub(super) struct HeaderField<'h> {
+    pub(super) name: &'static str,
+    pub(super) value: &'h str,
+    pub(super) line: usize,
 }
 
 impl HeaderField<'_> {
     /// A mistake in the line of the field.
-    pub(in crate::volume) fn fault(&self, message: &str) -> VolumeFault {
-        VolumeFault::Line(format!("{}: {message}", self.line))
+    pub(super) fn fault(&self, message: &str) -> VolumeFault {
+        in_line(self.line, message)
     }
 
-    pub(in crate::volume) fn wrong(&self, expected: &str) -> VolumeFault {
+    pub(super) fn wrong(&self, expected: &str) -> VolumeFault {
         let (name, value) = (self.name, shortened(self.value));
         self.fault(&format!("`{name}` must be {expected}, not {value:?}"))
     }
 
     /// Refuses data in several files: a list of them, or a pattern with the numbers that take the
     /// place of its `%`.
-    pub(in crate::volume) fn check_one_file(&self) -> Result<(), VolumeFault> {
+    pub(super) fn check_one_file(&self) -> Result<(), VolumeFault> {
         let words: Vec<&str> = self.value.split_ascii_whitespace().collect();
         let is_number = |word: &&&str| word.parse::<i64>().is_ok();
         let numbers = words.iter().rev().take_while(is_number).count();
@@ -48,7 +102,7 @@ impl HeaderField<'_> {
         )))
     }
 
-    pub(in crate::volume) fn number<T: std::str::FromStr>(
+    pub(super) fn number<T: std::str::FromStr>(
         &self,
         expected: &'static str,
         accepts: impl Fn(&T) -> bool,
@@ -57,11 +111,7 @@ impl HeaderField<'_> {
         number.ok_or_else(|| self.wrong(expected))
     }
 
-    pub(in crate::volume) fn count(
-        &self,
-        found: usize,
-        dimension: usize,
-    ) -> Result<(), VolumeFault> {
+    pub(super) fn count(&self, found: usize, dimension: usize) -> Result<(), VolumeFault> {
         if found == dimension {
             return Ok(());
         }
@@ -72,7 +122,7 @@ impl HeaderField<'_> {
     }
 
     /// Words that stand in quotes, or between blanks if none does.
-    pub(in crate::volume) fn units(&self) -> Vec<&str> {
+    pub(super) fn units(&self) -> Vec<&str> {
         if self.value.contains('"') {
             let quoted = self.value.split('"').skip(1).step_by(2);
             quoted.map(str::trim).collect()
@@ -82,7 +132,7 @@ impl HeaderField<'_> {
     }
 
     /// One word for each axis.
-    pub(in crate::volume) fn each<T>(
+    pub(super) fn each<T>(
         &self,
         dimension: usize,
         read: impl Fn(&str) -> Result<T, VolumeFault>,
@@ -93,10 +143,7 @@ impl HeaderField<'_> {
     }
 
     /// `(1,0,0) (0,1,0) none`
-    pub(in crate::volume) fn vectors(
-        &self,
-        dimension: usize,
-    ) -> Result<Vec<Option<DVec3>>, VolumeFault> {
+    pub(super) fn vectors(&self, dimension: usize) -> Result<Vec<Option<DVec3>>, VolumeFault> {
         let mut vectors = Vec::new();
         let mut rest = self.value.trim();
         while !rest.is_empty() {
@@ -114,7 +161,7 @@ impl HeaderField<'_> {
     }
 
     /// `(1,0,0)`; `None` for `none` or `(nan,nan,nan)`.
-    pub(in crate::volume) fn vector_in(&self, text: &str) -> Result<Option<DVec3>, VolumeFault> {
+    pub(super) fn vector_in(&self, text: &str) -> Result<Option<DVec3>, VolumeFault> {
         let text = text.trim();
         if text == "none" {
             return Ok(None);
@@ -132,7 +179,7 @@ impl HeaderField<'_> {
 }
 
 /// Text for a message, cut where it is long.
-pub(in crate::volume) fn shortened(text: &str) -> String {
+pub(super) fn shortened(text: &str) -> String {
     const LONGEST: usize = 60;
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", &text[..end]),
