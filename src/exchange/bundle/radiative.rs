@@ -2,9 +2,9 @@
 
 use super::RawFiles;
 use super::inline_arrays::{Entries, Json};
-use super::shapes::{matrix_or_null, of_box, of_rectangle, of_shape, of_sphere};
+use super::shapes::of_shape;
 use super::volume::{grid, interpolation, or_null, ray};
-use crate::geometry::{Boundary, Luminous, Transform};
+use crate::exchange::forms;
 use crate::optics::{Density, Field, Light, Material, Phase, Point, Sides};
 use crate::render::Plan;
 use crate::scene::{AreaLight, Body, Object, Panel, Radiative};
@@ -61,7 +61,7 @@ struct Parts<'p, 'n> {
 
 impl Parts<'_, '_> {
     fn surface(&mut self, Object { shape, material }: &Object) -> Json {
-        let (shape, to_world) = of_shape(shape, |mesh| self.raw.mesh(mesh));
+        let (shape, matrix) = of_shape(forms::shape(shape), |mesh| self.raw.mesh(mesh));
         let (kind, key, value, formula) = match material {
             Material::Diffuse(share) => ("diffuse", "reflectance", vector(*share), DIFFUSE),
             Material::Mirror(share) => ("mirror", "reflectance", vector(*share), MIRROR),
@@ -70,7 +70,7 @@ impl Parts<'_, '_> {
         self.define(kind, formula);
         Json::Object(vec![
             ("shape", Json::Object(shape)),
-            ("matrix", matrix_or_null(to_world)),
+            ("matrix", matrix),
             ("material", kind.into()),
             (key, value),
         ])
@@ -78,18 +78,15 @@ impl Parts<'_, '_> {
 
     fn area_light(&mut self, light: &AreaLight) -> Json {
         self.define("area_light", AREA_LIGHT);
-        let shape = match &light.shape {
-            Luminous::Sphere(sphere) => of_sphere(sphere),
-            Luminous::Rectangle(rectangle) => of_rectangle(rectangle),
-            Luminous::Mesh(mesh) => self.raw.mesh(mesh),
-        };
+        let shape = forms::luminous(&light.shape);
+        let (shape, matrix) = of_shape(shape, |mesh| self.raw.mesh(mesh));
         let sides = match light.sides {
             Sides::Front => "front",
             Sides::Both => "both",
         };
         Json::Object(vec![
             ("shape", Json::Object(shape)),
-            ("matrix", ().into()),
+            ("matrix", matrix),
             ("radiance", vector(light.radiance)),
             ("sides", sides.into()),
         ])
@@ -130,15 +127,14 @@ impl Parts<'_, '_> {
 
     fn medium(&mut self, body: &Body) -> Json {
         self.define("medium", MEDIUM);
-        let (shape, to_world) = match &body.boundary {
-            None => (().into(), None),
-            Some(boundary) => self.boundary(boundary),
-        };
+        let placing = body.boundary.as_ref().map(forms::boundary);
+        let shape = placing.map(|it| of_shape(it, |mesh| self.raw.mesh(mesh)));
+        let (shape, matrix) = shape.unzip();
         let density = body.density.as_ref().map(|it| self.density(it));
         let (coefficients, phase) = (&body.medium.coefficients, self.phase(&body.medium.phase));
         Json::Object(vec![
-            ("shape", shape),
-            ("matrix", matrix_or_null(to_world)),
+            ("shape", or_null(shape)),
+            ("matrix", matrix.unwrap_or(().into())),
             ("sigma_a", vector(coefficients.sigma_a())),
             ("sigma_s", vector(coefficients.sigma_s())),
             ("emission", vector(body.medium.emission)),
@@ -229,21 +225,6 @@ impl Parts<'_, '_> {
                 self.named("droplets", DROPLETS, numbers)
             }
         }
-    }
-
-    fn boundary<'s>(&mut self, boundary: &'s Boundary) -> (Json, Option<&'s Transform>) {
-        let (entries, to_world) = match boundary {
-            Boundary::Sphere(sphere) => (of_sphere(sphere), None),
-            Boundary::Box(cuboid) => (of_box(cuboid), None),
-            Boundary::Mesh(mesh) => (self.raw.mesh(mesh.mesh()), None),
-            Boundary::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
-            Boundary::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
-            Boundary::PlacedMesh(placed) => {
-                let mesh = self.raw.mesh(placed.shape().mesh());
-                (mesh, Some(placed.to_world()))
-            }
-        };
-        (Json::Object(entries), to_world)
     }
 
     /// A kind of something with its numbers; `formula` tells what they mean.

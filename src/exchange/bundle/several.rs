@@ -3,8 +3,9 @@
 use super::RawFiles;
 use super::clips::{CLIP, clip};
 use super::inline_arrays::{Entries, Json};
-use super::shapes::{matrix_or_null, of_mesh, of_shape};
+use super::shapes::{of_mesh, of_shape};
 use super::volume::{SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
+use crate::exchange::forms;
 use crate::scene::{Classified, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
@@ -73,9 +74,9 @@ fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut RawFiles) -> J
 }
 
 fn surface(surface: &OpaqueSurface) -> Json {
-    let (mut entries, to_world) = of_shape(&surface.shape, of_mesh);
+    let (mut entries, matrix) = of_shape(forms::shape(&surface.shape), of_mesh);
     entries.extend([
-        ("matrix", matrix_or_null(to_world)),
+        ("matrix", matrix),
         ("colour", surface.colour.to_array().into()),
         ("phong", or_null(surface.phong.map(shading))),
     ]);
