@@ -1,6 +1,6 @@
 //! Shapes and their maps in numbers.
 
-use super::inline_arrays::{Entries, Json};
+use super::inline_arrays::{Entries, Json, entries};
 use crate::exchange::forms::{Base, Placing};
 use crate::geometry::{Mesh, Transform};
 
@@ -10,24 +10,13 @@ pub(super) fn of_shape(
     of_mesh: impl FnOnce(&Mesh) -> Entries,
 ) -> (Entries, Json) {
     let entries = match base {
-        Base::Sphere(sphere) => vec![
-            ("kind", "sphere".into()),
-            ("centre", sphere.centre().to_array().into()),
-            ("radius", sphere.radius().into()),
-        ],
-        Base::Box(bounds) => vec![
-            ("kind", "box".into()),
-            ("min", bounds.min.to_array().into()),
-            ("max", bounds.max.to_array().into()),
-        ],
+        Base::Sphere(sphere) => entries! {
+            "kind": "sphere", "centre": sphere.centre(), "radius": sphere.radius(),
+        },
+        Base::Box(bounds) => entries! { "kind": "box", "min": bounds.min, "max": bounds.max },
         Base::Rectangle(rectangle) => {
             let [corner, edge_u, edge_v] = rectangle.corner_and_edges();
-            vec![
-                ("kind", "rectangle".into()),
-                ("corner", corner.to_array().into()),
-                ("edge_u", edge_u.to_array().into()),
-                ("edge_v", edge_v.to_array().into()),
-            ]
+            entries! { "kind": "rectangle", "corner": corner, "edge_u": edge_u, "edge_v": edge_v }
         }
         Base::Mesh(mesh) => of_mesh(mesh),
     };
@@ -45,9 +34,8 @@ pub(super) fn of_mesh(mesh: &Mesh) -> Entries {
     let vertices = mesh.vertices().iter();
     let vertices = vertices.map(|vertex| Json::from(Vec::from(vertex.to_array())));
     let faces = mesh.faces().iter().map(|face| Json::from(Vec::from(*face)));
-    vec![
-        ("kind", "mesh".into()),
-        ("vertices", Json::List(vertices.collect())),
-        ("triangles", Json::List(faces.collect())),
-    ]
+    entries! {
+        "kind": "mesh", "vertices": Json::List(vertices.collect()),
+        "triangles": Json::List(faces.collect()),
+    }
 }
