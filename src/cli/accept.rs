@@ -2,18 +2,12 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::page::ReportPage;
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::compare::{Exact, Picture};
-use crate::film::Film;
-use crate::judging::{CaseResult, Cause, Evidence, Verdict};
-use crate::naming::Likenesses;
-use crate::report::Page;
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Change, KeptRenderings};
-use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
+use crate::suite::{CasesOfScene, Draft, StoreError, Suite};
 use serde_json::json;
 use std::path::Path;
 
@@ -39,8 +33,6 @@ pub struct Arguments {
     #[command(flatten)]
     partition: PartitionArgument,
     #[command(flatten)]
-    page: ReportPage,
-    #[command(flatten)]
     json: Json,
 }
 
@@ -52,9 +44,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         in_ci: super::is_in_ci(),
     };
     let suite = arguments.selection.open_to_change()?;
-    arguments.page.check(Some(&suite))?;
-    let page = arguments.page.file();
-    output::check(&[arguments.json.file(), page.as_deref()], &[])?;
+    output::check(&[arguments.json.file()], &[])?;
     let (filters, drafts) = with_drafts(&suite, &arguments.cases)?;
     request.check().map_err(failure)?;
     for draft in &drafts {
@@ -72,18 +62,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let bar = progress::work();
     let kept = KeptRenderings::open(suite.cache_folder());
     let store = suite.store();
-    // Before they are replaced.
-    let old: Vec<Option<Film>> = match arguments.page.is_asked() {
-        true => cases.iter().map(|case| image(&store, case)).collect(),
-        false => Vec::new(),
-    };
     let accepted = runs::accept(&cases, &store, &kept, request, &bar);
     bar.finish_and_clear();
     let accepted = accepted.map_err(failure)?;
 
     let mut text = String::new();
     let mut entries = Vec::new();
-    let mut said = Vec::new();
     for entry in &accepted {
         let (word, detail) = match &entry.change {
             Change::New { damaged: false } => ("new", "its first golden".to_owned()),
@@ -102,7 +86,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         };
         text.push_str(&format!("{word:<9}  {}: {detail}\n", entry.case));
         entries.push(json!({ "name": entry.case, "change": word, "reason": detail }));
-        said.push((word, detail));
     }
     if accepted
         .iter()
@@ -114,18 +97,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             folder.display()
         ));
     }
-    if arguments.page.is_asked() {
-        let shown = cases.iter().zip(old).zip(&said);
-        let (results, evidence): (Vec<_>, Vec<_>) = shown
-            .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
-            .unzip();
-        let found = Likenesses::default();
-        let page = Page {
-            headline: &headline(&said),
-            ..Page::of("accept", &results, &evidence, &found)
-        };
-        arguments.page.write(page, &mut text)?;
-    }
+
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
@@ -164,45 +136,4 @@ fn with_drafts(suite: &Suite, given: &[String]) -> Result<(Vec<String>, Vec<Draf
     }
     filters.extend(others);
     Ok((filters, drafts))
-}
-
-/// The image of the golden of a case, if there is a trustworthy one.
-fn image(store: &Store, case: &Case) -> Option<Film> {
-    Golden::read(store, case).ok().map(|golden| golden.film)
-}
-
-/// The goldens of a run, counted by what became of them.
-fn headline(said: &[(&str, String)]) -> String {
-    let words = ["new", "replaced", "recorded", "unchanged"];
-    let counts = words.map(|word| (said.iter().filter(|(it, _)| *it == word).count(), word));
-    let counts = counts.iter().filter(|(count, _)| *count > 0);
-    let counts: Vec<String> = counts
-        .map(|(count, word)| format!("{count} {word}"))
-        .collect();
-    format!("Accepted: {}.", counts.join(", "))
-}
-
-impl Arguments {
-    /// An accepted image beside the one that it replaced.
-    fn shown(
-        &self,
-        case: &Case,
-        old: Option<Film>,
-        new: Option<Film>,
-        (word, detail): &(&str, String),
-    ) -> (CaseResult, Evidence) {
-        let reason = format!("{word}: {detail}");
-        let finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
-        let mut result = finding.of_case(&case.name, case.class(), &Exact);
-        let note = "the golden shown is the one before this accept; the test image is the one accepted now";
-        result.notes.push(note.to_owned());
-        let evidence = Evidence {
-            golden: old,
-            test: new.map(Picture::Radiance),
-            provenance: vec![("accepted because".to_owned(), self.reason.clone())],
-            reproduce: vec![self.selection.again("verify", &case.name, &[])],
-            ..Evidence::of(case)
-        };
-        (result, evidence)
-    }
 }

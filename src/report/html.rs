@@ -21,8 +21,6 @@ pub struct Page<'a> {
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,
-    /// The result in a sentence; empty where the verdicts give it.
-    pub headline: &'a str,
     /// What loosens the judgements, in one line; empty where nothing does.
     pub judged_with: &'a str,
     /// Results of the cases.
@@ -34,7 +32,7 @@ pub struct Page<'a> {
 }
 
 impl<'a> Page<'a> {
-    /// The page of a command that is not said, with the headline of its verdicts.
+    /// The page of a command that is not said.
     pub fn of(
         title: &'a str,
         results: &'a [CaseResult],
@@ -44,7 +42,6 @@ impl<'a> Page<'a> {
         Page {
             title,
             command: "",
-            headline: "",
             judged_with: "",
             results,
             evidence,
@@ -83,10 +80,7 @@ pub fn results_html(page: &Page<'_>) -> String {
             title => page.title,
             command => page.command,
             judged_with => page.judged_with,
-            headline => match page.headline {
-                "" => words::headline(page.results, page.found),
-                given => given.to_owned(),
-            },
+            headline => words::headline(page.results, page.found),
             verdict => overall.name(),
             symbol => words::symbol(overall),
             likely => page.found.likely,

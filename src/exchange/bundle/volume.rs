@@ -70,29 +70,25 @@ fn method(name: &str, formula: &str) -> Json {
 }
 
 pub(super) fn ray(camera: &Camera) -> Entries {
-    let parallel = "one ray through the centre of each pixel: with x the column and y the row \
-                    within this panel, both from 0, and row 0 at the top, it leaves origin = eye \
-                    + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height along \
-                    forward, and p(t) = origin + t*forward. forward has length 1, half_right and \
-                    half_up half the height of the image: rays are parallel. Coordinates are \
-                    right-handed: half_right points along forward x half_up, so that with +y up and \
-                    looking along +z, +x points left in the image";
-    let formula = "one ray through the centre of each pixel: with x the column and y the row \
-                   within this panel, both from 0, and row 0 at the top, it leaves eye along \
-                   direction = normalise(forward + half_right*(2*x + 1 - width)/height \
-                   - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. \
-                   forward has length 1, half_right and half_up the tangent of half the \
-                   vertical field of view. Coordinates are right-handed: half_right points \
-                   along forward x half_up, so that with +y up and looking along +z, +x \
-                   points left in the image";
-    let beside = "one ray through the centre of each pixel: with x the column and y the row \
-                  within this panel, both from 0, and row 0 at the top, it leaves eye along \
-                  direction = normalise(forward + half_right*(2*x + 1 - width)/height \
-                  - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. \
-                  forward has length 1 and leads to the centre of the image, which may lie beside the axis, the \
-                  perpendicular of the image; half_right and half_up are half the height of the image in widths and \
-                  in heights of its pixels, where forward meets it. Coordinates are right-handed: half_right \
-                  points along axis x half_up";
+    let start = "one ray through the centre of each pixel: with x the column and y the row within this panel, both \
+                 from 0, and row 0 at the top, it leaves";
+    let perspective = "eye along direction = normalise(forward + half_right*(2*x + 1 - width)/height \
+                       - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. forward has length 1";
+    let hands = "Coordinates are right-handed: half_right points along forward x half_up, so that with +y up and \
+                 looking along +z, +x points left in the image";
+    let parallel = format!(
+        "{start} origin = eye + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height along forward, \
+         and p(t) = origin + t*forward. forward has length 1, half_right and half_up half the height of the image: \
+         rays are parallel. {hands}"
+    );
+    let formula = format!(
+        "{start} {perspective}, half_right and half_up the tangent of half the vertical field of view. {hands}"
+    );
+    let beside = format!(
+        "{start} {perspective} and leads to the centre of the image, which may lie beside the axis, the \
+         perpendicular of the image; half_right and half_up are half the height of the image in widths and in heights \
+         of its pixels, where forward meets it. Coordinates are right-handed: half_right points along axis x half_up"
+    );
     let mut entries = entries! {
         "eye": camera.eye(), "forward": *camera.forward(), "half_right": camera.half_right(),
         "half_up": camera.half_up(),
