@@ -1,5 +1,6 @@
 //! `volref cost SCENE…`
 
+use super::command_line::command_line;
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::{NamedScene, named_scene};
@@ -76,7 +77,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let machine = (arguments.runs > 0).then(|| Machine::here(1));
     let mut text = report::cost_text(&costs, machine.as_ref());
     if let Some(folder) = &arguments.report {
-        let mut files = vec![("index.html".to_owned(), page(&costs, machine.as_ref()))];
+        let page = report::cost_html(&command_line(), &costs, machine.as_ref());
+        let mut files = vec![("index.html".to_owned(), page)];
         let tables = report::cost_csv(&costs).into_iter();
         files.extend(tables.map(|(name, text)| (name.to_owned(), text)));
         files.extend(pictures(&costs));
@@ -103,15 +105,6 @@ fn failure(scene: &str, error: &CostError) -> Failure {
         CostError::Setting(_) | CostError::Render(_) => None,
     };
     Failure::new(Exit::BadInput, format!("{scene}: {error}"), help)
-}
-
-fn page(costs: &[Cost], machine: Option<&Machine>) -> String {
-    let words: Vec<String> = std::env::args().skip(1).collect();
-    report::cost_html(&report::CostPage {
-        command: &format!("volref {}", shell_words::join(words)),
-        costs,
-        machine,
-    })
 }
 
 /// The plot of each scene, by the name of its file.

@@ -137,30 +137,21 @@ fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
         let path = folder.join(name).display().to_string();
         shell_words::quote(&path).into_owned()
     };
-    let named = |ending: &str| {
-        let names = export.files.iter().map(|(name, _)| name.as_str());
-        names
-            .filter(|name| name.ends_with(ending))
-            .collect::<Vec<_>>()
-    };
+    let names = || export.files.iter().map(|(name, _)| name.as_str());
     match format {
         Format::Mitsuba => {
-            let stem = export.main.trim_end_matches(".xml");
+            let (stem, main) = (export.main.trim_end_matches(".xml"), quoted(&export.main));
+            let command = |channel| {
+                format!("mitsuba -m scalar_rgb -Dchannel={channel} -o {stem}.{channel}.exr {main}")
+            };
             let split = format!("{stem}.red.xml");
-            if named(".xml").contains(&split.as_str()) {
-                let command = |channel| {
-                    format!(
-                        "mitsuba -m scalar_rgb -Dchannel={channel} -o {stem}.{channel}.exr {}",
-                        quoted(&export.main)
-                    )
-                };
-                return CHANNELS.map(command).to_vec();
+            match names().any(|name| name == split) {
+                true => CHANNELS.map(command).to_vec(),
+                false => vec![format!("mitsuba -m scalar_rgb -o {stem}.exr {main}")],
             }
-            let main = quoted(&export.main);
-            vec![format!("mitsuba -m scalar_rgb -o {stem}.exr {main}")]
         }
-        Format::Pbrt => named(".pbrt")
-            .into_iter()
+        Format::Pbrt => names()
+            .filter(|name| name.ends_with(".pbrt"))
             .map(|name| format!("pbrt {}", quoted(name)))
             .collect(),
         Format::Bundle | Format::Raw | Format::Nrrd | Format::Npy => Vec::new(),

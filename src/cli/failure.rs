@@ -3,7 +3,7 @@
 use crate::files::visible::visible;
 use crate::judging::{CaseResult, Cause};
 use crate::scene::{SceneError, shortened};
-use miette::{Diagnostic, LabeledSpan, MietteHandlerOpts, Report, ReportHandler, SourceCode};
+use miette::{Diagnostic, MietteHandlerOpts, Report, ReportHandler};
 use std::fmt;
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -113,48 +113,29 @@ impl From<Box<SceneError>> for Failure {
     }
 }
 
-/// A message for drawing. Its control characters are made visible before: afterwards the escape codes in the name of a
-/// file cannot be told from those that colour the message.
-pub struct Drawn<'d>(&'d dyn Diagnostic);
-
-impl Drawn<'_> {
-    pub fn of(failure: &Failure) -> Drawn<'_> {
-        Drawn(failure.report.as_ref())
-    }
-}
-
-impl fmt::Debug for Drawn<'_> {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut options = MietteHandlerOpts::new().unicode(true).width(100);
-        // In a pipe plain text, each message on one line: other programs find path, line and column together.
-        if !std::io::stderr().is_terminal() {
-            options = options.color(false).wrap_lines(false);
+/// A message for drawing. Escape codes in the name of a file could not be told from those that colour the message: with
+/// such it has no colours, and all control characters are made visible.
+pub fn drawn(failure: &Failure) -> String {
+    struct Drawn<'d>(&'d dyn Diagnostic, MietteHandlerOpts);
+    impl fmt::Debug for Drawn<'_> {
+        fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+            self.1.clone().build().debug(self.0, to)
         }
-        options.build().debug(self, to)
     }
-}
-
-impl fmt::Display for Drawn<'_> {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        to.write_str(&visible(&self.0.to_string()))
+    let message: &dyn Diagnostic = failure.report.as_ref();
+    let help = message
+        .help()
+        .map_or(String::new(), |help| help.to_string());
+    let text = message.to_string() + &help;
+    let mut options = MietteHandlerOpts::new().unicode(true).width(100);
+    // In a pipe plain text, each message on one line: other programs find path, line and column together.
+    if !std::io::stderr().is_terminal() {
+        options = options.color(false).wrap_lines(false);
     }
-}
-
-impl std::error::Error for Drawn<'_> {}
-
-impl Diagnostic for Drawn<'_> {
-    fn help(&self) -> Option<Box<dyn fmt::Display + '_>> {
-        let help = visible(&self.0.help()?.to_string());
-        Some(Box::new(help))
+    if visible(&text) == text {
+        return format!("{:?}", Drawn(message, options));
     }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.0.source_code()
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        self.0.labels()
-    }
+    visible(&format!("{:?}", Drawn(message, options.color(false))))
 }
 
 /// The exit code of these results.

@@ -11,7 +11,9 @@ use crate::judging::{
     CaseResult, Cause, Evidence, Judged, KnownFailures, Verdict, before_background, declared,
     validate_at,
 };
-use crate::report::{GalleryCase, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
+use crate::report::{
+    GalleryAbout, GalleryCase, GalleryRenderer, GalleryRow, gallery_html, gallery_row,
+};
 use crate::suite::{Case, Golden, Outputs, Store, Suite};
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -59,19 +61,6 @@ struct Origin {
     alpha: Option<String>,
     machine: Option<String>,
     seconds: BTreeMap<String, f64>,
-}
-
-/// `renderer.toml`.
-#[derive(Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct About {
-    name: Option<String>,
-    version: Option<String>,
-    date: Option<String>,
-    command: Option<String>,
-    machine: Option<String>,
-    /// False of images that only look like what was judged: they cannot be judged again.
-    as_judged: Option<bool>,
 }
 
 /// The run of a renderer.
@@ -173,11 +162,11 @@ impl RendererRun {
             return Err(Failure::new(Exit::BadInput, message, Some(help)));
         }
         let about_file = folder.join(ABOUT);
-        let about: About = match about_file.exists() {
+        let mut about: GalleryAbout = match about_file.exists() {
             true => read(&about_file, |text| {
                 toml::from_str(text).map_err(|error| error.to_string())
             })?,
-            false => About::default(),
+            false => GalleryAbout::default(),
         };
         let outputs = Outputs::list(folder, &names).map_err(bad_input)?;
         outputs.files().for_each(note_input);
@@ -197,17 +186,14 @@ impl RendererRun {
         let profile = results.origin.profile.as_deref().map(Profile::named);
         let bits = results.origin.bits.map(|bits| bits.parse());
         let alpha = results.origin.alpha.map(|alpha| alpha.parse());
+        let own_name = || own_name.to_string_lossy().into_owned();
+        about.name = about.name.or_else(|| Some(own_name()));
+        about.command = about.command.or(results.origin.command);
+        about.machine = about.machine.or(results.origin.machine);
         Ok(RendererRun {
             renderer: GalleryRenderer {
-                name: about
-                    .name
-                    .unwrap_or_else(|| own_name.to_string_lossy().into_owned()),
-                version: about.version,
-                date: about.date,
-                command: about.command.or(results.origin.command),
-                machine: about.machine.or(results.origin.machine),
+                about,
                 profile: results.origin.profile,
-                is_judged_again: about.as_judged.unwrap_or(true),
                 seconds: results.origin.seconds,
             },
             results: results.cases,
@@ -234,7 +220,7 @@ impl RendererRun {
             },
             _ => self.judged_again(case, store, kept),
         };
-        if !self.renderer.is_judged_again {
+        if self.renderer.about.as_judged == Some(false) {
             judged.result = as_kept(kept);
         }
         let seconds = self.renderer.seconds.get(&case.name).copied();
@@ -283,7 +269,7 @@ impl RendererRun {
     fn change(&self, judged: &Judged) -> Option<String> {
         let result = &judged.result;
         let kept = self.results.iter().find(|kept| kept.name == result.name)?;
-        let name = &self.renderer.name;
+        let name = self.renderer.name();
         if kept.verdict != result.verdict {
             let (before, now) = (kept.verdict.name(), result.verdict.name());
             return Some(format!(

@@ -1,7 +1,7 @@
 //! Output of all commands. A reader may close the pipe early, and control characters in names, keys
 //! or the output of another renderer are never printed.
 
-use super::failure::{Drawn, Exit, Failure, bad_input};
+use super::failure::{Exit, Failure, bad_input, drawn};
 use crate::files::atomic_file::{directory_of, file_behind, remedy, write_atomically};
 use crate::files::golden_mark;
 use crate::files::own_file;
@@ -134,7 +134,7 @@ pub fn print_error(failure: &Failure) {
 }
 
 fn write_to_stderr(failure: &Failure) {
-    let drawn = without_elements(format!("{:?}", Drawn::of(failure)));
+    let drawn = without_elements(drawn(failure));
     let _ = writeln!(io::stderr(), "{drawn}");
 }
 

@@ -121,45 +121,26 @@ impl FromStr for Partition {
     }
 }
 
-/// Environment variables of a scheduler that runs several parts.
-struct Engine {
-    name: &'static str,
-    /// Number of this part, and number of parts.
-    variables: [&'static str; 2],
-    first: First,
-}
-
-/// The number of the first part.
-#[derive(Clone, Copy)]
-enum First {
-    Fixed(u64),
-    /// Value of the first variable; the numbers of parts are as far apart as the second says, or by
-    /// 1.
-    Chosen(&'static str, &'static str),
-}
-
-const ENGINES: [Engine; 4] = [
-    Engine {
-        name: "a Slurm array",
-        variables: ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT"],
-        first: First::Chosen("SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP"),
-    },
-    Engine {
-        name: "a Kubernetes Indexed Job",
-        variables: ["JOB_COMPLETION_INDEX", "VOLREF_PARTITIONS"],
-        first: First::Fixed(0),
-    },
-    Engine {
-        name: "GitLab CI",
-        variables: ["CI_NODE_INDEX", "CI_NODE_TOTAL"],
-        first: First::Fixed(1),
-    },
-    Engine {
-        name: "Bazel",
-        variables: ["TEST_SHARD_INDEX", "TEST_TOTAL_SHARDS"],
-        first: First::Fixed(0),
-    },
+/// Schedulers that run several parts: their names, the environment variables for the number of a part and for how many
+/// there are, and the number of the first part, which Slurm states.
+const ENGINES: [(&str, [&str; 2], Option<u64>); 4] = [
+    (
+        "a Slurm array",
+        ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT"],
+        None,
+    ),
+    (
+        "a Kubernetes Indexed Job",
+        ["JOB_COMPLETION_INDEX", "VOLREF_PARTITIONS"],
+        Some(0),
+    ),
+    ("GitLab CI", ["CI_NODE_INDEX", "CI_NODE_TOTAL"], Some(1)),
+    ("Bazel", ["TEST_SHARD_INDEX", "TEST_TOTAL_SHARDS"], Some(0)),
 ];
+
+/// Slurm's variables for the number of the first part, and for how far apart the numbers are, if not by 1.
+const SLURM_FIRST: &str = "SLURM_ARRAY_TASK_MIN";
+const SLURM_STEP: &str = "SLURM_ARRAY_TASK_STEP";
 
 /// The slice that the variables of a scheduler ask for. Missing, incomplete or contradicting
 /// variables are errors, never the whole.
@@ -172,9 +153,8 @@ fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, Str
         });
         parsed.transpose()
     };
-    let mut found: Option<(&Engine, Partition)> = None;
-    for engine in &ENGINES {
-        let [of_part, of_parts] = engine.variables;
+    let mut found: Option<(&str, Partition)> = None;
+    for (engine, [of_part, of_parts], first) in ENGINES {
         let (part, parts) = match (number(of_part)?, number(of_parts)?) {
             (Some(part), Some(parts)) => (part, parts),
             (None, None) => continue,
@@ -182,23 +162,20 @@ fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, Str
             (Some(_), None) => return Err(format!("{of_part} is set and {of_parts} is not")),
             (None, Some(_)) => return Err(format!("{of_parts} is set and {of_part} is not")),
         };
-        let (first, step) = match engine.first {
-            First::Fixed(first) => (first, 1),
-            First::Chosen(first, step) => {
-                let unknown = || format!("{of_part} is set and {first} is not");
-                (
-                    number(first)?.ok_or_else(unknown)?,
-                    number(step)?.unwrap_or(1),
-                )
-            }
+        let unknown = || format!("{of_part} is set and {SLURM_FIRST} is not");
+        let (first, step) = match first {
+            Some(first) => (first, 1),
+            None => (
+                number(SLURM_FIRST)?.ok_or_else(unknown)?,
+                number(SLURM_STEP)?.unwrap_or(1),
+            ),
         };
         let from_first = part.checked_sub(first);
         let is_part = |from_first: &u64| step > 0 && from_first.is_multiple_of(step);
         let place = from_first.filter(is_part);
         let Some(place) = place.map(|place| place / step) else {
             return Err(format!(
-                "{of_part}={part} is not a part of {}, whose first is {first}",
-                engine.name
+                "{of_part}={part} is not a part of {engine}, whose first is {first}"
             ));
         };
         let partition = Partition::new(By::Slice, place.saturating_add(1), parts)
@@ -206,14 +183,13 @@ fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, Str
         match &found {
             Some((other, before)) if *before != partition => {
                 return Err(format!(
-                    "the variables of {} ask for {before}, those of {} for {partition}",
-                    other.name, engine.name
+                    "the variables of {other} ask for {before}, those of {engine} for {partition}"
                 ));
             }
             _ => found = Some((engine, partition)),
         }
     }
-    let names = ENGINES.map(|engine| engine.variables.join(" and "));
+    let names = ENGINES.map(|(_, variables, _)| variables.join(" and "));
     let (_, partition) = found.ok_or_else(|| {
         format!(
             "no engine says which part this is: auto reads {}",

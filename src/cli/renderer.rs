@@ -70,8 +70,7 @@ impl RendererArguments {
                 "for example: --run 'my-renderer {scene} --out {output} --spp {spp}'",
             ),
         };
-        let template = template
-            .map_err(|error| Failure::new(Exit::BadInput, error.to_string(), Some(help)))?;
+        let template = template.map_err(|error| Failure::new(Exit::BadInput, error, Some(help)))?;
         let (spp, seed) = (self.spp, self.seed);
         let options = RendererOptions {
             template,

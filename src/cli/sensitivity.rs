@@ -7,9 +7,8 @@ use super::suite::scene_file;
 use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
-use crate::math;
 use crate::render::{self, Detail, Plan};
-use crate::report::widest;
+use crate::report::{blue_to_red, widest};
 use crate::scene::{Scene, samples};
 use crate::sensitivity::{Derivative, Differences, Number, Unit, derivative, number, numbers};
 use crate::suite::sensitivities_of;
@@ -293,19 +292,9 @@ fn in_red_and_blue(film: &Film) -> Vec<u8> {
     let mut sizes: Vec<f64> = means.iter().map(|mean| mean.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let full = sizes[(sizes.len() - 1) * 99 / 100].max(f64::MIN_POSITIVE);
-    let codes: Vec<[u8; 3]> = means
-        .into_iter()
-        .map(|mean| {
-            // The root spreads what is small: most of an image changes little.
-            let share = (mean.abs() / full).min(1.0).sqrt();
-            let [strong, weak] = [1.0 - 0.2 * share, 1.0 - share]
-                .map(|v| (255.0 * math::linear_to_srgb(v)).round() as u8);
-            if mean >= 0.0 {
-                [strong, weak, weak]
-            } else {
-                [weak, weak, strong]
-            }
-        })
-        .collect();
+    let shares = means.iter().map(|mean| (mean / full).clamp(-1.0, 1.0));
+    // Square roots, so that small derivatives are seen.
+    let colour = |share: f64| blue_to_red(share.abs().sqrt().copysign(share));
+    let codes: Vec<[u8; 3]> = shares.map(colour).collect();
     Film::codes_to_png(&codes, film.width(), film.height())
 }

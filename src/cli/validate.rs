@@ -47,9 +47,7 @@ const IMAGES: &str = "Images are named after the cases, family/name or just name
     support the scene.\n\n\
     Each verdict is printed as soon as it is known. Then volref searches the conventions or the known mistakes \
     that explain the failing images. An image that conventions explain gets a second verdict, which counts. Ctrl-C ends \
-    the search and keeps the verdicts. Images rendered during the search are \
-    cached in the folder that VOLREF_CACHE names (empty: no cache), or else in the user's cache \
-    folder, such as ~/.cache/volref; the cache holds at most 256 MB and can be deleted at any time.";
+    the search and keeps the verdicts.";
 
 /// Headings of options.
 const WHERE: &str = "Where the images are";
@@ -322,12 +320,24 @@ impl Arguments {
         };
         settings.push(("accept conventions", self.accept_conventions.to_string()));
         settings.extend(profile.map(|profile| ("profile", profile.text.clone())));
-        settings.extend(self.bits.map(|bits| ("bits", bits.to_string())));
-        settings.extend(self.alpha.map(|alpha| ("alpha", alpha.to_string())));
-        let resolution = self.resolution.iter();
-        settings.extend(resolution.map(|percent| ("resolution", percent.to_string())));
+        settings.extend(self.declared());
         let named = |(name, value): (&str, String)| (name.to_owned(), value);
         settings.into_iter().map(named).collect()
+    }
+
+    /// Options that say how the images are meant, with their values where they are given.
+    fn declared(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let options = [
+            ("bits", self.bits.map(|bits| bits.to_string())),
+            ("alpha", self.alpha.map(|alpha| alpha.to_string())),
+            (
+                "resolution",
+                self.resolution.map(|percent| percent.to_string()),
+            ),
+        ];
+        options
+            .into_iter()
+            .filter_map(|(name, value)| Some((name, value?)))
     }
 
     /// The command that repeats the judgement of a case.
@@ -342,14 +352,8 @@ impl Arguments {
         if self.accept_conventions {
             words.push("--accept-conventions".to_owned());
         }
-        if let Some(bits) = self.bits {
-            words.extend(["--bits".to_owned(), bits.to_string()]);
-        }
-        if let Some(alpha) = self.alpha {
-            words.extend(["--alpha".to_owned(), alpha.to_string()]);
-        }
-        if let Some(percent) = self.resolution {
-            words.extend(["--resolution".to_owned(), percent.to_string()]);
+        for (name, value) in self.declared() {
+            words.extend([format!("--{name}"), value]);
         }
         self.selection.again("validate", &case.name, &words)
     }

@@ -20,7 +20,7 @@ use crate::optics::{TransferPoint, TransferPoints};
 use crate::render::{Plan, PlotLayout, plans};
 use crate::scene::{Conventions, Model, Panel, Scene};
 use crate::volume::Grid;
-use inline_arrays::{Entries, Json, to_json};
+use inline_arrays::{Entries, Json, entries, to_json};
 
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
 /// `NAME.backdrop-1.raw` for each plot, `NAME.vertices-1.raw` and `NAME.triangles-1.raw` for each mesh of a
@@ -31,23 +31,18 @@ pub(super) fn bundle(scene: &Scene, name: &str, exposure: Option<f64>) -> Result
     let mut panels = Vec::new();
     let mut first_column = 0;
     for panel in &scene.panels {
-        let mut picture = vec![
-            ("title", panel.title.clone().into()),
-            ("first_column", first_column.into()),
-            ("width", panel.width.into()),
-            ("height", panel.height.into()),
-        ];
+        let mut picture = entries! {
+            "title": panel.title.clone(), "first_column": first_column, "width": panel.width,
+            "height": panel.height,
+        };
         picture.extend(content(panel, &mut raw)?);
         panels.push(Json::Object(picture));
         first_column += panel.width;
     }
-    let description = Json::Object(vec![
-        ("schema", "volref/bundle/1".into()),
-        ("name", name.into()),
-        ("image", image(scene, exposure)),
-        ("judged", judged(plans(scene).iter().any(Plan::is_sampled))),
-        ("panels", Json::List(panels)),
-    ]);
+    let description = Json::Object(entries! {
+        "schema": "volref/bundle/1", "name": name, "image": image(scene, exposure),
+        "judged": judged(plans(scene).iter().any(Plan::is_sampled)), "panels": Json::List(panels),
+    });
     let main = format!("{name}.json");
     let mut files = vec![(main.clone(), to_json(&description))];
     files.extend(raw.files);
@@ -87,17 +82,14 @@ fn image(scene: &Scene, exposure: Option<f64>) -> Json {
                   opacity";
     let files = "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY \
                  of shape (height, width, 3), type float32, C order";
-    let mut image: Entries = vec![
-        ("width", scene.width().into()),
-        ("height", scene.height().into()),
-        ("panels", panels.into()),
-        ("pixels", pixels.into()),
-        ("files", files.into()),
-    ];
+    let mut image: Entries = entries! {
+        "width": scene.width(), "height": scene.height(), "panels": panels, "pixels": pixels,
+        "files": files,
+    };
     if let Some(stops) = exposure {
         let codes = "a PNG of 8 bits holds the codes of radiance * 2^exposure, cut off at 1: sRGB, or \
                      linear if that is declared";
-        image.extend([("exposure", stops.into()), ("codes", codes.into())]);
+        image.extend(entries! { "exposure": stops, "codes": codes });
     }
     Json::Object(image)
 }
@@ -109,30 +101,24 @@ fn judged(by_noise: bool) -> Json {
         let rule = "your image and the right one may differ by no more than the noise of both, in the mean of the \
                     whole, of rows, of columns and of blocks of 8 by 8 pixels, and pixel by pixel; noise that you do \
                     not state is estimated from the image";
-        return Json::Object(vec![("rule", rule.into())]);
+        return Json::Object(entries! { "rule": rule });
     }
     let rule = "a pixel agrees if in every channel |yours - right| <= tolerance(right), where \
                 tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may \
                 disagree, none by more than hard_cap tolerances, and the mean of a channel may be off \
                 by bias_share*tolerance(mean)";
-    Json::Object(vec![
-        ("rule", rule.into()),
-        ("absolute", 1e-3.into()),
-        ("relative", 0.01.into()),
-        ("outlier_share", 2e-4.into()),
-        ("hard_cap", 20.0.into()),
-        ("bias_share", 0.1.into()),
-    ])
+    Json::Object(entries! {
+        "rule": rule, "absolute": 1e-3, "relative": 0.01, "outlier_share": 2e-4, "hard_cap": 20.0,
+        "bias_share": 0.1,
+    })
 }
 
 /// The points of a transfer function that is a table.
 fn points(points: &TransferPoints) -> Json {
     let point = |point: &TransferPoint| {
-        Json::Object(vec![
-            ("value", point.value.into()),
-            ("opacity", point.opacity.into()),
-            ("colour", point.colour.to_array().into()),
-        ])
+        Json::Object(entries! {
+            "value": point.value, "opacity": point.opacity, "colour": point.colour,
+        })
     };
     Json::List(points.points().iter().map(point).collect())
 }
@@ -156,13 +142,11 @@ impl RawFiles<'_> {
         let corners = mesh.faces().as_flattened().iter();
         let triangles = corners.flat_map(|&corner| (corner as u32).to_le_bytes());
         let triangles = triangles.collect();
-        vec![
-            ("kind", "mesh".into()),
-            ("vertices", self.shared("vertices", vertices).into()),
-            ("vertex_count", mesh.vertices().len().into()),
-            ("triangles", self.shared("triangles", triangles).into()),
-            ("triangle_count", mesh.faces().len().into()),
-        ]
+        entries! {
+            "kind": "mesh", "vertices": self.shared("vertices", vertices),
+            "vertex_count": mesh.vertices().len(), "triangles": self.shared("triangles", triangles),
+            "triangle_count": mesh.faces().len(),
+        }
     }
 
     /// Name of the file with the values of `grid`.

@@ -1,6 +1,6 @@
 //! A radiative scene, prepared for export.
 
-use super::forms::Form;
+use super::forms::{self, Form};
 use super::nested_media::{BoundarySurface, NestedMedia};
 use super::refusal::Faults;
 use super::view::{ExportView, is_parallel};
@@ -49,10 +49,10 @@ impl<'s> ExportScene<'s> {
         .map(|key| scene.camera.ray_through(key, size));
         let [objects, lights] = names(panel, scene);
         let objects: Vec<_> = (scene.objects.iter().zip(objects))
-            .map(|(object, key)| (key, Form::of_shape(&object.shape), object.material))
+            .map(|(object, key)| (key, Form::of(forms::shape(&object.shape)), object.material))
             .collect();
         let area_lights: Vec<_> = (scene.area_lights.iter().zip(lights))
-            .map(|(light, key)| (key, Form::of_luminous(&light.shape), light))
+            .map(|(light, key)| (key, Form::of(forms::luminous(&light.shape)), light))
             .collect();
         for ((key, _, _), object) in objects.iter().zip(&scene.objects) {
             if let Err(what) = check_glass(object, scene, &sight) {

@@ -23,47 +23,72 @@ pub(super) enum Form {
     },
 }
 
+/// A shape before a transform maps it to the world.
+#[derive(Clone, Copy)]
+pub(super) enum Base<'s> {
+    Sphere(&'s Sphere),
+    Box(&'s Aabb),
+    Rectangle(&'s Rectangle),
+    Mesh(&'s Mesh),
+}
+
+/// A shape of a scene, and the transform that places it, if there is one.
+pub(super) type Placing<'s> = (Base<'s>, Option<&'s Transform>);
+
+/// A surface that reflects or refracts.
+pub(super) fn shape(shape: &Shape) -> Placing<'_> {
+    match shape {
+        Shape::Sphere(sphere) => (Base::Sphere(sphere), None),
+        Shape::Box(cuboid) => (Base::Box(cuboid), None),
+        Shape::Rectangle(rectangle) => (Base::Rectangle(rectangle), None),
+        Shape::Mesh(mesh) => (Base::Mesh(mesh), None),
+        Shape::PlacedSphere(it) => (Base::Sphere(it.shape()), Some(it.to_world())),
+        Shape::PlacedBox(it) => (Base::Box(it.shape()), Some(it.to_world())),
+        Shape::PlacedMesh(it) => (Base::Mesh(it.shape()), Some(it.to_world())),
+    }
+}
+
+/// A surface that emits light.
+pub(super) fn luminous(shape: &Luminous) -> Placing<'_> {
+    let base = match shape {
+        Luminous::Sphere(sphere) => Base::Sphere(sphere),
+        Luminous::Rectangle(rectangle) => Base::Rectangle(rectangle),
+        Luminous::Mesh(mesh) => Base::Mesh(mesh),
+    };
+    (base, None)
+}
+
+/// The boundary of a medium.
+pub(super) fn boundary(boundary: &Boundary) -> Placing<'_> {
+    match boundary {
+        Boundary::Sphere(sphere) => (Base::Sphere(sphere), None),
+        Boundary::Box(cuboid) => (Base::Box(cuboid), None),
+        Boundary::Mesh(mesh) => (Base::Mesh(mesh.mesh()), None),
+        Boundary::PlacedSphere(it) => (Base::Sphere(it.shape()), Some(it.to_world())),
+        Boundary::PlacedBox(it) => (Base::Box(it.shape()), Some(it.to_world())),
+        Boundary::PlacedMesh(it) => (Base::Mesh(it.shape().mesh()), Some(it.to_world())),
+    }
+}
+
 impl Form {
-    /// The form of a surface that reflects or refracts.
-    pub(super) fn of_shape(shape: &Shape) -> Form {
-        match shape {
-            Shape::Sphere(sphere) => Form::sphere(sphere),
-            Shape::Box(cuboid) => Form::cuboid(cuboid, &Transform::IDENTITY),
-            Shape::Rectangle(rectangle) => Form::rectangle(rectangle),
-            Shape::Mesh(mesh) => Form::mesh(mesh),
-            Shape::PlacedSphere(placed) => Form::moved_sphere(placed.shape(), placed.to_world()),
-            Shape::PlacedBox(placed) => Form::cuboid(placed.shape(), placed.to_world()),
-            Shape::PlacedMesh(placed) => Form::moved_mesh(placed.shape(), placed.to_world()),
-        }
-    }
-
-    /// The form of a surface that emits light.
-    pub(super) fn of_luminous(shape: &Luminous) -> Form {
-        match shape {
-            Luminous::Sphere(sphere) => Form::sphere(sphere),
-            Luminous::Rectangle(rectangle) => Form::rectangle(rectangle),
-            Luminous::Mesh(mesh) => Form::mesh(mesh),
-        }
-    }
-
-    /// The form of the boundary of a medium.
-    pub(super) fn of_boundary(boundary: &Boundary) -> Form {
-        match boundary {
-            Boundary::Sphere(sphere) => Form::sphere(sphere),
-            Boundary::Box(cuboid) => Form::cuboid(cuboid, &Transform::IDENTITY),
-            Boundary::Mesh(mesh) => Form::mesh(mesh.mesh()),
-            Boundary::PlacedSphere(placed) => Form::moved_sphere(placed.shape(), placed.to_world()),
-            Boundary::PlacedBox(placed) => Form::cuboid(placed.shape(), placed.to_world()),
-            Boundary::PlacedMesh(placed) => {
-                Form::moved_mesh(placed.shape().mesh(), placed.to_world())
+    /// The shape in world coordinates.
+    pub(super) fn of((base, to_world): Placing<'_>) -> Form {
+        match (base, to_world) {
+            (Base::Sphere(sphere), None) => Form::Sphere {
+                centre: sphere.centre(),
+                radius: sphere.radius(),
+            },
+            (Base::Sphere(sphere), Some(to_world)) => Form::moved_sphere(sphere, to_world),
+            (Base::Box(cuboid), to_world) => {
+                Form::cuboid(cuboid, to_world.unwrap_or(&Transform::IDENTITY))
             }
-        }
-    }
-
-    fn sphere(sphere: &Sphere) -> Form {
-        Form::Sphere {
-            centre: sphere.centre(),
-            radius: sphere.radius(),
+            (Base::Rectangle(rectangle), _) => {
+                let at = |u, v| rectangle.sample([u, v]).position;
+                let corner = at(0.0, 0.0);
+                let edges = [at(1.0, 0.0) - corner, at(0.0, 1.0) - corner];
+                Form::Rectangle { corner, edges }
+            }
+            (Base::Mesh(mesh), to_world) => Form::mesh(mesh, to_world),
         }
     }
 
@@ -97,33 +122,15 @@ impl Form {
         Form::Box { corner, edges }
     }
 
-    fn rectangle(rectangle: &Rectangle) -> Form {
-        let at = |u, v| rectangle.sample([u, v]).position;
-        let corner = at(0.0, 0.0);
-        Form::Rectangle {
-            corner,
-            edges: [at(1.0, 0.0) - corner, at(0.0, 1.0) - corner],
-        }
-    }
-
-    fn mesh(mesh: &Mesh) -> Form {
-        Form::Mesh {
-            vertices: mesh.vertices().to_vec(),
-            faces: mesh.faces().to_vec(),
-        }
-    }
-
-    fn moved_mesh(mesh: &Mesh, to_world: &Transform) -> Form {
+    fn mesh(mesh: &Mesh, to_world: Option<&Transform>) -> Form {
         let mut faces = mesh.faces().to_vec();
         // Mirrored, the front of a face stays in front.
-        if to_world.mirrors() {
+        if to_world.is_some_and(Transform::mirrors) {
             faces.iter_mut().for_each(|face| face.swap(1, 2));
         }
-        let vertices = mesh.vertices().iter();
-        Form::Mesh {
-            vertices: vertices.map(|&vertex| to_world.point(vertex)).collect(),
-            faces,
-        }
+        let place = |&vertex: &DVec3| to_world.map_or(vertex, |to_world| to_world.point(vertex));
+        let vertices = mesh.vertices().iter().map(place).collect();
+        Form::Mesh { vertices, faces }
     }
 
     /// Its corners: those of a box or rectangle, all vertices of a mesh; of a ball, those of a

@@ -507,25 +507,18 @@ fn sides(export: &ExportScene, at: usize) -> Vec<String> {
     std::iter::once(inside).chain(outside).collect()
 }
 
+fn twosided(kind: &str, parts: &[String]) -> String {
+    let inner = element(3, "bsdf", kind, "", parts);
+    element(2, "bsdf", "twosided", "", &[inner])
+}
+
 fn bsdf(material: &Material) -> String {
     match material {
-        Material::Diffuse(reflectance) => {
-            let inner = element(
-                3,
-                "bsdf",
-                "diffuse",
-                "",
-                &[rgb("reflectance", *reflectance)],
-            );
-            element(2, "bsdf", "twosided", "", &[inner])
-        }
+        Material::Diffuse(reflectance) => twosided("diffuse", &[rgb("reflectance", *reflectance)]),
         Material::Mirror(reflectance) => {
-            let parts = [
-                typed("string", "material", "none"),
-                rgb("specular_reflectance", *reflectance),
-            ];
-            let inner = element(3, "bsdf", "conductor", "", &parts);
-            element(2, "bsdf", "twosided", "", &[inner])
+            let material = typed("string", "material", "none");
+            let specular = rgb("specular_reflectance", *reflectance);
+            twosided("conductor", &[material, specular])
         }
         Material::Glass(index) => {
             let parts = [

@@ -5,11 +5,11 @@
 //! another, and a boundary may not lie in a surface: a ray that starts on the surface would start
 //! beyond the boundary, or not, by rounding.
 
-use super::forms::{Form, normal_of};
+use super::forms::{self, Base, Form, Placing, normal_of};
 use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::view::is_parallel;
-use crate::geometry::{Aabb, Boundary, Ray, Solid, Span, Surface, Transform};
+use crate::geometry::{Aabb, Boundary, Ray, Solid, Surface, Transform};
 use crate::optics::{Field, Homogeneous};
 use crate::scene::{Body, Radiative};
 use crate::volume::GridDensity;
@@ -197,16 +197,11 @@ fn nested_medium<'s>(
         let what = "a medium that fills all space; give it a box, sphere or mesh";
         return Err(what.to_owned());
     };
-    let mut form = Form::of_boundary(boundary);
-    let mut placed = None;
+    let placing = forms::boundary(boundary);
+    let (mut form, mut placed) = (Form::of(placing), None);
     if let Some(density) = grid {
-        form = within_grid(boundary, form, density)?;
-        let to_world = match boundary {
-            Boundary::PlacedSphere(shape) => *shape.to_world(),
-            Boundary::PlacedBox(shape) => *shape.to_world(),
-            Boundary::PlacedMesh(shape) => *shape.to_world(),
-            _ => Transform::IDENTITY,
-        };
+        form = within_grid(placing, density)?;
+        let to_world = placing.1.copied().unwrap_or(Transform::IDENTITY);
         placed = Some(PlacedGrid { density, to_world });
     }
     let mut surfaces = contacts.surfaces.iter();
@@ -235,39 +230,30 @@ fn nested_medium<'s>(
 }
 
 /// The part of a boundary that its grid fills: there the medium ends.
-fn within_grid(boundary: &Boundary, form: Form, density: &GridDensity) -> Result<Form, String> {
+fn within_grid(placing: Placing<'_>, density: &GridDensity) -> Result<Form, String> {
     let own = density.bounds();
     // The whole numbers of both formats have 31 bits and a sign.
     let nodes = density.grid().lattice().nodes();
     if nodes.iter().any(|&count| count >= i32::MAX as usize - 2) {
         return Err("a grid of more nodes along an axis than the format can count".to_owned());
     }
-    let (shape, to_world) = match boundary {
-        Boundary::Box(shape) => (Some(*shape), Transform::IDENTITY),
-        Boundary::PlacedBox(placed) => (Some(*placed.shape()), *placed.to_world()),
-        Boundary::Sphere(shape) => (None, bounds_within(shape, &own)?),
-        Boundary::PlacedSphere(placed) => (None, bounds_within(placed.shape(), &own)?),
-        Boundary::Mesh(shape) => (None, bounds_within(&**shape, &own)?),
-        Boundary::PlacedMesh(placed) => (None, bounds_within(&**placed.shape(), &own)?),
+    let bounds = match placing.0 {
+        Base::Box(bounds) => {
+            let (min, max) = (bounds.min.max(own.min), bounds.max.min(own.max));
+            if min.cmpge(max).any() {
+                return Err("a grid that lies outside the box of its medium".to_owned());
+            }
+            return Ok(Form::of((Base::Box(&Aabb { min, max }), placing.1)));
+        }
+        Base::Sphere(sphere) => sphere.bounds(),
+        Base::Rectangle(rectangle) => rectangle.bounds(),
+        Base::Mesh(mesh) => mesh.bounds(),
     };
-    let Some(mut shape) = shape else {
-        return Ok(form);
-    };
-    shape.min = shape.min.max(own.min);
-    shape.max = shape.max.min(own.max);
-    if shape.min.cmpge(shape.max).any() {
-        return Err("a grid that lies outside the box of its medium".to_owned());
-    }
-    Ok(Form::cuboid(&shape, &to_world))
-}
-
-/// That `shape` does not reach beyond its grid, for only a box can be cut off there.
-fn bounds_within(shape: &impl Surface, own: &Aabb) -> Result<Transform, String> {
-    let bounds = shape.bounds();
+    // Only a box can be cut off at the end of its grid.
     if bounds.min.cmplt(own.min).any() || bounds.max.cmpgt(own.max).any() {
         return Err("a sphere or mesh of medium that reaches beyond its grid".to_owned());
     }
-    Ok(Transform::IDENTITY)
+    Ok(Form::of(placing))
 }
 
 /// Moves the touched faces of a box outward by `offset`.
@@ -498,29 +484,14 @@ fn extent_of(form: &Form, axis: DVec3) -> [f64; 2] {
 /// Whether a ray starts in a nested medium, or within `same` before it: from a face, by the side to
 /// which it leaves. A box may have been cut off or moved: its form is asked.
 fn starts_in(form: &Form, boundary: &Boundary, ray: &Ray, same: f64) -> bool {
-    let span = match form {
-        Form::Box { corner, edges } => span_in_box(*corner, edges, ray),
-        _ => boundary.spans(ray).first().copied(),
-    };
-    span.is_some_and(|span| span.near <= same && span.far > same)
-}
-
-/// The segment of a ray within a box, if there is one. What runs in a face is outside.
-fn span_in_box(corner: DVec3, edges: &[DVec3; 3], ray: &Ray) -> Option<Span> {
-    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
-    for edge in edges {
-        let along = (ray.origin - corner).dot(*edge);
-        let pace = ray.direction.dot(*edge);
-        let all = edge.length_squared();
-        if pace == 0.0 {
-            if along <= 0.0 || along >= all {
-                return None;
-            }
-            continue;
-        }
-        let (one, other) = (-along / pace, (all - along) / pace);
-        near = near.max(one.min(other));
-        far = far.min(one.max(other));
+    if let Form::Box { corner, edges } = form {
+        let within = ray.at(same) - corner;
+        let is_between = |edge: &DVec3| {
+            let along = within.dot(*edge);
+            along > 0.0 && along < edge.length_squared()
+        };
+        return edges.iter().all(is_between);
     }
-    (near < far).then_some(Span { near, far })
+    let span = boundary.spans(ray).first().copied();
+    span.is_some_and(|span| span.near <= same && span.far > same)
 }

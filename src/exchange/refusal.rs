@@ -1,22 +1,16 @@
 //! Scenes that a format cannot express.
 
 use super::Format;
-use std::fmt;
 use thiserror::Error;
 
 /// One feature that a format cannot express.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{key}: {what}")]
 pub struct ExportFault {
     /// Its key in the scene, such as `radiative.medium[2]`, counted from 0.
     pub key: String,
     /// Description, with a way around it if there is one.
     pub what: String,
-}
-
-impl fmt::Display for ExportFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.key, self.what)
-    }
 }
 
 /// A scene that a format cannot express without changing it.

@@ -6,7 +6,7 @@ use crate::conventions::Profile;
 use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Panel, Precision, Sampling, Scene};
-use crate::suite::golden::{AcceptAdvice, plan_hash, scene_hash, short};
+use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
 use crate::suite::rendering::{ReferenceRenderer, Renderer, check_class};
 use crate::suite::sensitivities;
 use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
@@ -290,7 +290,7 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
     } else {
         return None;
     };
-    Some(format!("stale: {what}; {}", AcceptAdvice::of(case)))
+    Some(format!("stale: {what}; {}", accept_advice(case)))
 }
 
 /// The first key that one of them lacks or has with another value.

@@ -6,7 +6,6 @@
 use crate::files::regular_file;
 use std::collections::BTreeMap;
 use std::path::Path;
-use thiserror::Error;
 
 /// A command with placeholders such as `{output}`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,33 +20,6 @@ enum Part {
     Text(String),
     /// The name of a value.
     Placeholder(String),
-}
-
-/// Error in a command.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub(crate) enum TemplateError {
-    /// Unclosed quotes.
-    #[error("unclosed quote in: {0}")]
-    Quotes(String),
-    /// An empty command.
-    #[error("there is no command to run")]
-    Empty,
-    /// The placeholder for the image is missing.
-    #[error("the command must contain {{output}}, the image file to write")]
-    NoOutput,
-    /// A placeholder in a word, in the command of a renderer that stays.
-    #[error(
-        "{0:?}: the placeholders of --serve are words of their own, for requests hold what they stand for"
-    )]
-    PartOfWord(String),
-    /// An unknown placeholder.
-    #[error("unknown placeholder {{{name}}}; the placeholders are: {known}")]
-    Unknown {
-        /// The name in braces.
-        name: String,
-        /// Every placeholder.
-        known: String,
-    },
 }
 
 impl CommandTemplate {
@@ -70,16 +42,16 @@ impl CommandTemplate {
 
     /// Splits `text` into words as a POSIX shell would, quotes and backslashes included, and
     /// nothing else a shell does.
-    pub fn parse(text: &str) -> Result<CommandTemplate, TemplateError> {
+    pub fn parse(text: &str) -> Result<CommandTemplate, String> {
         let template = Self::split(text)?;
         if !template.uses("output") {
-            return Err(TemplateError::NoOutput);
+            return Err("the command must contain {output}, the image file to write".to_owned());
         }
         Ok(template)
     }
 
     /// The command of a renderer that stays, split likewise.
-    pub fn parse_serving(text: &str) -> Result<CommandTemplate, TemplateError> {
+    pub fn parse_serving(text: &str) -> Result<CommandTemplate, String> {
         let template = Self::split(text)?;
         let is_part = |word: &&Vec<Part>| has_placeholder(word) && !is_placeholder(word);
         if let Some(word) = template.words.iter().find(is_part) {
@@ -87,18 +59,21 @@ impl CommandTemplate {
                 Part::Text(text) => text.clone(),
                 Part::Placeholder(name) => format!("{{{name}}}"),
             });
-            return Err(TemplateError::PartOfWord(shown.collect()));
+            let shown: String = shown.collect();
+            return Err(format!(
+                "{shown:?}: the placeholders of --serve are words of their own, for requests hold what they stand for"
+            ));
         }
         if template.words_alone().is_empty() {
-            return Err(TemplateError::Empty);
+            return Err("there is no command to run".to_owned());
         }
         Ok(template)
     }
 
-    fn split(text: &str) -> Result<CommandTemplate, TemplateError> {
-        let words = shell_words::split(text).map_err(|_| TemplateError::Quotes(text.to_owned()))?;
+    fn split(text: &str) -> Result<CommandTemplate, String> {
+        let words = shell_words::split(text).map_err(|_| format!("unclosed quote in: {text}"))?;
         if words.is_empty() {
-            return Err(TemplateError::Empty);
+            return Err("there is no command to run".to_owned());
         }
         let words = words.iter().map(|word| parts(word)).collect();
         let template = CommandTemplate { words };
@@ -107,10 +82,10 @@ impl CommandTemplate {
             .find(|name| !Self::PLACEHOLDERS.contains(name))
         {
             let known = Self::PLACEHOLDERS.map(|name| format!("{{{name}}}"));
-            return Err(TemplateError::Unknown {
-                name: name.to_owned(),
-                known: known.join(" "),
-            });
+            let known = known.join(" ");
+            return Err(format!(
+                "unknown placeholder {{{name}}}; the placeholders are: {known}"
+            ));
         }
         Ok(template)
     }
@@ -240,12 +215,8 @@ mod tests {
         assert_eq!(template.words_alone(), ["r", "-x", "a b"]);
         assert!(template.takes_step() && !template.uses("spp"));
         let error = |text: &str| CommandTemplate::parse_serving(text).unwrap_err();
-        assert_eq!(error("{output}"), TemplateError::Empty);
-        let part = "--step={step}x";
-        assert_eq!(
-            error(&format!("r {part}")),
-            TemplateError::PartOfWord(part.to_owned())
-        );
+        assert_eq!(error("{output}"), "there is no command to run");
+        assert!(error("r --step={step}x").starts_with("\"--step={step}x\": the placeholders"));
     }
 
     #[test]

@@ -97,7 +97,7 @@ const LAST_LINES: usize = 3;
 const LETTERS: usize = 400;
 
 /// Words by which a line of output is one with an error in it, in lower case.
-const ERRORS: [&str; 12] = [
+const ERRORS: [&str; 11] = [
     "error",
     "exception",
     "fatal",
@@ -109,7 +109,6 @@ const ERRORS: [&str; 12] = [
     "failure",
     "segmentation fault",
     "abort",
-    "traceback",
 ];
 
 /// The lines of a renderer's output that say why it failed, as the end of a message: the first with an error in it,
@@ -120,9 +119,9 @@ pub(super) fn quoted_words(printed: &str) -> String {
         .filter(|line| !line.trim().is_empty())
         .collect();
     let (before, last) = lines.split_at(lines.len().saturating_sub(LAST_LINES));
-    let first = before.iter().position(|line| has_error(line));
+    let first = before.iter().find(|line| has_error(line));
     let mut text = String::new();
-    if let Some(line) = first.and_then(|at| cause_at(before, last, at)) {
+    if let Some(line) = first {
         text.push_str("; its first error:");
         quote(&mut text, line);
     }
@@ -131,21 +130,6 @@ pub(super) fn quoted_words(printed: &str) -> String {
     }
     last.iter().for_each(|line| quote(&mut text, line));
     text
-}
-
-/// The line of the error that begins at line `at` of those `before` the last ones; `None` if it is among the last. A
-/// traceback of Python states its error in its last line, the next that is not indented.
-fn cause_at<'l>(before: &[&'l str], last: &[&'l str], at: usize) -> Option<&'l str> {
-    if !before[at].starts_with("Traceback") {
-        return Some(before[at]);
-    }
-    let is_indented = |line: &str| line.starts_with(char::is_whitespace);
-    let after = || before[at + 1..].iter().copied();
-    match after().find(|line| !is_indented(line)) {
-        Some(line) => Some(line),
-        None if last.iter().any(|line| !is_indented(line)) => None,
-        None => Some(before[at]),
-    }
 }
 
 /// True of a line with a word for an error in it; not of a count of none.

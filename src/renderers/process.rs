@@ -6,8 +6,8 @@
 use super::keeper::{Keeper, Kept, SEES_DAEMONS};
 use super::printed::Printed;
 use process_wrap::std::{ChildWrapper, CommandWrap};
-use std::io::{PipeWriter, Read, pipe};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::io::{self, Read, pipe};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -54,39 +54,58 @@ pub fn stop_all() {
 /// Runs a program until it ends, or until `timeout`. `words` are the program and its arguments.
 /// Without a `keeper`, processes that have left the program's process group are not ended with it.
 pub fn run(words: &[String], timeout: Duration, keeper: Option<&Keeper>) -> Ran {
-    let (reader, writer) = match pipe() {
-        Ok(ends) => ends,
-        Err(error) => return not_started(&words[0], &error.to_string()),
-    };
     // Counted before it is asked: whoever stops asks in the other order, so one of the two sees
     // the other.
     RUNNING.fetch_add(1, Ordering::SeqCst);
-    let printed = Printed::hear(reader);
-    let ended = if STOPPED.load(Ordering::SeqCst) {
-        Err("volref is ending".to_owned())
-    } else {
-        match keeper {
-            Some(keeper) => run_kept(words, writer, timeout, keeper),
-            None => run_in_group(words, writer, timeout),
-        }
-    };
+    let ran = run_to_end(words, timeout, keeper);
     RUNNING.fetch_sub(1, Ordering::SeqCst);
-    match ended {
-        Err(error) => not_started(&words[0], &error),
-        Ok((failure, notes)) => Ran {
-            failure,
-            notes,
-            printed: printed.take(LISTEN),
-        },
-    }
-}
-
-fn not_started(program: &str, error: &str) -> Ran {
-    Ran {
-        failure: Some(not_started_in_words(program, error)),
+    ran.unwrap_or_else(|error| Ran {
+        failure: Some(not_started_in_words(&words[0], &error)),
         notes: Vec::new(),
         printed: String::new(),
+    })
+}
+
+/// As [`run`]; an error if the program could not be started.
+fn run_to_end(words: &[String], timeout: Duration, keeper: Option<&Keeper>) -> Result<Ran, String> {
+    if STOPPED.load(Ordering::SeqCst) {
+        return Err("volref is ending".to_owned());
     }
+    let in_words = |error: io::Error| error.to_string();
+    let (log, writer) = pipe().map_err(in_words)?;
+    let has_keeper = keeper.is_some();
+    // A keeper is told to end by the end of its standard input, and prints its report.
+    let [stdin, stdout] = match has_keeper {
+        true => [Stdio::piped(), Stdio::piped()],
+        false => [Stdio::null(), writer.try_clone().map_err(in_words)?.into()],
+    };
+    let mut child = start(words, keeper, [stdin, stdout, writer.into()])?;
+    let printed = Printed::hear(log);
+    let in_time = has_ended(timeout, &STOPPED, || Ok(child.try_wait()?.is_some()));
+    drop(child.stdin().take());
+    let patience = match has_keeper {
+        true => KEEPERS_PATIENCE,
+        false => Duration::ZERO,
+    };
+    let status = status_at_end(&mut *child, patience, || {});
+    let mut report = String::new();
+    if let Some(mut stdout) = child.stdout().take() {
+        // A report that is cut off is no JSON.
+        let _ = stdout.read_to_string(&mut report);
+    }
+    let kept = kept(has_keeper, &report, status)?;
+    // It may have ended in time, and what it left behind not.
+    let by_itself = kept.code.is_some() || matches!(in_time, Ok(true));
+    let failure = match in_time {
+        Ok(_) if by_itself => failure_of(kept.code, kept.signal),
+        Ok(_) => Some(why_ended(timeout, has_keeper)),
+        Err(error) => Some(format!("the renderer could not be waited for: {error}")),
+    };
+    Ok(Ran {
+        failure,
+        notes: remnants(&kept, by_itself),
+        printed: printed.take(LISTEN),
+    })
 }
 
 pub(super) fn not_started_in_words(program: &str, error: &str) -> String {
@@ -94,50 +113,6 @@ pub(super) fn not_started_in_words(program: &str, error: &str) -> String {
         "the renderer {program:?} could not be started: {error}; there is no shell, which would \
              know built-in commands, variables and && (for one: sh -c '…')"
     )
-}
-
-/// Why a program did not end well, if so, and what it has left running; or why it could not be
-/// started.
-type Ended = Result<(Option<String>, Vec<String>), String>;
-
-/// Runs a program below `keeper`.
-fn run_kept(words: &[String], log: PipeWriter, timeout: Duration, keeper: &Keeper) -> Ended {
-    let mut command = keeper.command(words);
-    command
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(log);
-    // A Ctrl-C at the terminal is for volref, which ends the keeper in its own way.
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(&mut command, 0);
-    let mut child = command
-        .spawn()
-        .map_err(|error| format!("its keeper: {error}"))?;
-    // The command holds the pipe for what is printed.
-    drop(command);
-    let in_time = has_ended(timeout, &STOPPED, || {
-        child.try_wait().map(|ended| ended.is_some())
-    });
-    // The end of its standard input is the keeper's sign to end.
-    drop(child.stdin.take());
-    let is_gone = has_ended(KEEPERS_PATIENCE, &AtomicBool::new(false), || {
-        child.try_wait().map(|ended| ended.is_some())
-    });
-    if !matches!(is_gone, Ok(true)) {
-        let _ = child.kill();
-    }
-    let kept = report(&mut child)?;
-    if let Some(error) = kept.not_started {
-        return Err(error);
-    }
-    // It may have ended in time, and what it left behind not.
-    let by_itself = kept.code.is_some() || matches!(in_time, Ok(true));
-    let failure = match in_time {
-        Ok(_) if by_itself => failure_of(kept.code, kept.signal),
-        Ok(_) => Some(why_ended(timeout, SEES_DAEMONS)),
-        Err(error) => Some(format!("the renderer could not be waited for: {error}")),
-    };
-    Ok((failure, remnants(&kept, by_itself)))
 }
 
 /// Sentences on the processes that a renderer left running; if it ended `by_itself`, on those that were ended, too.
@@ -159,75 +134,80 @@ pub(super) fn remnants(kept: &Kept, by_itself: bool) -> Vec<String> {
     notes
 }
 
-/// What the keeper says at its end.
-fn report(child: &mut Child) -> Result<Kept, String> {
-    let mut text = String::new();
-    if let Some(mut stdout) = child.stdout.take() {
-        // A report that is cut off is no JSON.
-        let _ = stdout.read_to_string(&mut text);
-    }
-    let status = child.wait();
-    report_in(&text, status)
-}
-
-/// The report that is `text`, of a keeper that ended with `status`.
-pub(super) fn report_in(text: &str, status: std::io::Result<ExitStatus>) -> Result<Kept, String> {
-    serde_json::from_str(text).map_err(|_| match status {
-        Ok(status) => format!("its keeper ended without a report ({status})"),
-        Err(error) => format!("its keeper ended without a report ({error})"),
-    })
-}
-
-/// Runs a program as the leader of a process group, or in a job on Windows.
-fn run_in_group(words: &[String], log: PipeWriter, timeout: Duration) -> Ended {
-    let mut child = command_in_group(words, log)
-        .and_then(spawn_in_group)
-        .map_err(|error| error.to_string())?;
+/// Waits up to `patience` for a process, then ends it with its group; its exit status.
+pub(super) fn status_at_end(
+    child: &mut dyn ChildWrapper,
+    patience: Duration,
+    mut meanwhile: impl FnMut(),
+) -> io::Result<ExitStatus> {
     let mut status = None;
-    let in_time = has_ended(timeout, &STOPPED, || {
+    let ended = has_ended(patience, &AtomicBool::new(false), || {
+        meanwhile();
         status = child.try_wait()?;
         Ok(status.is_some())
     });
-    // What it started may still be there; that nothing is left is no error.
+    // Processes that it started may still be there; that nothing is left is no error.
     let _ = child.start_kill();
-    let failure = match (in_time, status) {
-        (Ok(_), Some(status)) => failure_of(status.code(), signal_of(status)),
-        (Ok(_), None) => {
-            let _ = child.wait();
-            // A job of Windows has all in it, a process group what did not leave.
-            Some(why_ended(timeout, cfg!(windows)))
+    match (ended, status) {
+        (_, Some(status)) => Ok(status),
+        (Err(error), None) => Err(error),
+        (Ok(_), None) => child.wait(),
+    }
+}
+
+/// The end of a renderer, as its keeper reports it, or by its own exit status without a keeper.
+pub(super) fn kept(
+    has_keeper: bool,
+    report: &str,
+    status: io::Result<ExitStatus>,
+) -> Result<Kept, String> {
+    if !has_keeper {
+        let status = status.map_err(|error| error.to_string())?;
+        return Ok(Kept {
+            code: status.code(),
+            signal: signal_of(status),
+            ..Kept::default()
+        });
+    }
+    let kept: Kept = serde_json::from_str(report).map_err(|_| match status {
+        Ok(status) => format!("its keeper ended without a report ({status})"),
+        Err(error) => format!("its keeper ended without a report ({error})"),
+    })?;
+    kept.not_started.clone().map_or(Ok(kept), Err)
+}
+
+/// Starts a renderer, below `keeper` if there is one, as the leader of a process group, or in a job on Windows. `pipes`
+/// are its standard input, output and error.
+pub(super) fn start(
+    words: &[String],
+    keeper: Option<&Keeper>,
+    pipes: [Stdio; 3],
+) -> Result<Box<dyn ChildWrapper>, String> {
+    let mut command = match keeper {
+        Some(keeper) => keeper.command(words),
+        None => {
+            let mut command = Command::new(&words[0]);
+            command.args(&words[1..]);
+            command
         }
-        (Err(error), _) => Some(format!("the renderer could not be waited for: {error}")),
     };
-    Ok((failure, Vec::new()))
-}
-
-fn command_in_group(words: &[String], log: PipeWriter) -> std::io::Result<Command> {
-    let mut command = Command::new(&words[0]);
-    command
-        .args(&words[1..])
-        .stdin(Stdio::null())
-        .stdout(log.try_clone()?)
-        .stderr(log);
-    Ok(command)
-}
-
-/// Starts `command` as the leader of a process group, or in a job on Windows.
-pub(super) fn spawn_in_group(command: Command) -> std::io::Result<Box<dyn ChildWrapper>> {
+    let [stdin, stdout, stderr] = pipes;
+    command.stdin(stdin).stdout(stdout).stderr(stderr);
     let mut command = CommandWrap::from(command);
+    // A Ctrl-C at the terminal is for volref, which ends the keeper in its own way.
     #[cfg(unix)]
     command.wrap(process_wrap::std::ProcessGroup::leader());
     #[cfg(windows)]
     command.wrap(process_wrap::std::JobObject);
-    command.spawn()
+    command.spawn().map_err(|error| error.to_string())
 }
 
 /// Asks until it has ended, its time is over, or it is to be stopped.
 pub(super) fn has_ended(
     timeout: Duration,
     stop: &AtomicBool,
-    mut ask: impl FnMut() -> std::io::Result<bool>,
-) -> std::io::Result<bool> {
+    mut ask: impl FnMut() -> io::Result<bool>,
+) -> io::Result<bool> {
     let start = Instant::now();
     loop {
         if ask()? {
@@ -241,19 +221,20 @@ pub(super) fn has_ended(
 }
 
 /// Reason for which the renderer was ended: volref is ending, or the time is over.
-fn why_ended(timeout: Duration, with_daemons: bool) -> String {
+fn why_ended(timeout: Duration, has_keeper: bool) -> String {
     let why = if STOPPED.load(Ordering::SeqCst) {
         "volref was told to end, and ended the renderer".to_owned()
     } else {
         let seconds = timeout.as_secs_f64();
         format!("the renderer did not end within {seconds} s and was ended")
     };
-    format!("{why}, {}", reach(with_daemons))
+    format!("{why}, {}", reach(has_keeper))
 }
 
 /// The processes that were ended with a renderer, in words.
-pub(super) fn reach(with_daemons: bool) -> &'static str {
-    if with_daemons {
+pub(super) fn reach(has_keeper: bool) -> &'static str {
+    // A job of Windows has all in it, a process group what did not leave.
+    if has_keeper && SEES_DAEMONS || !has_keeper && cfg!(windows) {
         "with all that it had started"
     } else {
         "with its process group; a daemon that has left the group may still run"
@@ -261,12 +242,12 @@ pub(super) fn reach(with_daemons: bool) -> &'static str {
 }
 
 #[cfg(unix)]
-pub(super) fn signal_of(status: ExitStatus) -> Option<i32> {
+fn signal_of(status: ExitStatus) -> Option<i32> {
     std::os::unix::process::ExitStatusExt::signal(&status)
 }
 
 #[cfg(not(unix))]
-pub(super) fn signal_of(_: ExitStatus) -> Option<i32> {
+fn signal_of(_: ExitStatus) -> Option<i32> {
     None
 }
 

@@ -4,18 +4,18 @@
 //! there is output like that on standard error. A renderer that ended, did not answer in time or answered otherwise is
 //! ended with all that it started, and another is started for the next image.
 
-use super::keeper::{Keeper, Kept, LEAVE, SEES_DAEMONS, feed};
+use super::keeper::{Keeper, Kept, LEAVE, feed};
 use super::printed::{Printed, plain, quoted_words};
 use super::process::{
-    KEEPERS_PATIENCE, LISTEN, PAUSE, RUNNING, STOPPED, failure_of, has_ended, not_started_in_words,
-    reach, remnants, report_in, signal_of, spawn_in_group,
+    KEEPERS_PATIENCE, LISTEN, PAUSE, RUNNING, STOPPED, failure_of, kept, not_started_in_words,
+    reach, remnants, start, status_at_end,
 };
 use crate::suite::{NOT_RENDERED, Output};
 use process_wrap::std::ChildWrapper;
 use serde::Deserialize;
 use std::io::{BufRead, BufReader, Read, pipe};
-use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::process::Stdio;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -207,7 +207,7 @@ impl StayingRenderers {
                         "the renderer did not answer within {} s and was ended, {}; an answer ends with a newline, \
                          and is flushed",
                         self.timeout.as_secs_f64(),
-                        reach(if has_keeper { SEES_DAEMONS } else { cfg!(windows) }),
+                        reach(has_keeper),
                     ),
                     Fault::Stopped => "the renderer was ended with volref".to_owned(),
                     Fault::Wrong(fault) => format!("the renderer {fault}; it was ended"),
@@ -239,22 +239,9 @@ struct Staying {
 
 impl Staying {
     fn start(words: &[String], keeper: Option<&Keeper>) -> Result<Staying, String> {
-        let in_words = |error: std::io::Error| error.to_string();
-        let (log, writer) = pipe().map_err(in_words)?;
-        let mut command = match keeper {
-            Some(keeper) => keeper.command(words),
-            None => {
-                let mut command = Command::new(&words[0]);
-                command.args(&words[1..]);
-                command
-            }
-        };
-        command
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(writer);
-        // A Ctrl-C at the terminal is for volref, which ends the keeper in its own way.
-        let mut child = spawn_in_group(command).map_err(in_words)?;
+        let (log, writer) = pipe().map_err(|error| error.to_string())?;
+        let pipes = [Stdio::piped(), Stdio::piped(), writer.into()];
+        let mut child = start(words, keeper, pipes)?;
         let printed = Printed::hear(log);
         let (sender, lines) = sync_channel(MOST_WAITING);
         if let Some(stdout) = child.stdout().take() {
@@ -323,40 +310,22 @@ impl Staying {
         } else {
             LEAVE
         };
-        let mut status = None;
-        let ended = has_ended(patience, &AtomicBool::new(false), || {
+        let status = status_at_end(&mut *self.child, patience, || {
             // Few at a time: it may go on answering.
             let lines = self.lines.try_iter().take(MOST_WAITING);
             if let Some(line) = lines.last() {
                 self.last = line;
             }
-            status = self.child.try_wait()?;
-            Ok(status.is_some())
         });
-        // Processes that it started may still be there; that nothing is left is no error.
-        let _ = self.child.start_kill();
-        let waited = match (ended, status) {
-            (_, Some(status)) => Ok(status),
-            (Err(error), None) => Err(error),
-            (Ok(_), None) => self.child.wait(),
-        };
-        if !self.has_keeper {
-            let status = waited.map_err(|error| error.to_string())?;
-            return Ok(Kept {
-                code: status.code(),
-                signal: signal_of(status),
-                ..Kept::default()
-            });
-        }
         let end = Instant::now() + LISTEN;
         let left = || end.saturating_duration_since(Instant::now());
-        while !left().is_zero()
+        while self.has_keeper
+            && !left().is_zero()
             && let Ok(line) = self.lines.recv_timeout(left())
         {
             self.last = line;
         }
-        let kept = report_in(&self.last, waited)?;
-        kept.not_started.clone().map_or(Ok(kept), Err)
+        kept(self.has_keeper, &self.last, status)
     }
 }
 

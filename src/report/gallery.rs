@@ -11,13 +11,15 @@ use crate::suite::Family;
 use cell::{Differences, bias, fault, shown, small};
 use mark::{Mark, legend};
 use minijinja::{Value, context};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// A renderer and its run.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct GalleryRenderer {
+/// A renderer and its run, as a file states them; what is missing is found elsewhere.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(crate) struct GalleryAbout {
     /// Name.
-    pub name: String,
+    pub name: Option<String>,
     /// Version.
     pub version: Option<String>,
     /// Day of the run.
@@ -26,12 +28,26 @@ pub(crate) struct GalleryRenderer {
     pub command: Option<String>,
     /// Machine on which it rendered.
     pub machine: Option<String>,
+    /// False if its images cannot be judged again: the page repeats what the run said.
+    pub as_judged: Option<bool>,
+}
+
+/// A renderer on the page.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct GalleryRenderer {
+    /// What is known of it.
+    pub about: GalleryAbout,
     /// Profile under whose conventions its images were judged.
     pub profile: Option<String>,
-    /// False if its images cannot be judged again: the page repeats what the run said.
-    pub is_judged_again: bool,
     /// Wall time of its images, by case, where it was measured.
     pub seconds: BTreeMap<String, f64>,
+}
+
+impl GalleryRenderer {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        self.about.name.as_deref().unwrap_or_default()
+    }
 }
 
 /// Golden of a case, and its name.
@@ -218,13 +234,13 @@ impl Page<'_> {
         let causes = causes.into_iter();
         let causes = causes.map(|(cause, cases)| context! { cases => cases, ..cause });
         context! {
-            name => of.name,
-            version => of.version,
-            date => of.date,
-            command => of.command,
-            machine => of.machine,
+            name => of.name(),
+            version => of.about.version,
+            date => of.about.date,
+            command => of.about.command,
+            machine => of.about.machine,
             profile => of.profile,
-            is_judged_again => of.is_judged_again,
+            is_judged_again => of.about.as_judged != Some(false),
             judged => count(Mark::is_judged),
             right => count(Mark::is_right),
             causes => causes.collect::<Vec<_>>(),
@@ -276,7 +292,7 @@ impl Page<'_> {
 
 /// The address of a cell within the page.
 fn address(renderer: &GalleryRenderer, row: &GalleryRow) -> String {
-    let name = format!("{}/{}", renderer.name, row.name);
+    let name = format!("{}/{}", renderer.name(), row.name);
     name.replace(char::is_whitespace, "-")
 }
 

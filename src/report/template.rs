@@ -38,7 +38,7 @@ pub(super) fn image_address(codes: &[[u8; 3]], columns: usize, rows: usize) -> S
 }
 
 /// The colour of a share from −1, blue, to 1, red.
-pub(super) fn blue_to_red(share: f64) -> [u8; 3] {
+pub(crate) fn blue_to_red(share: f64) -> [u8; 3] {
     let from_red = 0.5 - 0.5 * share;
     colorous::RED_BLUE.eval_continuous(from_red).into_array()
 }

@@ -146,6 +146,18 @@ pub(crate) fn without_image_text(names: &[&str]) -> String {
     }
 }
 
+/// How many cases there are of each verdict.
+pub(super) fn counts_text(results: &[CaseResult]) -> String {
+    let said: Vec<_> = Summary::of(results)
+        .in_words()
+        .into_iter()
+        .filter(|&(count, word)| count > 0 || word == "passed")
+        .map(|(count, word)| format!("{count} {word}"))
+        .collect();
+    let cases = if results.len() == 1 { "case" } else { "cases" };
+    format!("{} {cases}: {}", results.len(), said.join(", "))
+}
+
 /// Number of cases by verdict.
 pub(crate) fn summary_text(results: &[CaseResult]) -> String {
     let mut text = String::new();
@@ -158,18 +170,7 @@ pub(crate) fn summary_text(results: &[CaseResult]) -> String {
             limit.\n",
         );
     }
-    let said: Vec<_> = Summary::of(results)
-        .in_words()
-        .into_iter()
-        .filter(|&(count, word)| count > 0 || word == "passed")
-        .map(|(count, word)| format!("{count} {word}"))
-        .collect();
-    let cases = if results.len() == 1 { "case" } else { "cases" };
-    text.push_str(&format!(
-        "\n{} {cases}: {}\n",
-        results.len(),
-        said.join(", ")
-    ));
+    text.push_str(&format!("\n{}\n", counts_text(results)));
     text
 }
 

@@ -197,10 +197,6 @@ pub struct Suite {
 /// Errors in finding a suite or its cases.
 #[derive(Debug, Diagnostic, Error)]
 pub enum SuiteError {
-    /// No folder of manifests.
-    #[error("{} contains no suite: there is no folder {CASES}", .0.display())]
-    #[diagnostic(help("run volref in the suite's folder, or give the folder with --suite DIR"))]
-    NoSuite(PathBuf),
     /// The folder cannot be read.
     #[error("cannot read {}: {error}", path.display())]
     Read {
@@ -209,48 +205,17 @@ pub enum SuiteError {
         /// Error of the operating system.
         error: std::io::Error,
     },
-    /// Two cases of one name.
-    #[error("two cases are called {name}: {} and {}", files[0], files[1])]
-    #[diagnostic(help("rename one of them, with its scene and its golden"))]
-    Twice {
-        /// `family/name`.
-        name: String,
-        /// Their manifests.
-        files: [String; 2],
-    },
-    /// Two cases whose names differ in capitals alone.
-    #[error("the names of {} and {} differ in capitals alone", files[0], files[1])]
-    #[diagnostic(help(
-        "many file systems take them for one file: rename one of them, with its scene and its golden"
-    ))]
-    Alike {
-        /// Their manifests.
-        files: [String; 2],
-    },
     /// A manifest with a mistake.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Manifest(Box<SceneError>),
-    /// An invalid pattern.
-    #[error("{filter:?} is not a pattern: {reason}")]
-    #[diagnostic(help(
-        "a filter is a family, a case, or a pattern over them such as 'figures/*'; with ! before it, it excludes"
-    ))]
-    Pattern {
-        /// The filter as given.
-        filter: String,
-        /// Reason.
-        reason: String,
-    },
-    /// A scene of which no manifest can be drafted.
-    #[error("no manifest can be written for {}: {why}", file.display())]
-    #[diagnostic(help("{help}"))]
-    NoDraft {
-        /// The scene file as given.
-        file: PathBuf,
-        /// Reason.
-        why: &'static str,
+    /// Something else in the suite or the filters that must be mended first.
+    #[error("{message}")]
+    Refused {
+        /// What is wrong, and where.
+        message: String,
         /// Remedy.
+        #[help]
         help: String,
     },
     /// A filter that matches no case.
@@ -262,6 +227,13 @@ pub enum SuiteError {
         #[help]
         help: String,
     },
+}
+
+impl SuiteError {
+    pub(super) fn refused(message: String, help: impl Into<String>) -> SuiteError {
+        let help = help.into();
+        SuiteError::Refused { message, help }
+    }
 }
 
 impl Suite {
@@ -291,7 +263,12 @@ impl Suite {
         };
         let folder = root.join(CASES);
         if !folder.is_dir() {
-            return Err(SuiteError::NoSuite(shown.to_owned()));
+            let message = format!(
+                "{} contains no suite: there is no folder {CASES}",
+                shown.display()
+            );
+            let help = "run volref in the suite's folder, or give the folder with --suite DIR";
+            return Err(SuiteError::refused(message, help));
         }
         let mut suite = Suite {
             root: root.to_owned(),
@@ -439,8 +416,12 @@ impl Suite {
                 }
                 Ok(()) => continue,
             };
-            let filter = filter.clone();
-            return Err(SuiteError::Pattern { filter, reason });
+            let help = "a filter is a family, a case, or a pattern over them such as 'figures/*'; with ! before it, it \
+                        excludes";
+            return Err(SuiteError::refused(
+                format!("{filter:?} is not a pattern: {reason}"),
+                help,
+            ));
         }
         let chosen = Chosen(filters.to_vec());
         let is_chosen = |(name, _): &&(String, PathBuf)| chosen.has(name);
@@ -590,10 +571,16 @@ pub(super) fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
         let (name, file) = (name_of(path), path.display().to_string());
         let before = files.insert(name.to_lowercase(), (name.clone(), file.clone()));
         if let Some((other_name, other)) = before {
-            let files = [file, other];
+            let help = "rename one of them, with its scene and its golden";
             return Err(match other_name == name {
-                true => SuiteError::Twice { name, files },
-                false => SuiteError::Alike { files },
+                true => {
+                    let message = format!("two cases are called {name}: {file} and {other}");
+                    SuiteError::refused(message, help)
+                }
+                false => SuiteError::refused(
+                    format!("the names of {file} and {other} differ in capitals alone"),
+                    format!("many file systems take them for one file: {help}"),
+                ),
             });
         }
     }

@@ -48,10 +48,9 @@ impl Suite {
             return Ok(CasesOfScene::Known(known));
         }
         let folder = self.root.join(SCENES);
-        let no_draft = |why, help: String| SuiteError::NoDraft {
-            file: file.to_owned(),
-            why,
-            help,
+        let no_draft = |why: &str, help: String| {
+            let message = format!("no manifest can be written for {}: {why}", file.display());
+            SuiteError::refused(message, help)
         };
         let no_scene = |why| {
             let place = folder.join("FAMILY/NAME.toml");

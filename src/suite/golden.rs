@@ -7,6 +7,7 @@ use crate::render::Plan;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -150,28 +151,16 @@ pub struct Golden {
     pub(crate) sensitivities: Option<Vec<u8>>,
 }
 
-/// The commands that make the golden of a case: the one to look at its image, and the one to accept it.
-#[derive(Debug, Error)]
-#[error(
-    "look at the image (volref render {} -o now.exr), then accept it (volref accept {case}{suite} \
-     --reason ...)",
-    shell_words::quote(&scene.display().to_string())
-)]
-pub struct AcceptAdvice {
-    case: String,
-    /// Arguments that name the suite.
-    suite: String,
-    scene: PathBuf,
+/// How to accept the image of a case.
+pub(crate) fn accept_advice(case: &Case) -> String {
+    let (scene, name, suite) = (quoted_scene(case), &case.name, case.suite_option());
+    format!(
+        "look at the image (volref render {scene} -o now.exr), then accept it (volref accept {name}{suite} --reason ...)"
+    )
 }
 
-impl AcceptAdvice {
-    pub(crate) fn of(case: &Case) -> AcceptAdvice {
-        AcceptAdvice {
-            case: case.name.clone(),
-            suite: case.suite_option(),
-            scene: case.scene.clone(),
-        }
-    }
+fn quoted_scene(case: &Case) -> String {
+    shell_words::quote(&case.scene.display().to_string()).into_owned()
 }
 
 /// Reason why a case has no trustworthy golden.
@@ -179,7 +168,7 @@ impl AcceptAdvice {
 pub enum GoldenError {
     /// All its files are missing.
     #[error("there is no golden yet; {0}")]
-    Missing(AcceptAdvice),
+    Missing(String),
     /// Some files are missing.
     #[error("the golden is incomplete: {0} is missing; restore it from version control")]
     Incomplete(String),
@@ -206,23 +195,8 @@ pub enum GoldenError {
         expected: String,
     },
     /// Sensitivities that are not those of the golden.
-    #[error(
-        "{file} {fault}; restore the golden from version control, or make this file anew (volref \
-        sensitivity {} --all -o FILE) and record it (volref accept {case}{suite} --keep-images --reason ...)",
-        shell_words::quote(&scene.display().to_string())
-    )]
-    Sensitivities {
-        /// Their file.
-        file: String,
-        /// Fault of the file, as the end of a sentence.
-        fault: String,
-        /// `family/name`.
-        case: String,
-        /// Arguments that name the suite.
-        suite: String,
-        /// Their scene.
-        scene: PathBuf,
-    },
+    #[error("{0}")]
+    Sensitivities(String),
     /// The files below the goldens are in disorder.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -230,14 +204,13 @@ pub enum GoldenError {
 
 impl GoldenError {
     /// [`GoldenError::Sensitivities`] of `case`.
-    pub(crate) fn sensitivities(case: &Case, fault: impl Into<String>) -> GoldenError {
-        GoldenError::Sensitivities {
-            file: shown(&sensitivities_file(case)),
-            fault: fault.into(),
-            case: case.name.clone(),
-            suite: case.suite_option(),
-            scene: case.scene.clone(),
-        }
+    pub(crate) fn sensitivities(case: &Case, fault: impl Display) -> GoldenError {
+        let (file, scene) = (shown(&sensitivities_file(case)), quoted_scene(case));
+        let (name, suite) = (&case.name, case.suite_option());
+        GoldenError::Sensitivities(format!(
+            "{file} {fault}; restore the golden from version control, or make this file anew (volref sensitivity \
+             {scene} --all -o FILE) and record it (volref accept {name}{suite} --keep-images --reason ...)"
+        ))
     }
 }
 
@@ -329,7 +302,7 @@ impl Golden {
         let mut contents = store.read_all(&paths)?;
         let sensitivities = contents.pop().flatten();
         if contents.iter().all(Option::is_none) {
-            return Err(GoldenError::Missing(AcceptAdvice::of(case)));
+            return Err(GoldenError::Missing(accept_advice(case)));
         }
         let shown = |index: usize| shown(&paths[index]);
         let mut bytes = Vec::new();

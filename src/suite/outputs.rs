@@ -84,60 +84,9 @@ pub enum OutputError {
         /// Error of the operating system.
         error: io::Error,
     },
-    /// Two files for one image.
-    #[error(
-        "{case}: both {} and {} could be its image: keep one of them",
-        files[0].display(),
-        files[1].display()
-    )]
-    Several {
-        /// The case.
-        case: String,
-        /// Two of the files.
-        files: [PathBuf; 2],
-    },
-    /// A replicate is missing among the others.
-    #[error(
-        "{case}: there is a replicate {} but none with the number {missing}: number them without a \
-         gap from 0 or 1",
-        .file.display()
-    )]
-    Gap {
-        /// The case.
-        case: String,
-        /// The first file after the gap.
-        file: PathBuf,
-        /// The first number of the gap.
-        missing: u32,
-    },
-    /// A step is missing among the smaller ones.
-    #[error(
-        "{case}: {} has a smaller step than the scene, but there is no {}: name the images \
-         {case}.exr, {case}@0.5.exr, {case}@0.25.exr, at least these three, with the step of the \
-         scene, half of it and a quarter",
-        .file.display(),
-        step_name(.case, *.missing)
-    )]
-    Step {
-        /// The case.
-        case: String,
-        /// An image that is present.
-        file: PathBuf,
-        /// Number of halvings of the missing step.
-        missing: u32,
-    },
-    /// A variance or depth without an image, or with several renderings.
-    #[error("{case}: {} is the {what} of one image, and there {there}", .file.display())]
-    Beside {
-        /// The case.
-        case: String,
-        /// The file of the variance or depth.
-        file: PathBuf,
-        /// Quantity in it.
-        what: &'static str,
-        /// The images found instead of one.
-        there: &'static str,
-    },
+    /// The files do not say which image is meant.
+    #[error("{0}")]
+    Unclear(String),
 }
 
 /// Role of a file in its case.
@@ -202,6 +151,7 @@ impl Outputs {
         let Some(files) = self.by_case.get(case) else {
             return Ok(None);
         };
+        let unclear = |why: String| Err(OutputError::Unclear(format!("{case}: {why}")));
         let files: Vec<_> = files.iter().collect();
         let mut pairs = files.windows(2).map(|pair| [pair[0], pair[1]]);
         let same = pairs.find(|[one, other]| one.0 == other.0);
@@ -215,10 +165,10 @@ impl Outputs {
             Some([*first, *images.iter().find(is_other)?])
         };
         if let Some(two) = same.or_else(of_another_kind) {
-            return Err(OutputError::Several {
-                case: case.to_owned(),
-                files: two.map(|(_, file)| file.to_owned()),
-            });
+            let [one, other] = two.map(|(_, file)| file.display());
+            return unclear(format!(
+                "both {one} and {other} could be its image: keep one of them"
+            ));
         }
         // Replicates alone, or steps alone.
         let numbers = images.iter().map(|(role, file)| match role {
@@ -227,27 +177,25 @@ impl Outputs {
         });
         let numbers: Vec<(u32, PathBuf)> = numbers.collect();
         let is_refined = matches!(images.last(), Some((Role::Step(_), _)));
-        let case = case.to_owned();
         if is_refined && let Some((last, file)) = numbers.last() {
             let has = |step: u32| numbers.iter().any(|(number, _)| *number == step);
             if let Some(missing) = (0..=*last.max(&2)).find(|step| !has(*step)) {
-                let file = file.clone();
-                return Err(OutputError::Step {
-                    case,
-                    file,
-                    missing,
-                });
+                return unclear(format!(
+                    "{} has a smaller step than the scene, but there is no {}: name the images {case}.exr, \
+                     {case}@0.5.exr, {case}@0.25.exr, at least these three, with the step of the scene, half of it \
+                     and a quarter",
+                    file.display(),
+                    step_name(case, missing)
+                ));
             }
         } else if let Some((first, _)) = numbers.first() {
             let mut numbered = numbers.iter().zip(*first.min(&1)..);
             let gap = numbered.find(|((number, _), expected)| number != expected);
             if let Some(((_, file), missing)) = gap {
-                let file = file.clone();
-                return Err(OutputError::Gap {
-                    case,
-                    file,
-                    missing,
-                });
+                return unclear(format!(
+                    "there is a replicate {} but none with the number {missing}: number them without a gap from 0 or 1",
+                    file.display()
+                ));
             }
         }
         if let Some((role, file)) = beside.first()
@@ -262,13 +210,10 @@ impl Outputs {
                 _ if is_refined => "are several, with smaller and smaller steps",
                 _ => of_replicates,
             };
-            let file = file.clone();
-            return Err(OutputError::Beside {
-                case,
-                file,
-                what,
-                there,
-            });
+            let file = file.display();
+            return unclear(format!(
+                "{file} is the {what} of one image, and there {there}"
+            ));
         }
         let file_of = |role: Role| {
             let found = beside.iter().find(|(other, _)| *other == role);

@@ -258,7 +258,11 @@ fn linear_depth(entry: &Entry) -> f64 {
         direction: *Direction::of(entry.vector("direction_unnormalised")).unwrap(),
     };
     let ramp = LinearRamp::new(1.0, DVec3::ZERO, entry.vector("gradient")).unwrap();
-    let profile = LinearProfile::along(&line, &ramp, entry.input("sigma0"));
+    let (unit, sigma0) = (LinearProfile::along(&line, &ramp), entry.input("sigma0"));
+    let profile = LinearProfile {
+        start: sigma0 * unit.start,
+        slope: sigma0 * unit.slope,
+    };
     profile.optical_depth(entry.input("t_min"), entry.input("t_max"))
 }
 

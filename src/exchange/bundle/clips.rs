@@ -1,22 +1,16 @@
 //! Clips of volumes in words and numbers.
 
-use super::inline_arrays::Json;
+use super::inline_arrays::{Json, entries};
 use crate::geometry::Aabb;
 use crate::scene::{Clip, Kept};
 
 /// The plane or box of a clip.
 pub(super) fn clip(clip: &Clip) -> Json {
     Json::Object(match clip.kept {
-        Kept::Side { point, normal } => vec![
-            ("kind", "plane".into()),
-            ("point", point.to_array().into()),
-            ("normal", normal.to_array().into()),
-        ],
-        Kept::Inside(Aabb { min, max }) => vec![
-            ("kind", "box".into()),
-            ("min", min.to_array().into()),
-            ("max", max.to_array().into()),
-        ],
+        Kept::Side { point, normal } => {
+            entries! { "kind": "plane", "point": point, "normal": *normal }
+        }
+        Kept::Inside(Aabb { min, max }) => entries! { "kind": "box", "min": min, "max": max },
     })
 }
 

@@ -1,6 +1,7 @@
 //! JSON to be read by people: keys in the order they are given, objects over several lines, arrays
 //! of numbers in one.
 
+use glam::DVec3;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::Value;
 use serde_json::ser::{Formatter, PrettyFormatter};
@@ -19,9 +20,48 @@ pub(super) enum Json {
 /// The keys of an object and their values, in order.
 pub(super) type Entries = Vec<(&'static str, Json)>;
 
-impl<T: Into<Value>> From<T> for Json {
-    fn from(value: T) -> Json {
-        Json::Value(value.into())
+/// Keys and values in this order; a value is a number, a text, a vector, null, or entries again.
+macro_rules! entries {
+    ($($key:literal: $value:expr),* $(,)?) => {
+        vec![$(($key, $crate::exchange::bundle::inline_arrays::Json::from($value))),*]
+    };
+}
+pub(super) use entries;
+
+macro_rules! from_values {
+    ($($plain:ty),*) => {$(
+        impl From<$plain> for Json {
+            fn from(value: $plain) -> Json {
+                Json::Value(value.into())
+            }
+        }
+    )*};
+}
+
+from_values! { (), bool, f64, u32, u64, usize, &str, String, Option<&str>, Option<String>, Option<u32> }
+from_values! { [usize; 3], [f64; 2], [f64; 3], Vec<u8>, Vec<f64>, Vec<usize>, Vec<String>, Vec<[f64; 3]> }
+
+impl From<DVec3> for Json {
+    fn from(vector: DVec3) -> Json {
+        vector.to_array().into()
+    }
+}
+
+impl From<Entries> for Json {
+    fn from(entries: Entries) -> Json {
+        Json::Object(entries)
+    }
+}
+
+impl From<Vec<Json>> for Json {
+    fn from(values: Vec<Json>) -> Json {
+        Json::List(values)
+    }
+}
+
+impl From<Option<Entries>> for Json {
+    fn from(entries: Option<Entries>) -> Json {
+        entries.map_or(().into(), Json::Object)
     }
 }
 

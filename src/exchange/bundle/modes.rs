@@ -1,6 +1,6 @@
 //! A projection or isosurfaces of a volume in words and numbers.
 
-use super::inline_arrays::{Entries, Json};
+use super::inline_arrays::{Entries, Json, entries};
 use crate::scene::{Classified, Isosurface, Isosurfaces, Mode, Projected, Projection};
 
 /// Entries of a projection or of isosurfaces; none of composited samples.
@@ -42,16 +42,14 @@ fn of_projection(projection: &Projection, scene: &Classified) -> Entries {
     let pixel = format!(
         "the pixel is {shown}; of a ray that misses the box, or meets it in a point, the background"
     );
-    let mut entries = vec![
-        ("name", scene.mode.name().into()),
-        ("exact", scene.is_exact().into()),
-        ("number", number.into()),
-    ];
+    let mut entries = entries! {
+        "name": scene.mode.name(), "exact": scene.is_exact(), "number": number,
+    };
     if let Projected::AttenuatedMaximum(attenuation) = projection.of {
         entries.push(("attenuation", attenuation.into()));
     }
     if let Some(window) = projection.window {
-        entries.extend([("low", window.low.into()), ("high", window.high.into())]);
+        entries.extend(entries! { "low": window.low, "high": window.high });
     }
     entries.push(("pixel", pixel.into()));
     entries
@@ -77,19 +75,13 @@ fn of_surfaces(isosurfaces: &Isosurfaces, scene: &Classified) -> Entries {
         }
     };
     let surface = |surface: &Isosurface| {
-        Json::Object(vec![
-            ("value", surface.value.into()),
-            ("colour", surface.colour.to_array().into()),
-            ("opacity", surface.opacity.into()),
-        ])
+        Json::Object(entries! {
+            "value": surface.value, "colour": surface.colour, "opacity": surface.opacity,
+        })
     };
     let surfaces = isosurfaces.surfaces.iter().map(surface).collect();
-    vec![
-        ("name", scene.mode.name().into()),
-        ("exact", scene.is_exact().into()),
-        ("surfaces", Json::List(surfaces)),
-        ("passed", passed.into()),
-        ("light", light.into()),
-        ("pixel", pixel.into()),
-    ]
+    entries! {
+        "name": scene.mode.name(), "exact": scene.is_exact(), "surfaces": Json::List(surfaces),
+        "passed": passed, "light": light, "pixel": pixel,
+    }
 }

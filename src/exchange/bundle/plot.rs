@@ -1,6 +1,6 @@
 //! The plot of a transfer function in words and numbers.
 
-use super::inline_arrays::{Entries, Json};
+use super::inline_arrays::{Entries, entries};
 use super::points;
 use crate::render::PlotLayout;
 use crate::scene::Curve;
@@ -10,20 +10,15 @@ use crate::scene::Curve;
 pub(super) fn described(curve: &Curve, layout: &PlotLayout, file: String) -> Entries {
     let format = "bare float32, little endian: linear R, G, B of every pixel, row by row from the \
                   top; all of the picture but the curves";
-    let backdrop = vec![("file", file.into()), ("format", format.into())];
+    let backdrop = entries! { "file": file, "format": format };
     let formula = "in pixels from the upper left corner of the image, whose pixels have their \
                    centres at halves: d(x) = max(from, from + (to - from)*(x - left)/(right - \
                    left)), Y(value) = bottom - (bottom - top)*value. Only pixels whose centres lie \
                    in left <= x <= right, top <= y <= bottom are drawn upon";
-    let axes = vec![
-        ("left", layout.left.into()),
-        ("right", layout.right.into()),
-        ("top", layout.top.into()),
-        ("bottom", layout.bottom.into()),
-        ("from", layout.from.into()),
-        ("to", layout.to.into()),
-        ("formula", formula.into()),
-    ];
+    let axes = entries! {
+        "left": layout.left, "right": layout.right, "top": layout.top, "bottom": layout.bottom,
+        "from": layout.from, "to": layout.to, "formula": formula,
+    };
     let coverage = match curve {
         Curve::Formula { .. } => {
             "share of the pixel with centre (x, y) that the curve of f covers: with H(x) = \
@@ -39,17 +34,12 @@ pub(super) fn described(curve: &Curve, layout: &PlotLayout, file: String) -> Ent
         }
     };
     let blending = "pixel = pixel + (colour - pixel)*coverage, in linear RGB";
-    let line = vec![
-        ("half_width", PlotLayout::HALF_WIDTH.into()),
-        ("coverage", coverage.into()),
-        ("blending", blending.into()),
-    ];
-    let mut entries = vec![
-        ("shows", "plot".into()),
-        ("backdrop", Json::Object(backdrop)),
-        ("axes", Json::Object(axes)),
-        ("line", Json::Object(line)),
-    ];
+    let line = entries! {
+        "half_width": PlotLayout::HALF_WIDTH, "coverage": coverage, "blending": blending,
+    };
+    let mut entries = entries! {
+        "shows": "plot", "backdrop": backdrop, "axes": axes, "line": line,
+    };
     entries.extend(curves(curve));
     entries
 }
@@ -59,17 +49,11 @@ fn curves(curve: &Curve) -> Entries {
         Curve::Formula { opacity, .. } => {
             let transparency = "T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor)))";
             let order = "first the curve of the opacity 1 - T(d), then over it that of T(d)";
-            vec![
-                ("kind", "formula".into()),
-                ("floor", opacity.floor.into()),
-                ("transparency", transparency.into()),
-                ("opacity_colour", PlotLayout::opacity_colour().into()),
-                (
-                    "transparency_colour",
-                    PlotLayout::transparency_colour().into(),
-                ),
-                ("order", order.into()),
-            ]
+            entries! {
+                "kind": "formula", "floor": opacity.floor, "transparency": transparency,
+                "opacity_colour": PlotLayout::opacity_colour(),
+                "transparency_colour": PlotLayout::transparency_colour(), "order": order,
+            }
         }
         Curve::Points(table) => {
             let opacity = "a0(d) goes in straight lines between the opacities of the points, \
@@ -77,13 +61,10 @@ fn curves(curve: &Curve) -> Entries {
                            at one value, the later holds at the value itself";
             let order = "first, where y > Y(a0(d(x))) and the pixel lies on no axis (x is not left, \
                          y is not bottom), pixel = min(1, colour(d(x))); then the line over it";
-            vec![
-                ("kind", "table".into()),
-                ("points", points(table)),
-                ("opacity", opacity.into()),
-                ("line_colour", PlotLayout::line_colour().into()),
-                ("order", order.into()),
-            ]
+            entries! {
+                "kind": "table", "points": points(table), "opacity": opacity,
+                "line_colour": PlotLayout::line_colour(), "order": order,
+            }
         }
     }
 }

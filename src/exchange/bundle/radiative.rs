@@ -1,15 +1,14 @@
 //! Surfaces, media and lights in words and numbers.
 
 use super::RawFiles;
-use super::inline_arrays::{Entries, Json};
-use super::shapes::{matrix_or_null, of_box, of_rectangle, of_shape, of_sphere};
-use super::volume::{grid, interpolation, or_null, ray};
-use crate::geometry::{Boundary, Luminous, Transform};
-use crate::optics::{Density, Field, Light, Material, Phase, Point, Sides};
+use super::inline_arrays::{Entries, Json, entries};
+use super::shapes::of_shape;
+use super::volume::{grid, interpolation, ray};
+use crate::exchange::forms;
+use crate::optics::{Density, Field, Light, Material, Phase, Sides};
 use crate::render::Plan;
 use crate::scene::{AreaLight, Body, Object, Panel, Radiative};
-use crate::volume::{Blob, FractalParameters, NOISE_GRADIENTS, NOISE_PERMUTATION};
-use glam::DVec3;
+use crate::volume::{NOISE_GRADIENTS, NOISE_PERMUTATION};
 
 /// All that is computed for a picture of `scene`, the model of `panel`; grids and meshes go to `raw`.
 pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut RawFiles) -> Entries {
@@ -20,37 +19,24 @@ pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut RawFiles) ->
     };
     let mut parts = Parts {
         raw,
-        formulas: vec![("radiance", RADIANCE.into()), ("shape", SHAPE.into())],
+        formulas: entries! { "radiance": RADIANCE, "shape": SHAPE },
     };
-    let surfaces = scene.objects.iter().map(|it| parts.surface(it)).collect();
+    let surfaces: Vec<Json> = scene.objects.iter().map(|it| parts.surface(it)).collect();
     let area_lights = scene.area_lights.iter();
-    let area_lights = area_lights.map(|it| parts.area_light(it)).collect();
-    let lights = scene.lights.iter().map(|it| parts.light(it)).collect();
-    let media = scene.media.iter().map(|it| parts.medium(it)).collect();
-    let pixel = vec![("filter", pixel.0.into()), ("formula", pixel.1.into())];
-    let samples = vec![
-        ("per_pixel", scene.samples.into()),
-        ("seed", scene.seed.into()),
-        ("rule", SAMPLES.into()),
-    ];
-    let scattering = vec![
-        ("most", scene.scattering.max_bounces().into()),
-        ("rule", ORDER.into()),
-        ("left_out", plan.omitted().into()),
-    ];
-    vec![
-        ("shows", "radiance".into()),
-        ("ray", Json::Object(ray(&scene.camera))),
-        ("pixel", Json::Object(pixel)),
-        ("samples", or_null(plan.is_sampled().then_some(samples))),
-        ("scattering", Json::Object(scattering)),
-        ("surfaces", Json::List(surfaces)),
-        ("area_lights", Json::List(area_lights)),
-        ("lights", Json::List(lights)),
-        ("environment", vector(scene.environment)),
-        ("media", Json::List(media)),
-        ("formulas", Json::Object(parts.formulas)),
-    ]
+    let area_lights: Vec<Json> = area_lights.map(|it| parts.area_light(it)).collect();
+    let lights: Vec<Json> = scene.lights.iter().map(|it| parts.light(it)).collect();
+    let media: Vec<Json> = scene.media.iter().map(|it| parts.medium(it)).collect();
+    let samples = entries! { "per_pixel": scene.samples, "seed": scene.seed, "rule": SAMPLES };
+    entries! {
+        "shows": "radiance", "ray": ray(&scene.camera),
+        "pixel": entries! { "filter": pixel.0, "formula": pixel.1 },
+        "samples": plan.is_sampled().then_some(samples),
+        "scattering": entries! {
+            "most": scene.scattering.max_bounces(), "rule": ORDER, "left_out": plan.omitted(),
+        },
+        "surfaces": surfaces, "area_lights": area_lights, "lights": lights,
+        "environment": scene.environment, "media": media, "formulas": parts.formulas,
+    }
 }
 
 /// The parts of a scene, and the formulas of the kinds that it has.
@@ -61,195 +47,134 @@ struct Parts<'p, 'n> {
 
 impl Parts<'_, '_> {
     fn surface(&mut self, Object { shape, material }: &Object) -> Json {
-        let (shape, to_world) = of_shape(shape, |mesh| self.raw.mesh(mesh));
+        let (shape, matrix) = of_shape(forms::shape(shape), |mesh| self.raw.mesh(mesh));
         let (kind, key, value, formula) = match material {
-            Material::Diffuse(share) => ("diffuse", "reflectance", vector(*share), DIFFUSE),
-            Material::Mirror(share) => ("mirror", "reflectance", vector(*share), MIRROR),
+            Material::Diffuse(share) => ("diffuse", "reflectance", (*share).into(), DIFFUSE),
+            Material::Mirror(share) => ("mirror", "reflectance", (*share).into(), MIRROR),
             Material::Glass(index) => ("glass", "index", (*index).into(), GLASS),
         };
         self.define(kind, formula);
-        Json::Object(vec![
-            ("shape", Json::Object(shape)),
-            ("matrix", matrix_or_null(to_world)),
-            ("material", kind.into()),
-            (key, value),
-        ])
+        let mut surface = entries! { "shape": shape, "matrix": matrix, "material": kind };
+        surface.push((key, value));
+        surface.into()
     }
 
     fn area_light(&mut self, light: &AreaLight) -> Json {
         self.define("area_light", AREA_LIGHT);
-        let shape = match &light.shape {
-            Luminous::Sphere(sphere) => of_sphere(sphere),
-            Luminous::Rectangle(rectangle) => of_rectangle(rectangle),
-            Luminous::Mesh(mesh) => self.raw.mesh(mesh),
-        };
+        let shape = forms::luminous(&light.shape);
+        let (shape, matrix) = of_shape(shape, |mesh| self.raw.mesh(mesh));
         let sides = match light.sides {
             Sides::Front => "front",
             Sides::Both => "both",
         };
-        Json::Object(vec![
-            ("shape", Json::Object(shape)),
-            ("matrix", ().into()),
-            ("radiance", vector(light.radiance)),
-            ("sides", sides.into()),
-        ])
+        Json::Object(entries! {
+            "shape": shape, "matrix": matrix, "radiance": light.radiance, "sides": sides,
+        })
     }
 
     fn light(&mut self, light: &Light) -> Json {
         Json::Object(match light {
-            Light::Point(Point {
-                position,
-                intensity,
-            }) => {
-                let numbers = [
-                    ("position", vector(*position)),
-                    ("intensity", vector(*intensity)),
-                ];
-                self.named("point", POINT, numbers)
-            }
-            Light::Spot(light) => {
-                let numbers = [
-                    ("position", vector(light.position)),
-                    ("intensity", vector(light.intensity)),
-                    ("axis", vector(*light.axis())),
-                    ("inner", light.inner().into()),
-                    ("outer", light.outer().into()),
-                ];
-                self.named("spot", SPOT, numbers)
-            }
-            Light::Directional(light) => {
-                let irradiance = vector(light.irradiance);
-                let numbers = [
-                    ("direction", vector(*light.direction)),
-                    ("irradiance", irradiance),
-                ];
-                self.named("directional", DIRECTIONAL, numbers)
-            }
+            Light::Point(light) => self.named(
+                ("point", POINT),
+                entries! { "position": light.position, "intensity": light.intensity },
+            ),
+            Light::Spot(light) => self.named(
+                ("spot", SPOT),
+                entries! {
+                    "position": light.position, "intensity": light.intensity, "axis": *light.axis(),
+                    "inner": light.inner(), "outer": light.outer(),
+                },
+            ),
+            Light::Directional(light) => self.named(
+                ("directional", DIRECTIONAL),
+                entries! { "direction": *light.direction, "irradiance": light.irradiance },
+            ),
         })
     }
 
     fn medium(&mut self, body: &Body) -> Json {
         self.define("medium", MEDIUM);
-        let (shape, to_world) = match &body.boundary {
-            None => (().into(), None),
-            Some(boundary) => self.boundary(boundary),
-        };
+        let placing = body.boundary.as_ref().map(forms::boundary);
+        let shape = placing.map(|it| of_shape(it, |mesh| self.raw.mesh(mesh)));
+        let (shape, matrix) = shape.unzip();
         let density = body.density.as_ref().map(|it| self.density(it));
         let (coefficients, phase) = (&body.medium.coefficients, self.phase(&body.medium.phase));
-        Json::Object(vec![
-            ("shape", shape),
-            ("matrix", matrix_or_null(to_world)),
-            ("sigma_a", vector(coefficients.sigma_a())),
-            ("sigma_s", vector(coefficients.sigma_s())),
-            ("emission", vector(body.medium.emission)),
-            ("phase", Json::Object(phase)),
-            ("density", or_null(density)),
-        ])
+        Json::Object(entries! {
+            "shape": shape, "matrix": matrix.unwrap_or(().into()),
+            "sigma_a": coefficients.sigma_a(), "sigma_s": coefficients.sigma_s(),
+            "emission": body.medium.emission, "phase": phase, "density": density,
+        })
     }
 
     fn density(&mut self, density: &Density) -> Entries {
         match density.field() {
             Field::Grid(field) => {
                 let file = self.raw.grid(field.shared());
-                let interpolation = interpolation(field.interpolation());
-                let numbers = grid(field.grid().lattice(), None, file).into_iter();
-                self.named(
-                    "grid",
-                    GRID,
-                    numbers.chain([("interpolation", interpolation)]),
-                )
+                let mut numbers = grid(field.grid().lattice(), None, file);
+                numbers.push(("interpolation", interpolation(field.interpolation())));
+                self.named(("grid", GRID), numbers)
             }
             Field::Noise(noise) => {
                 self.define("permutation", NOISE_PERMUTATION.to_vec());
-                self.define("gradients", NOISE_GRADIENTS.map(Vec::from).to_vec());
-                self.named("noise", NOISE, of_noise(noise.parameters()))
+                self.define("gradients", NOISE_GRADIENTS.to_vec());
+                let it = noise.parameters();
+                let numbers = entries! {
+                    "octaves": it.octaves, "lacunarity": it.lacunarity, "gain": it.gain, "scale": it.scale,
+                    "offset": it.offset, "max_density": it.max_density, "threshold": it.threshold,
+                };
+                self.named(("noise", NOISE), numbers)
             }
             Field::Exponential(layer) => {
                 let (density, base, up, scale_height) = layer.parameters();
-                let numbers = [
-                    ("density", density.into()),
-                    ("base", vector(base)),
-                    ("up", vector(*up)),
-                    ("scale_height", scale_height.into()),
-                ];
-                self.named("exponential", EXPONENTIAL, numbers)
+                let numbers = entries! {
+                    "density": density, "base": base, "up": *up, "scale_height": scale_height,
+                };
+                self.named(("exponential", EXPONENTIAL), numbers)
             }
             Field::Linear(ramp) => {
                 let (density, origin, gradient) = ramp.parameters();
-                let numbers = [
-                    ("density", density.into()),
-                    ("origin", vector(origin)),
-                    ("gradient", vector(gradient)),
-                ];
-                self.named("linear", LINEAR, numbers)
+                let numbers =
+                    entries! { "density": density, "origin": origin, "gradient": gradient };
+                self.named(("linear", LINEAR), numbers)
             }
-            Field::Blob(Blob {
-                centre,
-                peak,
-                width,
-            }) => {
-                let numbers = [
-                    ("centre", vector(*centre)),
-                    ("width", (*width).into()),
-                    ("peak", (*peak).into()),
-                ];
-                self.named("blob", BLOB, numbers)
-            }
+            Field::Blob(it) => self.named(
+                ("blob", BLOB),
+                entries! { "centre": it.centre, "width": it.width, "peak": it.peak },
+            ),
         }
     }
 
     fn phase(&mut self, phase: &Phase) -> Entries {
         match phase {
             Phase::HenyeyGreenstein(phase) => self.named(
-                "henyey-greenstein",
-                HENYEY_GREENSTEIN,
-                [("g", phase.0.g().into())],
+                ("henyey-greenstein", HENYEY_GREENSTEIN),
+                entries! { "g": phase.0.g() },
             ),
-            Phase::Draine(phase) => {
-                let g = phase.asymmetry().g().into();
-                self.named(
-                    "draine",
-                    DRAINE,
-                    [("g", g), ("alpha", phase.alpha().into())],
-                )
-            }
+            Phase::Draine(phase) => self.named(
+                ("draine", DRAINE),
+                entries! { "g": phase.asymmetry().g(), "alpha": phase.alpha() },
+            ),
             Phase::Droplets(phase) => {
                 let (narrow, wide, weight) = phase.lobes();
-                let numbers = [
-                    ("narrow_g", narrow.0.g().into()),
-                    ("g", wide.asymmetry().g().into()),
-                    ("alpha", wide.alpha().into()),
-                    ("weight", weight.into()),
-                ];
-                self.named("droplets", DROPLETS, numbers)
+                let numbers = entries! {
+                    "narrow_g": narrow.0.g(), "g": wide.asymmetry().g(), "alpha": wide.alpha(),
+                    "weight": weight,
+                };
+                self.named(("droplets", DROPLETS), numbers)
             }
         }
-    }
-
-    fn boundary<'s>(&mut self, boundary: &'s Boundary) -> (Json, Option<&'s Transform>) {
-        let (entries, to_world) = match boundary {
-            Boundary::Sphere(sphere) => (of_sphere(sphere), None),
-            Boundary::Box(cuboid) => (of_box(cuboid), None),
-            Boundary::Mesh(mesh) => (self.raw.mesh(mesh.mesh()), None),
-            Boundary::PlacedSphere(placed) => (of_sphere(placed.shape()), Some(placed.to_world())),
-            Boundary::PlacedBox(placed) => (of_box(placed.shape()), Some(placed.to_world())),
-            Boundary::PlacedMesh(placed) => {
-                let mesh = self.raw.mesh(placed.shape().mesh());
-                (mesh, Some(placed.to_world()))
-            }
-        };
-        (Json::Object(entries), to_world)
     }
 
     /// A kind of something with its numbers; `formula` tells what they mean.
     fn named(
         &mut self,
-        kind: &'static str,
-        formula: &'static str,
-        numbers: impl IntoIterator<Item = (&'static str, Json)>,
+        (kind, formula): (&'static str, &'static str),
+        numbers: Entries,
     ) -> Entries {
         self.define(kind, formula);
-        [("kind", kind.into())].into_iter().chain(numbers).collect()
+        let mut entries = entries! { "kind": kind };
+        entries.extend(numbers);
+        entries
     }
 
     /// States what `name` means, once.
@@ -258,22 +183,6 @@ impl Parts<'_, '_> {
             self.formulas.push((name, meaning.into()));
         }
     }
-}
-
-fn of_noise(noise: &FractalParameters) -> Entries {
-    vec![
-        ("octaves", noise.octaves.into()),
-        ("lacunarity", noise.lacunarity.into()),
-        ("gain", noise.gain.into()),
-        ("scale", vector(noise.scale)),
-        ("offset", vector(noise.offset)),
-        ("max_density", noise.max_density.into()),
-        ("threshold", noise.threshold.into()),
-    ]
-}
-
-fn vector(vector: DVec3) -> Json {
-    vector.to_array().into()
 }
 
 const MEAN: &str = "the mean of the radiance over the square of the pixel (box filter): along the ray of `ray` \

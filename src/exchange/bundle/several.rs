@@ -2,9 +2,10 @@
 
 use super::RawFiles;
 use super::clips::{CLIP, clip};
-use super::inline_arrays::{Entries, Json};
-use super::shapes::{matrix_or_null, of_mesh, of_shape};
-use super::volume::{SAMPLING, grid_of, light, look, or_null, radiance, ray, shading};
+use super::inline_arrays::{Entries, Json, entries};
+use super::shapes::{of_mesh, of_shape};
+use super::volume::{SAMPLING, grid_of, light, look, radiance, ray, shading};
+use crate::exchange::forms;
 use crate::scene::{Classified, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
@@ -31,26 +32,16 @@ pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
     } else {
         MERGING
     };
-    vec![
-        ("shows", "volumes".into()),
-        ("ray", Json::Object(ray(&scene.camera))),
-        ("volumes", Json::List(volumes)),
-        ("surfaces", Json::List(surfaces)),
-        ("surface", SURFACE.into()),
-        ("clips", Json::List(clips)),
-        ("clip", CLIP.into()),
-        ("light", Json::Object(light(scene.light))),
-        ("shadow", shadow.into()),
-        ("merging", merging.into()),
-        ("background", scene.background.to_array().into()),
-    ]
+    entries! {
+        "shows": "volumes", "ray": ray(&scene.camera), "volumes": Json::List(volumes),
+        "surfaces": Json::List(surfaces), "surface": SURFACE, "clips": Json::List(clips),
+        "clip": CLIP, "light": light(scene.light), "shadow": shadow, "merging": merging,
+        "background": scene.background,
+    }
 }
 
 fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Option<Json>) -> Json {
-    let mut entries = vec![
-        ("grid", Json::Object(grid_of(alone, file))),
-        ("clips", clips.into()),
-    ];
+    let mut entries = entries! { "grid": grid_of(alone, file), "clips": clips };
     let sampling = if alone.is_continuous() {
         WITHOUT_SAMPLES
     } else {
@@ -65,20 +56,16 @@ fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Optio
 fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut RawFiles) -> Json {
     let points = factors.points().iter();
     let points = points.map(|point| Json::from([point.value, point.opacity]));
-    Json::Object(vec![
-        ("file", raw.grid(grid).into()),
-        ("points", Json::List(points.collect())),
-        ("formula", MODULATION.into()),
-    ])
+    Json::Object(entries! {
+        "file": raw.grid(grid), "points": Json::List(points.collect()), "formula": MODULATION,
+    })
 }
 
 fn surface(surface: &OpaqueSurface) -> Json {
-    let (mut entries, to_world) = of_shape(&surface.shape, of_mesh);
-    entries.extend([
-        ("matrix", matrix_or_null(to_world)),
-        ("colour", surface.colour.to_array().into()),
-        ("phong", or_null(surface.phong.map(shading))),
-    ]);
+    let (mut entries, matrix) = of_shape(forms::shape(&surface.shape), of_mesh);
+    entries.extend(entries! {
+        "matrix": matrix, "colour": surface.colour, "phong": surface.phong.map(shading),
+    });
     Json::Object(entries)
 }
 

@@ -1,7 +1,7 @@
 //! A classified volume in words and numbers.
 
 use super::clips::{CLIP, clip};
-use super::inline_arrays::{Entries, Json};
+use super::inline_arrays::{Entries, Json, entries};
 use super::shapes::matrix;
 use super::{modes, points};
 use crate::geometry::{Camera, Transform};
@@ -21,23 +21,20 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     } else {
         SAMPLING
     };
-    let mut entries = vec![
-        ("shows", "volume".into()),
-        ("ray", Json::Object(ray(&scene.camera))),
-        ("grid", Json::Object(grid_of(scene, file))),
-    ];
+    let mut entries = entries! {
+        "shows": "volume", "ray": ray(&scene.camera), "grid": grid_of(scene, file),
+    };
     entries.extend(look(scene, formula));
     entries.push(("light", or_null(is_lit.then(|| light(scene.light)))));
     if !scene.objects.clips.is_empty() {
         let clips = scene.objects.clips.iter().map(clip).collect();
-        entries.extend([("clips", Json::List(clips)), ("clip", CLIP.into())]);
+        entries.extend(entries! { "clips": Json::List(clips), "clip": CLIP });
     }
     match mode {
         Some(mode) => entries.push(("mode", Json::Object(mode))),
-        None => entries.extend([
-            ("radiance", radiance(scene).into()),
-            ("compositing", compositing(scene)),
-        ]),
+        None => entries.extend(entries! {
+            "radiance": radiance(scene), "compositing": compositing(scene),
+        }),
     }
     if let Compositing::EarlyTermination(below) = scene.compositing {
         let rule = format!(
@@ -51,18 +48,15 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
 
 /// Reading, sampling (by this formula) and look of the values of a volume.
 pub(super) fn look(scene: &Classified, formula: &str) -> Entries {
-    let sampling = vec![("step", scene.step.into()), ("formula", formula.into())];
+    let sampling = entries! { "step": scene.step, "formula": formula };
     let look = &scene.transfer_function;
     let transfer = scene.mode.uses_transfer_function().then(|| transfer(look));
     let shadow = scene.shadow.map(|shadow| shadow_ray(shadow, look));
-    vec![
-        ("interpolation", interpolation(scene.interpolation)),
-        ("sampling", Json::Object(sampling)),
-        ("transfer_function", or_null(transfer)),
-        ("gradient", scene.phong.map(|_| GRADIENT).into()),
-        ("phong", or_null(scene.phong.map(shading))),
-        ("shadow", or_null(shadow)),
-    ]
+    entries! {
+        "interpolation": interpolation(scene.interpolation), "sampling": sampling,
+        "transfer_function": transfer, "gradient": scene.phong.map(|_| GRADIENT),
+        "phong": scene.phong.map(shading), "shadow": shadow,
+    }
 }
 
 /// The object, or null.
@@ -72,48 +66,40 @@ pub(super) fn or_null(entries: Option<Entries>) -> Json {
 
 /// A choice, and its meaning.
 fn method(name: &str, formula: &str) -> Json {
-    Json::Object(vec![("method", name.into()), ("formula", formula.into())])
+    Json::Object(entries! { "method": name, "formula": formula })
 }
 
 pub(super) fn ray(camera: &Camera) -> Entries {
-    let parallel = "one ray through the centre of each pixel: with x the column and y the row \
-                    within this panel, both from 0, and row 0 at the top, it leaves origin = eye \
-                    + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height along \
-                    forward, and p(t) = origin + t*forward. forward has length 1, half_right and \
-                    half_up half the height of the image: rays are parallel. Coordinates are \
-                    right-handed: half_right points along forward x half_up, so that with +y up and \
-                    looking along +z, +x points left in the image";
-    let formula = "one ray through the centre of each pixel: with x the column and y the row \
-                   within this panel, both from 0, and row 0 at the top, it leaves eye along \
-                   direction = normalise(forward + half_right*(2*x + 1 - width)/height \
-                   - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. \
-                   forward has length 1, half_right and half_up the tangent of half the \
-                   vertical field of view. Coordinates are right-handed: half_right points \
-                   along forward x half_up, so that with +y up and looking along +z, +x \
-                   points left in the image";
-    let beside = "one ray through the centre of each pixel: with x the column and y the row \
-                  within this panel, both from 0, and row 0 at the top, it leaves eye along \
-                  direction = normalise(forward + half_right*(2*x + 1 - width)/height \
-                  - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. \
-                  forward has length 1 and leads to the centre of the image, which may lie beside the axis, the \
-                  perpendicular of the image; half_right and half_up are half the height of the image in widths and \
-                  in heights of its pixels, where forward meets it. Coordinates are right-handed: half_right \
-                  points along axis x half_up";
-    let mut entries = vec![
-        ("eye", camera.eye().to_array().into()),
-        ("forward", camera.forward().to_array().into()),
-        ("half_right", camera.half_right().to_array().into()),
-        ("half_up", camera.half_up().to_array().into()),
-    ];
-    if !camera.is_centred() {
-        entries.push(("axis", camera.axis().to_array().into()));
-        entries.push(("formula", beside.into()));
+    let start = "one ray through the centre of each pixel: with x the column and y the row within this panel, both \
+                 from 0, and row 0 at the top, it leaves";
+    let perspective = "eye along direction = normalise(forward + half_right*(2*x + 1 - width)/height \
+                       - half_up*(2*y + 1 - height)/height), and p(t) = eye + t*direction. forward has length 1";
+    let hands = "Coordinates are right-handed: half_right points along forward x half_up, so that with +y up and \
+                 looking along +z, +x points left in the image";
+    let parallel = format!(
+        "{start} origin = eye + half_right*(2*x + 1 - width)/height - half_up*(2*y + 1 - height)/height along forward, \
+         and p(t) = origin + t*forward. forward has length 1, half_right and half_up half the height of the image: \
+         rays are parallel. {hands}"
+    );
+    let formula = format!(
+        "{start} {perspective}, half_right and half_up the tangent of half the vertical field of view. {hands}"
+    );
+    let beside = format!(
+        "{start} {perspective} and leads to the centre of the image, which may lie beside the axis, the \
+         perpendicular of the image; half_right and half_up are half the height of the image in widths and in heights \
+         of its pixels, where forward meets it. Coordinates are right-handed: half_right points along axis x half_up"
+    );
+    let mut entries = entries! {
+        "eye": camera.eye(), "forward": *camera.forward(), "half_right": camera.half_right(),
+        "half_up": camera.half_up(),
+    };
+    entries.extend(if !camera.is_centred() {
+        entries! { "axis": *camera.axis(), "formula": beside }
     } else if let Some(height) = camera.orthographic_height() {
-        entries.push(("orthographic_height", height.into()));
-        entries.push(("formula", parallel.into()));
+        entries! { "orthographic_height": height, "formula": parallel }
     } else {
-        entries.push(("formula", formula.into()));
-    }
+        entries! { "formula": formula }
+    });
     entries
 }
 
@@ -137,22 +123,13 @@ pub(super) fn grid(lattice: &Lattice, to_world: Option<&Transform>, file: String
             "the volume fills the box, whose faces lie half a spacing beyond the outermost nodes"
         }
     };
-    let mut entries = vec![
-        ("file", file.into()),
-        ("format", format.into()),
-        ("nodes", lattice.nodes().into()),
-        ("spacing", lattice.spacing().to_array().into()),
-        ("first_node", lattice.first().to_array().into()),
-        ("positions", positions.into()),
-        ("box_min", bounds.min.to_array().into()),
-        ("box_max", bounds.max.to_array().into()),
-        ("faces", faces.into()),
-    ];
+    let mut entries = entries! {
+        "file": file, "format": format, "nodes": lattice.nodes(), "spacing": lattice.spacing(),
+        "first_node": lattice.first(), "positions": positions, "box_min": bounds.min,
+        "box_max": bounds.max, "faces": faces,
+    };
     if let Some(to_world) = to_world {
-        entries.extend([
-            ("matrix", matrix(to_world)),
-            ("placement", PLACEMENT.into()),
-        ]);
+        entries.extend(entries! { "matrix": matrix(to_world), "placement": PLACEMENT });
     }
     entries
 }
@@ -201,7 +178,7 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
             range,
         } => {
             if let Some(range) = range {
-                entries.extend([("range", (*range).into()), ("density", DENSITY.into())]);
+                entries.extend(entries! { "range": *range, "density": DENSITY });
             }
             let formula = "at density d a step of length h has the opacity \
                            a = 1 - T(d)^(h/reference_length), where \
@@ -212,13 +189,10 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
                           spaced from d = 0 to d = 1: with s = min(d, 1)*(m - 1) and k = floor(s), \
                           colour(d) = colours[k] + (colours[k+1] - colours[k])*(s - k); from d = 1 \
                           on, and for m = 1, the last";
-            entries.extend([
-                ("kind", "formula".into()),
-                ("floor", opacity.floor.into()),
-                ("opacity", formula.into()),
-                ("colours", colours.into()),
-                ("colour", colour.into()),
-            ]);
+            entries.extend(entries! {
+                "kind": "formula", "floor": opacity.floor, "opacity": formula, "colours": colours,
+                "colour": colour,
+            });
         }
         Appearance::Points(table) => {
             let opacity = "at value d a step of length h has the opacity \
@@ -228,12 +202,9 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
                            itself";
             let colour = "linear RGB, colour(d), in straight lines between the colours of the \
                           points, in the same way";
-            entries.extend([
-                ("kind", "table".into()),
-                ("points", points(table)),
-                ("opacity", opacity.into()),
-                ("colour", colour.into()),
-            ]);
+            entries.extend(entries! {
+                "kind": "table", "points": points(table), "opacity": opacity, "colour": colour,
+            });
         }
     }
     entries
@@ -254,13 +225,10 @@ pub(super) fn shading(phong: Phong) -> Entries {
                    + (1, 1, 1)*specular*max(r.v, 0)^shininess; elsewhere \
                    shade(c) = c*ambient. Where the gradient is exactly zero there is no \
                    normal, and shade(c) = c";
-    vec![
-        ("ambient", phong.ambient.into()),
-        ("diffuse", phong.diffuse.into()),
-        ("specular", phong.specular.into()),
-        ("shininess", phong.shininess.into()),
-        ("formula", formula.into()),
-    ]
+    entries! {
+        "ambient": phong.ambient, "diffuse": phong.diffuse, "specular": phong.specular,
+        "shininess": phong.shininess, "formula": formula,
+    }
 }
 
 fn shadow_ray(shadow: Shadow, transfer_function: &TransferFunction) -> Entries {
@@ -273,21 +241,13 @@ fn shadow_ray(shadow: Shadow, transfer_function: &TransferFunction) -> Entries {
          light, whichever comes first. It is sampled like the ray of the eye, with t0 = 0 and its \
          own step: the share of the light that arrives is v = {share}"
     );
-    vec![
-        ("step", shadow.step.into()),
-        ("reference_step", shadow.reference_step.into()),
-        ("formula", formula.into()),
-    ]
+    entries! { "step": shadow.step, "reference_step": shadow.reference_step, "formula": formula }
 }
 
 pub(super) fn light(position: DVec3) -> Entries {
-    vec![
-        ("position", position.to_array().into()),
-        (
-            "kind",
-            "a white point light of strength 1, without fall-off".into(),
-        ),
-    ]
+    entries! {
+        "position": position, "kind": "a white point light of strength 1, without fall-off",
+    }
 }
 
 /// Formula of the radiance of a sample: only the factors that the scene has.

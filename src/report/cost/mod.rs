@@ -61,17 +61,6 @@ pub fn cost_text(costs: &[Cost], machine: Option<&Machine>) -> String {
     text
 }
 
-/// Contents of a page.
-#[derive(Clone, Copy, Debug)]
-pub struct CostPage<'a> {
-    /// The command that made it.
-    pub command: &'a str,
-    /// Results by scene.
-    pub costs: &'a [Cost],
-    /// The machine that measured the times, if any.
-    pub machine: Option<&'a Machine>,
-}
-
 const TEMPLATE: Template = Template {
     blocks: include_str!("page.html"),
     style: include_str!("page.css"),
@@ -80,8 +69,8 @@ const TEMPLATE: Template = Template {
 
 /// The page as a complete HTML file. It loads nothing else, runs no script, and works from
 /// `file://`.
-pub fn cost_html(page: &CostPage<'_>) -> String {
-    let costs = page.costs.iter().map(|cost| {
+pub fn cost_html(command: &str, costs: &[Cost], machine: Option<&Machine>) -> String {
+    let costs = costs.iter().map(|cost| {
         context! {
             name => words::scene(cost),
             advice => cost.recommendations,
@@ -93,9 +82,9 @@ pub fn cost_html(page: &CostPage<'_>) -> String {
     rendered(
         &TEMPLATE,
         context! {
-            command => page.command,
+            command,
             costs => costs.collect::<Vec<_>>(),
-            machine => page.machine.map(words::machine),
+            machine => machine.map(words::machine),
         },
     )
 }

@@ -35,10 +35,6 @@ pub(super) fn view(
     let views = Views::of(evidence);
     let films = views.films();
     let scale = views.difference_scale(result.gate);
-    let spread_words = match &scale {
-        DifferenceScale::StandardErrors(map) => Some(measures::odd_blocks(map)),
-        _ => films.and_then(|(golden, test)| measures::spread(golden, test)),
-    };
     let p_values = match &scale {
         DifferenceScale::StandardErrors(map) => noise::p_values(map),
         _ => None,
@@ -66,7 +62,6 @@ pub(super) fn view(
         by_samples => noise::by_samples(&evidence.noise_by_samples),
         // Red, green and blue over the image, where there are both images.
         means => films.map(|(golden, test)| measures::means(golden, test)),
-        spread_words,
         // Notes beside the verdict, and oddities of the images.
         notes => result.notes.iter().chain(&views.notes).collect::<Vec<_>>(),
         source => evidence.source,

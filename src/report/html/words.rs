@@ -1,67 +1,27 @@
 //! Sentences of a report.
 
-use crate::compare::NON_FINITE;
 use crate::judging::{CaseResult, Summary, Verdict};
 use crate::naming::Likenesses;
+use crate::report::terminal::counts_text;
 
 /// The result of the suite in a sentence.
 pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
-    let of = results.len();
-    let summary = Summary::of(results);
-    if of == 0 {
-        return "Nothing was compared.".to_owned();
-    }
-    let [_, _, _, undecided @ ..] = summary.in_words();
-    let undecided: Vec<_> = undecided
-        .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, word)| format!("{count} {word}"))
-        .collect();
-    let mut rest = match summary.convention {
-        0 => String::new(),
-        1 => " 1 differs by convention.".to_owned(),
-        count => format!(" {count} differ by convention."),
+    let failed = Summary::of(results).fail;
+    let guess = match found.likely.first() {
+        _ if failed == 0 => String::new(),
+        // Nothing was looked for, or not to the end.
+        None if found.searched < failed || !found.unfinished.is_empty() => String::new(),
+        // The verdicts say how the images follow from the goldens.
+        None if found.unexplained.is_empty() => String::new(),
+        None if found.unexplained.iter().all(|it| it.change_agrees) => {
+            "; a change of a parameter explains it".to_owned()
+        }
+        None => format!("; {}", found.nothing_known(None)),
+        Some(it) if it.explains == failed => format!(": it looks like “{}”", it.mistake),
+        Some(it) if it.explains == 1 => format!("; one of them looks like “{}”", it.mistake),
+        Some(it) => format!("; {} of them look like “{}”", it.explains, it.mistake),
     };
-    if !undecided.is_empty() {
-        rest.push_str(&format!(" Undecided: {}.", undecided.join(", ")));
-    }
-    if summary.fail > 0 {
-        let verb = if summary.fail == 1 { "fails" } else { "fail" };
-        let cases = if of == 1 { "case" } else { "cases" };
-        let guess = match found.likely.first() {
-            // Nothing was looked for, or not to the end.
-            None if found.searched < summary.fail || !found.unfinished.is_empty() => String::new(),
-            // The verdicts say how the images follow from the goldens.
-            None if found.unexplained.is_empty() => String::new(),
-            None if found.unexplained.iter().all(|it| it.change_agrees) => {
-                "; a change of a parameter explains it".to_owned()
-            }
-            None => format!("; {}", found.nothing_known(None)),
-            Some(it) if it.explains == summary.fail => format!(": it looks like “{}”", it.mistake),
-            Some(it) if it.explains == 1 => format!("; one of them looks like “{}”", it.mistake),
-            Some(it) => format!("; {} of them look like “{}”", it.explains, it.mistake),
-        };
-        let broken = results
-            .iter()
-            .filter(|result| result.metrics.contains_key(NON_FINITE.0));
-        let broken = match broken.count() {
-            0 => String::new(),
-            count => format!("; NaN or infinity in {count}"),
-        };
-        return format!(
-            "{} of {of} {cases} {verb}{broken}{guess}.{rest}",
-            summary.fail
-        );
-    }
-    match (summary.pass, of) {
-        (0, _) if summary.convention == of => format!("No case fails.{rest}"),
-        (0, _) if summary.convention > 0 => format!("No case fails, and none passes.{rest}"),
-        (0, _) if summary.inconclusive > 0 => format!("No case fails, and none passes.{rest}"),
-        (0, _) => format!("No case could be compared.{rest}"),
-        (1, 1) => "The case passes.".to_owned(),
-        (pass, of) if pass == of => format!("All {of} cases pass."),
-        (pass, of) => format!("No case fails, but only {pass} of {of} pass.{rest}"),
-    }
+    format!("{}{guess}.", counts_text(results))
 }
 
 /// A mark that tells verdicts apart without colour.

@@ -1,13 +1,13 @@
 //! Errors of the store, with remedies.
 
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
 use crate::files::atomic_file::remedy;
 
 /// One file operation that failed.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {action} {}: {cause}", path.display())]
 pub struct StoreFailure {
     /// The action, as a verb phrase: "write", "rename", …
     pub action: &'static str,
@@ -15,18 +15,6 @@ pub struct StoreFailure {
     pub path: PathBuf,
     /// Error of the operating system.
     pub cause: io::Error,
-}
-
-impl fmt::Display for StoreFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "cannot {} {}: {}",
-            self.action,
-            self.path.display(),
-            self.cause
-        )
-    }
 }
 
 /// Goldens could not be read or replaced.

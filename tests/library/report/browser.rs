@@ -182,11 +182,15 @@ fn somebody_looks_into_a_failure() {
         .filter(|r| r.verdict == Verdict::Fail)
         .count();
     let headline = text(browser, ".headline");
-    let sentence = format!(
-        "{failed} of {} cases fail; NaN or infinity in 1; one of them looks like “g negated”.",
-        sample.results.len()
+    let counts = format!("{} cases: ", sample.results.len());
+    assert!(
+        headline.contains(&counts) && headline.contains(&format!("{failed} failed")),
+        "{headline}"
     );
-    assert!(headline.contains(&sentence), "{headline}");
+    assert!(
+        headline.contains("; one of them looks like “g negated”."),
+        "{headline}"
+    );
 
     // The list is filtered by what is typed, and the case is opened by keys.
     let visible = "return document.querySelectorAll('#cases li:not([hidden])').length";
