@@ -100,7 +100,7 @@ impl<'s> ScatteringFunction<'s> {
                 if let (Some(guide), Technique::Guide) = (&guide, technique) {
                     let ray = vertex.leave(guide.sample([u, v])?)?;
                     let cosine = direction.cosine_to(ray.direction);
-                    let response = self.medium_response(*set, *point, cosine, *work);
+                    let response = self.medium_response(*set, *point, cosine, work);
                     let pdf = guide.pdf(ray.direction, response.pdf);
                     return Some(SampledDirection {
                         ray,
@@ -109,7 +109,7 @@ impl<'s> ScatteringFunction<'s> {
                         guidance: response.pdf / pdf,
                     });
                 }
-                let (phase, weight) = self.sample_phase(*set, *point, throughput, sampler, *work);
+                let (phase, weight) = self.sample_phase(*set, *point, throughput, sampler, work);
                 let deflection = if self.0.features.anisotropic {
                     phase.deflection(u)
                 } else {
@@ -118,7 +118,7 @@ impl<'s> ScatteringFunction<'s> {
                 let local = deflection.direction(v);
                 let ray = vertex.leave(Frame::around(*direction).to_world(local))?;
                 let by_phase = self
-                    .medium_response(*set, *point, deflection.cos, *work)
+                    .medium_response(*set, *point, deflection.cos, work)
                     .pdf;
                 let (pdf, guidance) = match &guide {
                     Some(guide) => {
