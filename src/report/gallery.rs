@@ -35,7 +35,7 @@ pub(crate) struct GalleryAbout {
 /// A renderer on the page.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct GalleryRenderer {
-    /// What is known of it.
+    /// Facts that a file or the results state.
     pub about: GalleryAbout,
     /// Profile under whose conventions its images were judged.
     pub profile: Option<String>,

@@ -212,7 +212,7 @@ pub enum SuiteError {
     /// Something else in the suite or the filters that must be mended first.
     #[error("{message}")]
     Refused {
-        /// What is wrong, and where.
+        /// The fault, and its place.
         message: String,
         /// Remedy.
         #[help]

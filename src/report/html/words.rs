@@ -1,5 +1,6 @@
 //! Sentences of a report.
 
+use crate::compare::NON_FINITE;
 use crate::judging::{CaseResult, Summary, Verdict};
 use crate::naming::Likenesses;
 use crate::report::terminal::counts_text;
@@ -21,7 +22,12 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
         Some(it) if it.explains == 1 => format!("; one of them looks like “{}”", it.mistake),
         Some(it) => format!("; {} of them look like “{}”", it.explains, it.mistake),
     };
-    format!("{}{guess}.", counts_text(results))
+    let is_broken = |result: &&CaseResult| result.metrics.contains_key(NON_FINITE.0);
+    let broken = match results.iter().filter(is_broken).count() {
+        0 => String::new(),
+        count => format!("; NaN or infinity in {count}"),
+    };
+    format!("{}{broken}{guess}.", counts_text(results))
 }
 
 /// A mark that tells verdicts apart without colour.
