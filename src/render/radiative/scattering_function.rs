@@ -117,9 +117,7 @@ impl<'s> ScatteringFunction<'s> {
                 };
                 let local = deflection.direction(v);
                 let ray = vertex.leave(Frame::around(*direction).to_world(local))?;
-                let by_phase = self
-                    .medium_response(*set, *point, deflection.cos, work)
-                    .pdf;
+                let by_phase = self.medium_response(*set, *point, deflection.cos, work).pdf;
                 let (pdf, guidance) = match &guide {
                     Some(guide) => {
                         let pdf = guide.pdf(ray.direction, by_phase);
