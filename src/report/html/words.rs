@@ -7,6 +7,9 @@ use crate::report::terminal::counts_text;
 
 /// The result of the suite in a sentence.
 pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
+    if results.is_empty() {
+        return "Nothing was compared.".to_owned();
+    }
     let failed = Summary::of(results).fail;
     let guess = match found.likely.first() {
         _ if failed == 0 => String::new(),
