@@ -115,12 +115,12 @@ impl Profile {
         let bits: Option<u32> = reader.get("bits")?;
         let encoding: Option<String> = reader.get("encoding")?;
         if bits.is_none() && encoding.is_some() {
-            let message = "an encoding is that of few bits: add `bits = 8`";
+            let message = "`encoding` is for rounded images: add `bits = 8`";
             return Err(reader.error("encoding", message));
         }
         let blended = reader.get("blended")?;
         if bits.is_none() && blended {
-            let message = "nothing is rounded before it is blended: add `bits = 8`";
+            let message = "`blended` has no effect without rounding: add `bits = 8`";
             return Err(reader.error("blended", message));
         }
         let alpha: Option<String> = reader.get("alpha")?;

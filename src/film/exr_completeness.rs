@@ -33,7 +33,7 @@ pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
                 format!(
                     "this EXR has something unknown to volref (\"{words}\"), though it may be right"
                 ),
-                "see it with exrheader, and save a plain image: oiiotool in.exr --compression zip -o \
+                "look at it with exrheader, and save it as a plain image: oiiotool in.exr --compression zip -o \
                  out.exr",
             );
         }

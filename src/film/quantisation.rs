@@ -145,8 +145,8 @@ impl Bits {
 /// A value that is no code of 8 bits, in an image that is declared to hold such.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error(
-    "--bits declares codes of 8 bits, and {value} is none, {channel} in column {column} of row {row}: it is {code:.2} of \
-     255; leave --bits out for an image that was not rounded, or write codes divided by 255"
+    "--bits declares codes of 8 bits, but {channel} in column {column} of row {row} is {value}, which is {code:.2} of 255; \
+     leave --bits out for an image that was not rounded, or write codes divided by 255"
 )]
 pub struct NoCode {
     value: f32,

@@ -184,7 +184,7 @@ impl Looks {
         format!(
             "its noise does not shrink like 1/√samples: the mean of {} samples per pixel cannot be trusted. \
              0.1 % of the pixels carry {:.0} % of the variance, and only {:.2} of that in a second \
-             rendering, as with an estimator of infinite variance",
+             rendering: the estimator may have an infinite variance",
             self.samples(),
             100.0 * tail.map_or(0.0, |tail| tail.share),
             tail.map_or(1.0, |tail| tail.agreement),

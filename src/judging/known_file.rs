@@ -241,7 +241,7 @@ impl Entry {
                 (Some(_), None) if key == BOUNDS[0] && result.verdict == Verdict::Fail => {
                     let reason = &result.reason;
                     let words = format!(
-                        "has a difference without a size now ({reason}): {MEND}, or remove `bound` and `share`"
+                        "has a difference that cannot be measured now ({reason}): {MEND}, or remove `bound` and `share`"
                     );
                     return otherwise(key, words);
                 }

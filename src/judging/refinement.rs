@@ -75,7 +75,7 @@ pub fn judge_under_profile(
     }
     let mut judgement = worst.expect("three images or more");
     judgement.reason = format!(
-        "{} images, each by the right one with its step; the worst of them: {}",
+        "{} images, each compared with the right one for its step; the worst: {}",
         images.len(),
         judgement.reason
     );

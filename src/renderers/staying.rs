@@ -289,9 +289,7 @@ impl Staying {
         }
         serde_json::from_str(&line).map_err(|error| {
             let line = plain(&line);
-            Fault::Wrong(format!(
-                "answered with what is no answer in JSON ({error}): {line}"
-            ))
+            Fault::Wrong(format!("did not answer in JSON ({error}): {line}"))
         })
     }
 

@@ -168,7 +168,7 @@ impl Mode {
             let Some(key) = reader.first_of(&["attenuation", "window", "isosurface"]) else {
                 return Ok(Mode::Composited);
             };
-            let message = format!("composited samples have no `{key}`");
+            let message = format!("`{key}` needs a `mode`: without one, samples are composited");
             let help = "choose what a pixel shows with `mode`, or leave the key out";
             return Err(reader.mistake(key, message, help));
         };

@@ -55,7 +55,8 @@ impl NrrdHeader {
                 remaining.saturating_sub(layout.promised())
             }
             (Some(_), Encoding::Gzip | Encoding::Zlib) => {
-                let message = "`byte skip` within compressed data is not read: write them without";
+                let message =
+                    "compressed data with a `byte skip` cannot be read: write the file without one";
                 return refused(message);
             }
             (None, _) => return refused("`byte skip` of -1 needs the encoding raw"),

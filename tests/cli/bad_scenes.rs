@@ -195,8 +195,8 @@ fn modes_and_what_contradicts_them() {
     scene.toml:10:14: 65 isosurfaces are too many: a scene has at most 64 help: `classified.isosurface`: The surfaces of `mode = "isosurface"`, at most 64.
     scene.toml:11:10: nothing casts a shadow with `mode = "isosurface"` help: leave the table out, or `mode`
     scene.toml:11:10: isosurfaces have colours of their own help: leave the key out
-    scene.toml:9:10: composited samples have no `window` help: choose what a pixel shows with `mode`, or leave the key out
-    scene.toml:9:14: composited samples have no `isosurface` help: choose what a pixel shows with `mode`, or leave the key out
+    scene.toml:9:10: `window` needs a `mode`: without one, samples are composited help: choose what a pixel shows with `mode`, or leave the key out
+    scene.toml:9:14: `isosurface` needs a `mode`: without one, samples are composited help: choose what a pixel shows with `mode`, or leave the key out
     "#);
 }
 

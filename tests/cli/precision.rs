@@ -133,7 +133,7 @@ fn codes_of_a_linear_file_are_recognised_and_its_cut_off_is_said() {
     let run = folder.volref("compare golden/smoke/plain.exr out/smoke/plain.npy --bits 8");
     run.expect(
         2,
-        "out/smoke/plain.npy: --bits declares codes of 8 bits … is none",
+        "out/smoke/plain.npy: --bits declares codes of 8 bits, but … of 255",
     );
 
     // Brighter than the largest code by half.

@@ -622,7 +622,7 @@ fn densities_that_are_none() {
     13:15: missing key `scale_height` in [radiative.medium[0].exponential]
     14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 over a length of up to 3.4641e0 is beyond the largest number help: give smaller coefficients, densities or lengths
     14:11: the medium is up to 1.2124e8 optical depths thick, and its density varies: light is traced through at most 1.6777e7 help: give smaller coefficients, densities or lengths
-    12:8: the medium has a density but no coefficients, so it has no effect on light help: give it `sigma_a`, `sigma_s` or `emission`, those of density 1
+    12:8: the medium has a density but no coefficients, so it has no effect on light help: give it `sigma_a`, `sigma_s` or `emission`, as they are where the density is 1
     14:17: [radiative.medium[0]] mixes `procedural` with `interpolation` help: give either `procedural` or `interpolation`
     13:23: there is no file none.xml
     13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
@@ -746,8 +746,8 @@ fn places() {
     9:10: missing key `angle` in [radiative.surface[0].rotate]
     9:38: `angle` must be finite, got inf
     9:10: `rotate` must be a table, not an array
-    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest help: scale it less, or move the scene nearer to the origin
-    8:10: after its transform, the sphere lies where numbers are too coarse for it, or beyond the largest help: scale it less, or move the scene nearer to the origin
+    8:10: after its transform, the sphere is too far from the origin for its size: rounding would distort it help: scale it less, or move the scene nearer to the origin
+    8:10: after its transform, the sphere is too far from the origin for its size: rounding would distort it help: scale it less, or move the scene nearer to the origin
     9:1: unknown key `rotat` in [radiative.surface[0]] help: did you mean `rotate`?
     8:7: the box is flat: it has no inside, as glass needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     9:9: an emitting sphere cannot be stretched to an ellipsoid help: scale by the same factor along x, y and z, or give a mesh of the ellipsoid

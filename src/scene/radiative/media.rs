@@ -78,7 +78,7 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
     let nothing = substance.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
     if let (Some(key), true) = (varies, nothing) {
         let message = "the medium has a density but no coefficients, so it has no effect on light";
-        let help = "give it `sigma_a`, `sigma_s` or `emission`, those of density 1";
+        let help = "give it `sigma_a`, `sigma_s` or `emission`, as they are where the density is 1";
         return Err(reader.mistake(key, message, help));
     }
     let body = Body {

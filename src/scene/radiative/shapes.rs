@@ -280,8 +280,7 @@ fn placed<S: Surface>(reader: &Reader, key: &str, before: &Aabb, moved: S) -> Sc
         return Ok(moved);
     }
     let message = format!(
-        "after its transform, the {key} lies where numbers are too coarse for it, or beyond \
-         the largest"
+        "after its transform, the {key} is too far from the origin for its size: rounding would distort it"
     );
     let help = "scale it less, or move the scene nearer to the origin";
     Err(reader.mistake(key, message, help))
