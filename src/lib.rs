@@ -22,7 +22,7 @@
 //! With a table of points in place of the formula ([`optics::TransferPoints`]), opacity and colour
 //! are read from the table and the factor `d²` is left out: `L_i = shade(colour(d_i)) · v_i`.
 //! As `h` becomes short the sum converges to an integral, which a scene may ask for itself
-//! ([`render::classified::integral`]). The sum is evaluated front to back or back to front ([`render::classified::compositing`]); `T` is in
+//! ([`render::classified::integral`]). The sum is evaluated front to back or back to front ([`optics::Layer`]); `T` is in
 //! [`optics::TransferOpacity`], shading in [`optics::Phong`], `v` in [`render::classified::ray_caster`].
 //!
 //! In place of composited samples a scene may show a number for each ray, such as the largest value, or surfaces of
