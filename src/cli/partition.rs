@@ -39,10 +39,8 @@ impl PartitionArgument {
         });
         if before > 0 && items.is_empty() {
             let message = format!("none of the {before} {noun} is in the part {partition}");
-            let help = format!(
-                "take fewer parts: slice:M/N has no empty part if N is at most the number of {noun}"
-            );
-            return Err(Failure::new(Exit::Undecided, message, Some(&help)));
+            let help = "take fewer parts: slice:M/N has an empty one only if N is above that";
+            return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
         Ok(())
     }

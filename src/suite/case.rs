@@ -746,8 +746,7 @@ fn read_sampling(
     if is_known {
         let unused = ["converged_samples", "resolution"];
         if let Some(name) = unused.into_iter().find(|name| reader.has(name)) {
-            let message =
-                format!("`{name}` has no effect with a `truth`: that is computed without samples");
+            let message = format!("`{name}` has no effect with a `truth`: that takes no samples");
             return Err(reader.error(name, message));
         }
     }

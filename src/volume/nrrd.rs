@@ -55,8 +55,7 @@ impl NrrdHeader {
                 remaining.saturating_sub(layout.promised())
             }
             (Some(_), Encoding::Gzip | Encoding::Zlib) => {
-                let message =
-                    "compressed data with a `byte skip` cannot be read: write the file without one";
+                let message = "`byte skip` in compressed data is not read: leave it out";
                 return refused(message);
             }
             (None, _) => return refused("`byte skip` of -1 needs the encoding raw"),

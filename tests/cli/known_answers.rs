@@ -83,7 +83,7 @@ fn manifests_that_say_too_much_or_the_wrong_thing_are_refused() {
     insta::assert_snapshot!(said, @r#"
     fixtures/cases/known-answers/ball.toml:5:9: `truth` must be one of "furnace", "emission-absorption", "absorbing-grid", "airlight", "lit-body", "half-space", "slab", but is "furnance" help: did you mean "furnace"?
     fixtures/cases/known-answers/ball.toml:6:10: the `truth` is the answer: leave one of them out help: `answer`: Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors. `volref validate` compares images that state their noise with it, in place of the golden.
-    fixtures/cases/known-answers/ball.toml:6:21: `converged_samples` has no effect with a `truth`: that is computed without samples help: `converged_samples`: Stochastic cases without a `truth`, and required there: samples per pixel of the golden image.
+    fixtures/cases/known-answers/ball.toml:6:21: `converged_samples` has no effect with a `truth`: that takes no samples help: `converged_samples`: Stochastic cases without a `truth`, and required there: samples per pixel of the golden image.
     known-answers/ball: the truth "furnace" does not fit the scene: a medium does not emit its absorption times the environment's radiance help: nothing was accepted, not even the other cases
     "#);
 }
