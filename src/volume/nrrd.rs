@@ -55,7 +55,7 @@ impl NrrdHeader {
                 remaining.saturating_sub(layout.promised())
             }
             (Some(_), Encoding::Gzip | Encoding::Zlib) => {
-                let message = "`byte skip` in compressed data is not read: leave it out";
+                let message = "`byte skip` in compressed data is not read: write without it";
                 return refused(message);
             }
             (None, _) => return refused("`byte skip` of -1 needs the encoding raw"),

@@ -124,7 +124,7 @@ fn codes_of_a_linear_file_are_recognised_and_its_cut_off_is_said() {
     let reason = result(&run)["reason"].to_string();
     for said in [
         "smoke/plain",
-        "is none, ",
+        "8 bits, but ",
         " of row ",
         " of 255; leave --bits out",
     ] {
