@@ -519,7 +519,7 @@ mod tests {
         assert_eq!(origin(&few), Ok(Origin::Declared));
         let refused = origin(&golden()).unwrap_err().to_string();
         assert!(
-            refused.contains("0.0022727274 is none, red in column 0 of row 0"),
+            refused.contains("red in column 0 of row 0 is 0.0022727274"),
             "{refused}"
         );
         // A mean of roundings is no code, and not taken for one.
