@@ -190,7 +190,7 @@ fn faults_are_of_one_case() {
         ),
         ("echo '{hello'", "): {hello", 2),
         ("echo '{}'", "none or several of image, error and cannot", 2),
-        ("echo '{\"image\": 7}'", "no answer in JSON", 2),
+        ("echo '{\"image\": 7}'", "cannot be read", 2),
         ("printf '{\\000\\033[31m\\377}\\n'", "): {[31m", 2),
         (&too_long, "longer than 64 KiB", 2),
         (
