@@ -289,7 +289,9 @@ impl Staying {
         }
         serde_json::from_str(&line).map_err(|error| {
             let line = plain(&line);
-            Fault::Wrong(format!("gave an answer that cannot be read ({error}): {line}"))
+            Fault::Wrong(format!(
+                "gave an answer that cannot be read ({error}): {line}"
+            ))
         })
     }
 
