@@ -30,10 +30,10 @@ fn by(
     gradients: u64,
     cast: impl Fn([usize; 2]) -> ([f32; 4], RayWork) + Sync,
 ) -> (Vec<[f32; 4]>, Counters) {
-    let (image, mut work): (_, Counters) = rows(
+    let (image, mut work) = rows(
         pixels,
         || (),
-        |position, _, (), work: &mut Counters| {
+        |position, _, (), work| {
             let (pixel, of_ray) = cast(position);
             count(of_ray, work);
             work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);

@@ -157,7 +157,7 @@ pub(super) fn integrated(
     rows(
         pixels,
         || (),
-        |position, _, (), work: &mut Counters| {
+        |position, _, (), work| {
             let integral = along(&scene.camera.ray(position, size));
             work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
             work.count_times(Event::CellWalked, integral.cells);

@@ -30,10 +30,10 @@ pub(in crate::render) fn cast(
     let caster = FieldCaster::new(scene);
     let exact = scene.is_exact().then(|| ExactField::new(scene));
     let size = [pixels.width, pixels.height];
-    let (image, mut work): (_, Counters) = rows(
+    let (image, mut work) = rows(
         pixels,
         || (),
-        |position, _, (), work: &mut Counters| {
+        |position, _, (), work| {
             let ray = scene.camera.ray(position, size);
             let (pixel, of_ray) = match &exact {
                 Some(field) => field.pixel(&caster, &ray, work),

@@ -29,7 +29,7 @@ pub(in crate::render) fn cast(
     let (image, mut work) = rows(
         pixels,
         || (),
-        |pixel, _, (), work: &mut Counters| {
+        |pixel, _, (), work| {
             let layers = caster.layers(&scene.camera.ray(pixel, size), work);
             let radiance = layers.before(scene.background);
             [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)

@@ -32,10 +32,10 @@ pub(in crate::render) fn cast(
 ) -> (Vec<[f32; 4]>, Counters) {
     let caster = Caster::new(Cow::Borrowed(scene));
     let size = [pixels.width, pixels.height];
-    let (image, mut work): (_, Counters) = rows(
+    let (image, mut work) = rows(
         pixels,
         || (),
-        |position, _, (), work: &mut Counters| {
+        |position, _, (), work| {
             let layers = caster.layers(&scene.camera.ray(position, size), work);
             let radiance = layers.before(scene.background);
             [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)

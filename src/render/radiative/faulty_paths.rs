@@ -19,7 +19,7 @@ pub(in crate::render) fn trace(
     rows(
         pixels,
         || (),
-        |pixel, samples, (), _: &mut Counters| {
+        |pixel, samples, (), _| {
             let moments = tracer.pixel(pixel, size, edge, (seed, samples));
             moments.map_err(|EndlessPath| PathFault::Endless)
         },

@@ -28,15 +28,11 @@ pub(in crate::render) fn integrate(
         tolerance: TOLERANCE,
     };
     let size = [pixels.width, pixels.height];
-    rows(
-        pixels,
-        Scratch::default,
-        |pixel, _, scratch, work: &mut Counters| {
-            let ray = scene.camera.ray(pixel, size);
-            let radiance = renderer.radiance(&ray, scratch, work);
-            finite(radiance).map(|radiance| radiance.as_vec3().to_array())
-        },
-    )
+    rows(pixels, Scratch::default, |pixel, _, scratch, work| {
+        let ray = scene.camera.ray(pixel, size);
+        let radiance = renderer.radiance(&ray, scratch, work);
+        finite(radiance).map(|radiance| radiance.as_vec3().to_array())
+    })
 }
 
 /// The moments of the samples of each pixel, by channel: paths of at most `max_order` scatterings, each through a
@@ -55,7 +51,7 @@ pub(in crate::render) fn trace(
     rows(
         pixels,
         Scratch::default,
-        |[column, row], samples, scratch, work: &mut Counters| {
+        |[column, row], samples, scratch, work| {
             let index = (row * size[0] + column) as u32;
             if given_up.is_before(index) {
                 return Err(PathFault::Endless);
