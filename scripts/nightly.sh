@@ -43,8 +43,10 @@ campaign "200,000 scenes, others every day" env VOLREF_SCENES=200000 "VOLREF_SCE
     cargo test --release --test library any_scene::
 campaign "a million inputs broken at random, others every day" env VOLREF_MUTANTS_COMMANDS=4 scripts/mutated-inputs.sh \
     1000000 "$(date +%Y%m%d)"
-campaign "light transport at four times the samples, decisions on five times the suites" env VOLREF_NIGHTLY=1 \
-    cargo test --release --test library -- transport:: decide::
+campaign "what every run tries in part: transport, decisions, roundings, modes, pages, generated scenes" env \
+    VOLREF_NIGHTLY=1 cargo test --release --test library -- transport:: decide:: precision:: modes:: report:: reference:: \
+    outside_faults::
+campaign "every renderer with an adapter, judged again" env VOLREF_NIGHTLY=1 cargo test --release --test cli gallery::
 campaign "300 kills of accept" scripts/kills.sh 300
 campaign "many samples of every known answer" cargo test --release --test library known_answer_images:: -- \
     --ignored --nocapture

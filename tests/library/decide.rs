@@ -1,6 +1,7 @@
 //! Looks at more and more samples raise no more false alarms than one look.
 
 use crate::common::simulated::{Sampling, Shape, sampled, scene};
+use crate::needs::tries;
 use volref::compare::stochastic::{FALSE_ALARM, judge_at};
 use volref::film::Film;
 use volref::judging::share_of_look;
@@ -49,11 +50,7 @@ fn is_rejected(seed: u64, shape: &Shape, level: f64, states_noise: bool) -> bool
 #[test]
 fn adaptive_looks_keep_the_promise_of_one() {
     let shapes = Shape::all();
-    let suites = if option_env!("VOLREF_NIGHTLY").is_some() {
-        1000
-    } else {
-        200
-    };
+    let suites = tries(200, 1000) as u64;
     for (level, states_noise) in [(0.2, true), (0.02, true), (0.2, false)] {
         let alarms = (0..suites)
             .filter(|&suite| {

@@ -6,6 +6,7 @@
 use crate::exact::functions::{angle, exp_m1, ln_1p, sin_cos};
 use crate::exact::shapes::SECOND_ORDER;
 use crate::exact::{Big, U, apart, big, rounded};
+use crate::needs::tries;
 
 use dashu_float::ops::SquareRoot;
 use std::f64::consts::PI;
@@ -16,11 +17,7 @@ use volref::optics::*;
 
 /// A mistake that shows in one of 4000 inputs is missed by 20,000 of them once in 150 times; the
 /// inputs are the same in every run, and the nightly ones begin with these.
-const INPUTS: u32 = if option_env!("VOLREF_NIGHTLY").is_some() {
-    100_000
-} else {
-    20_000
-};
+const INPUTS: u32 = tries(20_000, 100_000) as u32;
 
 /// The worst error of a formula: in last places of the result, and against its bound.
 #[derive(Default)]

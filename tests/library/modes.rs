@@ -5,6 +5,7 @@
 //! `src/reference`, to the bit (`reference.rs`).
 
 use crate::common::suite::film_of;
+use crate::needs::tries;
 use crate::ray_caster::scenes::{PHONG, hash, plain, sampled};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
@@ -691,7 +692,7 @@ fn mistakes_of_the_family_are_named() {
             continue;
         }
         for name in &case.mistakes {
-            if !tried.insert(name) {
+            if !tried.insert(name) || tried.len() % tries(4, 1) != 0 {
                 continue;
             }
             let mistake = mistakes::named(name).unwrap();
@@ -719,7 +720,7 @@ fn mistakes_of_the_family_are_named() {
         }
     }
     assert!(
-        unnamed.is_empty() && named > 25,
+        unnamed.is_empty() && named > tries(6, 25),
         "{named} named\n{}",
         unnamed.join("\n")
     );

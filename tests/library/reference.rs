@@ -6,6 +6,7 @@
 //! by the stochastic gate: pixel by pixel they differ by noise, and by no more.
 
 use crate::any_scene::scenes;
+use crate::needs::tries;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -141,7 +142,7 @@ fn classified_scenes_of_the_suite_agree_to_the_bit() {
 }
 
 /// Generated scenes that are compared.
-const GENERATED: usize = 600;
+const GENERATED: usize = tries(200, 600);
 
 /// Density lookups of the largest scene that is compared; a shadow ray at every sample.
 const MOST_LOOKUPS: f64 = 1e5;

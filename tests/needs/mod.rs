@@ -1,4 +1,4 @@
-//! What some tests need beside Rust and a C compiler.
+//! What some tests need beside Rust and a C compiler, and how much they try.
 //!
 //! A test asks [`is_there`] for each program. Where one is missing, the test passes and leaves a record for the last test
 //! program, `tests/what_was_not_tried.rs`, which prints all of them: cargo shows nothing that a passing test prints. In
@@ -13,6 +13,15 @@ use std::process::{Command, Stdio};
 /// Python with NumPy, as a need.
 #[allow(dead_code, reason = "not every test program needs it")]
 pub const NUMPY: &str = "python3 with NumPy";
+
+/// How much a test tries: `always`, and `nightly` where `VOLREF_NIGHTLY` was set when the tests were compiled.
+#[allow(dead_code, reason = "not every test program tries more at night")]
+pub const fn tries(always: usize, nightly: usize) -> usize {
+    match option_env!("VOLREF_NIGHTLY") {
+        Some(_) => nightly,
+        None => always,
+    }
+}
 
 const EVERYTHING: &str = "VOLREF_TEST_EVERYTHING";
 

@@ -11,6 +11,7 @@ mod verdict;
 
 use crate::common::suite::film_with;
 use crate::common::suite::suite;
+use crate::needs::tries;
 use faults::{Edit, Fault, Kind, faults};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -205,7 +206,7 @@ fn verdict(
 const EXTINCTION: &str =
     "extinction of the volume 10.0000 ± 0.0040 % too large: with this change the scene agrees";
 
-/// Some of them, with what is said of each: whether a name, whether a description, and part of a reason or of
+/// Some of them (every run takes each second), with what is said of each: whether a name, whether a description, and part of a reason or of
 /// what was measured. Pairs of mistakes, which take the most time, are not looked for.
 const IN_EVERY_RUN: [(&str, Said, Option<Said>, &str); 7] = [
     (
@@ -246,7 +247,7 @@ fn a_name_is_right_or_there_is_none() {
     let (suite, predictions) = (suite(), Predictions::default());
     let search = uninterrupted(None, &predictions);
     let faults = faults(&suite);
-    for (name, named, described, words) in IN_EVERY_RUN {
+    for (name, named, described, words) in IN_EVERY_RUN.into_iter().step_by(tries(2, 1)) {
         let fault = faults.iter().find(|fault| fault.name == name).unwrap();
         let judged = verdict(fault, &suite, 16, None, &search);
         assert!(judged.is_caught(), "{name}: {}", judged.text);
@@ -423,6 +424,7 @@ fn mistakes_that_noise_hides_are_named() {
     let (suite, predictions) = (suite(), Predictions::default());
     let search = uninterrupted(Some(Duration::from_secs(10)), &predictions);
     let hidden = ["half-resolution", "one-pixel-left", "lights-counted-twice"];
+    let hidden = &hidden[..tries(1, 3)];
     hidden.par_iter().for_each(|name| {
         let result = result_of_mistake(&suite, "smoke/cornell", name, (16, 1), &search).unwrap();
         let first = result.looks_like.first().map(String::as_str);

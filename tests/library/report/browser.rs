@@ -3,9 +3,11 @@
 //! Needs Chromium and its driver (Debian: `apt-get install chromium chromium-driver`).
 
 use crate::needs::tried;
+use crate::needs::tries;
 use crate::report::samples::{self, CHECKED};
 use crate::report::webdriver::Browser;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use volref::compare::Picture;
 use volref::film::Film;
@@ -298,28 +300,24 @@ fn every_case_opens_in_every_view() {
     let Some(Opened { browser, .. }) = &open(samples::suite_html(), 1400, 1100) else {
         return;
     };
-    let mut opened = Vec::new();
-    for place in 0..sample.results.len() {
+    let mut opened = BTreeSet::new();
+    let every = tries(4, 1);
+    for place in (0..sample.results.len()).step_by(every) {
         let article = format!("document.querySelectorAll('article')[{place}]");
         browser.run(&format!("location.hash = encodeURIComponent({article}.id)"));
         browser.wait_for(&format!("{article}.classList.contains('open')"));
         let name = browser.run(&format!(
             "return document.querySelectorAll('#cases .name')[{place}].textContent"
         ));
-        opened.push(name.as_str().unwrap().to_owned());
+        opened.insert(name.as_str().unwrap().to_owned());
         if browser.run("return Boolean(document.querySelector('article.open .pictures'))") == true {
             wait_for_pictures(browser);
             browser.press("123456bswnc+[z0");
         }
     }
-    opened.sort();
-    let mut names: Vec<_> = sample
-        .results
-        .iter()
-        .map(|result| result.name.clone())
-        .collect();
-    names.sort();
-    assert_eq!(opened, names);
+    let names = sample.results.iter().map(|result| result.name.clone());
+    assert!(opened.is_subset(&names.collect()), "{opened:?}");
+    assert_eq!(opened.len(), sample.results.len().div_ceil(every));
     check_quiet(browser);
 }
 

@@ -1,5 +1,6 @@
 //! What is seen along a ray, and whether a mean of samples is what it should be.
 
+use crate::needs::tries;
 use glam::DVec3;
 use std::fmt::Display;
 use volref::geometry::Ray;
@@ -22,11 +23,7 @@ pub const MOST_ERRORS: f64 = 4.0;
 /// `VOLREF_NIGHTLY` is set when the tests are compiled. Errors twice as large are allowed then,
 /// since standard errors are.
 pub const fn samples(nightly: u32) -> u32 {
-    if option_env!("VOLREF_NIGHTLY").is_some() {
-        nightly
-    } else {
-        nightly / 4
-    }
+    nightly / tries(4, 1) as u32
 }
 
 /// Light along the line of sight, turned once at most, to the last digits.
