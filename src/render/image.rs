@@ -1,8 +1,6 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{
-    conventional, curve, integral, modes, ray_caster, several, several_integral,
-};
+use super::classified::{conventional, curve, integral, modes, ray_caster, several};
 use super::counters::Counters;
 use super::error::RenderError;
 use super::footprint::{Footprint, footprint};
@@ -163,11 +161,7 @@ fn render_panel(
         Kernel::Field(scene) => part.cast(modes::cast(scene, pixels))?,
         Kernel::Several(scene) => part.cast(several::cast(scene, pixels))?,
         Kernel::Integral(scene) => {
-            let (integrals, work) = if scene.has_objects() {
-                several_integral::integrate(scene, pixels)
-            } else {
-                integral::integrate(scene, pixels)
-            };
+            let (integrals, work) = integral::integrate(scene, pixels);
             let errors = integrals.iter().map(|pixel| pixel.1);
             error = Some(errors.fold(0.0, f64::max));
             let values = integrals.into_iter().map(|pixel| pixel.0);

@@ -10,5 +10,4 @@ pub mod integral;
 pub mod modes;
 pub mod ray_caster;
 pub(super) mod several;
-pub(super) mod several_integral;
 pub mod steps;
