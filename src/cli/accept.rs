@@ -68,7 +68,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     arguments
         .partition
         .retain(&mut cases, "cases", |case| case.name.clone())?;
-    let bar = progress::counted("cases", cases.len());
+    let bar = progress::counted(cases.len());
     let store = suite.store();
     // Before they are replaced.
     let old: Vec<Option<Film>> = match arguments.page.is_asked() {

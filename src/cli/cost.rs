@@ -65,13 +65,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         },
         seed: arguments.seed,
     };
-    let bar = progress::counted("scenes", scenes.len());
+    let bar = progress::counted(scenes.len());
     let mut costs: Vec<Cost> = Vec::new();
     for (name, scene) in &scenes {
         let report = |what: &str| bar.set_message(format!("{name}: {what}"));
         let found = cost(scene, name, &options, &report);
         costs.extend(found.map_err(|error| failure(name, &error))?);
-        bar.inc(1);
+        bar.end_part();
     }
     bar.finish_and_clear();
     let machine = (arguments.runs > 0).then(|| Machine::here(1));

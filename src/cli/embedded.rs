@@ -33,11 +33,8 @@ pub fn open() -> Result<Suite, Failure> {
     let suite = suite();
     let cached = cache_of_the_user().map(|cache| {
         let inner = Path::new("suite").join(suite.name());
-        let folder = cache.join(&inner);
-        match suite.unpack_privately(&cache, &inner) {
-            Ok(()) => Ok(folder),
-            Err(error) => Err(format!("; not in {}: {error}", folder.display())),
-        }
+        let unpacked = suite.unpack_privately(&cache, &inner);
+        unpacked.map_err(|error| format!("; not in {}: {error}", cache.join(inner).display()))
     });
     let (folder, why) = match cached {
         Some(Ok(folder)) => (folder, String::new()),

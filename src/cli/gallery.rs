@@ -99,10 +99,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .flat_map(|family| family.cases.iter().copied())
         .collect();
     let store = suite.store();
-    let bar = progress::counted("cases", cases.len());
+    let bar = progress::counted(cases.len());
     let row = |case: &&Case| {
         let row = row(case, &store, &runs);
-        bar.inc(1);
+        bar.end_part();
         row
     };
     let (rows, changes): (Vec<GalleryRow>, Vec<String>) = cases.par_iter().map(row).unzip();

@@ -8,7 +8,7 @@ use crate::files::regular_file;
 use crate::geometry::Transform;
 use crate::math::{Sum, ln};
 use crate::report::widest;
-use crate::scene::{Scene, SceneVolume};
+use crate::scene::Scene;
 use crate::volume::{
     AxisOrder, Centring, Content, Encoding, Endian, FileRead, Grid, Layout, LoadOptions,
     LostValues, NonFinite, Orientation, Stored, load_hashed, volume_format, volume_formats,
@@ -92,26 +92,43 @@ struct Bin {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[&arguments.file])?;
-    if let Some(file) = scene_file(&arguments.file) {
-        let volumes = Scene::load_volumes(&file)?;
-        let volume = the_volume(&volumes, &arguments.file)?;
-        let facts = Facts::of(&Described {
-            given: &arguments.file,
-            format: match volume.inputs.is_empty() {
-                true => "formula of a scene",
-                false => "volume of a scene",
-            },
-            files: (volume.inputs.iter())
-                .map(|input| (input.name.clone(), input.hash.clone()))
-                .collect(),
-            grid: &volume.grid,
-            to_world: volume.to_world,
-            stored: None,
-            is_array: false,
-        });
-        let text = arguments.json.instead_of(facts.text, &facts.json);
-        return text.map(Outcome::from);
-    }
+    let facts = match scene_file(&arguments.file) {
+        Some(scene) => of_scene(&arguments.file, &scene)?,
+        None => of_file(&arguments)?,
+    };
+    let text = arguments.json.instead_of(facts.text, &facts.json);
+    text.map(Outcome::from)
+}
+
+/// The volume of a `scene`, of whose panels each shows one.
+fn of_scene(given: &Path, scene: &Path) -> Result<Facts, Failure> {
+    let volumes = Scene::load_volumes(scene)?;
+    let is_one = |other| volumes.iter().all(|it| Arc::ptr_eq(&it.grid, other));
+    let Some(volume) = volumes.first().filter(|first| is_one(&first.grid)) else {
+        let count = ["more than one", "no"][usize::from(volumes.is_empty())];
+        let message = format!("{} has {count} classified volume", given.display());
+        let help = "give the file of a volume, or a scene of one";
+        return Err(Failure::new(Exit::BadInput, message, Some(help)));
+    };
+    let inputs = volume.inputs.iter();
+    Ok(Facts::of(&Described {
+        given,
+        format: match volume.inputs.is_empty() {
+            true => "formula of a scene",
+            false => "volume of a scene",
+        },
+        files: inputs
+            .map(|it| (it.name.clone(), it.hash.clone()))
+            .collect(),
+        grid: &volume.grid,
+        to_world: volume.to_world,
+        stored: None,
+        is_array: false,
+    }))
+}
+
+/// The volume in a file.
+fn of_file(arguments: &Arguments) -> Result<Facts, Failure> {
     let mut options = LoadOptions {
         centring: arguments.centring.as_deref().map(|name| match name {
             CELLS => Centring::Cells,
@@ -120,18 +137,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         non_finite: NonFinite::Kept,
         detached_anywhere: arguments.detached_anywhere,
         axes: arguments.axes.as_deref().and_then(AxisOrder::named),
-        orientation: Orientation::Oblique,
+        orientation: match arguments.as_stored {
+            true => Orientation::AsStored,
+            false => Orientation::Oblique,
+        },
         ..LoadOptions::default()
     };
     options.splatting.resolution = arguments.resolution.map(|nodes| nodes as usize);
     options.splatting.padding = arguments.padding as usize;
-    if arguments.as_stored {
-        options.orientation = Orientation::AsStored;
-    }
     let loaded = load_hashed(&arguments.file, &options).map_err(bad_input)?;
     let is_array = volume_format(&arguments.file).is_some_and(|it| it.content == Content::Array);
     let file = |file: &FileRead| (file.path.display().to_string(), file.hash.clone());
-    let facts = Facts::of(&Described {
+    Ok(Facts::of(&Described {
         given: &arguments.file,
         format: loaded.format,
         files: loaded.files.iter().map(file).collect(),
@@ -139,9 +156,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         to_world: loaded.to_world,
         stored: Some(&loaded.stored),
         is_array: is_array && arguments.axes.is_none(),
-    });
-    let text = arguments.json.instead_of(facts.text, &facts.json);
-    text.map(Outcome::from)
+    }))
 }
 
 /// Longest text that is looked at for a scene.
@@ -163,22 +178,6 @@ fn scene_file(given: &Path) -> Option<PathBuf> {
         .iter()
         .any(|model| table.contains_key(*model))
         .then_some(file)
-}
-
-/// The volume of a scene, of whose panels each shows one.
-fn the_volume<'v>(volumes: &'v [SceneVolume], given: &Path) -> Result<&'v SceneVolume, Failure> {
-    let is_one = |other| volumes.iter().all(|it| Arc::ptr_eq(&it.grid, other));
-    let first = volumes.first().filter(|first| is_one(&first.grid));
-    first.ok_or_else(|| {
-        let count = if volumes.is_empty() {
-            "no"
-        } else {
-            "more than one"
-        };
-        let message = format!("{} has {count} classified volume", given.display());
-        let help = "give the file of a volume, or a scene of one";
-        Failure::new(Exit::BadInput, message, Some(help))
-    })
 }
 
 /// A volume to describe.
@@ -226,45 +225,24 @@ impl Facts {
         }
         facts.place(it);
         let values = ValueStatistics::of(it.grid);
-        let lost = match it.stored {
-            Some(Stored::Samples { layout, lost }) => {
-                facts.stored(it.grid, layout, lost.as_ref(), &values);
-                lost.as_ref()
+        if let Some(Stored::Samples { layout, lost }) = it.stored {
+            facts.stored(it.grid, layout, &values);
+            if let Some(lost) = lost {
+                facts.lost(lost);
             }
-            _ => None,
-        };
+        }
         if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
             facts.row("values", summary(min, max, mean));
         }
-        let signs = format!("{} zero, {} nonzero", values.zeros, values.non_zeros);
-        facts.row(
-            "",
-            match values.negative {
-                0 => signs,
-                count => format!("{signs}, {count} of them negative"),
-            },
-        );
-        if let Some(LostValues {
-            count,
-            voxel: [i, j, k],
-            stored,
-        }) = lost
-        {
-            let value = f64::from(*stored as f32);
-            facts.row("float32", format!(
-                "does not hold {count}, first at voxel ({i}, {j}, {k}), counted as stored: {stored} becomes {value}"
-            ));
+        let mut signs = format!("{} zero, {} nonzero", values.zeros, values.non_zeros);
+        if values.negative > 0 {
+            signs.push_str(&format!(", {} of them negative", values.negative));
         }
-        if let Some(FirstNonFinite {
-            voxel: [i, j, k],
-            value,
-        }) = &values.first_non_finite
-        {
-            let count = values.non_finite;
-            facts.row(
-                "not finite",
-                format!("{count}, first at voxel ({i}, {j}, {k}): {value}"),
-            );
+        facts.row("", signs);
+        if let Some(FirstNonFinite { voxel, value }) = &values.first_non_finite {
+            let ([i, j, k], count) = (voxel, values.non_finite);
+            let words = format!("{count}, first at voxel ({i}, {j}, {k}): {value}");
+            facts.row("not finite", words);
         }
         if let Some((path, _)) = it.files.get(1) {
             facts.row("data in", path);
@@ -277,41 +255,34 @@ impl Facts {
     /// Position and size.
     fn place(&mut self, it: &Described<'_>) {
         let lattice = it.grid.lattice();
-        let [nx, ny, nz] = lattice.nodes();
-        self.json["nodes"] = json!([nx, ny, nz]);
-        self.row(
-            "nodes",
-            format!("{nx} × {ny} × {nz}, {} in total", nx * ny * nz),
-        );
-        if it.is_array {
-            let axes = "z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`";
-            self.row("axes", axes);
-        }
-        let spacing = lattice.spacing().to_array();
-        self.json["spacing"] = json!(spacing);
-        let is_cubic = spacing.iter().all(|of| *of == spacing[0]);
-        let words = if is_cubic {
-            digits(spacing[0])
-        } else {
-            vector(spacing)
-        };
-        self.row("spacing", words);
-        let first = lattice.first().to_array();
-        self.json["first"] = json!(first);
-        self.row("first node", vector(first));
+        let nodes @ [nx, ny, nz] = lattice.nodes();
+        let [spacing, first] = [lattice.spacing(), lattice.first()].map(|it| it.to_array());
         let bounds = lattice.bounds();
         let [min, max] = [bounds.min, bounds.max].map(|corner| corner.to_array());
         let centring = match lattice.centring() {
             Centring::Nodes => NODES,
             Centring::Cells => CELLS,
         };
+        let count = nx * ny * nz;
+        self.row("nodes", format!("{nx} × {ny} × {nz}, {count} in total"));
+        if it.is_array {
+            let axes = "z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`";
+            self.row("axes", axes);
+        }
+        let is_cubic = spacing.iter().all(|of| *of == spacing[0]);
+        match is_cubic {
+            true => self.row("spacing", digits(spacing[0])),
+            false => self.row("spacing", vector(spacing)),
+        }
+        self.row("first node", vector(first));
+        let sides = between(min, max);
+        self.row("box", format!("{sides}, centred on {centring}"));
+        self.json["nodes"] = json!(nodes);
+        self.json["spacing"] = json!(spacing);
+        self.json["first"] = json!(first);
         self.json["min"] = json!(min);
         self.json["max"] = json!(max);
         self.json["centring"] = json!(centring);
-        self.row(
-            "box",
-            format!("{}, centred on {centring}", between(min, max)),
-        );
         if let Some(rows) = it.to_world.map(|map| map.rows()) {
             self.json["to_world"] = json!(rows);
             for (name, numbers) in ["to world", "", ""].iter().zip(rows) {
@@ -321,53 +292,36 @@ impl Facts {
     }
 
     /// How samples are stored, whose `values` are `slope·s + intercept`.
-    fn stored(
-        &mut self,
-        grid: &Grid<f32>,
-        layout: &Layout,
-        lost: Option<&LostValues>,
-        values: &ValueStatistics,
-    ) {
+    fn stored(&mut self, grid: &Grid<f32>, layout: &Layout, values: &ValueStatistics) {
         if let Some(space) = layout.space {
             self.json["space"] = json!(space);
             self.row("space", space);
         }
-        let ([a, b, c], element) = (layout.axes.sizes, layout.element);
-        let encoding = match layout.encoding {
-            Encoding::Raw => "raw",
-            Encoding::Gzip => "gzip",
-            Encoding::Zlib => "zlib",
-            Encoding::Text => "text",
-        };
-        let mut json = json!({ "sizes": [a, b, c], "type": element.name(), "encoding": encoding });
+        let (sizes, element) = (layout.axes.sizes, layout.element);
+        let encoding = layout.encoding.name();
+        let mut json = json!({ "sizes": sizes, "type": element.name(), "encoding": encoding });
         let mut words = element.name().to_owned();
         if layout.encoding != Encoding::Text && element.bytes() > 1 {
-            let endian = match layout.endian {
-                Endian::Little => "little",
-                Endian::Big => "big",
-            };
+            let endian = ["little", "big"][usize::from(layout.endian == Endian::Big)];
             json["endian"] = json!(endian);
             words.push_str(&format!(", {endian} endian"));
         }
         words.push_str(&format!(", {encoding}"));
-        if [a, b, c] != grid.lattice().nodes() {
+        if sizes != grid.lattice().nodes() {
+            let [a, b, c] = sizes;
             words.push_str(&format!(", {a} × {b} × {c} in other order"));
         }
         self.row("stored", words);
         if let (Some((slope, intercept)), Some(one), Some(other), Some(mean)) =
             (layout.scaling, values.min, values.max, values.mean)
         {
+            let [one, other, mean] = [one, other, mean].map(|value| (value - intercept) / slope);
             // Whole numbers come back exactly, but for the rounding of values to f32.
-            let sample = |value: f64| {
-                let sample = (value - intercept) / slope;
-                if element.is_whole() {
-                    sample.round()
-                } else {
-                    sample
-                }
+            let [one, other] = match element.is_whole() {
+                true => [one.round(), other.round()],
+                false => [one, other],
             };
-            let (one, other) = (sample(one), sample(other));
-            let (min, max, mean) = (one.min(other), one.max(other), (mean - intercept) / slope);
+            let (min, max) = (one.min(other), one.max(other));
             json["scaling"] = json!({
                 "slope": slope, "intercept": intercept, "min": min, "max": max, "mean": mean,
             });
@@ -375,17 +329,23 @@ impl Facts {
             let plus = format!(" + {}", digits(intercept)).replace("+ -", "- ");
             self.row("", format!("value = {} · stored{plus}", digits(slope)));
         }
-        if let Some(LostValues {
+        self.json["stored"] = json;
+    }
+
+    /// Values that the grid does not hold.
+    fn lost(&mut self, lost: &LostValues) {
+        let LostValues {
             count,
             voxel,
             stored,
-        }) = lost
-        {
-            let value = f64::from(*stored as f32);
-            json["not_in_float32"] =
-                json!({ "count": count, "voxel": voxel, "stored": stored, "value": value });
-        }
-        self.json["stored"] = json;
+        } = *lost;
+        let value = f64::from(stored as f32);
+        self.json["stored"]["not_in_float32"] =
+            json!({ "count": count, "voxel": voxel, "stored": stored, "value": value });
+        let [i, j, k] = voxel;
+        self.row("float32", format!(
+            "does not hold {count}, first at voxel ({i}, {j}, {k}), counted as stored: {stored} becomes {value}"
+        ));
     }
 }
 
@@ -450,10 +410,8 @@ fn plot(bins: &[Bin]) -> String {
         return String::new();
     };
     let size = |count: usize| ln(1.0 + count as f64);
-    let edges: Vec<[String; 2]> = bins
-        .iter()
-        .map(|bin| [bin.from, bin.to].map(short))
-        .collect();
+    let edges = |bin: &Bin| [bin.from, bin.to].map(|edge| rounded(edge, 3));
+    let edges: Vec<[String; 2]> = bins.iter().map(edges).collect();
     let [from_width, to_width] = [0, 1].map(|side| widest(edges.iter().map(|edge| &edge[side])));
     let count_width = largest.to_string().len();
     let mut text = "\nhistogram, bars logarithmic\n".to_owned();
@@ -498,11 +456,6 @@ fn all_digits(number: f64) -> String {
         0.0 | 1e-4..1e9 => held.to_string(),
         _ => format!("{held:e}"),
     }
-}
-
-/// A number to four significant digits.
-fn short(number: f64) -> String {
-    rounded(number, 3)
 }
 
 fn rounded(number: f64, decimals: usize) -> String {

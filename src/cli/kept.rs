@@ -6,7 +6,7 @@ use super::suite::Selection;
 use super::{output, progress};
 use crate::files::program_hash;
 use crate::judging::{CaseTrials, Judged};
-use crate::runs::{ResultFolder, Run, kept_folder};
+use crate::runs::{ResultFolder, Run};
 use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -43,14 +43,15 @@ impl KeepArgument {
         if self.results.is_some() && folder.is_symlink() {
             folder = folder.canonicalize().unwrap_or(folder);
         }
-        ResultFolder::open(&folder).check().map_err(bad_input)?;
+        let results = ResultFolder::open(&folder);
+        results.check().map_err(bad_input)?;
         // A folder of the user's holds other files, which version control is to see.
         let is_ours = self.results.is_none() || !folder.exists();
         output::make_folder(&folder)?;
         if is_ours {
-            kept_folder::hide(&folder);
+            results.hide();
         }
-        Ok(Some(ResultFolder::open(folder)))
+        Ok(Some(results))
     }
 }
 

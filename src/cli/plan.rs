@@ -10,6 +10,7 @@ use crate::render::plan::{Estimator, PlanError};
 use crate::render::{self, Counters, Effect, Footprint, Memory, Plan, Sampling};
 use crate::report::widest;
 use crate::scene::{Origin, Panel, Reading, Scene};
+use clap::builder::PossibleValuesParser;
 use indicatif::HumanBytes;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -24,30 +25,27 @@ pub struct Arguments {
     counters: bool,
     /// Simulate an elided effect: same bits, more work. May be given several times; `all` for all
     /// elided effects
-    #[arg(long, value_name = "EFFECT", value_parser = forced)]
-    force: Vec<Forced>,
+    #[arg(long, value_name = "EFFECT", value_parser = effects())]
+    force: Vec<String>,
     #[command(flatten)]
     json: Json,
 }
 
-/// The elided effects to simulate nevertheless: one, or all.
-type Forced = Option<Effect>;
+/// All that `all` stands for.
+const ALL: &str = "all";
 
-fn forced(name: &str) -> Result<Forced, String> {
-    if name == "all" {
-        return Ok(None);
-    }
-    let effect = name.parse().map(Some);
-    effect.map_err(|error: String| format!("{error}; or all, for all elided effects"))
+fn effects() -> PossibleValuesParser {
+    PossibleValuesParser::new(Effect::ALL.iter().map(|it| it.name()).chain([ALL]))
 }
 
-/// The plan for `panel` with the `forced` effects.
-fn plan_for<'s>(panel: &'s Panel, forced: &[Forced]) -> Result<Plan<'s>, PlanError> {
-    let effects = forced.iter().flat_map(|forced| match forced {
-        None => Plan::null_effects(panel),
-        Some(effect) => vec![*effect],
-    });
-    Plan::forcing(panel, &effects.collect::<Vec<_>>())
+/// The plan for `panel` with the effects of these names.
+fn plan_for<'s>(panel: &'s Panel, names: &[String]) -> Result<Plan<'s>, PlanError> {
+    let named = |effect: &Effect| names.iter().any(|name| name == effect.name());
+    let mut forced: Vec<Effect> = Effect::ALL.into_iter().filter(named).collect();
+    if names.iter().any(|name| name == ALL) {
+        forced.extend(Plan::null_effects(panel));
+    }
+    Plan::forcing(panel, &forced)
 }
 
 /// Runs the command.
@@ -64,11 +62,13 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         .map(|panel| plan_for(panel, &arguments.force))
         .collect::<Result<Vec<_>, _>>()
         .map_err(bad_input)?;
-    let work = if arguments.counters {
-        counted(&plans)?
-    } else {
-        vec![None; plans.len()]
-    };
+    let mut work = Vec::new();
+    if arguments.counters {
+        let bar = progress::image("counting", &warnings_of_all(&plans));
+        let rendering = render::render(&plans, Sampling::default(), &bar);
+        bar.finish_and_clear();
+        work = rendering.map_err(bad_input)?.work;
+    }
     let (width, height) = (scene.width(), scene.height());
     let Footprint { image, most } = render::footprint(&plans, Sampling::default());
     let mut text = format!(
@@ -82,12 +82,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         text.push_str(&format!("volumes    {size} of values\n"));
     }
     let mut panels = Vec::new();
-    for (index, (plan, work)) in plans.iter().zip(&work).enumerate() {
+    for (index, plan) in plans.iter().enumerate() {
         if plans.len() > 1 {
             let title = plan.panel.title.as_deref().unwrap_or("untitled");
             text.push_str(&format!("panel {}: {title}\n", index + 1));
         }
-        panels.push(described(plan, work.as_ref(), &mut text));
+        panels.push(described(plan, work.get(index), &mut text));
     }
     let value = json!({
         "schema": "volref/plan/1",
@@ -117,24 +117,22 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
         "warnings": plan.warnings,
         "rays": rays,
         "memory": memory,
+        "defaults": [],
     });
     describe_volumes(panel, text, &mut json);
-    let mut section = |title: &str, lines: &[String]| {
+    let mut section = |title: &str, lines: Vec<String>| {
         text.push_str(&format!("\n{title}\n"));
         lines
             .iter()
             .for_each(|line| text.push_str(&format!("  {line}\n")));
     };
+    let warnings = plan.warnings.iter().map(ToString::to_string);
     if !plan.warnings.is_empty() {
-        let warnings = plan.warnings.iter();
-        section(
-            "warnings",
-            &warnings.map(ToString::to_string).collect::<Vec<_>>(),
-        );
+        section("warnings", warnings.collect());
     }
     let effects = plan.decisions.iter();
     let effects = effects.map(|of| format!("{:<7}  {:<22}  {}", of.state, of.effect, of.why));
-    section("effects", &effects.collect::<Vec<_>>());
+    section("effects", effects.collect());
     if !plan.approximations.is_empty() {
         json["approximations"] = json!(plan.approximations);
         let lines = plan.approximations.iter().map(|of| {
@@ -146,23 +144,26 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
                 of.without, of.bias, of.field
             )
         });
-        section("approximations requested", &lines.collect::<Vec<_>>());
+        section("approximations requested", lines.collect());
     }
-    let defaults: Vec<(&Reading, Option<&str>)> = defaults(panel).collect();
-    let default = |(reading, rule): &(&Reading, Option<&str>)| {
-        let mut json = json!({ "key": reading.key, "value": reading.value });
-        if let Some(rule) = rule {
-            json["rule"] = json!(rule);
+    let defaults = panel.readings.iter();
+    let defaults = defaults.filter(|reading| reading.origin != Origin::Given);
+    let widest = widest(defaults.clone().map(|reading| &reading.key));
+    let mut lines = Vec::new();
+    for Reading { key, value, origin } in defaults {
+        let mut default = json!({ "key": key, "value": value });
+        let mut line = format!("{key:<widest$}  {value}");
+        if let Origin::Derived(rule) = origin {
+            default["rule"] = json!(rule);
+            line.push_str(&format!("  ({rule})"));
         }
-        json
-    };
-    json["defaults"] = defaults.iter().map(default).collect();
-    let widest = widest(defaults.iter().map(|(reading, _)| &reading.key));
-    let lines = defaults.iter().map(|(Reading { key, value, .. }, rule)| {
-        let rule = rule.map_or(String::new(), |rule| format!("  ({rule})"));
-        format!("{key:<widest$}  {value}{rule}")
-    });
-    section("defaults filled in", &or_none(lines.collect()));
+        json["defaults"]
+            .as_array_mut()
+            .expect("it begins so")
+            .push(default);
+        lines.push(line);
+    }
+    section("defaults filled in", or_none(lines));
     if let Some(work) = work {
         json["counters"] = json!(work);
         let count = format!("({rays} rays)");
@@ -172,7 +173,7 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
             let per_ray = short(count as f64 / rays.max(1) as f64);
             format!("{name:<26}  {per_ray:>12}  {count:>14}")
         });
-        section(&title, &lines);
+        section(&title, lines.into());
     }
     let lines = memory.iter().map(|Memory { what, bytes }| {
         let bytes = HumanBytes(*bytes as u64).to_string();
@@ -180,7 +181,7 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
     });
     section(
         "memory besides the scene and the image",
-        &or_none(lines.collect()),
+        or_none(lines.collect()),
     );
     text.push('\n');
     json
@@ -222,27 +223,6 @@ fn describe_volumes(panel: &Panel, text: &mut String, json: &mut Value) {
         json["surfaces"] = json!(classified.objects.surfaces.len());
         json["clips"] = json!(classified.objects.clips.len());
     }
-}
-
-/// Work of each plan, counted while it is rendered.
-fn counted(plans: &[Plan]) -> Result<Vec<Option<Counters>>, Failure> {
-    let bar = progress::image("counting", &warnings_of_all(plans));
-    let rendering = render::render(plans, Sampling::default(), &bar);
-    bar.finish_and_clear();
-    let work = rendering.map_err(bad_input)?.work;
-    Ok(work.into_iter().map(Some).collect())
-}
-
-/// The keys that the file does not state, with the rules by which they are derived.
-fn defaults(panel: &Panel) -> impl Iterator<Item = (&Reading, Option<&str>)> {
-    panel.readings.iter().filter_map(|reading| {
-        let rule = match reading.origin {
-            Origin::Given => return None,
-            Origin::Default => None,
-            Origin::Derived(rule) => Some(rule),
-        };
-        Some((reading, rule))
-    })
 }
 
 /// Four digits, without an exponent.

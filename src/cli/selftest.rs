@@ -49,7 +49,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let kept = &arguments.kept;
     let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
-    let bar = progress::counted("steps", self_test_steps(cases.len()));
+    let bar = progress::counted(self_test_steps(cases.len()));
     let which = match (arguments.partition.is_whole(), arguments.filters.is_empty()) {
         (false, _) => SelfTestCases::Part,
         (true, true) => SelfTestCases::Whole,
@@ -57,7 +57,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let found = case_trials(&cases, &store, extent, &|step| match step {
         Step::Begins(what) => bar.set_message(what),
-        Step::Done => bar.inc(1),
+        Step::Done => bar.end_part(),
     });
     bar.finish_and_clear();
     if let Some(folder) = folder {

@@ -454,14 +454,14 @@ impl Judge<'_> {
         said: &PrintedVerdicts,
         skipped: &mut Vec<SkippedCase>,
     ) -> Vec<Judged> {
-        let bar = progress::counted("cases", cases.len());
+        let bar = progress::counted(cases.len());
         let mut in_order_of_cases = Vec::new();
         let jobs = self.arguments.renderer.jobs.into();
         let judge = |index: usize| {
             let case = cases[index];
             bar.set_message(case.name.clone());
             let judged = self.case(case);
-            bar.inc(1);
+            bar.end_part();
             judged
         };
         in_order(cases.len(), jobs, judge, |judged| match judged {

@@ -54,7 +54,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let store = suite.store();
     let shows = to_keep.is_some() || arguments.files.wants_evidence();
     let mut judged = arguments.threads.run(|| {
-        let bar = progress::counted("cases", cases.len());
+        let bar = progress::counted(cases.len());
         let verified = cases.iter().map(|case| {
             bar.set_message(case.name.clone());
             let mut judged = judging::verify(case, &store, &bar);
@@ -63,7 +63,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             } else if judged.result.cause == Cause::Golden {
                 judging::show_unjudged(case, &store, &mut judged.evidence, &bar);
             }
-            bar.inc(1);
+            bar.end_part();
             judged
         });
         let judged: Vec<_> = verified.collect();

@@ -3,7 +3,7 @@
 use super::flip::SrgbImage;
 use super::gate::Gate;
 use crate::files::regular_file;
-use crate::files::regular_file::{OpenError, ReadError};
+use crate::files::regular_file::ReadError;
 use crate::film::{Film, FilmError, FilmFormat};
 use std::path::Path;
 use thiserror::Error;
@@ -97,14 +97,12 @@ impl Picture {
             error,
         };
         regular_file::read(path, Picture::MOST_BYTES).map_err(|error| match error {
-            ReadError::Open(OpenError::NotAFile(what)) => {
-                PictureError::NotAFile { path: name(), what }
-            }
+            ReadError::NotAFile(what) => PictureError::NotAFile { path: name(), what },
             ReadError::TooLarge { bytes, .. } => PictureError::TooLong {
                 path: name(),
                 bytes,
             },
-            ReadError::Open(error) => in_read(error.into()),
+            error => in_read(error.into()),
         })
     }
 

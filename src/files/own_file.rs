@@ -7,19 +7,12 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// A folder that cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot create the folder {}: {error}", folder.display())]
-pub(crate) struct FolderError {
-    /// Path of the folder.
-    pub folder: PathBuf,
-    /// The reason.
-    pub error: io::Error,
-}
-
-impl From<FolderError> for io::Error {
-    fn from(error: FolderError) -> io::Error {
-        io::Error::new(error.error.kind(), error.to_string())
+/// `error`, with the folder that it is about.
+fn in_folder(folder: &Path) -> impl Fn(io::Error) -> io::Error {
+    let folder = folder.display().to_string();
+    move |error| {
+        let message = format!("cannot create the folder {folder}: {error}");
+        io::Error::new(error.kind(), message)
     }
 }
 
@@ -46,34 +39,28 @@ pub(crate) fn check(path: &Path) -> io::Result<()> {
 
 /// Creates the folder `inner` of `root`, and those between, which have to be folders and no links. `root`
 /// itself may be a link: it is the user's.
-pub(crate) fn make_folder(root: &Path, inner: &Path) -> Result<PathBuf, FolderError> {
-    let trouble = |folder: &Path| {
-        let folder = folder.to_owned();
-        move |error| FolderError { folder, error }
-    };
-    fs::create_dir_all(root).map_err(trouble(root))?;
+pub(crate) fn make_folder(root: &Path, inner: &Path) -> io::Result<PathBuf> {
+    fs::create_dir_all(root).map_err(in_folder(root))?;
     for folder in folders(root, inner) {
-        if is_there(&folder, FOLDER).map_err(trouble(&folder))? {
+        if is_there(&folder, FOLDER).map_err(in_folder(&folder))? {
             continue;
         }
         match fs::create_dir(&folder) {
             // Another process came first.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                is_there(&folder, FOLDER).map_err(trouble(&folder))?;
+                is_there(&folder, FOLDER).map_err(in_folder(&folder))?;
             }
-            result => result.map_err(trouble(&folder))?,
+            result => result.map_err(in_folder(&folder))?,
         }
     }
     Ok(root.join(inner))
 }
 
 /// Fails where [`make_folder`] would find something in the place of a folder.
-pub(crate) fn check_folder(root: &Path, inner: &Path) -> Result<(), FolderError> {
+pub(crate) fn check_folder(root: &Path, inner: &Path) -> io::Result<()> {
     for folder in folders(root, inner) {
-        match is_there(&folder, FOLDER) {
-            Ok(true) => {}
-            Ok(false) => return Ok(()),
-            Err(error) => return Err(FolderError { folder, error }),
+        if !is_there(&folder, FOLDER).map_err(in_folder(&folder))? {
+            break;
         }
     }
     Ok(())

@@ -12,9 +12,9 @@ use thiserror::Error;
 /// Largest file that is read unless a caller has a lower limit, in bytes: 4 GiB.
 pub const MOST_BYTES: u64 = 1 << 32;
 
-/// Errors in opening a file.
+/// Errors in reading a file.
 #[derive(Debug, Error)]
-pub(crate) enum OpenError {
+pub(crate) enum ReadError {
     /// Nothing is at the path.
     #[error("{0}")]
     Missing(io::Error),
@@ -27,14 +27,6 @@ pub(crate) enum OpenError {
     /// Refused by the operating system.
     #[error("{0}")]
     Refused(io::Error),
-}
-
-/// Errors in reading a file.
-#[derive(Debug, Error)]
-pub(crate) enum ReadError {
-    /// The file was not opened.
-    #[error(transparent)]
-    Open(#[from] OpenError),
     /// The file is larger than the limit.
     #[error("the file has {bytes} bytes; at most {most} are read")]
     TooLarge {
@@ -45,41 +37,32 @@ pub(crate) enum ReadError {
     },
 }
 
-impl OpenError {
-    fn of(error: io::Error) -> OpenError {
+impl ReadError {
+    fn of(error: io::Error) -> ReadError {
         match error.kind() {
-            io::ErrorKind::NotFound => OpenError::Missing(error),
-            _ => OpenError::Refused(error),
-        }
-    }
-}
-
-impl From<OpenError> for io::Error {
-    fn from(error: OpenError) -> io::Error {
-        match error {
-            OpenError::Missing(error) | OpenError::Refused(error) => error,
-            OpenError::NotAFile(_) | OpenError::StandIn(_) => io::Error::other(error.to_string()),
+            io::ErrorKind::NotFound => ReadError::Missing(error),
+            _ => ReadError::Refused(error),
         }
     }
 }
 
 impl From<ReadError> for io::Error {
     fn from(error: ReadError) -> io::Error {
-        match error {
-            ReadError::Open(error) => error.into(),
-            ReadError::TooLarge { .. } => {
-                io::Error::new(io::ErrorKind::FileTooLarge, error.to_string())
-            }
-        }
+        let kind = match error {
+            ReadError::Missing(error) | ReadError::Refused(error) => return error,
+            ReadError::NotAFile(_) | ReadError::StandIn(_) => io::ErrorKind::Other,
+            ReadError::TooLarge { .. } => io::ErrorKind::FileTooLarge,
+        };
+        io::Error::new(kind, error.to_string())
     }
 }
 
 /// Opens a regular file for reading; with its length in bytes. Refuses what stands in place of its content.
-pub fn open(path: &Path) -> Result<(File, u64), OpenError> {
+pub fn open(path: &Path) -> Result<(File, u64), ReadError> {
     let (mut file, length) = open_any(path)?;
-    let first = first_bytes(&mut file).map_err(OpenError::of)?;
+    let first = first_bytes(&mut file).map_err(ReadError::of)?;
     match stand_in(&first) {
-        Some(what) => Err(OpenError::StandIn(what)),
+        Some(what) => Err(ReadError::StandIn(what)),
         None => Ok((file, length)),
     }
 }
@@ -100,27 +83,27 @@ pub fn first_bytes_of(path: &Path) -> Option<Vec<u8>> {
 
 /// As [`open`], whatever the file holds. Never waits: a named pipe without a writer would be waited for, and a
 /// device may never end.
-fn open_any(path: &Path) -> Result<(File, u64), OpenError> {
+fn open_any(path: &Path) -> Result<(File, u64), ReadError> {
     let (file, metadata) = open_unnoted(path)?;
     remember(path, &metadata);
     Ok((file, metadata.len()))
 }
 
-fn open_unnoted(path: &Path) -> Result<(File, Metadata), OpenError> {
+fn open_unnoted(path: &Path) -> Result<(File, Metadata), ReadError> {
     check_kind(path)?;
-    let file = File::open(path).map_err(OpenError::of)?;
-    let metadata = file.metadata().map_err(OpenError::of)?;
+    let file = File::open(path).map_err(ReadError::of)?;
+    let metadata = file.metadata().map_err(ReadError::of)?;
     Ok((file, metadata))
 }
 
 /// Fails where no regular file is at `path`. Called before opening, as opening a named pipe waits
 /// for its other end.
-pub fn check_kind(path: &Path) -> Result<(), OpenError> {
-    let metadata = std::fs::metadata(path).map_err(OpenError::of)?;
+pub fn check_kind(path: &Path) -> Result<(), ReadError> {
+    let metadata = std::fs::metadata(path).map_err(ReadError::of)?;
     if metadata.is_file() {
         return Ok(());
     }
-    Err(OpenError::NotAFile(if metadata.is_dir() {
+    Err(ReadError::NotAFile(if metadata.is_dir() {
         "a directory"
     } else {
         "a device or pipe"
@@ -148,7 +131,7 @@ fn read_from((file, length): (File, u64), most: u64) -> Result<Vec<u8>, ReadErro
     if length <= most {
         // A file may grow while it is read, and some of the system's say that they are empty.
         let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
-        read.map_err(OpenError::of)?;
+        read.map_err(ReadError::of)?;
     }
     match length.max(bytes.len() as u64) {
         bytes if bytes > most => Err(ReadError::TooLarge { bytes, most }),
@@ -233,7 +216,7 @@ mod tests {
         assert_eq!(error, "this is a directory, not a file");
         assert!(matches!(
             read(&folder.path().join("nothing"), 5),
-            Err(ReadError::Open(OpenError::Missing(_)))
+            Err(ReadError::Missing(_))
         ));
     }
 

@@ -1,7 +1,6 @@
 //! Linear radiance on a grid of pixels, and the readers and writers of image files.
 
 mod alpha;
-mod decimals;
 mod depth;
 mod error;
 mod exr_completeness;

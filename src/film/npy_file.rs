@@ -1,7 +1,7 @@
 //! NPY, a file with one NumPy array.
 //!
 //! The crate `npyz` multiplies the lengths of the axes unchecked and panics on a header of a few
-//! bytes, so the header is read here. It is one Python dictionary of three known keys.
+//! bytes, so the header is read here.
 //!
 //! Source: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
@@ -9,7 +9,9 @@ use super::error::check_size;
 use super::reading::{Overflow, Reading};
 use super::{Film, FilmError};
 use half::f16;
+use serde::Deserialize;
 use std::ops::Range;
+use toml::de::ValueDeserializer;
 
 fn unreadable(reason: impl Into<String>) -> FilmError {
     FilmError::unreadable("NPY", reason)
@@ -156,111 +158,45 @@ impl NpyHeader {
         Ok((NpyHeader::parse(text)?, data))
     }
 
+    /// Python's dictionary is an inline table of TOML in other signs: of its three keys none holds such a sign itself.
     fn parse(text: &str) -> Result<NpyHeader, FilmError> {
-        let mut rest = Rest(text);
-        let (mut descr, mut fortran_order, mut shape) = (None, None, None);
-        rest.expect('{')?;
-        while !rest.take('}') {
-            let key = rest.string()?;
-            rest.expect(':')?;
-            match key {
-                "descr" => descr = Some(rest.descr()?),
-                "fortran_order" => fortran_order = Some(rest.truth()?),
-                "shape" => shape = Some(rest.lengths()?),
-                _ => return Err(unreadable(format!("its header has an unknown key {key:?}"))),
-            }
-            if !rest.take(',') {
-                rest.expect('}')?;
-                break;
-            }
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Keys {
+            descr: toml::Value,
+            fortran_order: bool,
+            shape: Vec<usize>,
         }
-        if !rest.0.trim().is_empty() {
-            return Err(rest.trouble("nothing more"));
-        }
-        match (descr, fortran_order, shape) {
-            (Some(descr), Some(fortran_order), Some(shape)) => Ok(NpyHeader {
-                descr,
-                fortran_order,
-                shape,
-            }),
-            _ => Err(unreadable("its header lacks descr, fortran_order or shape")),
-        }
-    }
-}
-
-/// The rest of the text of a header.
-struct Rest<'t>(&'t str);
-
-impl<'t> Rest<'t> {
-    fn trouble(&self, expected: &str) -> FilmError {
-        let found: String = self.0.trim_start().chars().take(20).collect();
-        unreadable(format!(
-            "its header should have {expected} where it has {found:?}"
-        ))
-    }
-
-    fn take(&mut self, letter: char) -> bool {
-        let rest = self.0.trim_start().strip_prefix(letter);
-        self.0 = rest.unwrap_or(self.0);
-        rest.is_some()
-    }
-
-    fn expect(&mut self, letter: char) -> Result<(), FilmError> {
-        if self.take(letter) {
-            Ok(())
-        } else {
-            Err(self.trouble(&format!("{letter:?}")))
-        }
-    }
-
-    fn string(&mut self) -> Result<&'t str, FilmError> {
-        for quote in ['\'', '"'] {
-            let inside = self.0.trim_start().strip_prefix(quote);
-            if let Some((string, rest)) = inside.and_then(|text| text.split_once(quote)) {
-                self.0 = rest;
-                return Ok(string);
-            }
-        }
-        Err(self.trouble("a string"))
-    }
-
-    fn descr(&mut self) -> Result<String, FilmError> {
-        if self.0.trim_start().starts_with('[') {
+        const SIGNS: [(&str, &str); 5] = [
+            (":", "="),
+            ("(", "["),
+            (")", "]"),
+            ("True", "true"),
+            ("False", "false"),
+        ];
+        let toml = SIGNS
+            .iter()
+            .fold(text.trim().to_owned(), |text, (python, toml)| {
+                text.replace(python, toml)
+            });
+        let keys = ValueDeserializer::parse(&toml).and_then(Keys::deserialize);
+        let keys = keys.map_err(|error| {
+            unreadable(format!(
+                "its header is not that of an array: {}",
+                error.message()
+            ))
+        })?;
+        let toml::Value::String(descr) = keys.descr else {
             return Err(FilmError::unsuited(
                 "an array of records",
-                "save the colours alone, as an array of np.float32 of shape (height, \
-                         width, 3)",
+                "save the colours alone, as an array of np.float32 of shape (height, width, 3)",
             ));
-        }
-        self.string().map(str::to_owned)
-    }
-
-    fn truth(&mut self) -> Result<bool, FilmError> {
-        for (word, truth) in [("True", true), ("False", false)] {
-            if let Some(rest) = self.0.trim_start().strip_prefix(word) {
-                self.0 = rest;
-                return Ok(truth);
-            }
-        }
-        Err(self.trouble("True or False"))
-    }
-
-    fn lengths(&mut self) -> Result<Vec<usize>, FilmError> {
-        let mut lengths = Vec::new();
-        self.expect('(')?;
-        while !self.take(')') {
-            let text = self.0.trim_start();
-            let end = text.find(|letter: char| !letter.is_ascii_digit());
-            let (digits, rest) = text.split_at(end.unwrap_or(text.len()));
-            lengths.push(digits.parse().map_err(|_| self.trouble("a length"))?);
-            // Python 2 wrote its long integers with an L.
-            self.0 = rest.strip_prefix('L').unwrap_or(rest);
-            if !self.take(',') {
-                self.expect(')')?;
-                break;
-            }
-        }
-        Ok(lengths)
+        };
+        Ok(NpyHeader {
+            descr,
+            fortran_order: keys.fortran_order,
+            shape: keys.shape,
+        })
     }
 }
 

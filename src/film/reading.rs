@@ -10,8 +10,6 @@ pub(super) struct Reading {
     pub overflow: Option<Overflow>,
     /// True if the values make sense only in the other byte order.
     pub is_swapped: bool,
-    /// [Absolute rounding](super::Film::absolute_rounding) of what the values were computed from.
-    pub rounding: Option<f64>,
 }
 
 /// Type of number whose range is smaller than the values written into it.

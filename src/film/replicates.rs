@@ -53,9 +53,6 @@ impl Film {
         let mut changed = films.iter().map(|film| &film.reading);
         let changed = changed.find(|reading| **reading != Reading::default());
         film.reading = changed.cloned().unwrap_or_default();
-        let roundings = films.iter().map(Film::absolute_rounding);
-        let rounding = roundings.fold(0.0, f64::max);
-        film.reading.rounding = (rounding > 0.0).then_some(rounding);
         film.samples = films.iter().map(Film::samples).sum();
         if let Some(noise) = &mut film.noise
             && is_of_renderings

@@ -184,7 +184,7 @@ impl<'s> Plan<'s> {
 
 fn curve_plan<'s>(panel: &'s Panel, curve: &'s Curve) -> Plan<'s> {
     const NO_LIGHT: &str = "a plot of the transfer function has no light";
-    let decisions = Decisions::new(|_| EffectFinding::Absent(NO_LIGHT), &[], &panel.key_lines);
+    let decisions = Decisions::new(|_| EffectFinding::absent(NO_LIGHT), &[], &panel.key_lines);
     Plan {
         panel,
         decisions: decisions.0,

@@ -2,12 +2,11 @@
 
 use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
-use crate::files::own_file::{self, FolderError};
-use crate::files::{golden_mark, partial_file, regular_file};
+use crate::files::{golden_mark, own_file, partial_file, regular_file};
 use crate::suite::{OutputError, Outputs, entries};
 use std::error::Error;
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// A folder in which images are kept.
@@ -31,7 +30,7 @@ impl KeptImages {
     }
 
     /// Makes the folder for the image `name`, `family/name`; fails where a link leads elsewhere.
-    pub fn make_folder(&self, name: &Path) -> Result<PathBuf, FolderError> {
+    pub fn make_folder(&self, name: &Path) -> io::Result<PathBuf> {
         own_file::make_folder(&self.folder, directory_of(name))
     }
 

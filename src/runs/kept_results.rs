@@ -4,16 +4,17 @@
 //! judged by any process anywhere. A run has a folder, with a file that describes it, one for each part, and the images
 //! that were judged.
 
-use super::kept_folder::{self, KeepError};
 use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::program_hash::hash;
-use crate::files::{own_file, regular_file};
+use crate::files::{own_file, partial_file, regular_file};
 use crate::film::{Film, FilmFormat};
 use crate::judging::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::error::Error;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A request to judge cases.
@@ -177,9 +178,26 @@ impl ResultFolder {
     /// # Errors
     ///
     /// The folder, with a remedy.
-    pub fn check(&self) -> Result<(), KeepError> {
-        let (root, name) = kept_folder::in_its_folder(&self.root);
-        Ok(own_file::check_folder(root, &name.join(RESULTS))?)
+    pub fn check(&self) -> io::Result<()> {
+        let (root, name) = self.in_its_folder();
+        own_file::check_folder(root, &name.join(RESULTS))
+    }
+
+    /// Hides the folder from version control.
+    pub(crate) fn hide(&self) {
+        partial_file::sweep(&self.root);
+        let ignore = self.root.join(".gitignore");
+        if !ignore.exists() {
+            let _ = own_file::write(&ignore, b"*\n");
+        }
+    }
+
+    /// The parent of the folder, and its name, which must not be a link.
+    fn in_its_folder(&self) -> (&Path, &Path) {
+        match (self.root.parent(), self.root.file_name()) {
+            (Some(parent), Some(name)) => (parent, Path::new(name)),
+            _ => (&self.root, Path::new("")),
+        }
     }
 
     /// Keeps what was found in the `cases` of a part of `run`; returns the folder of the run.
@@ -193,8 +211,8 @@ impl ResultFolder {
         cases: Vec<String>,
         judged: &[Judged],
         trials: Vec<CaseTrials>,
-    ) -> Result<PathBuf, KeepError> {
-        let (root, name) = kept_folder::in_its_folder(&self.root);
+    ) -> Result<PathBuf, Box<dyn Error>> {
+        let (root, name) = self.in_its_folder();
         let inner = name.join(RESULTS).join(run.id());
         let folder = own_file::make_folder(root, &inner)?;
         write(&folder.join(RUN), run)?;
@@ -210,10 +228,9 @@ impl ResultFolder {
                 }
             };
             let path = image_file(&folder, &judged.result.name, format);
-            let bytes = bytes.map_err(|error| KeepError::encode(&path, error))?;
             let case = directory_of(Path::new(&judged.result.name));
             own_file::make_folder(root, &inner.join(case))?;
-            own_file::write(&path, &bytes)?;
+            own_file::write(&path, &bytes?)?;
         }
         let part = Part {
             schema: SCHEMA.to_owned(),
@@ -293,9 +310,8 @@ fn image_file(folder: &Path, case: &str, format: FilmFormat) -> PathBuf {
     folder.join(format!("{case}.{}", format.extension()))
 }
 
-fn write(path: &Path, value: &impl Serialize) -> Result<(), KeepError> {
-    let json = serde_json::to_vec(value).map_err(|error| KeepError::encode(path, error))?;
-    Ok(own_file::write(path, &json)?)
+fn write(path: &Path, value: &impl Serialize) -> Result<(), Box<dyn Error>> {
+    Ok(own_file::write(path, &serde_json::to_vec(value)?)?)
 }
 
 /// The value in the file at `path`; else the reason, a sentence.

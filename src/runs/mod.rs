@@ -1,7 +1,6 @@
 //! Long work in parts: new goldens, results of the parts of a run.
 
 pub(crate) mod accept;
-pub(crate) mod kept_folder;
 pub(crate) mod kept_results;
 
 pub use accept::{AcceptError, AcceptWatch, Accepted, Change, Request as AcceptRequest, accept};

@@ -6,7 +6,7 @@ use super::reader::Reader;
 use super::volume::VolumeRequest;
 use super::{SceneError, SceneResult};
 use crate::files::regular_file;
-use crate::files::regular_file::{OpenError, ReadError};
+use crate::files::regular_file::ReadError;
 use crate::geometry::{ClosedMesh, Mesh, MeshError};
 use crate::volume::{self, FileRead, Grid, Lattice, NodeFormula, VolumeFault};
 use std::collections::BTreeMap;
@@ -175,7 +175,7 @@ impl<'p> Files<'p> {
         let path = self.folder.join(name);
         let bytes = regular_file::read(&path, MOST_TEXT_BYTES).map_err(|error| {
             let message = match error {
-                ReadError::Open(OpenError::Missing(_)) => format!("there is no file {name}"),
+                ReadError::Missing(_) => format!("there is no file {name}"),
                 _ => format!("{} cannot be read: {error}", path.display()),
             };
             reader.error("file", message)

@@ -59,4 +59,3 @@ pub use requested_sampling::{Sampling, Seed};
 pub use sampling::samples;
 pub use shadow::Shadow;
 pub use transport_fault::TransportFault;
-pub(crate) use volumes::SceneVolume;

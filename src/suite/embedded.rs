@@ -48,14 +48,15 @@ impl EmbeddedSuite {
         self.files.iter().map(|(path, _)| path.as_path())
     }
 
-    /// Writes the files below the folder `inner` of `cache` for the user alone, as [`unpack`](Self::unpack).
+    /// Writes the files below the folder `inner` of `cache` for the user alone, as [`unpack`](Self::unpack); returns
+    /// that folder.
     ///
     /// # Errors
     ///
     /// If others could change the folder, too: they could replace a file after it was compared.
-    pub(crate) fn unpack_privately(&self, cache: &Path, inner: &Path) -> io::Result<()> {
-        private_folder::make(cache, inner)?;
-        self.unpack(&cache.join(inner))
+    pub(crate) fn unpack_privately(&self, cache: &Path, inner: &Path) -> io::Result<PathBuf> {
+        let folder = private_folder::make(cache, inner)?;
+        self.unpack(&folder).map(|()| folder)
     }
 
     /// Writes the files below `root`, except those that are there already, each one whole or not at all:

@@ -32,7 +32,7 @@ use std::time::{Duration, Instant, SystemTime};
 use crate::files::atomic_file::directory_of;
 use crate::files::own_file;
 use crate::files::regular_file;
-use crate::files::regular_file::{OpenError, ReadError};
+use crate::files::regular_file::ReadError;
 use journal::{Journal, JournalEntry};
 use name::{DRAFT, JOURNAL, LOCK, StoreName};
 
@@ -456,7 +456,7 @@ const MOST_BYTES: u64 = 1 << 30;
 fn read_if_present(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
     match regular_file::read(path, MOST_BYTES) {
         Ok(bytes) => Ok(Some(bytes)),
-        Err(ReadError::Open(OpenError::Missing(_))) => Ok(None),
+        Err(ReadError::Missing(_)) => Ok(None),
         Err(error) => Err(StoreError::Read(failed("read", path)(error.into()))),
     }
 }

@@ -119,6 +119,17 @@ pub enum Encoding {
     Text,
 }
 
+impl Encoding {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Encoding::Raw => "raw",
+            Encoding::Gzip => "gzip",
+            Encoding::Zlib => "zlib",
+            Encoding::Text => "text",
+        }
+    }
+}
+
 /// The layout of the samples of a grid in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {

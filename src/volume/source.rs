@@ -4,7 +4,7 @@ use super::error::{VolumeError, VolumeFault};
 use super::load_options::LoadOptions;
 use crate::files::file_kind::ends_in;
 use crate::files::regular_file;
-use crate::files::regular_file::OpenError;
+use crate::files::regular_file::ReadError;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
@@ -57,12 +57,12 @@ impl<'b> VolumeSource<'b> {
         let (file, length) = regular_file::open(path).map_err(|error| VolumeError {
             path: path.to_owned(),
             fault: match error {
-                OpenError::Missing(_) => {
+                ReadError::Missing(_) => {
                     format!("there is no such file{}", backslashes(path)).into()
                 }
-                OpenError::NotAFile(what) => format!("this is {what}, not a volume file").into(),
-                OpenError::StandIn(what) => what.into(),
-                OpenError::Refused(error) => error.into(),
+                ReadError::NotAFile(what) => format!("this is {what}, not a volume file").into(),
+                ReadError::StandIn(what) => what.into(),
+                error => io::Error::from(error).into(),
             },
         })?;
         Ok(VolumeSource::new(path, Box::new(file), length))

@@ -340,7 +340,7 @@ fn usage_mistakes() {
         (&["accept", "--reason", "r"], "<CASE>"),
         (
             &["plan", "scene.toml", "--force", "scatering"],
-            "unknown effect \"scatering\"",
+            "[possible values: surfaces",
         ),
         (
             &["compare", "a.exr", "b.exr", "--gate", "ssim"],

@@ -101,7 +101,7 @@ fn a_render_without_an_end() {
     assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
 }
 
-/// In a pipe too: which case, and how many are done.
+/// In a pipe too: which case, and how much is done.
 #[test]
 fn the_suite() {
     let folder = Folder::new();
@@ -110,7 +110,7 @@ fn the_suite() {
         command.current_dir(env!("CARGO_MANIFEST_DIR"));
         command
     };
-    said(command(&["verify", "--threads", "1"]), &["cases done, "]);
+    said(command(&["verify", "--threads", "1"]), &["% done, "]);
     let quick = ["selftest", "--quick", "figures"];
-    said(command(&quick), &["steps done, "]);
+    said(command(&quick), &["% done, "]);
 }

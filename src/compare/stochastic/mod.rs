@@ -74,7 +74,7 @@
 //!
 //! # Rounding
 //!
-//! A test image may have been summed in single precision, rounded to half precision or printed with some decimals, and
+//! A test image may have been summed in single precision, rounded to half precision or printed with six decimals, and
 //! none of that is noise: pixels without noise are all rounded the same way. So every sum, over a block, a line, the
 //! image or a score, first subtracts the largest error that rounding could cause (see `blocks.rs`).
 //! Variances that half precision made equal or 0 are no statement either: the guard is there, and three equal ones

@@ -86,18 +86,18 @@ impl<'s> Contents<'s> {
             Appearance::Formula { .. }
         );
         findings! { effect;
-            Surfaces | SurfaceShadow => Absent("the classified model has no surfaces");
+            Surfaces | SurfaceShadow => absent("the classified model has no surfaces");
             Absorption | Emission if is_transparent => null(TRANSFER_FUNCTION, self.transparency());
             Absorption if is_by_formula => matters(TRANSFER_FUNCTION, format!("densities up to {most}"));
             Absorption => matters(TRANSFER_FUNCTION, format!("values from {least} to {most}"));
             Emission if has_colormap => matters(TRANSFER_FUNCTION, "the colormap emits light");
             Emission => matters(TRANSFER_FUNCTION, "the colours of the points emit light");
-            SingleScattering | MultipleScattering => Absent(NO_SCATTERING);
-            MediumShadow if scene.shadow.is_none() => NotAsked(SHADOW);
+            SingleScattering | MultipleScattering => absent(NO_SCATTERING);
+            MediumShadow if scene.shadow.is_none() => not_asked(SHADOW);
             MediumShadow if is_transparent => null(SHADOW, self.transparency());
             MediumShadow if is_by_formula => matters(SHADOW, "densities attenuate light");
             MediumShadow => matters(SHADOW, "opacities attenuate light");
-            GradientShading if scene.phong.is_none() => NotAsked(PHONG);
+            GradientShading if scene.phong.is_none() => not_asked(PHONG);
             GradientShading if is_transparent => null(PHONG, self.transparency());
             GradientShading if is_constant => null(PHONG, "the density is constant: its gradient is 0");
             GradientShading if is_own && self.has_no_gradient
@@ -111,8 +111,8 @@ impl<'s> Contents<'s> {
             Heterogeneity if is_constant => null(VOLUME, format!("every voxel holds {most}"));
             Heterogeneity if is_by_formula => matters(VOLUME, format!("densities from {least} to {most}"));
             Heterogeneity => matters(VOLUME, format!("values from {least} to {most}"));
-            ChromaticCoefficients => Absent(ONE_OPACITY);
-            AnisotropicPhase => Absent(NO_PHASE);
+            ChromaticCoefficients => absent(ONE_OPACITY);
+            AnisotropicPhase => absent(NO_PHASE);
         }
     }
 

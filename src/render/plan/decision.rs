@@ -44,15 +44,6 @@ impl Reason {
             field: Some(field),
         }
     }
-
-    /// `reason`, independent of any key.
-    pub(super) fn always(reason: impl Into<String>) -> Reason {
-        Reason {
-            reason: reason.into(),
-            field: None,
-            line: None,
-        }
-    }
 }
 
 impl fmt::Display for Reason {
@@ -66,31 +57,33 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The finding on one effect in a scene.
-pub(super) enum EffectFinding {
-    /// The model does not have it.
-    Absent(&'static str),
-    /// Possible under this key, but not asked for.
-    NotAsked(&'static str),
-    /// Present, but left out by this key, for this reason.
-    LeftOut(String, String),
-    /// Asked for under this key, and it matters.
-    Matters(String, String),
-    /// Asked for under this key, but provably null.
-    Null(String, String),
-}
+/// The finding on one effect in a scene: whether it is simulated, the key behind that, and the reason.
+pub(super) struct EffectFinding(State, Option<String>, String);
 
 impl EffectFinding {
+    /// The model does not have it.
+    pub fn absent(reason: &str) -> EffectFinding {
+        EffectFinding(State::Elided, None, reason.to_owned())
+    }
+
+    /// Possible under this key, but not asked for.
+    pub fn not_asked(key: &str) -> EffectFinding {
+        EffectFinding::left_out(key, format!("not requested: the scene has no [{key}]"))
+    }
+
+    /// Present, but left out by this key.
     pub fn left_out(key: impl Into<String>, reason: impl Into<String>) -> EffectFinding {
-        EffectFinding::LeftOut(key.into(), reason.into())
+        EffectFinding(State::Omitted, Some(key.into()), reason.into())
     }
 
+    /// Asked for under this key, and it matters.
     pub fn matters(key: impl Into<String>, reason: impl Into<String>) -> EffectFinding {
-        EffectFinding::Matters(key.into(), reason.into())
+        EffectFinding(State::On, Some(key.into()), reason.into())
     }
 
+    /// Asked for under this key, but provably null.
     pub fn null(key: impl Into<String>, reason: impl Into<String>) -> EffectFinding {
-        EffectFinding::Null(key.into(), reason.into())
+        EffectFinding(State::Elided, Some(key.into()), reason.into())
     }
 }
 
@@ -123,9 +116,19 @@ impl Decisions {
         key_lines: &KeyLines,
     ) -> Decisions {
         let decide = |effect| {
-            let finding = finding(effect);
-            let forced = forced.contains(&effect) && matches!(finding, EffectFinding::Null(..));
-            let (state, why) = decide(finding, forced, key_lines);
+            let EffectFinding(mut state, field, mut reason) = finding(effect);
+            let is_null = state == State::Elided && field.is_some();
+            let forced = is_null && forced.contains(&effect);
+            if forced {
+                state = State::On;
+                reason = format!("forced, although it makes no difference: {reason}");
+            }
+            let line = field.as_ref().and_then(|field| key_lines.line(field));
+            let why = Reason {
+                reason,
+                field,
+                line,
+            };
             Decision {
                 effect,
                 state,
@@ -145,24 +148,5 @@ impl Decisions {
 
     pub fn is_on(&self, effect: Effect) -> bool {
         self.of(effect).state == State::On
-    }
-}
-
-fn decide(finding: EffectFinding, forced: bool, key_lines: &KeyLines) -> (State, Reason) {
-    match finding {
-        EffectFinding::Absent(reason) => (State::Elided, Reason::always(reason)),
-        EffectFinding::NotAsked(field) => {
-            let reason = format!("not requested: the scene has no [{field}]");
-            (State::Omitted, Reason::of(field, reason, key_lines))
-        }
-        EffectFinding::LeftOut(field, reason) => {
-            (State::Omitted, Reason::of(field, reason, key_lines))
-        }
-        EffectFinding::Matters(field, reason) => (State::On, Reason::of(field, reason, key_lines)),
-        EffectFinding::Null(field, reason) if forced => {
-            let reason = format!("forced, although it makes no difference: {reason}");
-            (State::On, Reason::of(field, reason, key_lines))
-        }
-        EffectFinding::Null(field, reason) => (State::Elided, Reason::of(field, reason, key_lines)),
     }
 }

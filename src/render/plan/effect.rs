@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 use std::fmt;
-use std::str::FromStr;
 
 /// Declares [`Effect`], each with its name.
 macro_rules! effects {
@@ -52,23 +51,6 @@ effects! {
 impl fmt::Display for Effect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
-    }
-}
-
-impl FromStr for Effect {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Effect, String> {
-        Effect::ALL
-            .into_iter()
-            .find(|effect| effect.name() == name)
-            .ok_or_else(|| {
-                let names: Vec<_> = Effect::ALL.iter().map(|effect| effect.name()).collect();
-                format!(
-                    "unknown effect {name:?}; the effects are: {}",
-                    names.join(", ")
-                )
-            })
     }
 }
 

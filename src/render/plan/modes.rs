@@ -78,22 +78,22 @@ fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
     };
     findings! { effect;
         Surfaces | SurfaceShadow if has_surfaces
-            => Absent("isosurfaces are values of the field: none stands beside it");
-        Surfaces | SurfaceShadow => Absent("a projection shows no surfaces");
+            => absent("isosurfaces are values of the field: none stands beside it");
+        Surfaces | SurfaceShadow => absent("a projection shows no surfaces");
         Absorption | Emission | Heterogeneity if is_unseen => null(SURFACES, unseen(scene));
         Absorption if has_surfaces => matters(SURFACES, "surfaces hide what is behind them");
         Absorption if attenuates => matters(ATTENUATION, "values attenuate those behind");
-        Absorption => Absent("a projection absorbs nothing");
+        Absorption => absent("a projection absorbs nothing");
         Emission => matters(MODE, "values and surfaces have colours");
-        GradientShading if !has_surfaces => Absent("a projection has no normal");
-        GradientShading if scene.phong.is_none() => NotAsked(PHONG);
+        GradientShading if !has_surfaces => absent("a projection has no normal");
+        GradientShading if scene.phong.is_none() => not_asked(PHONG);
         GradientShading if is_unseen => null(PHONG, unseen(scene));
         GradientShading => matters(PHONG, "surfaces have normals");
         Heterogeneity => matters(VOLUME, values);
-        MediumShadow => Absent("nothing casts a shadow in this mode");
-        SingleScattering | MultipleScattering => Absent(NO_SCATTERING);
-        ChromaticCoefficients => Absent(ONE_OPACITY);
-        AnisotropicPhase => Absent(NO_PHASE);
+        MediumShadow => absent("nothing casts a shadow in this mode");
+        SingleScattering | MultipleScattering => absent(NO_SCATTERING);
+        ChromaticCoefficients => absent(ONE_OPACITY);
+        AnisotropicPhase => absent(NO_PHASE);
     }
 }
 

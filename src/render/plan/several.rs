@@ -64,18 +64,18 @@ fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
     let others = scene.objects.volumes.iter().map(|volume| volume.phong);
     let is_shaded = others.chain([scene.phong]).any(|phong| phong.is_some());
     findings! { effect;
-        Surfaces | SurfaceShadow if !has_surfaces => Absent("the scene has no surfaces");
+        Surfaces | SurfaceShadow if !has_surfaces => absent("the scene has no surfaces");
         Surfaces => matters(SURFACE, "surfaces end rays");
         Absorption => matters(VOLUME, "volumes absorb light");
         Emission => matters(VOLUME, "volumes have colours");
-        SingleScattering | MultipleScattering => Absent(NO_SCATTERING);
-        MediumShadow | SurfaceShadow if scene.shadow.is_none() => NotAsked(SHADOW);
+        SingleScattering | MultipleScattering => absent(NO_SCATTERING);
+        MediumShadow | SurfaceShadow if scene.shadow.is_none() => not_asked(SHADOW);
         MediumShadow => matters(SHADOW, "volumes attenuate light");
         SurfaceShadow => matters(SHADOW, "surfaces block light");
         GradientShading if is_shaded => matters(PHONG, "a volume is shaded by its gradient");
-        GradientShading => NotAsked(PHONG);
+        GradientShading => not_asked(PHONG);
         Heterogeneity => matters(VOLUME, "values of volumes are looked up");
-        ChromaticCoefficients => Absent(ONE_OPACITY);
-        AnisotropicPhase => Absent(NO_PHASE);
+        ChromaticCoefficients => absent(ONE_OPACITY);
+        AnisotropicPhase => absent(NO_PHASE);
     }
 }

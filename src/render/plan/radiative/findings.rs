@@ -55,7 +55,7 @@ impl Contents<'_> {
             );
             SurfaceShadow if self.surfaces == 0 => null(SURFACE, "the scene has no surfaces");
             SurfaceShadow => matters(SURFACE, "surfaces may occlude lights");
-            GradientShading => Absent("media are not shaded");
+            GradientShading => absent("media are not shaded");
 
             Absorption | Emission | Heterogeneity | ChromaticCoefficients | AnisotropicPhase
                 if self.media == 0 && scene.media.is_empty() => null(MEDIUM, "the scene has no media");
