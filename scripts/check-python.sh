@@ -26,5 +26,5 @@ cp -r python/tests "$folder/tests"
 cp src/guide/in_your_tests.md "$folder/"
 cd "$folder"
 export VOLREF_CHAPTER=$folder/in_your_tests.md
-"$folder/venv/bin/python" -m pytest --quiet -rs -c pyproject.toml --rootdir "$folder" "$folder/tests" "$@" | tee printed
+"$folder/venv/bin/python" -m pytest --numprocesses auto --quiet -rs -c pyproject.toml --rootdir "$folder" "$folder/tests" "$@" | tee printed
 if [ -n "${VOLREF_TEST_EVERYTHING:-}" ] && grep -q '^SKIPPED' printed; then exit 1; fi

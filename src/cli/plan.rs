@@ -7,7 +7,7 @@ use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
 use crate::render::plan::{Estimator, PlanError};
-use crate::render::{self, Counters, Effect, Footprint, Memory, Plan, Sampling};
+use crate::render::{self, Counters, Effect, Footprint, Plan, Sampling};
 use crate::report::widest;
 use crate::scene::{Origin, Panel, Reading, Scene};
 use clap::builder::PossibleValuesParser;
@@ -101,7 +101,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
 
 /// The plan of a panel as JSON, and the same for people, at the end of `text`.
 fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Value {
-    let (panel, memory) = (plan.panel, plan.memory());
+    let panel = plan.panel;
     let pixels = (panel.width * panel.height) as u64;
     let rays = pixels.saturating_mul(plan.samples(Sampling::default()).into());
     let Estimator { method, why } = &plan.estimator;
@@ -116,7 +116,6 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
         "effects": plan.decisions,
         "warnings": plan.warnings,
         "rays": rays,
-        "memory": memory,
         "defaults": [],
     });
     describe_volumes(panel, text, &mut json);
@@ -163,7 +162,10 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
             .push(default);
         lines.push(line);
     }
-    section("defaults filled in", or_none(lines));
+    if lines.is_empty() {
+        lines.push("none".to_owned());
+    }
+    section("defaults filled in", lines);
     if let Some(work) = work {
         json["counters"] = json!(work);
         let count = format!("({rays} rays)");
@@ -175,23 +177,8 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
         });
         section(&title, lines.into());
     }
-    let lines = memory.iter().map(|Memory { what, bytes }| {
-        let bytes = HumanBytes(*bytes as u64).to_string();
-        format!("{bytes:>10}  {what}")
-    });
-    section(
-        "memory besides the scene and the image",
-        or_none(lines.collect()),
-    );
     text.push('\n');
     json
-}
-
-fn or_none(lines: Vec<String>) -> Vec<String> {
-    match lines.is_empty() {
-        true => vec!["none".to_owned()],
-        false => lines,
-    }
 }
 
 /// Position of the grids, world units, and the numbers of what is among them.

@@ -122,12 +122,6 @@ impl Density {
         self.blocks.get_or_init(|| blocks)
     }
 
-    /// Bytes that the bounds take, once they are made.
-    pub(crate) fn bytes_for_blocks(&self) -> usize {
-        let (counts, _) = self.division();
-        counts.iter().product::<usize>() * size_of::<DensityRange>()
-    }
-
     fn made_blocks(&self) -> Blocks {
         let (counts, size) = self.division();
         Blocks::of(&self.field, self.bounds, counts, size)

@@ -23,7 +23,7 @@ pub(crate) use classified::curve::PlotLayout;
 pub use classified::depth::{depth, first_opacity};
 pub use counters::{Counters, Event};
 pub use error::RenderError;
-pub use footprint::{Footprint, Memory, footprint};
+pub use footprint::{Footprint, footprint};
 pub(crate) use image::render_part;
 pub use image::{Rendering, render};
 pub use pixels::Detail;

@@ -90,11 +90,6 @@ fn blocks(lattice: &Lattice) -> [usize; 3] {
         .map(|nodes| (nodes - 1).div_ceil(BLOCK).max(1))
 }
 
-/// Memory of the [`EmptySpace`] of a grid, bytes.
-pub(in crate::render) fn bytes(lattice: &Lattice) -> usize {
-    blocks(lattice).iter().product()
-}
-
 /// Smallest and largest value among the nodes of a block, those on its faces included:
 /// interpolation inside the block uses no others.
 fn range_of_nodes<T: Scalar>(grid: &Grid<T>, block: [usize; 3]) -> (f64, f64) {
