@@ -29,11 +29,8 @@ impl Mesh {
         };
         let bytes =
             regular_file::read(path, MOST_BYTES).map_err(|error| unreadable(error.into()))?;
-        let mesh = Mesh::from_obj(&bytes).map_err(|error| match format_by_name(path) {
-            Some(name) => ObjFault::of_format(name).into(),
-            None => error,
-        })?;
-        Ok((mesh, blake3::hash(&bytes).to_hex().to_string()))
+        let hash = blake3::hash(&bytes).to_hex().to_string();
+        Ok((Mesh::from_obj(&bytes)?, hash))
     }
 
     /// The mesh in the text of an OBJ file, as by [`load`](Mesh::load).
@@ -80,18 +77,6 @@ impl Mesh {
         }
         Mesh::of_lines(welded.vertices, faces, lines)
     }
-}
-
-/// The format of a mesh that is not OBJ, by its extension.
-fn format_by_name(path: &Path) -> Option<&'static str> {
-    let extension = path.extension()?.to_ascii_lowercase();
-    Some(match extension.to_str()? {
-        "ply" => "PLY",
-        "stl" => "STL",
-        "off" => "OFF",
-        "gltf" | "glb" => "glTF",
-        _ => return None,
-    })
 }
 
 /// A file as `tobj` reads it, whatever program wrote it: vertices of three numbers, and polygons by the numbers of

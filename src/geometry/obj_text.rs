@@ -29,15 +29,6 @@ impl ObjFault {
             message: message.to_owned(),
         }
     }
-
-    /// A file of another format.
-    pub(super) fn of_format(name: &str) -> ObjFault {
-        ObjFault::in_file(&format!(
-            "this is a file of the format {name}, and only OBJ is read: convert it with a mesh \
-             editor (Blender, MeshLab), or in Python: \
-             trimesh.load(\"FILE\").export(\"mesh.obj\")"
-        ))
-    }
 }
 
 /// The format of a mesh that is not OBJ, by its first bytes.
@@ -137,7 +128,11 @@ impl<'a> Statements<'a> {
     /// Statements of a file, which must be text.
     pub fn of(bytes: &'a [u8]) -> Result<Statements<'a>, ObjFault> {
         if let Some(name) = other_format(bytes) {
-            return Err(ObjFault::of_format(name));
+            return Err(ObjFault::in_file(&format!(
+                "this is a file of the format {name}, and only OBJ is read: convert it with a mesh \
+                 editor (Blender, MeshLab), or in Python: \
+                 trimesh.load(\"FILE\").export(\"mesh.obj\")"
+            )));
         }
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
             return Err(ObjFault::in_file(

@@ -3,7 +3,7 @@
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
-use crate::geometry::{Aabb, Camera, CameraError, Intrinsics, length_of};
+use crate::geometry::{Aabb, Camera, Intrinsics, length_of};
 use crate::math;
 use glam::DVec3;
 
@@ -137,13 +137,7 @@ impl View {
             ImageHeight::Angle(vertical_fov) => Camera::new(eye, target, up, vertical_fov),
             ImageHeight::Length(height) => Camera::orthographic(eye, target, up, height),
         };
-        let camera = camera.map_err(|error| {
-            let key = match error {
-                CameraError::NoDirection => "eye",
-                _ => "up",
-            };
-            reader.error(key, error.to_string())
-        })?;
+        let camera = reader.accepted(camera)?;
         Ok(View { camera, target })
     }
 }
@@ -215,7 +209,7 @@ fn by_matrix(reader: &Reader, size: [usize; 2]) -> SceneResult<Option<Camera>> {
         let help = "give the map from the camera to the world, row by row, with four decimals or more and without \
                     a scale: divide columns by their lengths, invert a map from the world to the camera, and of a \
                     camera of OpenCV negate the second and third column";
-        reader.mistake("matrix", error.to_string(), help)
+        reader.mistake("matrix", error.message, help)
     })?;
     Ok(Some(camera))
 }

@@ -8,7 +8,7 @@ pub use values::{Field, Value};
 use super::format::{Key, Table};
 use super::{SceneError, SceneResult};
 use crate::files::misspelling::{escape_remedy, nearest};
-use crate::volume::InvalidParameter;
+use crate::geometry::InvalidParameter;
 use std::cell::RefCell;
 use std::fmt::Display;
 use std::ops::Range;

@@ -31,8 +31,7 @@ pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRe
              size x y z)"
         ));
     }
-    let lattice = lattice(&header)?;
-    let axes = Axes::upright(lattice.nodes(), lattice.spacing(), lattice.first());
+    let axes = Axes::of(&lattice(&header)?);
     read_grid(source, &Layout::raw(Element::Float32, axes), options)
 }
 

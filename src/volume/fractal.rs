@@ -1,9 +1,8 @@
 //! Fractal noise as a density.
 
 use super::noise_range::noise_range;
-use super::parameter::{InvalidParameter, require};
 use super::{DensityField, DensityRange, perlin_noise};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, InvalidParameter, require, require_finite};
 use glam::DVec3;
 
 /// Parameters of a [`FractalDensity`].
@@ -92,16 +91,12 @@ impl FractalDensity {
             let message = format_args!("{name} must be positive and finite, got {factor:?}");
             require(factor.is_finite() && factor > 0.0, name, message)
         };
-        let check_vector = |name, vector: DVec3| {
-            let message = format_args!("{name} must be finite, got {vector}");
-            require(vector.is_finite(), name, message)
-        };
         let message = format_args!("octaves must be 1 to {MOST_OCTAVES}, got {octaves}");
         require((1..=MOST_OCTAVES).contains(&octaves), "octaves", message)?;
         check_factor("lacunarity", lacunarity)?;
         check_factor("gain", gain)?;
-        check_vector("scale", scale)?;
-        check_vector("offset", offset)?;
+        require_finite("scale", "scale", scale)?;
+        require_finite("offset", "offset", offset)?;
         let is_density = max_density.is_finite() && max_density >= 0.0;
         let message = format_args!(
             "the largest density must be finite and not negative, got {max_density:?}"

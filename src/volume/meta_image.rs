@@ -10,7 +10,7 @@
 
 use super::error::{VolumeFault, refused};
 use super::header_field::{HeaderField, HeaderFields, in_line, read_data, shortened};
-use super::orientation::{Axes, AxisSteps};
+use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, read_grid};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
@@ -361,7 +361,7 @@ impl Fields {
         };
         Ok(Axes {
             sizes: check_sizes([x, y, z])?,
-            steps: AxisSteps::Directed([0, 1, 2].map(|axis| along(axis) * spacing[axis])),
+            steps: [0, 1, 2].map(|axis| along(axis) * spacing[axis]),
             first: DVec3::from_slice(&offset),
             centring: Centring::Nodes,
         })

@@ -13,7 +13,7 @@ use super::error::{VolumeFault, refused};
 use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, read_grid};
 use super::source::VolumeSource;
-use super::{Centring, Element, Layout, LoadOptions};
+use super::{Centring, Element, Lattice, Layout, LoadOptions};
 use glam::DVec3;
 
 /// Bytes of the header.
@@ -94,13 +94,10 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, Volume
             spacing[axis] = extent[axis] / (sizes[axis] - 1) as f64;
         }
     }
-    let axes = Axes {
-        centring,
-        ..Axes::upright(sizes, spacing, first)
-    };
+    let lattice = Lattice::new(sizes, spacing, first)?.with_centring(centring)?;
     Ok(Layout {
         scaling,
-        ..Layout::raw(element, axes)
+        ..Layout::raw(element, Axes::of(&lattice))
     })
 }
 

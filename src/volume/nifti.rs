@@ -12,7 +12,7 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::orientation::{Axes, AxisSteps};
+use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, gunzipped, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
@@ -287,17 +287,17 @@ impl<'h> NiftiHeader<'h> {
 
     /// The steps along the axes, the position of the first sample, and the space of both, which have none where neither
     /// form counts.
-    fn positions(&self) -> Result<(AxisSteps, DVec3, Option<&'static str>), VolumeFault> {
+    fn positions(&self) -> Result<([DVec3; 3], DVec3, Option<&'static str>), VolumeFault> {
         if self.short(254) > 0 {
             let rows = self.sform()?;
             let [x, y, z, first] =
                 [0, 1, 2, 3].map(|axis| DVec3::from_array(rows.map(|row| row[axis])));
             let space = "RAS+ (right, anterior, superior), by the sform";
-            return Ok((AxisSteps::Directed([x, y, z]), first, Some(space)));
+            return Ok(([x, y, z], first, Some(space)));
         }
         let spacing = self.spacing()?;
         if !self.by_qform() {
-            return Ok((AxisSteps::Upright(spacing), DVec3::ZERO, None));
+            return Ok((DVec3::AXES.map(|axis| axis * spacing), DVec3::ZERO, None));
         }
         let steps = self.turned(spacing)?;
         let first = self.finite(268, ["qoffset_x", "qoffset_y", "qoffset_z"])?;
@@ -306,7 +306,7 @@ impl<'h> NiftiHeader<'h> {
     }
 
     /// The steps along axes that the quaternion of the qform turns.
-    fn turned(&self, spacing: DVec3) -> Result<AxisSteps, VolumeFault> {
+    fn turned(&self, spacing: DVec3) -> Result<[DVec3; 3], VolumeFault> {
         let [dx, dy, dz] = spacing.to_array();
         let handedness = self.float(76);
         let [b, c, d] = self.finite(256, ["quatern_b", "quatern_c", "quatern_d"])?;
@@ -340,7 +340,7 @@ impl<'h> NiftiHeader<'h> {
             2.0 * (c * d - a * b),
             a * a + d * d - c * c - b * b,
         );
-        Ok(AxisSteps::Directed([x * dx, y * dy, z * dz]))
+        Ok([x * dx, y * dy, z * dz])
     }
 }
 

@@ -4,7 +4,8 @@
 //! no value exceeds 2²⁴ u, for the significand of an `f32` has 24 bits: slopes that are powers of two. Trilinear
 //! interpolation then gives the linear function itself, whatever the size of the lattice.
 
-use super::{Grid, InvalidParameter, Lattice, require};
+use super::{Grid, Lattice};
+use crate::geometry::{InvalidParameter, require};
 use glam::DVec3;
 
 /// Values of nodes (i, j, k).

@@ -6,7 +6,7 @@ use super::load_options::AxisOrder;
 use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
-use super::{Element, Endian, Layout, LoadOptions};
+use super::{Element, Endian, Lattice, Layout, LoadOptions};
 use crate::files::decoder::{self, Guarded};
 use crate::film::{FilmError, NpyHeader};
 use glam::DVec3;
@@ -79,7 +79,7 @@ fn layout(header: &NpyHeader, options: &LoadOptions) -> Result<Layout, VolumeFau
     let nodes = check_sizes(nodes.map(|count| count as u64))?;
     let spacing = options.spacing.unwrap_or(DVec3::ONE);
     let first = options.origin.unwrap_or_default();
-    let upright = Axes::upright(nodes, spacing, first);
+    let upright = Axes::of(&Lattice::new(nodes, spacing, first)?);
     let axes = match header.fortran_order == (order == AxisOrder::Zyx) {
         true => upright.reversed(),
         false => upright,

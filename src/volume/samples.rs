@@ -7,17 +7,19 @@
 use super::error::{VolumeFault, refused};
 use super::orientation::Axes;
 use super::source::VolumeSource;
-use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
+use super::{Grid, Lattice, LoadOptions, NonFinite};
 use crate::files::decoder::Guarded;
 use crate::files::gzip;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, InvalidParameter};
+use serde::Deserialize;
 use std::io::{self, BufRead, Read};
 
 /// Declares the types of samples, one a row: name, type of Rust, and whether it is of whole numbers.
 macro_rules! elements {
     ($($(#[$doc:meta])+ $variant:ident = $name:literal, $kind:ident $type:ty;)+) => {
         /// The type of a stored sample.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+        #[serde(rename_all = "lowercase")]
         pub enum Element { $($(#[$doc])+ $variant,)+ }
 
         impl Element {
@@ -98,7 +100,8 @@ impl Element {
 }
 
 /// The order of the bytes of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum Endian {
     /// Least significant byte first.
     Little,
@@ -107,15 +110,18 @@ pub enum Endian {
 }
 
 /// Encoding of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum Encoding {
     /// Binary, as in memory.
     Raw,
     /// Raw, then compressed by gzip.
     Gzip,
     /// Raw, then compressed by zlib.
+    #[serde(skip)]
     Zlib,
     /// As decimal numbers with blanks or commas between them.
+    #[serde(skip)]
     Text,
 }
 
@@ -570,7 +576,7 @@ pub(super) fn fill(source: &mut dyn Read, bytes: &mut [u8]) -> io::Result<usize>
 
 /// Checks that a file may have `sizes` samples: what [`Lattice::check_count`] says about nodes, none
 /// of which is beyond 2³¹ then.
-pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
+pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], InvalidParameter> {
     Lattice::check_count(sizes)?;
     Ok(sizes.map(|size| size as usize))
 }
@@ -578,7 +584,6 @@ pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
 #[cfg(test)]
 mod tests {
     use super::super::Centring;
-    use super::super::orientation::AxisSteps;
     use super::*;
     use glam::DVec3;
     use std::io::Write;
@@ -587,7 +592,7 @@ mod tests {
         Layout {
             axes: Axes {
                 sizes,
-                steps: AxisSteps::Upright(DVec3::ONE),
+                steps: DVec3::AXES,
                 first: DVec3::ZERO,
                 centring: Centring::Nodes,
             },

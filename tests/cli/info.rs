@@ -229,9 +229,9 @@ packed.nii | begins like a file compressed by gzip … so that it ends in .nii.g
 text.nii | begins like an NRRD file … so that it ends in .nrrd
 nifti.nrrd | begins like a NIfTI-1 file … so that it ends in .nii
 meta.nrrd | begins like a MetaImage … so that it ends in .mha
-nodes.toml | nodes.toml:3:9:  … `nodes` must be three whole numbers
-spacing.toml | spacing.toml:4:11:  … `spacing` must be one number or three
-negative.toml | negative.toml:4:16:  … a whole number, not negative
+nodes.toml | nodes.toml:3:10: `nodes`: invalid type: floating point … expected a whole number
+spacing.toml | spacing.toml:4:11:  … `spacing`: expected one number or three
+negative.toml | negative.toml:4:16: … a whole number, not negative
 unknown.toml | unknown.toml:4:1: unknown field … did you mean `spacing`?
 gzip.toml | begin like gzip … `encoding = \"gzip\"`
 plain.toml | do not begin like gzip … leave out `encoding`

@@ -3,7 +3,7 @@
 use crate::volume::Centring;
 use crate::volume::error::{VolumeFault, refused};
 use crate::volume::header_field::{HeaderField, HeaderFields, shortened};
-use crate::volume::orientation::{Axes, AxisSteps};
+use crate::volume::orientation::Axes;
 use crate::volume::samples::check_sizes;
 use glam::DVec3;
 
@@ -116,7 +116,7 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
     check_units(fields, dimension, kept)?;
     let mut axes = Axes {
         sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
-        steps: AxisSteps::Upright(DVec3::ONE),
+        steps: DVec3::AXES,
         first: DVec3::ZERO,
         centring: centring(fields, dimension, kept)?,
     };
@@ -146,26 +146,18 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
                 return Err(both("space directions", name));
             }
         }
-        let steps = kept.map(|axis| directions[axis].expect("the axes of space have one"));
-        axes.steps = AxisSteps::Directed(steps);
+        axes.steps = kept.map(|axis| directions[axis].expect("the axes of space have one"));
         return Ok(axes);
     }
     if origin.is_some() && (known(mins) || known(maxs)) {
         return Err(both("space origin", "axis mins or axis maxs"));
     }
-    let mut spacing = DVec3::ONE;
     for axis in 0..3 {
         let stated = [spacings[axis], mins[axis], maxs[axis]];
-        let first;
-        (spacing[axis], first) = resolved(kept[axis] + 1, axes.sizes[axis], axes.centring, stated)?;
+        let (spacing, first) = resolved(kept[axis] + 1, axes.sizes[axis], axes.centring, stated)?;
+        axes.steps[axis] *= spacing;
         axes.first[axis] = first.unwrap_or(axes.first[axis]);
     }
-    axes.steps = if spacing.cmpgt(DVec3::ZERO).all() {
-        AxisSteps::Upright(spacing)
-    } else {
-        // An axis that runs backwards.
-        AxisSteps::Directed([0, 1, 2].map(|axis| DVec3::AXES[axis] * spacing[axis]))
-    };
     Ok(axes)
 }
 
