@@ -1,7 +1,7 @@
 //! Meshes from Wavefront OBJ files.
 
 use super::polygon::first_of_fan;
-use super::{Mesh, MeshError, ObjFault, Skipped, Statements, Word};
+use super::{Mesh, MeshError, ObjFault, Statements, Word};
 use crate::files::regular_file;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -94,7 +94,6 @@ impl PlainObj {
         let mut count = 0;
         // Vertices may stand behind the faces that refer to them.
         let mut ahead: Option<(usize, [usize; 2])> = None;
-        let mut skipped = Skipped::default();
         let mut statements = Statements::of(text)?;
         let mut words = Vec::new();
         while statements.read_next(&mut words)? {
@@ -133,7 +132,7 @@ impl PlainObj {
                             .to_owned(),
                     ))?;
                 }
-                other => skipped.count(other),
+                _ => {}
             }
         }
         match ahead {
@@ -144,10 +143,7 @@ impl PlainObj {
                      put together from several files?"
                 ),
             })?,
-            _ if plain.polygons.is_empty() && skipped.is_empty() => Err(MeshError::empty()),
-            _ if plain.polygons.is_empty() => Err(ObjFault::in_file(&format!(
-                "the mesh has no faces; beside points this file has {skipped}: export it as polygons"
-            )))?,
+            _ if plain.polygons.is_empty() => Err(MeshError::empty()),
             _ => Ok(plain),
         }
     }

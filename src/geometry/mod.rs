@@ -43,7 +43,7 @@ pub use hit::{Crossing, Hit, Side, SurfacePoint};
 pub use mesh::Mesh;
 pub use mesh_error::MeshError;
 pub use obj_text::ObjFault;
-pub(crate) use obj_text::{Skipped, Statements, Word};
+pub(crate) use obj_text::{Statements, Word};
 pub use parameter::InvalidParameter;
 pub(crate) use parameter::{require, require_finite};
 pub use placed::Placed;

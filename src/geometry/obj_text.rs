@@ -8,7 +8,6 @@
 //! A last line without a line end is read, since many programs write none: that it lost digits
 //! cannot be told.
 
-use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// Mistake in an OBJ file, and how to mend it.
@@ -199,35 +198,5 @@ fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
             });
         }
         start += bytes.len() + 1;
-    }
-}
-
-/// Statements by their keywords, for messages of what a file has.
-#[derive(Default)]
-pub(crate) struct Skipped(BTreeMap<&'static str, usize>);
-
-impl Skipped {
-    /// Counts a statement.
-    pub fn count(&mut self, keyword: &'static str) {
-        *self.0.entry(keyword).or_insert(0) += 1;
-    }
-
-    /// True if there was none.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
-
-/// "3 × `f`, 2 × `vn`", or that there was nothing.
-impl std::fmt::Display for Skipped {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if self.0.is_empty() {
-            return f.write_str("only comments and blank lines");
-        }
-        let counts = self.0.iter();
-        let counts: Vec<_> = counts
-            .map(|(keyword, count)| format!("{count} × `{keyword}`"))
-            .collect();
-        f.write_str(&counts.join(", "))
     }
 }

@@ -138,7 +138,7 @@ inf.nrrd | inf.nrrd:7: `axis mins` must be a finite number
 cut.nrrd | cut.nrrd:8:5: sample 5 is "60", the last of the text, with nothing behind it
 list.nhdr | list.nhdr:6: the data are spread over several files (a list)
 text.nhdr | text.nhdr: its data file text.txt:3:3: sample 4 is "300", no uint8
-zero.nii | zero.nii: `sform_code` is 1, but `srow_x`, `srow_y` and `srow_z` give no axis a direction"#.lines() {
+zero.nii | zero.nii: `sform_code` is 1, but `srow_x[0]`, `srow_y[0]` and `srow_z[0]` are all zero"#.lines() {
         let (file, part) = row.split_once(" | ").unwrap();
         folder.volref(&["info", file]).expect(2, part);
     }

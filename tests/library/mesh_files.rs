@@ -120,7 +120,7 @@ ply⏎format ascii 1.0 | this is a file of the format PLY, and only OBJ is read:
 call other.obj | 1:1: `call` includes another file
 △ | the mesh has no faces
  | the mesh has no faces
-△deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces; beside points this file has 1 × `curv`, 1 × `deg`, 1 × `end`: export it as polygons
+△deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces: export it as polygons
 △v 2 0 0⏎⏎f 1 2 3⏎f 1 2 4 | the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]
 △v 1 1 0⏎f 1 2 3 4 | 5:1: this polygon has no area, or crosses itself
 △v 2 3 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate
