@@ -1,7 +1,7 @@
 //! A classified volume: a scalar grid, its transfer function and the camera.
 
 use super::SceneResult;
-use super::camera::View;
+use super::camera;
 use super::conventions::{CONVENTIONS, Conventions};
 use super::files::Files;
 use super::format::{Key, Kind, Range, Table, joined};
@@ -191,7 +191,7 @@ impl Classified {
             .map(|surface| surface.shape.bounds());
         let boxes = volumes.iter().map(|it| it.placed.extent().world_bounds());
         let bounds = boxes.chain(surfaces).reduce(Aabb::union).expect("a volume");
-        let View { camera, target } = View::framing(camera_reader, &bounds, size)?;
+        let (camera, target) = camera::framing(camera_reader, &bounds, size)?;
         let light = read_light(reader, camera_reader, &camera, target)?;
 
         let phong = reader.table_as("phong", Phong::read)?;

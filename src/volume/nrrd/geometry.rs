@@ -34,25 +34,22 @@ pub(super) fn space(fields: &HeaderFields) -> Option<&'static str> {
     found.map(|(name, _)| *name)
 }
 
-/// Refuses lengths that are not comparable.
-fn check_units(
-    fields: &HeaderFields,
-    dimension: usize,
-    kept: [usize; 3],
-) -> Result<(), VolumeFault> {
-    for name in ["units", "space units"] {
-        let Some(field) = fields.get(name) else {
-            continue;
-        };
+/// Refuses lengths of axes that are not comparable.
+fn check_units(fields: &HeaderFields, all: usize, kept: [usize; 3]) -> Result<(), VolumeFault> {
+    for field in ["units", "space units"]
+        .iter()
+        .filter_map(|name| fields.get(name))
+    {
         let mut units = field.units();
-        if name == "units" && units.len() == dimension {
+        if field.name == "units" && units.len() == all {
             units = kept.map(|axis| units[axis]).to_vec();
         }
         units.retain(|unit| !["", "???", "none"].contains(unit));
         if units.windows(2).any(|pair| pair[0] != pair[1]) {
             return Err(field.fault(&format!(
-                "`{name}` differ between the axes of space, {}: write all positions in one \
-                 unit, and the field accordingly",
+                "`{}` differ between the axes of space, {}: write all positions in one unit, and the field \
+                 accordingly",
+                field.name,
                 shortened(field.value)
             )));
         }
@@ -120,16 +117,13 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
         first: DVec3::ZERO,
         centring: centring(fields, dimension, kept)?,
     };
-    let spacings = numbers(
-        fields,
-        "spacings",
-        "finite, non-zero",
-        f64::is_normal,
-        dimension,
-        kept,
-    )?;
-    let ends = |name| numbers(fields, name, "finite", f64::is_finite, dimension, kept);
-    let (mins, maxs) = (ends("axis mins")?, ends("axis maxs")?);
+    let numbers = |name, expected, accepts: fn(f64) -> bool| match fields.get(name) {
+        Some(field) => numbers(field, expected, accepts, dimension, kept),
+        None => Ok([None; 3]),
+    };
+    let spacings = numbers("spacings", "finite, non-zero", f64::is_normal)?;
+    let mins = numbers("axis mins", "finite", f64::is_finite)?;
+    let maxs = numbers("axis maxs", "finite", f64::is_finite)?;
     let known = |numbers: [Option<f64>; 3]| numbers.iter().any(Option::is_some);
     let origin = match fields.get("space origin") {
         Some(field) => field.vector_in(field.value)?,
@@ -188,16 +182,12 @@ fn centring(
 
 /// Numbers of the axes that are kept; `None` where they are unknown.
 fn numbers(
-    fields: &HeaderFields,
-    name: &'static str,
+    field: HeaderField,
     expected: &str,
-    accepts: impl Fn(f64) -> bool,
+    accepts: fn(f64) -> bool,
     dimension: usize,
     kept: [usize; 3],
 ) -> Result<[Option<f64>; 3], VolumeFault> {
-    let Some(field) = fields.get(name) else {
-        return Ok([None; 3]);
-    };
     let wrong = || {
         field.wrong(&format!(
             "a {expected} number for each axis, or NaN if unknown"
