@@ -11,6 +11,7 @@ use super::{Grid, Lattice, LoadOptions, NonFinite};
 use crate::files::decoder::Guarded;
 use crate::files::gzip;
 use crate::geometry::{Aabb, InvalidParameter};
+use glam::DVec3;
 use serde::Deserialize;
 use std::io::{self, BufRead, Read};
 
@@ -572,6 +573,45 @@ pub(super) fn fill(source: &mut dyn Read, bytes: &mut [u8]) -> io::Result<usize>
         }
     }
     Ok(filled)
+}
+
+/// The first `N` words of 32 bits of a file, little endian: its header.
+pub(super) struct Words<const N: usize>(pub [[u8; 4]; N]);
+
+impl<const N: usize> Words<N> {
+    pub(super) fn read(source: &mut dyn Read) -> Result<Words<N>, VolumeFault> {
+        let mut words = [[0; 4]; N];
+        let filled = fill(source, words.as_flattened_mut())?;
+        if filled < 4 * N {
+            return refused(format!(
+                "the file ends after {filled} of the {} bytes of its header",
+                4 * N
+            ));
+        }
+        Ok(Words(words))
+    }
+
+    pub(super) fn int(&self, word: usize) -> i32 {
+        i32::from_le_bytes(self.0[word])
+    }
+
+    /// Three numbers from this word on.
+    pub(super) fn vector(&self, word: usize) -> DVec3 {
+        let number = |axis| f64::from(f32::from_le_bytes(self.0[word + axis]));
+        DVec3::new(number(0), number(1), number(2))
+    }
+
+    /// Samples along three axes, from this word on.
+    pub(super) fn sizes(&self, word: usize) -> Result<[usize; 3], VolumeFault> {
+        let counts @ [nx, ny, nz] = [0, 1, 2].map(|axis| self.int(word + axis));
+        if counts.iter().any(|&count| count < 1) {
+            return refused(format!(
+                "the header gives {nx} × {ny} × {nz} samples, and each axis needs at least 1: is this file little \
+                 endian?"
+            ));
+        }
+        Ok(check_sizes(counts.map(|count| count as u64))?)
+    }
 }
 
 /// Checks that a file may have `sizes` samples: what [`Lattice::check_count`] says about nodes, none

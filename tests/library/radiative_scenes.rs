@@ -626,7 +626,7 @@ fn densities_that_are_none() {
     14:17: [radiative.medium[0]] mixes `procedural` with `interpolation` help: give either `procedural` or `interpolation`
     13:23: there is no file none.xml
     13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
-    16:3: unknown element <flaot> help: did you mean <float>?
+    16:3: unknown element <flaot> help: a procedural medium may hold <color>, <float>, <integer>, <vector>, such as <float name="g" value="0.5"/> for the mean cosine of Henyey and Greenstein's phase function
     16:32: `sigma_a` must be three numbers, not 2
     "#);
 }
