@@ -1,8 +1,7 @@
 //! Axis-aligned boxes.
 
 use super::ray::ahead;
-use super::shape_error::finite;
-use super::{Line, Ray, ShapeError, Span};
+use super::{InvalidParameter, Line, Ray, Span, require, require_finite};
 use glam::DVec3;
 
 /// A box with faces at `min` and `max`. Each axis is a half-open interval: a ray *in* a face
@@ -19,13 +18,14 @@ pub struct Aabb {
 impl Aabb {
     /// The box between two corners. A flat box is allowed, and empty; a `min` above `max` is an
     /// error.
-    pub fn new(min: DVec3, max: DVec3) -> Result<Aabb, ShapeError> {
-        finite("a corner of the box", min)?;
-        finite("a corner of the box", max)?;
-        finite("the size of the box", max - min)?;
-        if min.cmpgt(max).any() {
-            return Err(ShapeError::Inverted { min, max });
-        }
+    pub fn new(min: DVec3, max: DVec3) -> Result<Aabb, InvalidParameter> {
+        require_finite("min", "a corner of the box", min)?;
+        require_finite("max", "a corner of the box", max)?;
+        require_finite("min", "the size of the box", max - min)?;
+        let message = format_args!(
+            "the box's min {min} must not exceed its max {max} on any axis; swap them where it does"
+        );
+        require(min.cmple(max).all(), "min", message)?;
         Ok(Aabb { min, max })
     }
 

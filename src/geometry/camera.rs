@@ -1,9 +1,8 @@
 //! The camera: pinhole or orthographic.
 
-use super::{Direction, Ray};
+use super::{Direction, InvalidParameter, Ray, require};
 use crate::math;
 use glam::DVec3;
-use thiserror::Error;
 
 /// A camera without a lens: rays through the centres of pixels or any other point of the image. They
 /// come together in the eye, or, of an orthographic camera, begin in the plane of the eye and are
@@ -35,25 +34,6 @@ enum Projection {
     Orthographic,
 }
 
-/// Error in the vectors of a camera.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum CameraError {
-    /// Eye and target coincide.
-    #[error("the camera is at its target, so it has no direction")]
-    NoDirection,
-    /// `up` is zero or parallel to the viewing direction.
-    #[error("`up` must not be zero or parallel to the viewing direction")]
-    NoUpright,
-    /// The last row of a matrix makes no affine map of it.
-    #[error("the last row of `matrix` is {0:?}, and must be [0, 0, 0, 1]")]
-    LastRow([f64; 4]),
-    /// The columns of a matrix are no axes.
-    #[error(
-        "the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other"
-    )]
-    NotRigid,
-}
-
 /// Lengths of an image in its pixels: where its axis meets it, and how far away it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intrinsics {
@@ -77,7 +57,7 @@ impl Camera {
         target: DVec3,
         up: DVec3,
         vertical_fov: f64,
-    ) -> Result<Camera, CameraError> {
+    ) -> Result<Camera, InvalidParameter> {
         let half = math::tan(0.5 * vertical_fov);
         Camera::towards(eye, target, up, half, Projection::Perspective)
     }
@@ -90,7 +70,7 @@ impl Camera {
         target: DVec3,
         up: DVec3,
         height: f64,
-    ) -> Result<Camera, CameraError> {
+    ) -> Result<Camera, InvalidParameter> {
         Camera::towards(eye, target, up, 0.5 * height, Projection::Orthographic)
     }
 
@@ -107,10 +87,12 @@ impl Camera {
         rows: [[f64; 4]; 4],
         intrinsics: Intrinsics,
         [width, height]: [usize; 2],
-    ) -> Result<Camera, CameraError> {
-        if rows[3] != [0.0, 0.0, 0.0, 1.0] {
-            return Err(CameraError::LastRow(rows[3]));
-        }
+    ) -> Result<Camera, InvalidParameter> {
+        let message = format_args!(
+            "the last row of `matrix` is {:?}, and must be [0, 0, 0, 1]",
+            rows[3]
+        );
+        require(rows[3] == [0.0, 0.0, 0.0, 1.0], "matrix", message)?;
         let column = |at: usize| DVec3::new(rows[0][at], rows[1][at], rows[2][at]);
         let [right, up, backward, eye] = [0, 1, 2, 3].map(column);
         let is_product = |a: DVec3, b: DVec3, of: f64| (a.dot(b) - of).abs() <= NOT_RIGID;
@@ -120,8 +102,13 @@ impl Camera {
             && is_product(backward, right, 0.0)
             && right.cross(up).dot(backward) > 0.0;
         let axis = Direction::of(-backward).filter(|_| is_rigid);
-        let axis = axis.ok_or(CameraError::NotRigid)?;
-        let upright = Direction::of(up - *axis * up.dot(*axis)).ok_or(CameraError::NotRigid)?;
+        let upright = |axis: Direction| Direction::of(up - *axis * up.dot(*axis));
+        let frame = axis.and_then(|axis| Some((axis, upright(axis)?)));
+        let (axis, upright) = frame.ok_or_else(|| {
+            let message = "the first three columns of `matrix` are no right-handed axes of length 1, \
+                           perpendicular to each other";
+            InvalidParameter::new("matrix", message)
+        })?;
         let [width, height] = [width, height].map(|pixels| pixels as f64);
         let Intrinsics {
             focal_lengths: [across, along],
@@ -149,10 +136,16 @@ impl Camera {
         up: DVec3,
         half: f64,
         projection: Projection,
-    ) -> Result<Camera, CameraError> {
-        let forward = Direction::of(target - eye).ok_or(CameraError::NoDirection)?;
-        let up = Direction::of(up).ok_or(CameraError::NoUpright)?;
-        let right = Direction::of(forward.cross(*up)).ok_or(CameraError::NoUpright)?;
+    ) -> Result<Camera, InvalidParameter> {
+        let forward = Direction::of(target - eye).ok_or_else(|| {
+            let message = "the camera is at its target, so it has no direction";
+            InvalidParameter::new("eye", message)
+        })?;
+        let right = Direction::of(up).and_then(|up| Direction::of(forward.cross(*up)));
+        let right = right.ok_or_else(|| {
+            let message = "`up` must not be zero or parallel to the viewing direction";
+            InvalidParameter::new("up", message)
+        })?;
         let upright = Direction::unit(right.cross(*forward));
         Ok(Camera {
             eye,
@@ -451,8 +444,9 @@ mod tests {
     #[test]
     fn degenerate_cameras_are_refused() {
         let at = |target, up| Camera::new(DVec3::ONE, target, up, 1.0);
-        assert_eq!(at(DVec3::ONE, DVec3::Y), Err(CameraError::NoDirection));
-        assert_eq!(at(DVec3::ZERO, DVec3::ONE), Err(CameraError::NoUpright));
-        assert_eq!(at(DVec3::ZERO, DVec3::ZERO), Err(CameraError::NoUpright));
+        let refused = |target, up| at(target, up).map_err(|error| error.name);
+        assert_eq!(refused(DVec3::ONE, DVec3::Y), Err("eye"));
+        assert_eq!(refused(DVec3::ZERO, DVec3::ONE), Err("up"));
+        assert_eq!(refused(DVec3::ZERO, DVec3::ZERO), Err("up"));
     }
 }

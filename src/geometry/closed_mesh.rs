@@ -110,48 +110,22 @@ fn check_edges(mesh: &Mesh) -> Result<(), MeshError> {
     let mut edges = edges(mesh);
     edges.sort_by_key(|edge| (edge.ends, edge.face));
     for sharing in edges.chunk_by(|a, b| a.ends == b.ends) {
-        check(mesh, &edges, sharing).map_err(MeshError::Faces)?;
+        check(mesh, sharing).map_err(MeshError::Faces)?;
     }
     Ok(())
 }
 
-/// Distance to another edge of one face that almost coincides with `open`: vertices that rounding
-/// separated. `edges` are sorted.
-fn twin(mesh: &Mesh, edges: &[MeshEdge], open: &MeshEdge) -> Option<f64> {
-    const CLOSE: f64 = 1e-4;
-    let place = |edge: &MeshEdge| edge.ends.map(|vertex| mesh.vertices()[vertex]);
-    let [from, to] = place(open);
-    let others = edges.chunk_by(|a, b| a.ends == b.ends);
-    others
-        .filter(|sharing| sharing.len() == 1 && sharing[0].ends != open.ends)
-        .map(|sharing| {
-            let [a, b] = place(&sharing[0]);
-            let apart = |a, b| from.distance(a).max(to.distance(b));
-            apart(a, b).min(apart(b, a))
-        })
-        .filter(|apart| *apart <= CLOSE * from.distance(to))
-        .min_by(f64::total_cmp)
-}
-
-/// Checks the faces that share an edge, one of `edges`.
-fn check(mesh: &Mesh, edges: &[MeshEdge], sharing: &[MeshEdge]) -> Result<(), String> {
+/// Checks the faces that share an edge.
+fn check(mesh: &Mesh, sharing: &[MeshEdge]) -> Result<(), String> {
     let [from, to] = sharing[0].ends.map(|vertex| mesh.vertices()[vertex]);
     let face = mesh.face_name(sharing[0].face);
     match sharing {
         [a, b] if a.ascending != b.ascending => Ok(()),
-        [open] => {
-            let open_at =
-                format!("the mesh is open: the edge from {from} to {to} belongs to {face} only");
-            Err(match twin(mesh, edges, open) {
-                None => format!(
-                    "{open_at}; a medium or glass needs a closed boundary, so fill the hole"
-                ),
-                Some(apart) => format!(
-                    "{open_at}; another edge lies {apart:.1e} beside it, so their vertices almost coincide: merge \
-                     vertices by distance, for instance in Blender or MeshLab"
-                ),
-            })
-        }
+        [_] => Err(format!(
+            "the mesh is open: the edge from {from} to {to} belongs to {face} only; a medium or glass needs a closed \
+             boundary, so fill the hole, or merge vertices by distance where they almost coincide, for instance in \
+             Blender or MeshLab"
+        )),
         [_, b] => Err(format!(
             "{face} and {} run along the edge from {from} to {to} in the same direction, so one of them is inside out; \
              reverse the order of its corners",

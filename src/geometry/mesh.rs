@@ -125,8 +125,9 @@ impl Mesh {
     /// All crossings at `t ≥ from` of the whole line, and maybe others, in no particular order.
     pub(super) fn crossings(&self, ray: &Ray, from: f64, crossings: &mut Vec<TriangleCrossing>) {
         let frame = RayFrame::new(ray);
-        self.bvh.walk_all(ray, from, |face| {
+        self.bvh.walk(ray, from, f64::INFINITY, |face, limit| {
             crossings.extend(frame.crossing(self.corners(face)));
+            limit
         });
     }
 

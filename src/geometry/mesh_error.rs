@@ -26,7 +26,8 @@ pub enum MeshError {
 impl MeshError {
     /// A mesh without faces.
     pub(super) fn empty() -> MeshError {
-        let message = "the mesh has no faces; a file of bare points is a point cloud, not a mesh";
+        let message =
+            "the mesh has no faces: export it as polygons; a file of bare points is a point cloud";
         MeshError::Faces(message.to_owned())
     }
 }

@@ -1,7 +1,7 @@
 //! Meshes from Wavefront OBJ files.
 
 use super::polygon::first_of_fan;
-use super::{Mesh, MeshError, ObjFault, Skipped, Statements, Word};
+use super::{Mesh, MeshError, ObjFault, Statements, Word};
 use crate::files::regular_file;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -29,11 +29,8 @@ impl Mesh {
         };
         let bytes =
             regular_file::read(path, MOST_BYTES).map_err(|error| unreadable(error.into()))?;
-        let mesh = Mesh::from_obj(&bytes).map_err(|error| match format_by_name(path) {
-            Some(name) => ObjFault::of_format(name).into(),
-            None => error,
-        })?;
-        Ok((mesh, blake3::hash(&bytes).to_hex().to_string()))
+        let hash = blake3::hash(&bytes).to_hex().to_string();
+        Ok((Mesh::from_obj(&bytes)?, hash))
     }
 
     /// The mesh in the text of an OBJ file, as by [`load`](Mesh::load).
@@ -82,18 +79,6 @@ impl Mesh {
     }
 }
 
-/// The format of a mesh that is not OBJ, by its extension.
-fn format_by_name(path: &Path) -> Option<&'static str> {
-    let extension = path.extension()?.to_ascii_lowercase();
-    Some(match extension.to_str()? {
-        "ply" => "PLY",
-        "stl" => "STL",
-        "off" => "OFF",
-        "gltf" | "glb" => "glTF",
-        _ => return None,
-    })
-}
-
 /// A file as `tobj` reads it, whatever program wrote it: vertices of three numbers, and polygons by the numbers of
 /// their vertices, each in a line. `tobj` names no line, so that mistakes are found here.
 #[derive(Default)]
@@ -109,7 +94,6 @@ impl PlainObj {
         let mut count = 0;
         // Vertices may stand behind the faces that refer to them.
         let mut ahead: Option<(usize, [usize; 2])> = None;
-        let mut skipped = Skipped::default();
         let mut statements = Statements::of(text)?;
         let mut words = Vec::new();
         while statements.read_next(&mut words)? {
@@ -148,7 +132,7 @@ impl PlainObj {
                             .to_owned(),
                     ))?;
                 }
-                other => skipped.count(other),
+                _ => {}
             }
         }
         match ahead {
@@ -159,10 +143,7 @@ impl PlainObj {
                      put together from several files?"
                 ),
             })?,
-            _ if plain.polygons.is_empty() && skipped.is_empty() => Err(MeshError::empty()),
-            _ if plain.polygons.is_empty() => Err(ObjFault::in_file(&format!(
-                "the mesh has no faces; beside points this file has {skipped}: export it as polygons"
-            )))?,
+            _ if plain.polygons.is_empty() => Err(MeshError::empty()),
             _ => Ok(plain),
         }
     }

@@ -8,7 +8,6 @@
 //! A last line without a line end is read, since many programs write none: that it lost digits
 //! cannot be told.
 
-use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// Mistake in an OBJ file, and how to mend it.
@@ -28,15 +27,6 @@ impl ObjFault {
             position: None,
             message: message.to_owned(),
         }
-    }
-
-    /// A file of another format.
-    pub(super) fn of_format(name: &str) -> ObjFault {
-        ObjFault::in_file(&format!(
-            "this is a file of the format {name}, and only OBJ is read: convert it with a mesh \
-             editor (Blender, MeshLab), or in Python: \
-             trimesh.load(\"FILE\").export(\"mesh.obj\")"
-        ))
     }
 }
 
@@ -137,7 +127,11 @@ impl<'a> Statements<'a> {
     /// Statements of a file, which must be text.
     pub fn of(bytes: &'a [u8]) -> Result<Statements<'a>, ObjFault> {
         if let Some(name) = other_format(bytes) {
-            return Err(ObjFault::of_format(name));
+            return Err(ObjFault::in_file(&format!(
+                "this is a file of the format {name}, and only OBJ is read: convert it with a mesh \
+                 editor (Blender, MeshLab), or in Python: \
+                 trimesh.load(\"FILE\").export(\"mesh.obj\")"
+            )));
         }
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
             return Err(ObjFault::in_file(
@@ -204,35 +198,5 @@ fn push_words<'a>(code: &'a [u8], line: usize, words: &mut Vec<Word<'a>>) {
             });
         }
         start += bytes.len() + 1;
-    }
-}
-
-/// Statements by their keywords, for messages of what a file has.
-#[derive(Default)]
-pub(crate) struct Skipped(BTreeMap<&'static str, usize>);
-
-impl Skipped {
-    /// Counts a statement.
-    pub fn count(&mut self, keyword: &'static str) {
-        *self.0.entry(keyword).or_insert(0) += 1;
-    }
-
-    /// True if there was none.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
-
-/// "3 × `f`, 2 × `vn`", or that there was nothing.
-impl std::fmt::Display for Skipped {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if self.0.is_empty() {
-            return f.write_str("only comments and blank lines");
-        }
-        let counts = self.0.iter();
-        let counts: Vec<_> = counts
-            .map(|(keyword, count)| format!("{count} × `{keyword}`"))
-            .collect();
-        f.write_str(&counts.join(", "))
     }
 }

@@ -3,11 +3,10 @@
 use super::crossing::RayFrame;
 use super::hit::RELATIVE_CLEARANCE;
 use super::mesh::perpendicular;
-use super::shape_error::finite;
 use super::spherical_rectangle::SphericalRectangle;
 use super::{
-    Aabb, Crossing, Direction, Emitter, EmitterExtent, EmitterPdf, Hit, Ray, ShapeError, Side,
-    Surface, SurfacePoint, Transform,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, EmitterPdf, Hit, InvalidParameter, Ray,
+    Side, Surface, SurfacePoint, Transform, require_finite,
 };
 use glam::DVec3;
 
@@ -51,16 +50,25 @@ impl Rectangle {
     }
 
     /// The rectangle with a corner and the two edges that start there, in world units.
-    pub fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Rectangle, ShapeError> {
-        finite("the corner of the rectangle", corner)?;
-        finite("an edge of the rectangle", edge_u)?;
-        finite("an edge of the rectangle", edge_v)?;
-        finite(
-            "the opposite corner of the rectangle",
-            corner + edge_u + edge_v,
-        )?;
-        let no_area = ShapeError::NoArea(edge_u, edge_v);
-        let normal = perpendicular(edge_u, edge_v).ok_or(no_area)?;
+    pub fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Rectangle, InvalidParameter> {
+        for (what, vector) in [
+            ("the corner of the rectangle", corner),
+            ("an edge of the rectangle", edge_u),
+            ("an edge of the rectangle", edge_v),
+            (
+                "the opposite corner of the rectangle",
+                corner + edge_u + edge_v,
+            ),
+        ] {
+            require_finite("corner", what, vector)?;
+        }
+        let no_area = || {
+            let message = format!(
+                "a rectangle with edges {edge_u} and {edge_v} has no area; give two edges that are not parallel"
+            );
+            InvalidParameter::new("edge_v", message)
+        };
+        let normal = perpendicular(edge_u, edge_v).ok_or_else(no_area)?;
         // Across the edges within the plane; the products are the area, up to its sign.
         let (across_u, across_v) = (edge_v.cross(*normal), normal.cross(edge_u));
         let duals = [
@@ -87,7 +95,7 @@ impl Rectangle {
         let seen = perpendicular(b - a, d - a).and(perpendicular(b - c, d - c));
         let area = rectangle.area();
         if seen.is_none() || !(area > 0.0 && area.is_finite()) {
-            return Err(no_area);
+            return Err(no_area());
         }
         Ok(Rectangle {
             clearance: RELATIVE_CLEARANCE * rectangle.bounds().reach(),
@@ -96,12 +104,16 @@ impl Rectangle {
     }
 
     /// The rectangle around `centre` that reaches `±half_u` and `±half_v` from it.
-    pub fn centred(centre: DVec3, half_u: DVec3, half_v: DVec3) -> Result<Rectangle, ShapeError> {
+    pub fn centred(
+        centre: DVec3,
+        half_u: DVec3,
+        half_v: DVec3,
+    ) -> Result<Rectangle, InvalidParameter> {
         Rectangle::new(centre - half_u - half_v, half_u * 2.0, half_v * 2.0)
     }
 
     /// The rectangle moved by `transform`; its front stays in front.
-    pub fn transformed(&self, transform: &Transform) -> Result<Rectangle, ShapeError> {
+    pub fn transformed(&self, transform: &Transform) -> Result<Rectangle, InvalidParameter> {
         let (mut u, mut v) = (self.edge_u, self.edge_v);
         if transform.mirrors() {
             (u, v) = (v, u);

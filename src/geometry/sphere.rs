@@ -2,10 +2,9 @@
 
 use super::hit::RELATIVE_CLEARANCE;
 use super::ray::ahead;
-use super::shape_error::finite;
 use super::{
-    Aabb, Convex, Crossing, Direction, Emitter, EmitterExtent, Hit, Ray, ShapeError, Side, Solid,
-    Span, Surface, SurfacePoint,
+    Aabb, Convex, Crossing, Direction, Emitter, EmitterExtent, Hit, InvalidParameter, Ray, Side,
+    Solid, Span, Surface, SurfacePoint, require, require_finite,
 };
 use crate::math;
 use glam::DVec3;
@@ -31,15 +30,16 @@ const CLEARLY: f64 = 1.0 + 1e-12;
 
 impl Sphere {
     /// A sphere around `centre` with a positive `radius`, in world units.
-    pub fn new(centre: DVec3, radius: f64) -> Result<Sphere, ShapeError> {
-        finite("the centre of the sphere", centre)?;
-        if !(radius > 0.0 && radius.is_finite()) {
-            return Err(ShapeError::Radius(radius));
-        }
+    pub fn new(centre: DVec3, radius: f64) -> Result<Sphere, InvalidParameter> {
+        require_finite("centre", "the centre of the sphere", centre)?;
+        let message =
+            format_args!("the radius of a sphere must be positive and finite, got {radius}");
+        require(radius > 0.0 && radius.is_finite(), "radius", message)?;
         let sphere = Sphere { centre, radius };
-        if sphere.clearance() >= radius {
-            return Err(ShapeError::TooSmall { radius, centre });
-        }
+        let message = format_args!(
+            "a sphere of radius {radius} vanishes at {centre}: coordinates there are too coarse; move the scene nearer to the origin"
+        );
+        require(sphere.clearance() < radius, "radius", message)?;
         Ok(sphere)
     }
 
@@ -241,19 +241,10 @@ mod tests {
     #[test]
     fn impossible_spheres_are_refused() {
         for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(
-                Sphere::new(DVec3::ZERO, radius),
-                Err(ShapeError::Radius(_))
-            ));
+            assert!(Sphere::new(DVec3::ZERO, radius).is_err());
         }
         let nan = DVec3::new(0.0, f64::NAN, 0.0);
-        assert!(matches!(
-            Sphere::new(nan, 1.0),
-            Err(ShapeError::NotFinite { .. })
-        ));
-        assert!(matches!(
-            Sphere::new(DVec3::X, 1e-20),
-            Err(ShapeError::TooSmall { .. })
-        ));
+        assert!(Sphere::new(nan, 1.0).is_err());
+        assert!(Sphere::new(DVec3::X, 1e-20).is_err());
     }
 }

@@ -1,9 +1,8 @@
 //! Affine maps between object space and the world.
 
-use super::{Aabb, Direction, Line, Ray};
+use super::{Aabb, Direction, InvalidParameter, Line, Ray, require};
 use crate::math;
 use glam::{DMat3, DVec3};
-use thiserror::Error;
 
 /// An invertible affine map `p ↦ M·p + o`, stored with its inverse.
 ///
@@ -17,30 +16,6 @@ pub struct Transform {
     inverse_offset: DVec3,
 }
 
-/// Reason for refusing a transform.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum TransformError {
-    /// A component is NaN or infinite, or the inverse of one would be.
-    #[error(
-        "a transform needs finite numbers with finite inverses, got {0}; check the scene's units"
-    )]
-    NotFinite(DVec3),
-    /// A factor of the scaling is zero.
-    #[error("scaling by {0} flattens the object; give a factor other than 0 on every axis")]
-    FlatScale(DVec3),
-    /// The axis of a rotation is the zero vector.
-    #[error("a rotation needs an axis other than the zero vector")]
-    NoAxis,
-    /// The columns of the matrix lie in a plane, up to rounding.
-    #[error(
-        "the matrix maps space onto a plane (determinant {determinant}); give three independent columns"
-    )]
-    Singular {
-        /// Determinant of the refused matrix.
-        determinant: f64,
-    },
-}
-
 impl Transform {
     /// The identity map.
     pub const IDENTITY: Transform = Transform {
@@ -51,8 +26,8 @@ impl Transform {
     };
 
     /// Translation of every point by `offset`, in world units.
-    pub fn translation(offset: DVec3) -> Result<Transform, TransformError> {
-        finite(offset)?;
+    pub fn translation(offset: DVec3) -> Result<Transform, InvalidParameter> {
+        finite("translate", [offset])?;
         Ok(Transform {
             offset,
             inverse_offset: -offset,
@@ -63,10 +38,14 @@ impl Transform {
     /// Rotation around an axis through the origin by `degrees`, right-handed: anticlockwise seen
     /// with the axis pointing at the viewer. `axis` has any length but 0. Multiples of 90° about a
     /// coordinate axis are exact.
-    pub fn rotation(axis: DVec3, degrees: f64) -> Result<Transform, TransformError> {
-        finite(axis)?;
-        finite(DVec3::splat(degrees))?;
-        let axis = Direction::of(axis).ok_or(TransformError::NoAxis)?;
+    pub fn rotation(axis: DVec3, degrees: f64) -> Result<Transform, InvalidParameter> {
+        finite("axis", [axis, DVec3::splat(degrees)])?;
+        let axis = Direction::of(axis).ok_or_else(|| {
+            InvalidParameter::new(
+                "axis",
+                "a rotation needs an axis other than the zero vector",
+            )
+        })?;
         let (sine, cosine) = sine_and_cosine_of_degrees(degrees);
         // Rodrigues: R·v = v cos θ + (a × v) sin θ + a (a·v)(1 − cos θ).
         let rotated =
@@ -80,12 +59,12 @@ impl Transform {
     }
 
     /// Scaling along the coordinate axes; negative factors mirror.
-    pub fn scale(factors: DVec3) -> Result<Transform, TransformError> {
-        finite(factors)?;
-        if factors.cmpeq(DVec3::ZERO).any() {
-            return Err(TransformError::FlatScale(factors));
-        }
-        finite(factors.recip())?;
+    pub fn scale(factors: DVec3) -> Result<Transform, InvalidParameter> {
+        let message = format_args!(
+            "scaling by {factors} flattens the object; give a factor other than 0 on every axis"
+        );
+        require(factors.cmpne(DVec3::ZERO).all(), "scale", message)?;
+        finite("scale", [factors, factors.recip()])?;
         Ok(Transform {
             linear: DMat3::from_diagonal(factors),
             inverse_linear: DMat3::from_diagonal(factors.recip()),
@@ -94,11 +73,10 @@ impl Transform {
     }
 
     /// The map `p ↦ linear·p + offset`.
-    pub fn from_matrix(linear: DMat3, offset: DVec3) -> Result<Transform, TransformError> {
-        for column in [linear.x_axis, linear.y_axis, linear.z_axis, offset] {
-            finite(column)?;
-        }
+    pub fn from_matrix(linear: DMat3, offset: DVec3) -> Result<Transform, InvalidParameter> {
         let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
+        finite("transform", columns)?;
+        finite("transform", [offset])?;
         let largest = columns.map(|column| column.abs().max_element());
         // Near 1, so that no product of three leaves the range of numbers; by a power of two nothing is rounded.
         let scale = math::power_of_two_below(largest.into_iter().fold(0.0, f64::max));
@@ -108,23 +86,22 @@ impl Transform {
         // Six products of three factors, five roundings each: a determinant below this share of
         // the volume of the columns' box has no correct digit, not even its sign.
         let least = 32.0 * f64::EPSILON * (a.length() * b.length() * c.length());
-        if scale == 0.0 || determinant.abs() <= least {
-            let determinant = linear.determinant();
-            return Err(TransformError::Singular { determinant });
-        }
+        let message = format_args!(
+            "the matrix maps space onto a plane (determinant {}); give three independent columns",
+            linear.determinant()
+        );
+        let is_singular = scale == 0.0 || determinant.abs() <= least;
+        require(!is_singular, "transform", message)?;
         let inverse_of_near_one = DMat3::from_cols(
             b.cross(c) / determinant,
             c.cross(a) / determinant,
             a.cross(b) / determinant,
         );
         let inverse_linear = inverse_of_near_one.transpose() * scale.recip();
-        for column in [
-            inverse_linear.x_axis,
-            inverse_linear.y_axis,
-            inverse_linear.z_axis,
-        ] {
-            finite(column)?;
-        }
+        finite(
+            "transform",
+            [0, 1, 2].map(|column| inverse_linear.col(column)),
+        )?;
         Ok(Transform {
             linear,
             offset,
@@ -144,7 +121,7 @@ impl Transform {
     }
 
     /// This map about the point `centre` in place of the origin.
-    pub fn about(&self, centre: DVec3) -> Result<Transform, TransformError> {
+    pub fn about(&self, centre: DVec3) -> Result<Transform, InvalidParameter> {
         let (to_origin, back) = (
             Transform::translation(-centre)?,
             Transform::translation(centre)?,
@@ -209,7 +186,7 @@ impl Transform {
     }
 
     /// The map with these [rows](Transform::rows).
-    pub fn from_rows(rows: [[f64; 4]; 3]) -> Result<Transform, TransformError> {
+    pub fn from_rows(rows: [[f64; 4]; 3]) -> Result<Transform, InvalidParameter> {
         let column = |column: usize| DVec3::from_array(rows.map(|row| row[column]));
         Transform::from_matrix(DMat3::from_cols(column(0), column(1), column(2)), column(3))
     }
@@ -304,12 +281,13 @@ fn largest(v: DVec3) -> f64 {
     v.abs().max_element()
 }
 
-fn finite(v: DVec3) -> Result<(), TransformError> {
-    if v.is_finite() {
-        Ok(())
-    } else {
-        Err(TransformError::NotFinite(v))
-    }
+fn finite<const N: usize>(name: &'static str, all: [DVec3; N]) -> Result<(), InvalidParameter> {
+    all.into_iter().try_for_each(|v| {
+        let message = format_args!(
+            "a transform needs finite numbers with finite inverses, got {v}; check the scene's units"
+        );
+        require(v.is_finite(), name, message)
+    })
 }
 
 /// Sine and cosine of an angle in degrees, exact at multiples of 90°, where π/180 is not.
@@ -373,11 +351,8 @@ mod tests {
     #[test]
     fn maps_without_an_inverse_are_refused() {
         let flat = DVec3::new(1.0, 0.0, 1.0);
-        assert_eq!(Transform::scale(flat), Err(TransformError::FlatScale(flat)));
-        assert_eq!(
-            Transform::rotation(DVec3::ZERO, 1.0),
-            Err(TransformError::NoAxis)
-        );
+        assert!(Transform::scale(flat).is_err());
+        assert!(Transform::rotation(DVec3::ZERO, 1.0).is_err());
         for bad in [f64::NAN, f64::INFINITY, 1e-310] {
             assert!(Transform::scale(DVec3::splat(bad)).is_err(), "{bad}");
         }
@@ -390,16 +365,10 @@ mod tests {
             let back = map.point_to_object(DVec3::splat(size));
             assert!((back - DVec3::ONE).length() < 1e-15, "{back}");
         }
-        assert!(matches!(
-            Transform::from_matrix(DMat3::ZERO, DVec3::ZERO),
-            Err(TransformError::Singular { .. })
-        ));
+        assert!(Transform::from_matrix(DMat3::ZERO, DVec3::ZERO).is_err());
         // Rank 2, with a determinant that is not zero but rounding.
         let (a, b) = (DVec3::new(0.1, 0.7, 0.3), DVec3::new(0.9, 0.2, 0.4));
         let matrix = DMat3::from_cols(a, b, a * 0.3 + b * 0.7);
-        assert!(matches!(
-            Transform::from_matrix(matrix, DVec3::ZERO),
-            Err(TransformError::Singular { .. })
-        ));
+        assert!(Transform::from_matrix(matrix, DVec3::ZERO).is_err());
     }
 }

@@ -1,7 +1,7 @@
 //! Absorption and scattering coefficients of a medium.
 
+use crate::geometry::{InvalidParameter, require};
 use crate::math::exp;
-use crate::volume::{InvalidParameter, require};
 use glam::DVec3;
 
 /// Absorption and scattering, per world length and colour channel; finite and not negative.

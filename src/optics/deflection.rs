@@ -1,8 +1,8 @@
 //! Deflections, and the asymmetry of their distribution.
 
+use crate::geometry::{InvalidParameter, require};
 use crate::math::Direction;
 use crate::math::sampling::from_cosine;
-use crate::volume::{InvalidParameter, require};
 
 /// The asymmetry parameter `g` of a phase function: −1 < g < 1, positive forward. The mean cosine
 /// of the Henyey–Greenstein function.

@@ -2,7 +2,7 @@
 
 use super::deflection::{Asymmetry, Deflection};
 use super::henyey_greenstein::HenyeyGreenstein;
-use crate::volume::{InvalidParameter, require};
+use crate::geometry::{InvalidParameter, require};
 use std::fmt;
 
 /// The Henyey–Greenstein function with parameter `g` times `(1 + α cos²θ)/N`, per steradian, where

@@ -3,8 +3,8 @@
 use super::deflection::{Asymmetry, Deflection};
 use super::draine::Draine;
 use super::henyey_greenstein::HenyeyGreenstein;
+use crate::geometry::{InvalidParameter, require};
 use crate::math::exp;
-use crate::volume::{InvalidParameter, require};
 use std::fmt;
 
 /// Scattering by water droplets larger than the wavelength of light: a narrow Henyey–Greenstein

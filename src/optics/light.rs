@@ -1,9 +1,8 @@
 //! Point, spot and directional lights. Others are shapes that emit, and the environment.
 
-use crate::geometry::Direction;
+use crate::geometry::{Direction, InvalidParameter, require};
 use crate::math::{atan2, cos};
 use glam::DVec3;
-use thiserror::Error;
 
 /// A light that rays hit with probability 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,24 +81,6 @@ pub struct Spot {
     cos_outer: f64,
 }
 
-/// Reason for refusing a spotlight.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum SpotError {
-    /// The zero vector, or one that is not finite.
-    #[error("the spotlight has no direction: its target is its position")]
-    NoDirection,
-    /// Angles out of range or order.
-    #[error(
-        "a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got {inner} and {outer}"
-    )]
-    Angles {
-        /// Inner half-angle, degrees.
-        inner: f64,
-        /// Outer half-angle, degrees.
-        outer: f64,
-    },
-}
-
 impl Spot {
     /// A spotlight at `position` along `towards` (any length but 0), with `intensity` on its axis;
     /// half-angles of the cone in degrees.
@@ -108,12 +89,17 @@ impl Spot {
         towards: DVec3,
         intensity: DVec3,
         [inner, outer]: [f64; 2],
-    ) -> Result<Spot, SpotError> {
-        let axis = Direction::of(towards).ok_or(SpotError::NoDirection)?;
+    ) -> Result<Spot, InvalidParameter> {
+        let axis = Direction::of(towards).ok_or_else(|| {
+            let message = "the spotlight has no direction: its target is its position";
+            InvalidParameter::new("target", message)
+        })?;
         // Written so that NaN fails.
-        if !(0.0 <= inner && inner <= outer && outer > 0.0 && outer <= 180.0) {
-            return Err(SpotError::Angles { inner, outer });
-        }
+        let are_angles = 0.0 <= inner && inner <= outer && outer > 0.0 && outer <= 180.0;
+        let message = format_args!(
+            "a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got {inner} and {outer}"
+        );
+        require(are_angles, "outer_angle", message)?;
         let (inner, outer) = (inner.to_radians(), outer.to_radians());
         Ok(Spot {
             position,
@@ -212,7 +198,8 @@ mod tests {
     #[test]
     fn bad_angles_and_directions_are_refused() {
         let new = |towards, angles| Spot::new(DVec3::ZERO, towards, DVec3::ONE, angles);
-        assert_eq!(new(DVec3::ZERO, [1.0, 2.0]), Err(SpotError::NoDirection));
+        let refused = |towards, angles| new(towards, angles).map_err(|error| error.name);
+        assert_eq!(refused(DVec3::ZERO, [1.0, 2.0]), Err("target"));
         for angles in [
             [2.0, 1.0],
             [-1.0, 1.0],
@@ -221,10 +208,7 @@ mod tests {
             [f64::NAN, 1.0],
             [0.0, f64::NAN],
         ] {
-            assert!(
-                matches!(new(DVec3::Z, angles), Err(SpotError::Angles { .. })),
-                "{angles:?}"
-            );
+            assert_eq!(refused(DVec3::Z, angles), Err("outer_angle"), "{angles:?}");
         }
     }
 }

@@ -45,7 +45,7 @@ pub use fresnel::{Split, reflected, split};
 pub use henyey_greenstein::HenyeyGreenstein;
 pub use homogeneous::Homogeneous;
 pub use layer::Layer;
-pub use light::{Directional, Light, Point, Spot, SpotError};
+pub use light::{Directional, Light, Point, Spot};
 pub use material::{Material, Sides};
 pub(crate) use opacity::over_lengths;
 pub use opacity::{TransferOpacity, over_length};

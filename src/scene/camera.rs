@@ -3,7 +3,7 @@
 use super::SceneResult;
 use super::format::{Key, Kind, Range, Rule, Table};
 use super::reader::Reader;
-use crate::geometry::{Aabb, Camera, CameraError, Intrinsics, length_of};
+use crate::geometry::{Aabb, Camera, Intrinsics, length_of};
 use crate::math;
 use glam::DVec3;
 
@@ -52,12 +52,6 @@ const FOCAL_LENGTH: Range = Range::closed(1e-3, 1e9);
 /// Keys that place the eye around a classified volume, which is seen whole.
 const AROUND_NAMES: [&str; 3] = ["azimuth", "elevation", "zoom"];
 
-/// The camera and its target.
-pub(super) struct View {
-    pub camera: Camera,
-    pub target: DVec3,
-}
-
 /// Height of the image.
 #[derive(Clone, Copy)]
 enum ImageHeight {
@@ -74,78 +68,65 @@ impl ImageHeight {
             None => ImageHeight::Angle(reader.get::<f64>("vertical_fov")?.to_radians()),
         })
     }
-}
 
-impl View {
-    /// Reads `[camera]`; what the scene leaves out follows from what is looked at. `size` is that of the image.
-    pub(super) fn framing(reader: &Reader, bounds: &Aabb, size: [usize; 2]) -> SceneResult<View> {
-        if let Some(camera) = by_matrix(reader, size)? {
-            let target = bounds.centre();
-            return Ok(View { camera, target });
-        }
-        let image = ImageHeight::read(reader)?;
-        let eye = reader.optional("eye")?;
-        let target = reader.vector_or("target", || bounds.centre())?;
-        // Last, though the eye may follow from it: the hash of a scene holds its keys in the order
-        // in which they are read.
-        let up = reader.get("up")?;
-        let aspect = size[0] as f64 / size[1] as f64;
-        let eye = match (eye, Around::read(reader)?) {
-            (Some(eye), _) => eye,
-            (None, around) => {
-                let eye = match around {
-                    None => eye_that_sees_all(bounds, up, image, aspect),
-                    Some(around) => around.eye(bounds, up, image, aspect),
-                };
-                reader.resolved("eye", eye);
-                eye
-            }
-        };
-        View::new(reader, eye, target, up, image)
-    }
-
-    /// Reads `[camera]` of a scene in which nothing says what is looked at: eye and target must
-    /// be given.
-    pub(super) fn given(reader: &Reader, size: [usize; 2]) -> SceneResult<View> {
-        if let Some(camera) = by_matrix(reader, size)? {
-            let target = camera.eye() + *camera.axis();
-            return Ok(View { camera, target });
-        }
-        let image = ImageHeight::read(reader)?;
-        let point = |name: &'static str| {
-            reader.optional(name)?.ok_or_else(|| {
-                reader.mistake(
-                    name,
-                    format!("missing key `{name}` in [camera]"),
-                    "a radiative scene has no default camera: give `eye`, its position, and \
-                    `target`, the point it looks at, or a `matrix`",
-                )
-            })
-        };
-        let (eye, target) = (point("eye")?, point("target")?);
-        View::new(reader, eye, target, reader.get("up")?, image)
-    }
-
-    fn new(
-        reader: &Reader,
-        eye: DVec3,
-        target: DVec3,
-        up: DVec3,
-        image: ImageHeight,
-    ) -> SceneResult<View> {
-        let camera = match image {
+    /// The camera with such an image.
+    fn seen(self, reader: &Reader, eye: DVec3, target: DVec3, up: DVec3) -> SceneResult<Camera> {
+        reader.accepted(match self {
             ImageHeight::Angle(vertical_fov) => Camera::new(eye, target, up, vertical_fov),
             ImageHeight::Length(height) => Camera::orthographic(eye, target, up, height),
-        };
-        let camera = camera.map_err(|error| {
-            let key = match error {
-                CameraError::NoDirection => "eye",
-                _ => "up",
-            };
-            reader.error(key, error.to_string())
-        })?;
-        Ok(View { camera, target })
+        })
     }
+}
+
+/// Reads `[camera]`, and the target; what the scene leaves out follows from what is looked at. `size` is that of the
+/// image.
+pub(super) fn framing(
+    reader: &Reader,
+    bounds: &Aabb,
+    size: [usize; 2],
+) -> SceneResult<(Camera, DVec3)> {
+    if let Some(camera) = by_matrix(reader, size)? {
+        return Ok((camera, bounds.centre()));
+    }
+    let image = ImageHeight::read(reader)?;
+    let eye = reader.optional("eye")?;
+    let target = reader.vector_or("target", || bounds.centre())?;
+    // Last, though the eye may follow from it: the hash of a scene holds its keys in the order
+    // in which they are read.
+    let up = reader.get("up")?;
+    let aspect = size[0] as f64 / size[1] as f64;
+    let eye = match (eye, Around::read(reader)?) {
+        (Some(eye), _) => eye,
+        (None, around) => {
+            let eye = match around {
+                None => eye_that_sees_all(bounds, up, image, aspect),
+                Some(around) => around.eye(bounds, up, image, aspect),
+            };
+            reader.resolved("eye", eye);
+            eye
+        }
+    };
+    Ok((image.seen(reader, eye, target, up)?, target))
+}
+
+/// Reads `[camera]` of a scene in which nothing says what is looked at: eye and target must be given.
+pub(super) fn given(reader: &Reader, size: [usize; 2]) -> SceneResult<Camera> {
+    if let Some(camera) = by_matrix(reader, size)? {
+        return Ok(camera);
+    }
+    let image = ImageHeight::read(reader)?;
+    let point = |name: &'static str| {
+        reader.optional(name)?.ok_or_else(|| {
+            reader.mistake(
+                name,
+                format!("missing key `{name}` in [camera]"),
+                "a radiative scene has no default camera: give `eye`, its position, and \
+                    `target`, the point it looks at, or a `matrix`",
+            )
+        })
+    };
+    let (eye, target) = (point("eye")?, point("target")?);
+    image.seen(reader, eye, target, reader.get("up")?)
 }
 
 /// A place around what is looked at.
@@ -215,7 +196,7 @@ fn by_matrix(reader: &Reader, size: [usize; 2]) -> SceneResult<Option<Camera>> {
         let help = "give the map from the camera to the world, row by row, with four decimals or more and without \
                     a scale: divide columns by their lengths, invert a map from the world to the camera, and of a \
                     camera of OpenCV negate the second and third column";
-        reader.mistake("matrix", error.to_string(), help)
+        reader.mistake("matrix", error.message, help)
     })?;
     Ok(Some(camera))
 }

@@ -1,15 +1,14 @@
 //! A classified volume: a scalar grid, its transfer function and the camera.
 
 use super::SceneResult;
-use super::camera::View;
+use super::camera;
 use super::conventions::{CONVENTIONS, Conventions};
 use super::files::Files;
 use super::format::{Key, Kind, Range, Table, joined};
 use super::length::Length;
 use super::mode::{MODE, Mode};
-use super::modulation::{MODULATION, Modulation};
+use super::modulation::MODULATION;
 use super::objects::{CLIPS, Objects, SURFACES, Volume};
-use super::placement::PlacedGrid;
 use super::reader::Reader;
 use super::record::{Choice, Record};
 use super::shadow::Shadow;
@@ -147,13 +146,13 @@ pub struct Classified {
     pub objects: Objects,
 }
 
-/// A volume of the file: its table, its grid and its look.
+/// A volume of the file: its table, its name, itself, and the box around it. Step, shading and shadow are read after
+/// the tables of all volumes.
 pub(super) struct VolumeTable<'r, 'd, 's> {
     pub reader: &'r Reader<'d, 's>,
     pub name: Option<String>,
-    pub placed: PlacedGrid,
-    pub transfer_function: TransferFunction,
-    pub modulation: Option<Modulation>,
+    pub volume: Volume,
+    pub bounds: Aabb,
 }
 
 /// More samples on one ray than this are a mistake in the scene, not a wish.
@@ -167,7 +166,7 @@ impl Classified {
     pub(super) fn read(
         reader: &Reader,
         camera_reader: &Reader,
-        volumes: Vec<VolumeTable>,
+        mut volumes: Vec<VolumeTable>,
         files: &mut Files,
         size: [usize; 2],
     ) -> SceneResult<Classified> {
@@ -179,46 +178,38 @@ impl Classified {
             without_samples(reader, &mode, interpolation)?;
         }
         let compositing = read_compositing(reader, &order)?;
-        let lengths: Vec<[f64; 2]> = volumes.iter().map(|it| lengths(&it.placed)).collect();
-        let steps = read_steps(reader, &volumes, &lengths)?;
+        let step = reader.get("step")?;
+        for it in &mut volumes {
+            let own: Option<Length> = it.reader.get("step")?;
+            let place = own.map_or(reader, |_| it.reader);
+            let step = checked_step(own.unwrap_or(step), it.lengths());
+            it.volume.step = place.accepted_at("step", step)?;
+        }
         let background = reader.get("background")?;
 
         let names: Vec<Option<String>> = volumes.iter().map(|it| it.name.clone()).collect();
         let mut objects = Objects::read(reader, files, &names)?;
-        let surfaces = objects
-            .surfaces
-            .iter()
-            .map(|surface| surface.shape.bounds());
-        let boxes = volumes.iter().map(|it| it.placed.extent().world_bounds());
+        let surfaces = objects.surfaces.iter().map(|it| it.shape.bounds());
+        let boxes = volumes.iter().map(|it| it.bounds);
         let bounds = boxes.chain(surfaces).reduce(Aabb::union).expect("a volume");
-        let View { camera, target } = View::framing(camera_reader, &bounds, size)?;
+        let (camera, target) = camera::framing(camera_reader, &bounds, size)?;
         let light = read_light(reader, camera_reader, &camera, target)?;
 
         let phong = reader.table_as("phong", Phong::read)?;
         for surface in &mut objects.surfaces {
             surface.phong = phong;
         }
-        let own = |volume: &VolumeTable| volume.reader.table_as("phong", Phong::read);
-        let phongs = volumes.iter().map(own).collect::<SceneResult<Vec<_>>>()?;
-        let looks: Vec<_> = volumes.iter().map(|it| &it.transfer_function).collect();
-        let shadows = |reader: &Reader| read_shadows(reader, &lengths, &looks);
-        let shadows = reader.table_as("shadow", shadows)?;
+        for it in &mut volumes {
+            it.volume.phong = it.reader.table_as("phong", Phong::read)?.or(phong);
+        }
+        reader.table_as("shadow", |reader| read_shadows(reader, &mut volumes))?;
         let conventions = |reader: &Reader| read_conventions(reader, &mode);
         let conventions = reader.table_as("conventions", conventions)?;
         let conventions = conventions.unwrap_or_default();
-        let parts = volumes.into_iter().zip(steps).zip(phongs).enumerate();
-        let mut parts = parts.map(|(index, ((volume, step), own))| Volume {
-            grid: volume.placed.grid,
-            to_world: volume.placed.to_world,
-            transfer_function: volume.transfer_function,
-            step,
-            phong: own.or(phong),
-            shadow: shadows.as_ref().map(|shadows| shadows[index]),
-            modulation: volume.modulation,
-        });
-        let first = parts.next().expect("a volume");
+        let mut volumes = volumes.into_iter().map(|it| it.volume);
+        let first = volumes.next().expect("a volume");
         objects.modulation = first.modulation;
-        let volumes = parts.collect();
+        objects.volumes = volumes.collect();
         let scene = Classified {
             grid: first.grid,
             to_world: first.to_world,
@@ -234,7 +225,7 @@ impl Classified {
             background,
             camera,
             conventions,
-            objects: Objects { volumes, ..objects },
+            objects,
         };
         scene.check(reader, camera_reader)?;
         scene.check_objects(reader, &names)?;
@@ -540,65 +531,45 @@ fn read_light(
     Ok(light)
 }
 
-/// The step of each volume: its own, or that of the scene; `lengths` are those that a step may have.
-fn read_steps(
-    reader: &Reader,
-    volumes: &[VolumeTable],
-    lengths: &[[f64; 2]],
-) -> SceneResult<Vec<f64>> {
-    let step = reader.get("step")?;
-    let step = |(volume, lengths): (&VolumeTable, &[f64; 2])| {
-        let own: Option<Length> = volume.reader.get("step")?;
-        let place = own.map_or(reader, |_| volume.reader);
-        place.accepted_at("step", checked_step(own.unwrap_or(step), *lengths))
-    };
-    volumes.iter().zip(lengths).map(step).collect()
+impl VolumeTable<'_, '_, '_> {
+    /// Edge of a voxel, and diagonal of the box of the world: the lengths that steps are measured by.
+    fn lengths(&self) -> [f64; 2] {
+        let Volume { grid, to_world, .. } = &self.volume;
+        [
+            voxel(grid.lattice(), to_world.as_ref()),
+            length_of(self.bounds.size()),
+        ]
+    }
 }
 
-/// Edges of a voxel and of the box of the world around a volume: the lengths that steps are measured by.
-fn lengths(placed: &PlacedGrid) -> [f64; 2] {
-    let bounds = placed.extent().world_bounds();
-    [placed.voxel(), length_of(bounds.size())]
-}
-
-/// The shadow of each volume, whose lengths in voxels are its own.
-fn read_shadows(
-    reader: &Reader,
-    lengths: &[[f64; 2]],
-    looks: &[&TransferFunction],
-) -> SceneResult<Vec<Shadow>> {
+/// Reads the shadow of each volume, whose lengths in voxels are its own.
+fn read_shadows(reader: &Reader, volumes: &mut [VolumeTable]) -> SceneResult<()> {
     let given: Option<Length> = reader.get("reference_step")?;
-    let reference_step =
-        |(look, lengths): (&&TransferFunction, &[f64; 2])| match (given, &look.appearance) {
+    let step = reader.get("step")?;
+    let mut texts = Vec::new();
+    for it in volumes {
+        let look = &it.volume.transfer_function;
+        let reference_step = match (given, &look.appearance) {
             (Some(length), _) => {
-                reader.accepted_at("reference_step", length.in_world_units(lengths[0]))
+                reader.accepted_at("reference_step", length.in_world_units(it.lengths()[0]))?
             }
-            (None, Appearance::Points(_)) => Ok(look.reference_length),
+            (None, Appearance::Points(_)) => look.reference_length,
             (None, Appearance::Formula { .. }) => {
                 let message = "missing key `reference_step` in [classified.shadow]";
-                Err(reader.error("reference_step", message))
+                return Err(reader.error("reference_step", message));
             }
         };
-    let reference_steps = looks.iter().zip(lengths).map(reference_step);
-    let reference_steps = reference_steps.collect::<SceneResult<Vec<f64>>>()?;
-    if given.is_none() {
-        let first = reference_steps[0];
-        let is_one = reference_steps.iter().all(|&step| step == first);
-        let texts = reference_steps.iter().map(f64::to_string);
-        reader.resolved(
-            "reference_step",
-            match is_one {
-                true => first.to_string(),
-                false => texts.collect::<Vec<_>>().join(", ") + ", volume by volume",
-            },
-        );
-    }
-    let step = reader.get("step")?;
-    let shadow = |(&reference_step, lengths): (&f64, &[f64; 2])| {
-        Ok(Shadow {
-            step: reader.accepted_at("step", checked_step(step, *lengths))?,
+        texts.push(reference_step.to_string());
+        it.volume.shadow = Some(Shadow {
+            step: reader.accepted_at("step", checked_step(step, it.lengths()))?,
             reference_step,
-        })
+        });
+    }
+    let text = match texts.iter().all(|text| *text == texts[0]) {
+        true => texts.swap_remove(0),
+        false => texts.join(", ") + ", volume by volume",
     };
-    reference_steps.iter().zip(lengths).map(shadow).collect()
+    // That of a file that gives it stays.
+    reader.resolved("reference_step", text);
+    Ok(())
 }

@@ -73,6 +73,33 @@ impl Kept {
 }
 
 impl Clip {
+    /// Heights of the corners of a box above each of its planes, below which it keeps nothing.
+    fn heights(&self, extent: &PlacedBox) -> Vec<[f64; 8]> {
+        let corners = extent.bounds.corners().map(|it| extent.in_world(it));
+        let above = |n: DVec3, d: f64| corners.map(|corner| n.dot(corner) - d);
+        match self.kept {
+            Kept::Side { point, normal } => vec![above(*normal, normal.dot(point))],
+            Kept::Inside(Aabb { min, max }) => (0..3)
+                .flat_map(|axis| {
+                    let n = DVec3::AXES[axis];
+                    [above(n, min[axis]), above(-n, -max[axis])]
+                })
+                .collect(),
+        }
+    }
+
+    /// True if it keeps all of a box.
+    pub(super) fn keeps_all(&self, extent: &PlacedBox) -> bool {
+        let heights = self.heights(extent);
+        heights.as_flattened().iter().all(|height| *height >= 0.0)
+    }
+
+    /// True if each of its planes keeps something of a box.
+    pub(super) fn keeps_some(&self, extent: &PlacedBox) -> bool {
+        let mut planes = self.heights(extent).into_iter();
+        planes.all(|heights| heights.iter().any(|height| *height > 0.0))
+    }
+
     /// True if it cuts the volume of that index.
     pub fn cuts(&self, volume: usize) -> bool {
         let listed = self.volumes.as_ref();
@@ -121,79 +148,4 @@ fn index_of(reader: &Reader, name: &str, names: &[Option<String>]) -> SceneResul
             help,
         )
     })
-}
-
-/// Half-spaces `n · x ≥ d` whose intersection a clip keeps.
-fn half_spaces(kept: &Kept) -> Vec<(DVec3, f64)> {
-    match kept {
-        Kept::Side { point, normal } => vec![(**normal, normal.dot(*point))],
-        Kept::Inside(Aabb { min, max }) => {
-            let axes = (0..3).flat_map(|axis| {
-                let n = DVec3::AXES[axis];
-                [(n, min[axis]), (-n, -max[axis])]
-            });
-            axes.collect()
-        }
-    }
-}
-
-/// True if a clip keeps all of a box.
-pub(super) fn keeps_all(clip: &Clip, extent: &PlacedBox) -> bool {
-    half_spaces(&clip.kept).iter().all(|(normal, offset)| {
-        let corners = extent.bounds.corners().into_iter();
-        corners
-            .map(|corner| normal.dot(extent.in_world(corner)))
-            .all(|height| height >= *offset)
-    })
-}
-
-/// A corner of a convex solid, and the numbers of the planes that meet there.
-struct Corner {
-    point: DVec3,
-    planes: Vec<usize>,
-}
-
-/// True if the parts that all clips keep have something of a box in common.
-///
-/// The solid that is left is followed by its corners, half-space by half-space: those inside stay, and
-/// edges (pairs of corners with two planes in common) that leave have a new one.
-pub(super) fn leave_something<'c>(
-    extent: &PlacedBox,
-    clips: impl Iterator<Item = &'c Clip>,
-) -> bool {
-    let corners = extent.bounds.corners().into_iter().enumerate();
-    let mut corners: Vec<Corner> = corners
-        .map(|(corner, point)| Corner {
-            point: extent.in_world(point),
-            planes: (0..3).map(|axis| 2 * axis + (corner >> axis & 1)).collect(),
-        })
-        .collect();
-    let half_spaces = clips.flat_map(|clip| half_spaces(&clip.kept));
-    for (plane, (normal, offset)) in half_spaces.enumerate() {
-        let height = |corner: &Corner| normal.dot(corner.point) - offset;
-        let (inside, outside): (Vec<_>, Vec<_>) =
-            corners.into_iter().partition(|corner| height(corner) > 0.0);
-        let mut cut = Vec::new();
-        for (a, b) in inside
-            .iter()
-            .flat_map(|a| outside.iter().map(move |b| (a, b)))
-        {
-            let mut planes = a.planes.clone();
-            planes.retain(|plane| b.planes.contains(plane));
-            if planes.len() >= 2 {
-                planes.push(6 + plane);
-                let share = height(a) / (height(a) - height(b));
-                cut.push(Corner {
-                    point: a.point.lerp(b.point, share),
-                    planes,
-                });
-            }
-        }
-        corners = inside;
-        if corners.is_empty() {
-            return false;
-        }
-        corners.extend(cut);
-    }
-    true
 }

@@ -7,7 +7,7 @@ use super::files::{Files, InputFile};
 use super::format::{Key, Kind, Rule, Table};
 use super::key_lines::{KeyLines, Lines};
 use super::modulation::Modulation;
-use super::objects::check_count;
+use super::objects::{Volume, check_count};
 use super::radiative::RADIATIVE;
 use super::reader::{Document, Origin, Reader, Reading, overridden};
 use super::record::Record;
@@ -437,14 +437,11 @@ fn read_classified(
 ) -> SceneResult<Classified> {
     let tables = reader.one_or_more("volume")?;
     check_count(reader, "volume", tables.len())?;
-    let without_own = tables
-        .iter()
-        .filter(|table| !table.has("transfer_function"));
-    let without_own: Vec<_> = without_own.collect();
-    let is_shared = !without_own.is_empty();
+    let has_own = |table: &&Reader| table.has("transfer_function");
+    let without_own = tables.iter().find(|table| !has_own(table));
     // Beside volumes that have one, it is forgotten rather than left to the default.
-    if let Some(table) = without_own.first()
-        && without_own.len() < tables.len()
+    if let Some(table) = without_own
+        && tables.iter().any(|table| has_own(&table))
         && !root.has("transfer_function")
     {
         let message = "this volume has no transfer function, and others have one of their own";
@@ -453,9 +450,8 @@ fn read_classified(
         return Err(table.mistake_here(message, help));
     }
     let shared = root.table_or_default("transfer_function")?;
-    let shared_opacity = is_shared
-        .then(|| OpacityByValue::read(&shared))
-        .transpose()?;
+    let shared_opacity = without_own.map(|_| OpacityByValue::read(&shared));
+    let shared_opacity = shared_opacity.transpose()?;
     refuse! { root:
         "sampling", "a classified volume is rendered without random numbers", "remove [sampling]";
     }
@@ -493,7 +489,6 @@ fn read_classified(
         if let Some(nodes) = placed.grid.lattice().nodes().iter().max() {
             volume.resolved("resolution", nodes);
         }
-        let voxel = placed.voxel();
         let name = volume.get::<Option<String>>("name")?;
         refuse! { volume:
             "name" if volumes.iter().any(|other| other.name == name), "another volume has this name, too",
@@ -502,9 +497,16 @@ fn read_classified(
         volumes.push(VolumeTable {
             reader: volume,
             name,
-            transfer_function: read_transfer_function(table, opacity, range, voxel)?,
-            modulation: Modulation::read(volume, &placed, files)?,
-            placed,
+            bounds: placed.extent().world_bounds(),
+            volume: Volume {
+                transfer_function: read_transfer_function(table, opacity, range, placed.voxel())?,
+                modulation: Modulation::read(volume, &placed, files)?,
+                grid: placed.grid,
+                to_world: placed.to_world,
+                step: f64::NAN,
+                phong: None,
+                shadow: None,
+            },
         });
     }
     let camera = root.table_or_default("camera")?;

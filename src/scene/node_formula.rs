@@ -4,7 +4,7 @@ use super::SceneResult;
 use super::format::{Key, Kind, Range};
 use super::reader::Reader;
 use super::record::Record;
-use crate::volume::{Centring, Lattice, LatticeError, NodeFormula};
+use crate::volume::{Centring, Lattice, NodeFormula};
 use glam::DVec3;
 
 /// Nodes along an axis, at most: those of a grid of one row.
@@ -106,11 +106,5 @@ fn read_lattice(reader: &Reader) -> SceneResult<Lattice> {
     let centring: Option<Centring> = reader.get("centring")?;
     let lattice = Lattice::new(nodes.map(|count| count as usize), spacing, first)
         .and_then(|lattice| lattice.with_centring(centring.unwrap_or_default()));
-    lattice.map_err(|error| {
-        let key = match error {
-            LatticeError::First(_) => "origin",
-            _ => "spacing",
-        };
-        reader.error(key, error.to_string())
-    })
+    reader.accepted(lattice)
 }

@@ -42,7 +42,7 @@ impl PlacedGrid {
     /// This grid, moved as the table of its volume says.
     pub(super) fn moved(self, reader: &Reader) -> SceneResult<PlacedGrid> {
         let by_scene = match reader.optional("transform")? {
-            Some(rows) => Some(reader.accepted_at("transform", Transform::from_rows(rows))?),
+            Some(rows) => Some(reader.accepted(Transform::from_rows(rows))?),
             None => ShapeTransform::read(reader)?.to_world,
         };
         let to_world = match (self.to_world, by_scene) {

@@ -10,17 +10,16 @@ pub(in crate::scene) mod shapes;
 mod surfaces;
 
 use super::SceneResult;
-use super::camera::View;
+use super::camera;
 use super::files::Files;
 use super::format::{Key, Kind, Range, Table};
 use super::reader::Reader;
 use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::optics::{Coefficients, Density, Homogeneous, Light, Material, Sides};
-use contradictions::SceneParts;
+use contradictions::Contradictions;
 use glam::DVec3;
 use shapes::FARTHEST;
-use surfaces::SurfaceKind;
 
 /// The declaration of `[radiative]`.
 pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media and lights.").keys(&[
@@ -172,69 +171,57 @@ impl Radiative {
     /// Reads `[radiative]` and `[camera]`.
     pub(super) fn read(
         reader: &Reader,
-        camera: &Reader,
+        camera_reader: &Reader,
         sampling: SamplingTable,
         files: &mut Files,
         size: [usize; 2],
     ) -> SceneResult<Radiative> {
-        let View {
-            camera: eye_and_image,
-            ..
-        } = View::given(camera, size)?;
-        let height = eye_and_image.orthographic_height().unwrap_or(0.0);
-        if eye_and_image.eye().abs().max_element().max(height) > FARTHEST {
+        let camera = camera::given(camera_reader, size)?;
+        let height = camera.orthographic_height().unwrap_or(0.0);
+        if camera.eye().abs().max_element().max(height) > FARTHEST {
             let message = format!(
                 "the camera is too far away to trace light: coordinates up to \
                  {FARTHEST:e} are accepted"
             );
-            return Err(camera.mistake("eye", message, "choose another unit of length"));
+            return Err(camera_reader.mistake("eye", message, "choose another unit of length"));
         }
         let scattering = read_scattering(reader)?;
         let environment = reader.get("environment")?;
         check_radiance(reader, "environment", environment)?;
-        let (mut objects, mut area_lights) = (Vec::new(), Vec::new());
+        let mut scene = Radiative {
+            scattering,
+            objects: vec![],
+            area_lights: vec![],
+            media: vec![],
+            lights: vec![],
+            environment,
+            camera,
+            samples: sampling.samples,
+            seed: sampling.seed,
+        };
         for surface in reader.tables("surface")? {
-            match surfaces::read(&surface, files)? {
-                SurfaceKind::Object(object) => objects.push(object),
-                SurfaceKind::AreaLight(light) => area_lights.push(light),
-            }
+            surfaces::read(&surface, files, &mut scene)?;
         }
-        let mut media = Vec::new();
-        for (index, medium) in reader.tables("medium")?.into_iter().enumerate() {
+        let media = reader.tables("medium")?;
+        for (index, medium) in media.iter().enumerate() {
             if index == Radiative::MOST_MEDIA {
                 let message = format!("this is medium {}, one too many", index + 1);
                 let help = format!("a scene holds at most {} media", Radiative::MOST_MEDIA);
                 return Err(medium.mistake_here(message, help));
             }
-            let body = media::read(&medium, files)?;
-            media.push((medium, body));
+            scene.media.push(media::read(medium, files)?);
         }
-        let mut lights = Vec::new();
-        for light in reader.tables("light")? {
-            let read = lights::read(&light)?;
-            lights.push((light, read));
-        }
-        let parts = SceneParts {
+        let lights = reader.tables("light")?;
+        let read = lights.iter().map(lights::read);
+        scene.lights = read.collect::<SceneResult<_>>()?;
+        let contradictions = Contradictions {
+            scene: &scene,
             reader,
-            scattering,
-            environment,
-            objects: &objects,
-            area_lights: &area_lights,
             media: &media,
             lights: &lights,
         };
-        parts.check()?;
-        Ok(Radiative {
-            scattering,
-            objects,
-            area_lights,
-            media: media.into_iter().map(|(_, body)| body).collect(),
-            lights: lights.into_iter().map(|(_, light)| light).collect(),
-            environment,
-            camera: eye_and_image,
-            samples: sampling.samples,
-            seed: sampling.seed,
-        })
+        contradictions.check()?;
+        Ok(scene)
     }
 }
 

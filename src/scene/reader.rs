@@ -5,10 +5,10 @@ mod values;
 
 pub use values::{Field, Value};
 
-use super::format::{Key, Table};
+use super::format::{Key, Kind, Table};
 use super::{SceneError, SceneResult};
 use crate::files::misspelling::{escape_remedy, nearest};
-use crate::volume::InvalidParameter;
+use crate::geometry::InvalidParameter;
 use std::cell::RefCell;
 use std::fmt::Display;
 use std::ops::Range;
@@ -90,13 +90,12 @@ impl<'d, 's> Reader<'d, 's> {
         table: &'d Spanned<DeTable<'s>>,
         log: &'d RefCell<Vec<Reading>>,
     ) -> SceneResult<Self> {
-        let (span, table, path) = (table.span(), table.get_ref(), String::new());
         let reader = Reader {
             document,
             declaration,
-            table,
-            span,
-            path,
+            table: table.get_ref(),
+            span: table.span(),
+            path: String::new(),
             log,
         };
         reader.checked()
@@ -110,29 +109,30 @@ impl<'d, 's> Reader<'d, 's> {
         path: String,
         log: &'d RefCell<Vec<Reading>>,
     ) -> SceneResult<Option<Self>> {
-        let Some(table) = value.get_ref().as_table() else {
-            return Ok(None);
-        };
-        let span = value.span();
-        let reader = Reader {
+        let reader = value.get_ref().as_table().map(|table| Reader {
             document,
             declaration,
             table,
-            span,
+            span: value.span(),
             path,
             log,
-        };
-        reader.checked().map(Some)
+        });
+        reader.map(Reader::checked).transpose()
     }
 
-    /// The reader of a table within this one.
+    /// The reader of a table within this one, at the key `name`.
     fn inner(
         &self,
-        declaration: &'static Table,
+        name: &str,
         table: &'d DeTable<'s>,
         span: Range<usize>,
         path: String,
     ) -> SceneResult<Self> {
+        let (Kind::Table(declaration) | Kind::Tables(declaration) | Kind::OneOrMore(declaration)) =
+            self.declared(name).kind
+        else {
+            panic!("{name} is not a table")
+        };
         let reader = Reader {
             declaration,
             table,
@@ -303,15 +303,9 @@ impl<'d, 's> Reader<'d, 's> {
     fn wrong_type(&self, name: &str, value: &Spanned<DeValue>) -> Box<SceneError> {
         let expected = self.declared(name).kind.expected();
         let got = value.get_ref().type_str();
-        let article = if matches!(got, "integer" | "array") {
-            "an"
-        } else {
-            "a"
-        };
-        self.error(
-            name,
-            format!("`{name}` must be {expected}, not {article} {got}"),
-        )
+        let article = ["a", "an"][usize::from(got.starts_with(['i', 'a']))];
+        let message = format!("`{name}` must be {expected}, not {article} {got}");
+        self.error(name, message)
     }
 }
 
@@ -320,18 +314,12 @@ impl<'d, 's> Reader<'d, 's> {
 pub(crate) fn overridden<'s>(base: &DeTable<'s>, over: &DeTable<'s>) -> DeTable<'s> {
     let mut merged = base.clone();
     for (key, value) in over {
-        let both = match (merged.get(key), value.get_ref()) {
-            (Some(old), DeValue::Table(over)) => match old.get_ref() {
-                DeValue::Table(base) => Some(overridden(base, over)),
-                _ => None,
-            },
-            _ => None,
-        };
-        let value = match both {
-            Some(table) => Spanned::new(value.span(), DeValue::Table(table)),
-            None => value.clone(),
-        };
-        merged.remove(key);
+        let mut value = value.clone();
+        if let (Some(old), DeValue::Table(over)) = (merged.remove(key), value.get_ref())
+            && let DeValue::Table(base) = old.get_ref()
+        {
+            value = Spanned::new(value.span(), DeValue::Table(overridden(base, over)));
+        }
         merged.insert(key.clone(), value);
     }
     merged

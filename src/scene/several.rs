@@ -1,7 +1,7 @@
 //! The volumes of a classified scene, one by one, and what does not go with several.
 
 use super::classified::checked_step;
-use super::clip::{Clip, keeps_all, leave_something};
+use super::clip::Clip;
 use super::conventions::{Conventions, Fault};
 use super::modulation::Modulation;
 use super::objects::{Objects, Volume};
@@ -166,10 +166,13 @@ impl Classified {
         clips.filter(move |clip| clip.cuts(volume))
     }
 
-    /// True if the clips leave something of each volume.
+    /// True if each clip leaves something of each volume that it cuts.
     pub(crate) fn is_something_left(&self) -> bool {
         let mut volumes = self.each_alone().enumerate();
-        volumes.all(|(index, alone)| leave_something(&alone.extent(), self.clips_of(index)))
+        volumes.all(|(index, alone)| {
+            let extent = alone.extent();
+            self.clips_of(index).all(|clip| clip.keeps_some(&extent))
+        })
     }
 
     /// Numbers of the clips, from 0, that keep all of each volume that they are for.
@@ -177,11 +180,8 @@ impl Classified {
         let extents: Vec<_> = self.each_alone().map(|alone| alone.extent()).collect();
         let clips = self.objects.clips.iter().enumerate();
         let idle = clips.filter(move |(_, clip)| {
-            let mut cut = extents
-                .iter()
-                .enumerate()
-                .filter(|(index, _)| clip.cuts(*index));
-            cut.all(|(_, extent)| keeps_all(clip, extent))
+            let mut extents = extents.iter().enumerate();
+            extents.all(|(index, extent)| !clip.cuts(index) || clip.keeps_all(extent))
         });
         idle.map(|(number, _)| number)
     }
@@ -247,30 +247,21 @@ impl Classified {
         Ok(())
     }
 
-    /// Refuses clips that leave nothing of a volume: the first that does so alone, or with those before it.
+    /// Refuses clips that leave nothing of a volume.
     fn check_clips(&self, reader: &Reader, names: &[Option<String>]) -> SceneResult<()> {
+        let tables = reader.tables("clip")?;
         for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
             let extent = alone.extent();
-            let clips = self.objects.clips.iter().enumerate();
-            let clips: Vec<_> = clips.filter(|(_, clip)| clip.cuts(index)).collect();
-            let leave_nothing = |clips: &[(usize, &Clip)]| {
-                !leave_something(&extent, clips.iter().map(|(_, clip)| *clip))
-            };
-            let alone = clips.iter().find(|clip| leave_nothing(&[**clip]));
-            let count = (1..=clips.len()).find(|&count| leave_nothing(&clips[..count]));
-            let (number, which) = match (alone, count) {
-                (Some((number, _)), _) => (*number, "this clip leaves"),
-                (None, Some(count)) => (clips[count - 1].0, "this clip and those before it leave"),
-                (None, None) => continue,
-            };
-            let name = name
-                .as_ref()
-                .map_or(String::new(), |name| format!(", {name:?}"));
-            let message = format!("{which} nothing of volume {}{name}", index + 1);
-            let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
-                        normal points, or the inside of its box";
-            let tables = reader.tables("clip")?;
-            return Err(tables[number].mistake_here(message, help));
+            for (clip, table) in self.objects.clips.iter().zip(&tables) {
+                if clip.cuts(index) && !clip.keeps_some(&extent) {
+                    let name = name.as_ref();
+                    let name = name.map_or(String::new(), |name| format!(", {name:?}"));
+                    let message = format!("this clip leaves nothing of volume {}{name}", index + 1);
+                    let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
+                                normal points, or the inside of its box";
+                    return Err(table.mistake_here(message, help));
+                }
+            }
         }
         Ok(())
     }

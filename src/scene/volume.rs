@@ -7,7 +7,7 @@ use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
 use super::record::Choice;
 use crate::volume::{
-    AxisOrder, Centring, Content, Interpolation, LatticeError, LoadOptions, NonFinite, Orientation,
+    AxisOrder, Centring, Content, Interpolation, Lattice, LoadOptions, NonFinite, Orientation,
     Splatting, volume_format,
 };
 use std::path::Path;
@@ -164,12 +164,9 @@ impl VolumeRequest {
         options.axes = reader.get("axes")?;
         options.spacing = reader.get("spacing")?;
         options.origin = reader.get("origin")?;
-        let is_spacing = |along: f64| along.is_normal() && along > 0.0;
-        match options.spacing {
-            Some(spacing) if !spacing.to_array().into_iter().all(is_spacing) => {
-                Err(reader.error("spacing", LatticeError::Spacing(spacing).to_string()))
-            }
-            _ => Ok(VolumeRequest { file, options }),
+        if let Some(spacing) = options.spacing {
+            reader.accepted(Lattice::check_spacing(spacing))?;
         }
+        Ok(VolumeRequest { file, options })
     }
 }

@@ -4,15 +4,12 @@
 //! `float32` densities, x fastest. One spacing serves all axes, `size.x / (nx − 1)`; the first
 //! node lies at the world origin.
 
-use super::error::{VolumeFault, refused};
+use super::error::refused;
 use super::orientation::Axes;
-use super::samples::{VolumeRead, fill, read_grid};
+use super::samples::{VolumeRead, Words, read_grid};
 use super::source::VolumeSource;
 use super::{Element, Lattice, Layout, LoadOptions};
 use glam::DVec3;
-
-/// Bytes of the header.
-const HEADER: usize = 24;
 
 const ONE_NODE: &str =
     "a binary grid of 1 × 1 × 1 nodes has no spacing: at least one axis needs 2 nodes";
@@ -23,31 +20,8 @@ const ONE_NODE: &str =
 /// finite; densities that are negative are left to
 /// [`Grid::check_densities`](super::Grid::check_densities).
 pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-    let mut header = [0; HEADER];
-    let filled = fill(source, &mut header)?;
-    if filled < HEADER {
-        return refused(format!(
-            "the file ends after {filled} of the 24 bytes of its header (int32 nx ny nz, float32 \
-             size x y z)"
-        ));
-    }
-    let lattice = lattice(&header)?;
-    let axes = Axes::upright(lattice.nodes(), lattice.spacing(), lattice.first());
-    read_grid(source, &Layout::raw(Element::Float32, axes), options)
-}
-
-/// The nodes that a header describes.
-fn lattice(header: &[u8; HEADER]) -> Result<Lattice, VolumeFault> {
-    let (words, _) = header.as_chunks::<4>();
-    let counts = [0, 1, 2].map(|axis| i32::from_le_bytes(words[axis]));
-    let sizes = [3, 4, 5].map(|axis| f32::from_le_bytes(words[axis]));
-    if counts.iter().any(|&count| count < 1) {
-        let [nx, ny, nz] = counts;
-        return refused(format!(
-            "the header gives {nx} × {ny} × {nz} nodes, and each axis needs at least 1: is this \
-             file little endian?"
-        ));
-    }
+    let header = Words::<6>::read(source)?;
+    let (nodes, sizes) = (header.sizes(0)?, header.vector(3).to_array());
     if !sizes.iter().all(|&size| size.is_finite() && size >= 0.0) {
         let [x, y, z] = sizes;
         return refused(format!(
@@ -55,8 +29,6 @@ fn lattice(header: &[u8; HEADER]) -> Result<Lattice, VolumeFault> {
              this file little endian?"
         ));
     }
-    // Positive, hence the same as a `usize`.
-    let nodes = counts.map(|count| count as usize);
     let axis = nodes.iter().position(|&nodes| nodes > 1).ok_or(ONE_NODE)?;
     if sizes[axis] == 0.0 {
         let (name, nodes) = (['x', 'y', 'z'][axis], nodes[axis]);
@@ -65,8 +37,9 @@ fn lattice(header: &[u8; HEADER]) -> Result<Lattice, VolumeFault> {
              would be 0"
         ));
     }
-    let spacing = f64::from(sizes[axis]) / (nodes[axis] - 1) as f64;
-    Ok(Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO)?)
+    let spacing = sizes[axis] / (nodes[axis] - 1) as f64;
+    let axes = Axes::of(&Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO)?);
+    read_grid(source, &Layout::raw(Element::Float32, axes), options)
 }
 
 #[cfg(test)]
@@ -74,7 +47,7 @@ mod tests {
     use super::*;
     use crate::volume::{Grid, read_volume};
 
-    fn read(bytes: &[u8]) -> Result<Grid<f32>, VolumeFault> {
+    fn read(bytes: &[u8]) -> Result<Grid<f32>, crate::volume::VolumeFault> {
         read_volume("grid.bin", bytes, None, &LoadOptions::default())
     }
 

@@ -1,7 +1,6 @@
 //! Errors in loading volumes.
 
-use super::LatticeError;
-use crate::geometry::ObjFault;
+use crate::geometry::{InvalidParameter, ObjFault};
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -57,9 +56,9 @@ impl From<ObjFault> for VolumeFault {
     }
 }
 
-impl From<LatticeError> for VolumeFault {
-    fn from(error: LatticeError) -> VolumeFault {
-        VolumeFault::File(error.to_string())
+impl From<InvalidParameter> for VolumeFault {
+    fn from(error: InvalidParameter) -> VolumeFault {
+        VolumeFault::File(error.message)
     }
 }
 

@@ -1,9 +1,8 @@
 //! Fractal noise as a density.
 
 use super::noise_range::noise_range;
-use super::parameter::{InvalidParameter, require};
 use super::{DensityField, DensityRange, perlin_noise};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, InvalidParameter, require, require_finite};
 use glam::DVec3;
 
 /// Parameters of a [`FractalDensity`].
@@ -88,27 +87,24 @@ impl FractalDensity {
             max_density,
             threshold,
         } = parameters;
-        let check_factor = |name, factor: f64| {
-            let message = format_args!("{name} must be positive and finite, got {factor:?}");
-            require(factor.is_finite() && factor > 0.0, name, message)
-        };
-        let check_vector = |name, vector: DVec3| {
-            let message = format_args!("{name} must be finite, got {vector}");
-            require(vector.is_finite(), name, message)
-        };
         let message = format_args!("octaves must be 1 to {MOST_OCTAVES}, got {octaves}");
         require((1..=MOST_OCTAVES).contains(&octaves), "octaves", message)?;
-        check_factor("lacunarity", lacunarity)?;
-        check_factor("gain", gain)?;
-        check_vector("scale", scale)?;
-        check_vector("offset", offset)?;
-        let is_density = max_density.is_finite() && max_density >= 0.0;
-        let message = format_args!(
-            "the largest density must be finite and not negative, got {max_density:?}"
-        );
-        require(is_density, "max_density", message)?;
-        let message = format_args!("the threshold must be finite, got {threshold:?}");
-        require(threshold.is_finite(), "threshold", message)?;
+        for (name, number, is_right, what) in [
+            ("lacunarity", lacunarity, lacunarity > 0.0, "positive"),
+            ("gain", gain, gain > 0.0, "positive"),
+            (
+                "max_density",
+                max_density,
+                max_density >= 0.0,
+                "not negative",
+            ),
+            ("threshold", threshold, true, "a number"),
+        ] {
+            let message = format_args!("{name} must be {what} and finite, got {number:?}");
+            require(is_right && number.is_finite(), name, message)?;
+        }
+        require_finite("scale", "scale", scale)?;
+        require_finite("offset", "offset", offset)?;
         let powers = |factor: f64| {
             std::iter::successors(Some(1.0), move |power| Some(power * factor))
                 .take(octaves as usize)
@@ -289,7 +285,7 @@ mod tests {
         assert_eq!(message(&|p| p.scale = infinite), scale);
         let offset = "offset must be finite, got [0, inf, 0]";
         assert_eq!(message(&|p| p.offset = infinite), offset);
-        let most = "the largest density must be finite and not negative, got -1.0";
+        let most = "max_density must be not negative and finite, got -1.0";
         assert_eq!(message(&|p| p.max_density = -1.0), most);
         for bad in [f64::NAN, f64::INFINITY] {
             assert_eq!(fault(&|p| p.threshold = bad).name, "threshold");

@@ -5,6 +5,7 @@ use super::error::VolumeFault;
 use super::samples::VolumeRead;
 use super::source::VolumeSource;
 use glam::DVec3;
+use std::io::{BufRead, Read};
 
 /// The fields of a header as they stand there: name, value, line.
 #[derive(Default)]
@@ -29,6 +30,29 @@ impl HeaderFields {
         let found = self.0.iter().find(|(field, ..)| *field == name);
         found.map(|&(name, ref value, line)| HeaderField { name, value, line })
     }
+}
+
+/// Longest header: those of diffusion scans have some hundred kilobytes.
+const LONGEST_HEADER: u64 = 1 << 20;
+
+/// Reads the lines of the header at the beginning of `source`, with their numbers, until `is_last` is true of one,
+/// behind which `source` is left; it has `None` where the text ends.
+pub(super) fn read_lines(
+    source: &mut VolumeSource,
+    mut is_last: impl FnMut(Option<&str>, usize) -> Result<bool, VolumeFault>,
+) -> Result<(), VolumeFault> {
+    let mut header = source.by_ref().take(LONGEST_HEADER);
+    let mut line = Vec::new();
+    for number in 1.. {
+        line.clear();
+        let length = header.read_until(b'\n', &mut line)?;
+        let text = String::from_utf8_lossy(line.trim_ascii_end());
+        if is_last((length > 0).then_some(&*text), number)? {
+            source.line = number;
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// A mistake in a line of a header.
@@ -76,29 +100,21 @@ impl HeaderField<'_> {
         self.fault(&format!("`{name}` must be {expected}, not {value:?}"))
     }
 
-    /// Refuses data in several files: a list of them, or a pattern with the numbers that take the
-    /// place of its `%`.
-    pub(super) fn check_one_file(&self) -> Result<(), VolumeFault> {
-        let words: Vec<&str> = self.value.split_ascii_whitespace().collect();
-        let is_number = |word: &&&str| word.parse::<i64>().is_ok();
-        let numbers = words.iter().rev().take_while(is_number).count();
-        let name = words[..words.len() - numbers].join(" ").replace("%%", "");
-        let mut conversions = name.split('%').skip(1);
+    /// The name of the file of the data. Refused: a list of files, or a pattern with numbers in the place of its `%`.
+    pub(super) fn one_file(&self, remedy: &str) -> Result<String, VolumeFault> {
+        let mut conversions = self.value.split('%').skip(1);
         let is_pattern = conversions.any(|rest| {
             let rest = rest.trim_start_matches(|digit: char| digit.is_ascii_digit());
             rest.starts_with(['d', 'u'])
         });
-        let how = match words[..] {
-            [] => return Err(self.wrong("the name of a file")),
-            ["LIST" | "SKIPLIST"] => "a list",
-            ["LIST" | "SKIPLIST", _] if numbers == 1 => "a list",
-            // Minimum, maximum and step, and perhaps the axes of a file.
-            _ if is_pattern && (3..=4).contains(&numbers) => "a pattern with %",
-            _ => return Ok(()),
+        let how = match self.value.split_ascii_whitespace().next() {
+            None => return Err(self.wrong("the name of a file")),
+            Some("LIST" | "SKIPLIST") => "a list",
+            _ if is_pattern => "a pattern with %",
+            _ => return Ok(self.value.to_owned()),
         };
         Err(self.fault(&format!(
-            "the data are spread over several files ({how}): join them into one, as by `unu save -f \
-             nrrd -i several.nhdr -o one.nrrd`"
+            "the data are spread over several files ({how}): {remedy}"
         )))
     }
 

@@ -1,8 +1,8 @@
 //! Positions of the nodes of a grid in the world.
 
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, InvalidParameter, require, require_finite};
 use glam::DVec3;
-use thiserror::Error;
+use serde::Deserialize;
 
 /// A point in node coordinates of a lattice: node (i, j, k) lies at (i, j, k). World points are plain
 /// vectors.
@@ -25,7 +25,8 @@ pub struct Lattice {
 }
 
 /// Position of the faces of the box.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum Centring {
     /// On the first and last node of an axis: values are samples at points.
     #[default]
@@ -35,46 +36,19 @@ pub enum Centring {
     Cells,
 }
 
-/// Reason for refusing a lattice.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum LatticeError {
-    /// An axis without nodes.
-    #[error("a grid of {0} × {1} × {2} nodes has no node")]
-    Empty(u64, u64, u64),
-    /// More nodes than [`Lattice::MOST_NODES`].
-    #[error("a grid of {0} × {1} × {2} nodes is too large: at most 2³¹ nodes are accepted")]
-    TooLarge(u64, u64, u64),
-    /// A spacing that is zero, negative, not finite, or so small that its inverse is not.
-    #[error(
-        "the node spacing must be positive and finite on every axis, and not below 2.3e-308, \
-         got {0}"
-    )]
-    Spacing(DVec3),
-    /// A first node that is not finite.
-    #[error("the position of the first node must be finite, got {0}")]
-    First(DVec3),
-    /// A far corner beyond the largest number.
-    #[error(
-        "a grid of {0} × {1} × {2} nodes with this spacing and first node reaches beyond the \
-         largest number: scale it down"
-    )]
-    Extent(usize, usize, usize),
-}
-
 impl Lattice {
     /// Largest number of nodes accepted: 2³¹, 8 GiB as `f32`.
     pub const MOST_NODES: usize = 1 << 31;
 
     /// A lattice of `nodes` (x, y, z), `spacing` apart in world units, the first at `first`.
-    pub fn new(nodes: [usize; 3], spacing: DVec3, first: DVec3) -> Result<Lattice, LatticeError> {
+    pub fn new(
+        nodes: [usize; 3],
+        spacing: DVec3,
+        first: DVec3,
+    ) -> Result<Lattice, InvalidParameter> {
         Lattice::check_count(nodes.map(|count| count as u64))?;
-        let usable = |spacing: &f64| spacing.is_normal() && *spacing > 0.0;
-        if !spacing.to_array().iter().all(usable) {
-            return Err(LatticeError::Spacing(spacing));
-        }
-        if !first.is_finite() {
-            return Err(LatticeError::First(first));
-        }
+        Lattice::check_spacing(spacing)?;
+        require_finite("origin", "the position of the first node", first)?;
         let lattice = Lattice {
             nodes,
             spacing,
@@ -87,24 +61,42 @@ impl Lattice {
 
     /// Checks that a lattice may have this many nodes (x, y, z), given in files by numbers that may
     /// exceed those of this machine.
-    pub(super) fn check_count(nodes: [u64; 3]) -> Result<(), LatticeError> {
+    pub(super) fn check_count(nodes: [u64; 3]) -> Result<(), InvalidParameter> {
         const MOST: u64 = Lattice::MOST_NODES as u64;
         let [nx, ny, nz] = nodes;
-        match nx.checked_mul(ny).and_then(|plane| plane.checked_mul(nz)) {
-            Some(0) => Err(LatticeError::Empty(nx, ny, nz)),
-            Some(1..=MOST) => Ok(()),
-            _ => Err(LatticeError::TooLarge(nx, ny, nz)),
-        }
+        let what = match nx.checked_mul(ny).and_then(|plane| plane.checked_mul(nz)) {
+            Some(1..=MOST) => return Ok(()),
+            Some(0) => "has no node",
+            _ => "is too large: at most 2³¹ nodes are accepted",
+        };
+        let message = format!("a grid of {nx} × {ny} × {nz} nodes {what}");
+        Err(InvalidParameter::new("nodes", message))
+    }
+
+    /// Refuses a spacing that is zero, negative, not finite, or so small that its inverse is not.
+    pub(crate) fn check_spacing(spacing: DVec3) -> Result<(), InvalidParameter> {
+        let usable = |spacing: f64| spacing.is_normal() && spacing > 0.0;
+        let message = format_args!(
+            "the node spacing must be positive and finite on every axis, and not below 2.3e-308, got {spacing}"
+        );
+        require(
+            spacing.to_array().into_iter().all(usable),
+            "spacing",
+            message,
+        )
     }
 
     /// The same nodes, with the faces of the box by `centring`.
-    pub fn with_centring(self, centring: Centring) -> Result<Lattice, LatticeError> {
+    pub fn with_centring(self, centring: Centring) -> Result<Lattice, InvalidParameter> {
         let lattice = Lattice { centring, ..self };
         let bounds = lattice.bounds();
-        if !(bounds.min.is_finite() && bounds.size().is_finite()) {
-            let [nx, ny, nz] = self.nodes;
-            return Err(LatticeError::Extent(nx, ny, nz));
-        }
+        let [nx, ny, nz] = self.nodes;
+        let message = format_args!(
+            "a grid of {nx} × {ny} × {nz} nodes with this spacing and first node reaches beyond the \
+             largest number: scale it down"
+        );
+        let fits = bounds.min.is_finite() && bounds.size().is_finite();
+        require(fits, "spacing", message)?;
         Ok(lattice)
     }
 
@@ -190,34 +182,22 @@ mod tests {
 
     #[test]
     fn impossible_lattices_are_refused() {
-        let lattice = |nodes, spacing| Lattice::new(nodes, DVec3::splat(spacing), DVec3::ZERO);
-        assert!(matches!(
-            lattice([0, 2, 2], 1.0),
-            Err(LatticeError::Empty(..))
-        ));
-        assert!(matches!(
-            lattice([1 << (usize::BITS - 4), 1 << 20, 1], 1.0),
-            Err(LatticeError::TooLarge(..))
-        ));
-        assert!(matches!(
-            lattice([usize::MAX, 3, 3], 1.0),
-            Err(LatticeError::TooLarge(..))
-        ));
-        for spacing in [0.0, -1.0, 1e-310, f64::NAN, f64::INFINITY] {
-            assert!(matches!(
-                lattice([2, 2, 2], spacing),
-                Err(LatticeError::Spacing(_))
-            ));
+        let refused = |nodes, spacing, first| {
+            Lattice::new(nodes, DVec3::splat(spacing), DVec3::splat(first)).unwrap_err()
+        };
+        for nodes in [
+            [0, 2, 2],
+            [1 << (usize::BITS - 4), 1 << 20, 1],
+            [usize::MAX, 3, 3],
+        ] {
+            assert_eq!(refused(nodes, 1.0, 0.0).name, "nodes");
         }
-    }
-
-    #[test]
-    fn a_lattice_that_leaves_the_numbers_is_refused() {
-        for (spacing, first) in [(1e308, 0.0), (1e308, -1e308), (1e308, 1e308)] {
-            assert_eq!(
-                Lattice::new([3, 1, 1], DVec3::splat(spacing), DVec3::splat(first)),
-                Err(LatticeError::Extent(3, 1, 1))
-            );
+        for spacing in [0.0, -1.0, 1e-310, f64::NAN, f64::INFINITY] {
+            assert_eq!(refused([2, 2, 2], spacing, 0.0).name, "spacing");
+        }
+        for first in [0.0, -1e308, 1e308] {
+            let error = refused([3, 1, 1], 1e308, first);
+            assert!(error.message.contains("beyond the largest number"));
         }
     }
 

@@ -1,8 +1,7 @@
 //! Densities that vary along one direction, or not at all: along a ray they have closed forms.
 
-use super::parameter::{InvalidParameter, require};
 use super::{DensityField, DensityRange};
-use crate::geometry::{Aabb, Direction};
+use crate::geometry::{Aabb, Direction, InvalidParameter, require, require_finite};
 use crate::math::exp;
 use glam::DVec3;
 
@@ -43,12 +42,15 @@ impl ExponentialLayer {
         );
         let divides = scale_height.is_normal() && scale_height > 0.0;
         require(divides, "scale_height", message)?;
+        let message = format_args!("density must be finite and not negative, got {density}");
+        require(density.is_finite() && density >= 0.0, "density", message)?;
+        require_finite("base", "base", base)?;
         Ok(ExponentialLayer {
-            density: checked_density(density)?,
-            base: finite("base", base)?,
-            up: Direction::of(up).ok_or_else(|| InvalidParameter {
-                name: "up",
-                message: format!("up must be finite and not zero, got {up}"),
+            density,
+            base,
+            up: Direction::of(up).ok_or_else(|| {
+                let message = format!("up must be finite and not zero, got {up}");
+                InvalidParameter::new("up", message)
             })?,
             scale_height,
         })
@@ -90,10 +92,18 @@ impl LinearRamp {
         origin: DVec3,
         gradient: DVec3,
     ) -> Result<LinearRamp, InvalidParameter> {
+        let vectors = [
+            ("density", DVec3::splat(density)),
+            ("origin", origin),
+            ("gradient", gradient),
+        ];
+        for (name, vector) in vectors {
+            require_finite(name, name, vector)?;
+        }
         Ok(LinearRamp {
-            density: finite("density", DVec3::splat(density))?.x,
-            origin: finite("origin", origin)?,
-            gradient: finite("gradient", gradient)?,
+            density,
+            origin,
+            gradient,
         })
     }
 
@@ -163,18 +173,6 @@ fn extremes(bounds: &Aabb, slope: DVec3) -> [DVec3; 2] {
         DVec3::select(rising, bounds.min, bounds.max),
         DVec3::select(rising, bounds.max, bounds.min),
     ]
-}
-
-fn checked_density(density: f64) -> Result<f64, InvalidParameter> {
-    let message = format_args!("density must be finite and not negative, got {density}");
-    require(density.is_finite() && density >= 0.0, "density", message)?;
-    Ok(density)
-}
-
-fn finite(name: &'static str, value: DVec3) -> Result<DVec3, InvalidParameter> {
-    let message = format_args!("{name} must be finite, got {value}");
-    require(value.is_finite(), name, message)?;
-    Ok(value)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{Centring, Orientation, Splatting};
 use glam::DVec3;
+use serde::Deserialize;
 
 /// Options for converting a file to a grid, where the file is silent or the caller overrides it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +62,8 @@ impl From<Splatting> for LoadOptions {
 }
 
 /// The order of the indices of an array.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum AxisOrder {
     /// (z, y, x): of raw samples in C order x runs fastest.
     #[default]

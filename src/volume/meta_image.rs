@@ -9,15 +9,15 @@
 //! decimal numbers, or compressed by zlib.
 
 use super::error::{VolumeFault, refused};
-use super::header_field::{HeaderField, HeaderFields, in_line, read_data, shortened};
-use super::orientation::{Axes, AxisSteps};
+use super::header_field::{HeaderField, HeaderFields, in_line, read_data, read_lines, shortened};
+use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, read_grid};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
 use crate::files::gzip;
 use crate::files::misspelling::nearest;
 use glam::DVec3;
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use strsim::damerau_levenshtein;
 
 /// Fields that are read.
@@ -74,9 +74,6 @@ const TYPES: [(&str, Element); 12] = [
     ("MET_FLOAT", Element::Float32),
     ("MET_DOUBLE", Element::Float64),
 ];
-
-/// Longest header: as that of NRRD.
-const LONGEST_HEADER: u64 = 1 << 20;
 
 /// More axes than anybody uses: as ITK's reader has.
 const MOST_AXES: usize = 10;
@@ -149,24 +146,17 @@ struct Fields(HeaderFields);
 impl Fields {
     /// Reads the header at the beginning of `source`, which is left behind the line of `ElementDataFile`.
     fn read(source: &mut VolumeSource) -> Result<Fields, VolumeFault> {
-        let mut header = source.by_ref().take(LONGEST_HEADER);
         let mut fields = Fields::default();
-        let mut line = Vec::new();
-        for number in 1.. {
-            line.clear();
-            if header.read_until(b'\n', &mut line)? == 0 {
+        read_lines(source, |line, number| {
+            let Some(text) = line else {
                 return refused(
                     "the header has no field `ElementDataFile`, which is its last: this is no MetaImage, or it \
                      was cut short",
                 );
-            }
-            let text = String::from_utf8_lossy(line.trim_ascii());
-            fields.take(&text, number)?;
-            if fields.0.get("ElementDataFile").is_some() {
-                source.line = number;
-                break;
-            }
-        }
+            };
+            fields.take(text.trim(), number)?;
+            Ok(fields.0.get("ElementDataFile").is_some())
+        })?;
         Ok(fields)
     }
 
@@ -293,26 +283,11 @@ impl Fields {
                 space: Some("left-posterior-superior, as ITK takes it"),
                 ..Layout::raw(element, axes)
             },
-            data_file: self.data_file()?,
+            data_file: self.required("ElementDataFile")?.one_file(WRITE_ONE)?,
             skip,
             // Some writers leave it 0.
             packed: packed.transpose()?.filter(|packed| *packed > 0),
         })
-    }
-
-    fn data_file(&self) -> Result<String, VolumeFault> {
-        let field = self.required("ElementDataFile")?;
-        let first = field.value.split_ascii_whitespace().next();
-        match first {
-            None => Err(field.wrong("LOCAL, or the name of a file")),
-            Some("LIST") => Err(field.fault(&format!(
-                "the data are spread over a list of files: {WRITE_ONE}"
-            ))),
-            _ if field.value.contains('%') => Err(field.fault(&format!(
-                "the data are spread over files with numbers in the place of %: {WRITE_ONE}"
-            ))),
-            _ => Ok(field.value.to_owned()),
-        }
     }
 
     fn element(&self) -> Result<Element, VolumeFault> {
@@ -361,7 +336,7 @@ impl Fields {
         };
         Ok(Axes {
             sizes: check_sizes([x, y, z])?,
-            steps: AxisSteps::Directed([0, 1, 2].map(|axis| along(axis) * spacing[axis])),
+            steps: [0, 1, 2].map(|axis| along(axis) * spacing[axis]),
             first: DVec3::from_slice(&offset),
             centring: Centring::Nodes,
         })
@@ -561,14 +536,18 @@ mod tests {
             (
                 "LOCAL",
                 "LIST",
-                "5: the data are spread over a list of files",
+                "5: the data are spread over several files (a list)",
             ),
             (
                 "LOCAL",
                 "a%03d.raw 1 9 1",
-                "5: the data are spread over files",
+                "5: the data are spread over several files (a pattern",
             ),
-            ("LOCAL", "", "5: `ElementDataFile` must be LOCAL"),
+            (
+                "LOCAL",
+                "",
+                "5: `ElementDataFile` must be the name of a file",
+            ),
             (
                 "ElementDataFile = LOCAL\n",
                 "",

@@ -9,74 +9,43 @@
 //! read here. Mitsuba 3 reads the same file as a texture, with every sample in the middle of a
 //! cell; [`LoadOptions::centring`] asks for that. The box is the same in both cases.
 
-use super::error::{VolumeFault, refused};
+use super::error::refused;
 use super::orientation::Axes;
-use super::samples::{VolumeRead, check_sizes, fill, read_grid};
+use super::samples::{VolumeRead, Words, read_grid};
 use super::source::VolumeSource;
-use super::{Centring, Element, Layout, LoadOptions};
+use super::{Centring, Element, Lattice, Layout, LoadOptions};
 use glam::DVec3;
 
-/// Bytes of the header.
-const HEADER: usize = 48;
-
 pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-    let mut header = [0; HEADER];
-    let filled = fill(source, &mut header)?;
-    if !header.starts_with(&b"VOL"[..filled.min(3)]) {
-        let message = "the file does not begin with the letters VOL: this is not a Mitsuba volume";
-        return refused(message);
-    }
-    if filled < HEADER {
+    let header = Words::<12>::read(source)?;
+    let [b'V', b'O', b'L', version] = header.0[0] else {
+        return refused(
+            "the file does not begin with the letters VOL: this is not a Mitsuba volume",
+        );
+    };
+    if version != 3 {
         return refused(format!(
-            "the file ends after {filled} of the 48 bytes of its header"
+            "this is version {version} of the format; only version 3 is supported"
         ));
     }
-    read_grid(source, &layout(&header, options)?, options)
-}
-
-fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, VolumeFault> {
-    if header[3] != 3 {
-        let version = header[3];
-        let message =
-            format!("this is version {version} of the format; only version 3 is supported");
-        return refused(message);
-    }
-    let (words, _) = header[4..].as_chunks::<4>();
-    let int = |index: usize| i32::from_le_bytes(words[index]);
-    let float = |index: usize| f64::from(f32::from_le_bytes(words[index]));
-    let (element, scaling) = match int(0) {
+    let (element, scaling) = match header.int(1) {
         1 => (Element::Float32, None),
         2 => (Element::Float16, None),
         3 => (Element::Uint8, Some((1.0 / 255.0, 0.0))),
         code => {
-            let kind = if code == 4 {
-                " (quantised directions)"
-            } else {
-                ""
-            };
             return refused(format!(
-                "the samples are of type {code}{kind}: types 1 (float32), 2 (float16) and 3 \
-                 (uint8) are read"
+                "the samples are of type {code}: types 1 (float32), 2 (float16) and 3 (uint8) are read"
             ));
         }
     };
-    let counts = [int(1), int(2), int(3)];
-    if counts.iter().any(|&count| count < 1) {
-        let [nx, ny, nz] = counts;
-        return refused(format!(
-            "the header gives {nx} × {ny} × {nz} samples, and each axis needs at least 1: is this \
-             file little endian?"
-        ));
-    }
-    let channels = int(4);
+    let sizes = header.sizes(2)?;
+    let channels = header.int(5);
     if channels != 1 {
         return refused(format!(
             "the file has {channels} channels, and a density has 1: write one channel to a file"
         ));
     }
-    let sizes = check_sizes(counts.map(|count| count as u64))?;
-    let min = DVec3::new(float(5), float(6), float(7));
-    let max = DVec3::new(float(8), float(9), float(10));
+    let (min, max) = (header.vector(6), header.vector(9));
     let extent = max - min;
     if !(min.is_finite() && max.is_finite() && extent.cmpgt(DVec3::ZERO).all()) {
         return refused(format!(
@@ -94,19 +63,17 @@ fn layout(header: &[u8; HEADER], options: &LoadOptions) -> Result<Layout, Volume
             spacing[axis] = extent[axis] / (sizes[axis] - 1) as f64;
         }
     }
-    let axes = Axes {
-        centring,
-        ..Axes::upright(sizes, spacing, first)
-    };
-    Ok(Layout {
+    let lattice = Lattice::new(sizes, spacing, first)?.with_centring(centring)?;
+    let layout = Layout {
         scaling,
-        ..Layout::raw(element, axes)
-    })
+        ..Layout::raw(element, Axes::of(&lattice))
+    };
+    read_grid(source, &layout, options)
 }
 
 /// A Mitsuba volume of `float32` samples in a box.
 pub fn vol_bytes(counts: [i32; 3], corners: [[f32; 3]; 2], values: &[f32]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(HEADER + 4 * values.len());
+    let mut bytes = Vec::with_capacity(48 + 4 * values.len());
     bytes.extend(b"VOL\x03");
     let [nx, ny, nz] = counts;
     for word in [1, nx, ny, nz, 1] {
@@ -144,7 +111,10 @@ mod tests {
         file(3, [2, 1, 3], 1, UNIT, &[0, 51, 102, 153, 204, 255])
     }
 
-    fn read_vol(bytes: &[u8], options: &LoadOptions) -> Result<Grid<f32>, VolumeFault> {
+    fn read_vol(
+        bytes: &[u8],
+        options: &LoadOptions,
+    ) -> Result<Grid<f32>, crate::volume::VolumeFault> {
         read_volume("grid.vol", bytes, None, options)
     }
 

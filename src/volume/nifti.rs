@@ -12,7 +12,7 @@
 //! of 1), and holds the file's bytes beside the values made of them.
 
 use super::error::{VolumeFault, refused};
-use super::orientation::{Axes, AxisSteps};
+use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, gunzipped, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
@@ -245,25 +245,12 @@ impl<'h> NiftiHeader<'h> {
         let names = |row| ["[0]", "[1]", "[2]", "[3]"].map(|index| format!("srow_{row}{index}"));
         let row = |at, row| self.finite(at, names(row).each_ref().map(String::as_str));
         let rows = [row(280, 'x')?, row(296, 'y')?, row(312, 'z')?];
-        let is_zero = |column: &usize| rows.iter().all(|row| row[*column] == 0.0);
-        if let Some(column) = (0..3).find(is_zero) {
-            let zero = if (0..3).all(|column| is_zero(&column)) {
-                "`srow_x`, `srow_y` and `srow_z` give no axis a direction, only zeros".to_owned()
-            } else {
-                format!(
-                    "`srow_x[{column}]`, `srow_y[{column}]` and `srow_z[{column}]` are all zero"
-                )
-            };
-            // As FSL does: to take the next form in silence would hide that one is damaged.
-            let next = if self.by_qform() {
-                "the qform"
-            } else {
-                "`pixdim`"
-            };
-            let code = self.short(254);
+        if let Some(column) = (0..3).find(|&column| rows.iter().all(|row| row[column] == 0.0)) {
+            // As FSL does: to take the next form in silence would hide that this one is damaged.
             return refused(format!(
-                "`sform_code` is {code}, but {zero}: correct the sform, or set `sform_code` to 0, \
-                 so that {next} counts"
+                "`sform_code` is {}, but `srow_x[{column}]`, `srow_y[{column}]` and `srow_z[{column}]` are all zero: \
+                 correct the sform, or set `sform_code` to 0, so that the next form counts",
+                self.short(254)
             ));
         }
         Ok(rows)
@@ -287,17 +274,17 @@ impl<'h> NiftiHeader<'h> {
 
     /// The steps along the axes, the position of the first sample, and the space of both, which have none where neither
     /// form counts.
-    fn positions(&self) -> Result<(AxisSteps, DVec3, Option<&'static str>), VolumeFault> {
+    fn positions(&self) -> Result<([DVec3; 3], DVec3, Option<&'static str>), VolumeFault> {
         if self.short(254) > 0 {
             let rows = self.sform()?;
             let [x, y, z, first] =
                 [0, 1, 2, 3].map(|axis| DVec3::from_array(rows.map(|row| row[axis])));
             let space = "RAS+ (right, anterior, superior), by the sform";
-            return Ok((AxisSteps::Directed([x, y, z]), first, Some(space)));
+            return Ok(([x, y, z], first, Some(space)));
         }
         let spacing = self.spacing()?;
         if !self.by_qform() {
-            return Ok((AxisSteps::Upright(spacing), DVec3::ZERO, None));
+            return Ok((DVec3::AXES.map(|axis| axis * spacing), DVec3::ZERO, None));
         }
         let steps = self.turned(spacing)?;
         let first = self.finite(268, ["qoffset_x", "qoffset_y", "qoffset_z"])?;
@@ -306,7 +293,7 @@ impl<'h> NiftiHeader<'h> {
     }
 
     /// The steps along axes that the quaternion of the qform turns.
-    fn turned(&self, spacing: DVec3) -> Result<AxisSteps, VolumeFault> {
+    fn turned(&self, spacing: DVec3) -> Result<[DVec3; 3], VolumeFault> {
         let [dx, dy, dz] = spacing.to_array();
         let handedness = self.float(76);
         let [b, c, d] = self.finite(256, ["quatern_b", "quatern_c", "quatern_d"])?;
@@ -340,7 +327,7 @@ impl<'h> NiftiHeader<'h> {
             2.0 * (c * d - a * b),
             a * a + d * d - c * c - b * b,
         );
-        Ok(AxisSteps::Directed([x * dx, y * dy, z * dz]))
+        Ok([x * dx, y * dy, z * dz])
     }
 }
 
@@ -586,20 +573,6 @@ mod tests {
                 Ok(_) => assert_eq!(expected, "", "what does not count is not looked at"),
                 Err(error) => assert!(error.to_string().starts_with(expected), "{error}"),
             }
-        }
-        for (code, next) in [(0, "`pixdim`"), (1, "the qform")] {
-            let zero = message(|bytes| {
-                short(bytes, 252, code);
-                short(bytes, 254, 1);
-            });
-            assert_eq!(
-                zero,
-                format!(
-                    "`sform_code` is 1, but `srow_x`, `srow_y` and `srow_z` give no axis a \
-                     direction, only zeros: correct the sform, or set `sform_code` to 0, so that \
-                     {next} counts"
-                )
-            );
         }
     }
 

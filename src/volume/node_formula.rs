@@ -4,7 +4,8 @@
 //! no value exceeds 2²⁴ u, for the significand of an `f32` has 24 bits: slopes that are powers of two. Trilinear
 //! interpolation then gives the linear function itself, whatever the size of the lattice.
 
-use super::{Grid, InvalidParameter, Lattice, require};
+use super::{Grid, Lattice};
+use crate::geometry::{InvalidParameter, require};
 use glam::DVec3;
 
 /// Values of nodes (i, j, k).
@@ -35,96 +36,55 @@ impl NodeFormula {
 
     /// The values at the nodes of `lattice`. Refused: values that `f32` does not hold, and spots outside.
     pub fn grid(&self, lattice: Lattice) -> Result<Grid<f32>, InvalidParameter> {
-        self.check(&lattice)?;
         let nodes = lattice.nodes();
         let mut values = Vec::with_capacity(lattice.node_count());
-        for k in 0..nodes[2] {
-            for j in 0..nodes[1] {
-                values.extend((0..nodes[0]).map(|i| self.value([i, j, k], nodes) as f32));
-            }
+        for index in 0..lattice.node_count() {
+            let (name, value) = self.value(lattice.node(index), nodes);
+            values.push(exact(name, value)?);
         }
         if let NodeFormula::Spots { spots, .. } = self {
-            for &(node, value) in spots {
-                values[lattice.index(node)] = value as f32;
+            for &(node @ [i, j, k], value) in spots {
+                let [x, y, z] = nodes.map(|count| count - 1);
+                let message = format_args!(
+                    "there is no node ({i}, {j}, {k}): nodes are counted from 0, the last is ({x}, {y}, {z})"
+                );
+                require(i <= x && j <= y && k <= z, "spot", message)?;
+                values[lattice.index(node)] = exact("spot", value)?;
             }
         }
         Ok(Grid::new(lattice, values).expect("a value for each node"))
     }
 
-    /// The value at a node of a lattice of so many; of spots without the further ones.
-    fn value(&self, node: [usize; 3], nodes: [usize; 3]) -> f64 {
+    /// The value at a node of a lattice of so many, and the parameter that it follows from; of spots without the
+    /// further ones.
+    fn value(&self, node: [usize; 3], nodes: [usize; 3]) -> (&'static str, f64) {
         match *self {
             NodeFormula::Ramp { value, slope } => {
                 let [i, j, k] = node.map(|index| index as f64);
-                value + slope.x * i + slope.y * j + slope.z * k
+                let value = value + slope.x * i + slope.y * j + slope.z * k;
+                ("slope", value)
             }
             NodeFormula::Spots { value, every, .. } => match every {
-                Some((every, bright)) if is_first_of_brick(node, nodes, every) => bright,
-                _ => value,
+                Some((every, bright)) if is_first_of_brick(node, nodes, every) => {
+                    ("bright", bright)
+                }
+                _ => ("value", value),
             },
         }
     }
+}
 
-    fn check(&self, lattice: &Lattice) -> Result<(), InvalidParameter> {
-        let nodes = lattice.nodes();
-        match self {
-            NodeFormula::Ramp { value, slope } => {
-                let last = nodes.map(|count| (count - 1) as f64);
-                let most = value.abs() + slope.abs().dot(last.into());
-                let numbers = [*value, slope.x, slope.y, slope.z];
-                let unit = numbers.map(unit).into_iter().fold(f64::INFINITY, f64::min);
-                let is_exact = most <= unit * f64::from(1 << 24);
-                let in_range = most <= f64::from(f32::MAX) && unit >= f64::from(f32::from_bits(1));
-                require(
-                    is_exact && in_range,
-                    "slope",
-                    format_args!(
-                        "a ramp of `value` {value} and `slope` {slope} over {} × {} × {} nodes has values that 32-bit \
-                         numbers do not hold exactly: give multiples of one power of two, such as 0.125, of which no \
-                         value has more than 2^24",
-                        nodes[0], nodes[1], nodes[2]
-                    ),
-                )
-            }
-            NodeFormula::Spots {
-                value,
-                every,
-                spots,
-            } => {
-                let bright = every.map(|(_, bright)| ("bright", bright));
-                let spots_of = spots.iter().map(|&(_, value)| ("spot", value));
-                for (name, value) in [("value", *value)]
-                    .into_iter()
-                    .chain(bright)
-                    .chain(spots_of)
-                {
-                    let stored = value as f32;
-                    require(
-                        f64::from(stored) == value,
-                        name,
-                        format_args!(
-                            "{value} is not exact in 32 bits, which hold {}: give that, or a multiple of a power of two",
-                            f64::from(stored)
-                        ),
-                    )?;
-                }
-                let is_outside = |node: &[usize; 3]| (0..3).any(|axis| node[axis] >= nodes[axis]);
-                let outside = spots
-                    .iter()
-                    .map(|(node, _)| node)
-                    .find(|node| is_outside(node));
-                let [i, j, k] = outside.copied().unwrap_or_default();
-                let [x, y, z] = nodes.map(|count| count - 1);
-                require(
-                    outside.is_none(),
-                    "spot",
-                    format_args!(
-                        "there is no node ({i}, {j}, {k}): nodes are counted from 0, the last is ({x}, {y}, {z})"
-                    ),
-                )
-            }
-        }
-    }
+/// The value of a node, in which the parameter `name` has a part, if 32 bits hold it.
+fn exact(name: &'static str, value: f64) -> Result<f32, InvalidParameter> {
+    let stored = value as f32;
+    let message = format_args!(
+        "the value {value} of a node is not exact in 32 bits, which hold {}: give multiples of one power of two, such \
+         as 0.125, of which no value has more than 2^24",
+        f64::from(stored)
+    );
+    let is_exact = stored.is_finite() && f64::from(stored) == value;
+    require(is_exact, name, message)?;
+    Ok(stored)
 }
 
 /// True of the nodes at which bricks of `every` nodes to an edge begin.
@@ -135,39 +95,12 @@ fn is_first_of_brick(node: [usize; 3], nodes: [usize; 3], every: usize) -> bool 
     })
 }
 
-/// The largest power of two that a finite number is a multiple of; infinite for 0.
-fn unit(number: f64) -> f64 {
-    if number == 0.0 {
-        return f64::INFINITY;
-    }
-    let bits = number.abs().to_bits();
-    match bits.trailing_zeros() {
-        // A bit of the significand: without it, the number is less by what it stands for.
-        0..52 => number.abs() - f64::from_bits(bits & (bits - 1)),
-        _ => number.abs(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn lattice(nodes: [usize; 3]) -> Lattice {
         Lattice::new(nodes, DVec3::ONE, DVec3::ZERO).unwrap()
-    }
-
-    #[test]
-    fn units_are_the_lowest_bits() {
-        for (number, expected) in [
-            (1.0, 1.0),
-            (-0.75, 0.25),
-            (96.0, 32.0),
-            (0.1, 1.0 / 36_028_797_018_963_968.0),
-            (3.0 * f64::MIN_POSITIVE, f64::MIN_POSITIVE),
-            (0.0, f64::INFINITY),
-        ] {
-            assert_eq!(unit(number), expected, "{number}");
-        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::load_options::AxisOrder;
 use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
-use super::{Element, Endian, Layout, LoadOptions};
+use super::{Element, Endian, Lattice, Layout, LoadOptions};
 use crate::files::decoder::{self, Guarded};
 use crate::film::{FilmError, NpyHeader};
 use glam::DVec3;
@@ -79,7 +79,7 @@ fn layout(header: &NpyHeader, options: &LoadOptions) -> Result<Layout, VolumeFau
     let nodes = check_sizes(nodes.map(|count| count as u64))?;
     let spacing = options.spacing.unwrap_or(DVec3::ONE);
     let first = options.origin.unwrap_or_default();
-    let upright = Axes::upright(nodes, spacing, first);
+    let upright = Axes::of(&Lattice::new(nodes, spacing, first)?);
     let axes = match header.fortran_order == (order == AxisOrder::Zyx) {
         true => upright.reversed(),
         false => upright,
@@ -126,27 +126,17 @@ fn element(descr: &str) -> Result<(Element, Endian), VolumeFault> {
         true => Endian::Big,
         false => Endian::Little,
     };
-    let name = match descr.strip_prefix(['<', '>', '|']) {
-        Some("i1") => Element::Int8,
-        // False and True.
-        Some("u1" | "b1") => Element::Uint8,
-        Some("i2") => Element::Int16,
-        Some("u2") => Element::Uint16,
-        Some("i4") => Element::Int32,
-        Some("u4") => Element::Uint32,
-        Some("i8") => Element::Int64,
-        Some("u8") => Element::Uint64,
-        Some("f2") => Element::Float16,
-        Some("f4") => Element::Float32,
-        Some("f8") => Element::Float64,
-        _ => {
-            let shown: String = descr.chars().take(20).collect();
-            return refused(format!(
-                "numbers of the type {shown:?}, which are not read: save array.astype(np.float32)"
-            ));
-        }
-    };
-    Ok((name, endian))
+    let kind = descr.strip_prefix(['<', '>', '|']).unwrap_or_default();
+    let found = Element::ALL.iter().find(|(name, element)| {
+        let code = format!("{}{}", &name[..1], element.bytes());
+        // False and True, too.
+        code == kind || (code, kind) == ("u1".to_owned(), "b1")
+    });
+    let shown: String = descr.chars().take(20).collect();
+    let (_, element) = found.ok_or_else(|| {
+        format!("numbers of the type {shown:?}, which are not read: save array.astype(np.float32)")
+    })?;
+    Ok((*element, endian))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Point clouds in Wavefront OBJ: the `v` lines, and nothing else.
 
 use super::error::{VolumeFault, refused};
-use crate::geometry::{ObjFault, Skipped, Statements, Word};
+use crate::geometry::{ObjFault, Statements, Word};
 use glam::DVec3;
 
 /// A point of a cloud.
@@ -24,7 +24,6 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
         return refused(message);
     }
     let mut points = Vec::new();
-    let mut skipped = Skipped::default();
     let mut statements = Statements::of(bytes)?;
     let mut words = Vec::new();
     while statements.read_next(&mut words)? {
@@ -33,13 +32,11 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
         };
         match keyword.keyword()? {
             "v" => points.push(point(keyword, numbers)?),
-            other => skipped.count(other),
+            _ => {}
         }
     }
     if points.is_empty() {
-        return refused(format!(
-            "no point: a point cloud has a line `v x y z` for every point, this file has {skipped}"
-        ));
+        return refused("no point: a point cloud has a line `v x y z` for every point");
     }
     if points.iter().all(|point| point.weight == 0.0) {
         let message = "every density is zero: the fourth number of a `v` line is its density";
@@ -147,16 +144,7 @@ mod tests {
             message(b""),
             "the file is empty: a point cloud has a line `v x y z` for every point"
         );
-        assert_eq!(
-            message(b"\n# nothing\n"),
-            "no point: a point cloud has a line `v x y z` for every point, this file has only \
-             comments and blank lines"
-        );
-        assert_eq!(
-            message(b"vn 0 0 1\nf 1 2 3\nf 1 2 3"),
-            "no point: a point cloud has a line `v x y z` for every point, this file has 2 × \
-             `f`, 1 × `vn`"
-        );
+        assert!(message(b"vn 0 0 1\nf 1 2 3\nf 1 2 3").starts_with("no point"));
         assert!(message(b"\xef\xbb\xbf").starts_with("no point"));
     }
 

@@ -1,7 +1,7 @@
 //! The axes of a stored grid and those of the world.
 
 use super::error::{VolumeFault, refused};
-use super::{Centring, Lattice, LatticeError};
+use super::{Centring, Lattice};
 use crate::geometry::{Transform, length_of, longest_axis};
 use crate::math::atan2;
 use glam::{DMat3, DVec3};
@@ -26,21 +26,12 @@ pub struct Axes {
     /// Samples along each axis as stored, the fastest first: at least one, together at most
     /// [`Lattice::MOST_NODES`].
     pub sizes: [usize; 3],
-    /// Step from one sample to the next along each stored axis.
-    pub steps: AxisSteps,
+    /// From one sample to the next along each stored axis, world units.
+    pub steps: [DVec3; 3],
     /// Position of the first sample, world units.
     pub first: DVec3,
     /// Faces of the box of the file: at the outermost samples, or half a step beyond.
     pub centring: Centring,
-}
-
-/// From one sample to the next along each stored axis, world units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AxisSteps {
-    /// The stored axes are x, y and z: the spacing along each.
-    Upright(DVec3),
-    /// The stored axes point anywhere: the step along each.
-    Directed([DVec3; 3]),
 }
 
 /// Placement of stored samples in a grid.
@@ -59,28 +50,21 @@ pub(super) struct Placement {
 const OFF_AXIS: f64 = 1e-5;
 
 impl Axes {
-    /// Axes along those of the world, with the outermost samples on the faces of the box.
-    pub(super) fn upright(sizes: [usize; 3], spacing: DVec3, first: DVec3) -> Axes {
+    /// Axes along those of the world, of samples at the nodes of a lattice.
+    pub(super) fn of(lattice: &Lattice) -> Axes {
         Axes {
-            sizes,
-            steps: AxisSteps::Upright(spacing),
-            first,
-            centring: Centring::Nodes,
+            sizes: lattice.nodes(),
+            steps: DVec3::AXES.map(|axis| axis * lattice.spacing()),
+            first: lattice.first(),
+            centring: lattice.centring(),
         }
     }
 
     /// The same places, for samples that run fastest along the last axis and slowest along the first.
-    pub(super) fn reversed(self) -> Axes {
-        let [x, y, z] = self.sizes;
-        let [along_x, along_y, along_z] = match self.steps {
-            AxisSteps::Upright(spacing) => DVec3::AXES.map(|axis| axis * spacing),
-            AxisSteps::Directed(steps) => steps,
-        };
-        Axes {
-            sizes: [z, y, x],
-            steps: AxisSteps::Directed([along_z, along_y, along_x]),
-            ..self
-        }
+    pub(super) fn reversed(mut self) -> Axes {
+        self.sizes.reverse();
+        self.steps.reverse();
+        self
     }
 
     /// The lattice of the samples, and the order they take in it.
@@ -92,24 +76,11 @@ impl Axes {
         orientation: Orientation,
     ) -> Result<Placement, VolumeFault> {
         let centring = centring.unwrap_or(self.centring);
-        let as_stored = |spacing| -> Result<Placement, VolumeFault> {
-            let lattice = Lattice::new(self.sizes, spacing, self.first)?;
-            Ok(Placement {
-                lattice: lattice.with_centring(centring)?,
-                to_world: None,
-                from: [(0, false), (1, false), (2, false)],
-            })
-        };
-        let steps = match self.steps {
-            AxisSteps::Upright(spacing) => return as_stored(spacing),
-            AxisSteps::Directed(steps) => steps,
-        };
+        let steps = self.steps;
         let lengths = DVec3::from_array(steps.map(length_of));
+        Lattice::check_spacing(lengths)?;
         if orientation == Orientation::AsStored {
-            return as_stored(lengths);
-        }
-        if !lengths.to_array().iter().all(|length| length.is_normal()) {
-            return Err(LatticeError::Spacing(lengths).into());
+            return self.as_stored(lengths, self.first, centring, None);
         }
         let mut from = [None; 3];
         for stored in 0..3 {
@@ -118,7 +89,13 @@ impl Axes {
             let mut off = direction;
             off[along] = 0.0;
             if length_of(off) > OFF_AXIS && orientation == Orientation::Oblique {
-                return self.oblique(steps, lengths, centring);
+                // With the lengths of the steps as spacing, from the origin on, and turned to where they are.
+                let [x, y, z] = [0, 1, 2].map(|axis| steps[axis] / lengths[axis]);
+                let to_world = Transform::from_matrix(DMat3::from_cols(x, y, z), self.first);
+                let to_world = to_world.map_err(
+                    |_| "the axes of the file lie in one plane of the world: the header is wrong",
+                )?;
+                return self.as_stored(lengths, DVec3::ZERO, centring, Some(to_world));
             }
             if length_of(off) > OFF_AXIS {
                 let axis = stored + 1;
@@ -160,47 +137,32 @@ impl Axes {
         })
     }
 
-    /// The stored axes with the lengths of their steps as spacing, from the origin on, and the map
-    /// that turns them to where they are.
-    fn oblique(
+    /// The samples in the order in which they are stored.
+    fn as_stored(
         &self,
-        steps: [DVec3; 3],
-        lengths: DVec3,
+        spacing: DVec3,
+        first: DVec3,
         centring: Centring,
+        to_world: Option<Transform>,
     ) -> Result<Placement, VolumeFault> {
-        let lattice = Lattice::new(self.sizes, lengths, DVec3::ZERO)?;
-        let [x, y, z] = [0, 1, 2].map(|axis| steps[axis] / lengths[axis]);
-        let to_world = Transform::from_matrix(DMat3::from_cols(x, y, z), self.first);
-        let to_world = to_world.map_err(|_| {
-            "the axes of the file lie in one plane of the world: the header is wrong".to_owned()
-        })?;
         Ok(Placement {
-            lattice: lattice.with_centring(centring)?,
-            to_world: Some(to_world),
-            from: [(0, false), (1, false), (2, false)],
+            lattice: Lattice::new(self.sizes, spacing, first)?.with_centring(centring)?,
+            to_world,
+            from: AS_STORED,
         })
     }
 }
 
+/// Stored axes that are those of the lattice.
+const AS_STORED: [(usize, bool); 3] = [(0, false), (1, false), (2, false)];
+
 impl Placement {
-    /// `values`, stored with `sizes` along their axes, in the order of the lattice. Axes that only
-    /// run backwards are turned in place; others need a second copy for a moment.
-    pub(super) fn put(&self, mut values: Vec<f32>, sizes: [usize; 3]) -> Vec<f32> {
-        let [nx, ny, nz] = sizes;
-        if self.from.map(|(stored, _)| stored) == [0, 1, 2] {
-            let [x, y, z] = self.from.map(|(_, backwards)| backwards);
-            if x {
-                values.chunks_exact_mut(nx).for_each(<[f32]>::reverse);
-            }
-            if y {
-                let planes = values.chunks_exact_mut(nx * ny);
-                planes.for_each(|plane| reverse_blocks(plane, nx));
-            }
-            if z {
-                reverse_blocks(&mut values, nx * ny);
-            }
+    /// `values`, stored with `sizes` along their axes, in the order of the lattice.
+    pub(super) fn put(&self, values: Vec<f32>, sizes: [usize; 3]) -> Vec<f32> {
+        if self.from == AS_STORED {
             return values;
         }
+        let [nx, ny, nz] = sizes;
         let strides = [1, nx, nx * ny];
         let ends = [nx, ny, nz];
         let at = |axis: usize, index: usize| {
@@ -224,15 +186,6 @@ impl Placement {
     }
 }
 
-/// The blocks of `length` values in reverse order, each as it is.
-fn reverse_blocks(values: &mut [f32], length: usize) {
-    let count = values.len() / length;
-    for block in 0..count / 2 {
-        let (front, back) = values.split_at_mut((count - 1 - block) * length);
-        front[block * length..][..length].swap_with_slice(&mut back[..length]);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -241,7 +194,7 @@ mod tests {
     fn axes(steps: [DVec3; 3]) -> Axes {
         Axes {
             sizes: [2, 3, 2],
-            steps: AxisSteps::Directed(steps),
+            steps: steps,
             first: DVec3::new(10.0, 20.0, 30.0),
             centring: Centring::Nodes,
         }

@@ -17,16 +17,17 @@
 
 use super::error::{VolumeFault, refused};
 use super::load_options::AxisOrder;
-use super::orientation::{Axes, Orientation};
-use super::samples::{VolumeRead, check_sizes, read_grid};
+use super::orientation::Axes;
+use super::samples::{VolumeRead, read_grid};
 use super::source::VolumeSource;
-use super::{Centring, Element, Encoding, Endian, LatticeError, Layout, LoadOptions};
+use super::{Centring, Element, Encoding, Endian, Lattice, Layout, LoadOptions};
 use crate::files::misspelling::{escape_remedy, nearest};
+use crate::geometry::InvalidParameter;
 use glam::DVec3;
 use serde::Deserialize;
 use std::io::{BufRead, Read};
 use std::ops::Range;
-use toml::{Spanned, Value};
+use toml::Spanned;
 
 /// Longest description, in bytes: 1 MiB.
 const MOST_BYTES: u64 = 1 << 20;
@@ -47,37 +48,31 @@ pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRe
     volume.read_from(source.open_data(&volume.file, options)?, options)
 }
 
-#[derive(Deserialize)]
+/// A description of a file of raw samples.
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Description {
-    file: Spanned<String>,
-    r#type: Spanned<String>,
-    endian: Option<Spanned<String>>,
-    nodes: Spanned<Value>,
-    spacing: Option<Spanned<Value>>,
-    origin: Option<Spanned<Value>>,
-    centring: Option<Spanned<String>>,
-    axes: Option<Spanned<String>>,
-    encoding: Option<Spanned<String>>,
-    header_bytes: Option<Spanned<Value>>,
+struct RawVolume {
+    file: String,
+    r#type: Spanned<Element>,
+    endian: Option<Endian>,
+    nodes: Spanned<[usize; 3]>,
+    spacing: Option<Spanned<Spacing>>,
+    origin: Option<Spanned<[f64; 3]>>,
+    centring: Option<Centring>,
+    axes: Option<AxisOrder>,
+    encoding: Option<Encoding>,
+    header_bytes: Option<u64>,
 }
 
-/// A whole number that is not negative.
-fn whole(value: &Value) -> Option<u64> {
-    value.as_integer()?.try_into().ok()
-}
-
-fn number(value: &Value) -> Option<f64> {
-    let whole = value.as_integer().map(|whole| whole as f64);
-    whole.or_else(|| value.as_float())
-}
-
-/// Three values, each of which `one` reads.
-fn three<T>(value: &Value, one: fn(&Value) -> Option<T>) -> Option<[T; 3]> {
-    let [x, y, z] = value.as_array()?.as_slice() else {
-        return None;
-    };
-    Some([one(x)?, one(y)?, one(z)?])
+/// The distance between nodes along all axes, or along each.
+#[derive(Debug, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected one number or three, such as [1, 1, 2.5]"
+)]
+enum Spacing {
+    One(f64),
+    Three([f64; 3]),
 }
 
 /// Keys that belong to the scene.
@@ -96,99 +91,81 @@ fn of_parser(message: &str) -> String {
             Some(name) => format!("unknown field `{unknown}`: did you mean `{name}`?"),
             None => message.to_owned(),
         },
-        _ => message.to_owned(),
+        _ => message
+            .replace("expected usize", "expected a whole number, not negative")
+            .replace("expected u64", "expected a whole number, not negative")
+            .replace("expected f64", "expected a number"),
     }
-}
-
-/// A description of a file of raw samples.
-#[derive(Clone, Debug, PartialEq)]
-struct RawVolume {
-    /// As if x ran fastest.
-    layout: Layout,
-    order: AxisOrder,
-    file: String,
-    header_bytes: u64,
 }
 
 impl RawVolume {
     /// Reads a description.
     fn parse(text: &str) -> Result<RawVolume, VolumeFault> {
-        let description: Description = toml::from_str(text).map_err(|error| {
+        let volume: RawVolume = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
+            let before = text[..start].rsplit('\n').next().unwrap_or_default();
+            let key = before.split_once('=').map_or("", |(key, _)| key.trim());
+            let key = if key.is_empty() {
+                String::new()
+            } else {
+                format!("`{key}`: ")
+            };
             let remedy = escape_remedy(text, start).map_or(String::new(), |it| format!("; {it}"));
-            in_line(text, error.span(), &(of_parser(error.message()) + &remedy))
+            in_line(
+                text,
+                error.span(),
+                &(key + &of_parser(error.message()) + &remedy),
+            )
         })?;
-        let written = Written { text };
-        let element = written.value(&description.r#type, one_of("type", &Element::ALL))?;
-        let endians = [("little", Endian::Little), ("big", Endian::Big)];
-        let endian = written.optional(&description.endian, one_of("endian", &endians))?;
-        let centrings = [("nodes", Centring::Nodes), ("cells", Centring::Cells)];
-        let centring = written.optional(&description.centring, one_of("centring", &centrings))?;
-        let order = written.optional(&description.axes, one_of("axes", &AxisOrder::ALL))?;
-        let encodings = [("raw", Encoding::Raw), ("gzip", Encoding::Gzip)];
-        let encoding = written.optional(&description.encoding, one_of("encoding", &encodings))?;
-        if endian.is_none() && element.bytes() > 1 {
+        let element = volume.r#type.get_ref();
+        if volume.endian.is_none() && element.bytes() > 1 {
             let message = format!(
                 "missing `endian`: samples of {} need \"little\" or \"big\"",
                 element.name()
             );
-            return Err(written.fault(&description.r#type, message));
+            return Err(in_line(text, Some(volume.r#type.span()), &message));
         }
-        let sizes = written.value(&description.nodes, |value| {
-            let nodes = three(value, whole)
-                .ok_or("`nodes` must be three whole numbers, such as [256, 256, 113]")?;
-            check_sizes(nodes).map_err(|error| error.to_string())
+        volume.lattice().map_err(|error| {
+            let span = match error.name {
+                "spacing" => volume.spacing.as_ref().map(Spanned::span),
+                "origin" => volume.origin.as_ref().map(Spanned::span),
+                _ => None,
+            };
+            let span = span.unwrap_or(volume.nodes.span());
+            in_line(text, Some(span), &error.message)
         })?;
-        let spacing = written.optional(&description.spacing, |value| {
-            let spacing = three(value, number).or_else(|| Some([number(value)?; 3]));
-            spacing.ok_or("`spacing` must be one number or three, such as [1, 1, 2.5]".to_owned())
-        })?;
-        let first = written.optional(&description.origin, |value| {
-            let first = three(value, number).map(DVec3::from_array);
-            let first = first.ok_or("`origin` must be three numbers, such as [0, 0, 0]")?;
-            let is_place = first.is_finite();
-            is_place
-                .then_some(first)
-                .ok_or(LatticeError::First(first).to_string())
-        })?;
-        let header_bytes = written.optional(&description.header_bytes, |value| {
-            whole(value).ok_or("`header_bytes` must be a whole number, not negative".to_owned())
-        })?;
-        let spacing = DVec3::from_array(spacing.unwrap_or([1.0; 3]));
-        let axes = Axes {
-            centring: centring.unwrap_or_default(),
-            ..Axes::upright(sizes, spacing, first.unwrap_or_default())
+        Ok(volume)
+    }
+
+    /// Positions of the samples, as if x ran fastest.
+    fn lattice(&self) -> Result<Lattice, InvalidParameter> {
+        let spacing = match self.spacing.as_ref().map(Spanned::get_ref) {
+            Some(Spacing::Three(spacing)) => DVec3::from_array(*spacing),
+            Some(Spacing::One(spacing)) => DVec3::splat(*spacing),
+            None => DVec3::ONE,
         };
-        if let Err(error) = axes.placement(None, Orientation::World) {
-            let span = description.spacing.as_ref().map(Spanned::span);
-            return Err(in_line(text, span, &error.to_string()));
-        }
-        if description.file.get_ref().is_empty() {
-            let message = "`file` is empty: it names the file of the samples";
-            return Err(written.fault(&description.file, message));
-        }
-        Ok(RawVolume {
-            layout: Layout {
-                endian: endian.unwrap_or(Endian::Little),
-                encoding: encoding.unwrap_or(Encoding::Raw),
-                ..Layout::raw(element, axes)
-            },
-            order: order.unwrap_or_default(),
-            file: description.file.into_inner(),
-            header_bytes: header_bytes.unwrap_or(0),
-        })
+        let first = self
+            .origin
+            .as_ref()
+            .map_or([0.0; 3], |origin| *origin.get_ref());
+        let lattice = Lattice::new(*self.nodes.get_ref(), spacing, first.into())?;
+        lattice.with_centring(self.centring.unwrap_or_default())
     }
 
     fn read_from(&self, source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-        let (header_bytes, bytes) = (self.header_bytes, source.remaining());
+        let (header_bytes, bytes) = (self.header_bytes.unwrap_or(0), source.remaining());
         if header_bytes > bytes {
             return refused(format!(
                 "`header_bytes` is {header_bytes}, and the file of the samples has {bytes} bytes"
             ));
         }
         source.skip(header_bytes)?;
-        let mut layout = self.layout;
-        if options.axes.unwrap_or(self.order) == AxisOrder::Xyz {
+        let mut layout = Layout {
+            endian: self.endian.unwrap_or(Endian::Little),
+            encoding: self.encoding.unwrap_or(Encoding::Raw),
+            ..Layout::raw(*self.r#type.get_ref(), Axes::of(&self.lattice()?))
+        };
+        if options.axes.or(self.axes).unwrap_or_default() == AxisOrder::Xyz {
             layout.axes = layout.axes.reversed();
         }
         let packed = source.fill_buf()?.starts_with(&[0x1f, 0x8b]);
@@ -208,50 +185,6 @@ impl RawVolume {
                 _ => return fault,
             };
             format!("{fault}; {remedy}").into()
-        })
-    }
-}
-
-/// Values of a description, with their places in its text.
-struct Written<'t> {
-    text: &'t str,
-}
-
-impl Written<'_> {
-    /// A value, by `read`, or its message at its place.
-    fn value<T, R>(
-        &self,
-        value: &Spanned<T>,
-        read: impl FnOnce(&T) -> Result<R, String>,
-    ) -> Result<R, VolumeFault> {
-        read(value.get_ref()).map_err(|message| self.fault(value, message))
-    }
-
-    /// The same of a value that may be left out.
-    fn optional<T, R>(
-        &self,
-        value: &Option<Spanned<T>>,
-        read: impl FnOnce(&T) -> Result<R, String>,
-    ) -> Result<Option<R>, VolumeFault> {
-        let value = value.as_ref();
-        value.map(|value| self.value(value, read)).transpose()
-    }
-
-    fn fault<T>(&self, value: &Spanned<T>, message: impl AsRef<str>) -> VolumeFault {
-        in_line(self.text, Some(value.span()), message.as_ref())
-    }
-}
-
-/// The value that a word at `key` stands for.
-fn one_of<T: Copy>(key: &str, words: &[(&str, T)]) -> impl FnOnce(&String) -> Result<T, String> {
-    move |word| {
-        let found = words.iter().find(|(name, _)| name == word);
-        found.map(|(_, value)| *value).ok_or_else(|| {
-            let known: Vec<_> = words.iter().map(|(name, _)| format!("{name:?}")).collect();
-            format!(
-                "`{key}` must be one of {}, but is {word:?}",
-                known.join(", ")
-            )
         })
     }
 }
@@ -311,12 +244,11 @@ mod tests {
                 "nonsense = 1\nfile = ",
                 "1:1: unknown field `nonsense`, expected one of",
             ),
-            ("\"a.raw\"", "\"\"", "1:8: `file` is empty"),
             ("\"a.raw\"", "a.raw", "1:8: "),
             (
                 "int16",
                 "short",
-                "2:8: `type` must be one of \"int8\", \"uint8\"",
+                "2:8: `type`: unknown variant `short`, expected one of `int8`, `uint8`",
             ),
             (
                 "endian = \"big\"\n",
@@ -326,7 +258,7 @@ mod tests {
             (
                 "\"big\"",
                 "\"middle\"",
-                "3:10: `endian` must be one of \"little\", \"big\"",
+                "3:10: `endian`: unknown variant `middle`, expected `little` or `big`",
             ),
             (
                 "[2, 1, 1]",
@@ -336,27 +268,27 @@ mod tests {
             (
                 "[2, 1, 1]",
                 "[2, -1, 1]",
-                "4:9: `nodes` must be three whole numbers",
+                "4:13: `nodes`: invalid value: integer `-1`, expected a whole number, not negative",
             ),
             (
                 "nodes",
                 "header_bytes = -1\nnodes",
-                "4:16: `header_bytes` must be a whole number",
+                "4:16: `header_bytes`: invalid value: integer `-1`, expected a whole number",
             ),
             (
                 "nodes",
                 "spacing = [1, 2]\nnodes",
-                "4:11: `spacing` must be one number or three",
+                "4:11: `spacing`: expected one number or three",
             ),
             (
                 "nodes",
                 "spacing = \"1\"\nnodes",
-                "4:11: `spacing` must be one number or three",
+                "4:11: `spacing`: expected one number or three",
             ),
             (
                 "nodes",
                 "origin = 0\nnodes",
-                "4:10: `origin` must be three numbers",
+                "4:10: `origin`: invalid type: integer `0`, expected an array of length 3",
             ),
             (
                 "[2, 1, 1]",
@@ -366,7 +298,7 @@ mod tests {
             (
                 "[2, 1, 1]",
                 "[2, 1]",
-                "4:9: `nodes` must be three whole numbers",
+                "4:9: `nodes`: invalid length 2, expected an array of length 3",
             ),
             (
                 "nodes",
@@ -391,7 +323,7 @@ mod tests {
             (
                 "nodes",
                 "encoding = \"hex\"\nnodes",
-                "4:12: `encoding` must be one of \"raw\"",
+                "4:12: `encoding`: unknown variant `hex`, expected `raw` or `gzip`",
             ),
             ("nodes = [2, 1, 1]\n", "", "1:1: missing field `nodes`"),
         ] {

@@ -7,17 +7,20 @@
 use super::error::{VolumeFault, refused};
 use super::orientation::Axes;
 use super::source::VolumeSource;
-use super::{Grid, Lattice, LatticeError, LoadOptions, NonFinite};
+use super::{Grid, Lattice, LoadOptions, NonFinite};
 use crate::files::decoder::Guarded;
 use crate::files::gzip;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, InvalidParameter};
+use glam::DVec3;
+use serde::Deserialize;
 use std::io::{self, BufRead, Read};
 
 /// Declares the types of samples, one a row: name, type of Rust, and whether it is of whole numbers.
 macro_rules! elements {
     ($($(#[$doc:meta])+ $variant:ident = $name:literal, $kind:ident $type:ty;)+) => {
         /// The type of a stored sample.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+        #[serde(rename_all = "lowercase")]
         pub enum Element { $($(#[$doc])+ $variant,)+ }
 
         impl Element {
@@ -98,7 +101,8 @@ impl Element {
 }
 
 /// The order of the bytes of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum Endian {
     /// Least significant byte first.
     Little,
@@ -107,15 +111,18 @@ pub enum Endian {
 }
 
 /// Encoding of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum Encoding {
     /// Binary, as in memory.
     Raw,
     /// Raw, then compressed by gzip.
     Gzip,
     /// Raw, then compressed by zlib.
+    #[serde(skip)]
     Zlib,
     /// As decimal numbers with blanks or commas between them.
+    #[serde(skip)]
     Text,
 }
 
@@ -579,9 +586,48 @@ pub(super) fn fill(source: &mut dyn Read, bytes: &mut [u8]) -> io::Result<usize>
     Ok(filled)
 }
 
+/// The first `N` words of 32 bits of a file, little endian: its header.
+pub(super) struct Words<const N: usize>(pub [[u8; 4]; N]);
+
+impl<const N: usize> Words<N> {
+    pub(super) fn read(source: &mut dyn Read) -> Result<Words<N>, VolumeFault> {
+        let mut words = [[0; 4]; N];
+        let filled = fill(source, words.as_flattened_mut())?;
+        if filled < 4 * N {
+            return refused(format!(
+                "the file ends after {filled} of the {} bytes of its header",
+                4 * N
+            ));
+        }
+        Ok(Words(words))
+    }
+
+    pub(super) fn int(&self, word: usize) -> i32 {
+        i32::from_le_bytes(self.0[word])
+    }
+
+    /// Three numbers from this word on.
+    pub(super) fn vector(&self, word: usize) -> DVec3 {
+        let number = |axis| f64::from(f32::from_le_bytes(self.0[word + axis]));
+        DVec3::new(number(0), number(1), number(2))
+    }
+
+    /// Samples along three axes, from this word on.
+    pub(super) fn sizes(&self, word: usize) -> Result<[usize; 3], VolumeFault> {
+        let counts @ [nx, ny, nz] = [0, 1, 2].map(|axis| self.int(word + axis));
+        if counts.iter().any(|&count| count < 1) {
+            return refused(format!(
+                "the header gives {nx} × {ny} × {nz} samples, and each axis needs at least 1: is this file little \
+                 endian?"
+            ));
+        }
+        Ok(check_sizes(counts.map(|count| count as u64))?)
+    }
+}
+
 /// Checks that a file may have `sizes` samples: what [`Lattice::check_count`] says about nodes, none
 /// of which is beyond 2³¹ then.
-pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
+pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], InvalidParameter> {
     Lattice::check_count(sizes)?;
     Ok(sizes.map(|size| size as usize))
 }
@@ -589,7 +635,6 @@ pub(super) fn check_sizes(sizes: [u64; 3]) -> Result<[usize; 3], LatticeError> {
 #[cfg(test)]
 mod tests {
     use super::super::Centring;
-    use super::super::orientation::AxisSteps;
     use super::*;
     use glam::DVec3;
     use std::io::Write;
@@ -598,7 +643,7 @@ mod tests {
         Layout {
             axes: Axes {
                 sizes,
-                steps: AxisSteps::Upright(DVec3::ONE),
+                steps: DVec3::AXES,
                 first: DVec3::ZERO,
                 centring: Centring::Nodes,
             },

@@ -1,8 +1,8 @@
 //! Splatting of a point cloud: every point shares its weight among the nodes around it.
 
 use super::error::{VolumeFault, refused};
-use super::{CloudPoint, Grid, Lattice, LatticeError};
-use crate::geometry::Aabb;
+use super::{CloudPoint, Grid, Lattice};
+use crate::geometry::{Aabb, InvalidParameter};
 use glam::DVec3;
 
 /// Resolution of the grid of a point cloud.
@@ -156,9 +156,7 @@ impl SplatFrame {
                  no room for the cloud: use at least {least}"
             )));
         }
-        if resolution > Lattice::MOST_NODES {
-            return Err(LatticeError::TooLarge(resolution as u64, 1, 1).into());
-        }
+        Lattice::check_count([resolution as u64, 1, 1])?;
         let spacing = extent / intervals as f64;
         let largest = min.abs().max(max.abs()).max_element();
         let tolerance = tolerance(largest, spacing, intervals);
@@ -194,7 +192,7 @@ impl SplatFrame {
         )
     }
 
-    fn lattice(&self) -> Result<Lattice, LatticeError> {
+    fn lattice(&self) -> Result<Lattice, InvalidParameter> {
         // Whole multiples of the spacing have become whole numbers and gain no node.
         let intervals = self.coordinates(self.max).ceil();
         let nodes = intervals

@@ -138,7 +138,7 @@ inf.nrrd | inf.nrrd:7: `axis mins` must be a finite number
 cut.nrrd | cut.nrrd:8:5: sample 5 is "60", the last of the text, with nothing behind it
 list.nhdr | list.nhdr:6: the data are spread over several files (a list)
 text.nhdr | text.nhdr: its data file text.txt:3:3: sample 4 is "300", no uint8
-zero.nii | zero.nii: `sform_code` is 1, but `srow_x`, `srow_y` and `srow_z` give no axis a direction"#.lines() {
+zero.nii | zero.nii: `sform_code` is 1, but `srow_x[0]`, `srow_y[0]` and `srow_z[0]` are all zero"#.lines() {
         let (file, part) = row.split_once(" | ").unwrap();
         folder.volref(&["info", file]).expect(2, part);
     }
@@ -229,9 +229,9 @@ packed.nii | begins like a file compressed by gzip … so that it ends in .nii.g
 text.nii | begins like an NRRD file … so that it ends in .nrrd
 nifti.nrrd | begins like a NIfTI-1 file … so that it ends in .nii
 meta.nrrd | begins like a MetaImage … so that it ends in .mha
-nodes.toml | nodes.toml:3:9:  … `nodes` must be three whole numbers
-spacing.toml | spacing.toml:4:11:  … `spacing` must be one number or three
-negative.toml | negative.toml:4:16:  … a whole number, not negative
+nodes.toml | nodes.toml:3:10: `nodes`: invalid type: floating point … expected a whole number
+spacing.toml | spacing.toml:4:11:  … `spacing`: expected one number or three
+negative.toml | negative.toml:4:16: … a whole number, not negative
 unknown.toml | unknown.toml:4:1: unknown field … did you mean `spacing`?
 gzip.toml | begin like gzip … `encoding = \"gzip\"`
 plain.toml | do not begin like gzip … leave out `encoding`

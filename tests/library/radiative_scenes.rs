@@ -626,7 +626,7 @@ fn densities_that_are_none() {
     14:17: [radiative.medium[0]] mixes `procedural` with `interpolation` help: give either `procedural` or `interpolation`
     13:23: there is no file none.xml
     13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
-    16:3: unknown element <flaot> help: did you mean <float>?
+    16:3: unknown element <flaot> help: a procedural medium may hold <color>, <float>, <integer>, <vector>, such as <float name="g" value="0.5"/> for the mean cosine of Henyey and Greenstein's phase function
     16:32: `sigma_a` must be three numbers, not 2
     "#);
 }
@@ -694,9 +694,9 @@ fn shapes() {
     8:7: the box is a line or a point: no ray can meet it help: give `max` larger coordinates than `min` on two axes or all three
     8:17: there is no file none.obj
     8:17: cannot read the mesh folder.obj: this is a directory, not a file
-    8:17: points.obj: the mesh has no faces; a file of bare points is a point cloud, not a mesh
+    8:17: points.obj: the mesh has no faces: export it as polygons; a file of bare points is a point cloud
     8:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
-    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium or glass needs a closed boundary, so fill the hole
+    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium or glass needs a closed boundary, so fill the hole, or merge vertices by distance where they almost coincide, for instance in Blender or MeshLab
     12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
     12:7: the box is flat: it has no inside, as a medium needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box` help: keep at most one of `sphere`, `box`

@@ -1,28 +1,25 @@
 //! Checks across keys: valid parts that cannot be rendered together.
 
 use super::media::DEEPEST_TRACKED;
-use super::{AreaLight, Body, Object, Scattering};
+use super::{Body, Object, Radiative, Scattering};
 use crate::geometry::{Aabb, Emitter, Luminous, Shape, Surface, length_of};
 use crate::optics::{Light, Material};
 use crate::scene::SceneResult;
 use crate::scene::reader::Reader;
 use glam::DVec3;
 
-/// Parts of a scene with the tables they were read from.
-pub(super) struct SceneParts<'r, 'd, 's> {
+/// A scene with the tables that it was read from.
+pub(super) struct Contradictions<'r, 'd, 's> {
+    pub scene: &'r Radiative,
     /// `[radiative]`.
     pub reader: &'r Reader<'d, 's>,
-    pub scattering: Scattering,
-    pub environment: DVec3,
-    pub objects: &'r [Object],
-    pub area_lights: &'r [AreaLight],
-    pub media: &'r [(Reader<'d, 's>, Body)],
-    pub lights: &'r [(Reader<'d, 's>, Light)],
+    pub media: &'r [Reader<'d, 's>],
+    pub lights: &'r [Reader<'d, 's>],
 }
 
 const BOUND_IT: &str = "give the medium a boundary: a `sphere`, `box` or closed `mesh`";
 
-impl SceneParts<'_, '_, '_> {
+impl<'d, 's> Contradictions<'_, 'd, 's> {
     /// Refuses scenes whose light is infinite, never arrives, or cannot be found.
     pub(super) fn check(&self) -> SceneResult<()> {
         self.check_light_that_diverges()?;
@@ -32,10 +29,17 @@ impl SceneParts<'_, '_, '_> {
         self.check_light_that_no_path_meets()
     }
 
+    fn media(&self) -> impl Iterator<Item = (&Reader<'d, 's>, &Body)> {
+        self.media.iter().zip(&self.scene.media)
+    }
+
+    fn lights(&self) -> impl Iterator<Item = (&Reader<'d, 's>, &Light)> {
+        self.lights.iter().zip(&self.scene.lights)
+    }
+
     /// Media without boundary, where they are all that there is far away: they add up.
-    fn unbounded(&self) -> impl Iterator<Item = &(Reader<'_, '_>, Body)> {
-        let media = self.media.iter();
-        media.filter(|(_, body)| body.boundary.is_none())
+    fn unbounded(&self) -> impl Iterator<Item = (&Reader<'d, 's>, &Body)> {
+        self.media().filter(|(_, body)| body.boundary.is_none())
     }
 
     fn far_away(&self, quantity: impl Fn(&Body) -> DVec3) -> DVec3 {
@@ -56,14 +60,9 @@ impl SceneParts<'_, '_, '_> {
             }
             let scatters = body.medium.coefficients.sigma_s().cmpgt(DVec3::ZERO);
             let for_ever = (scatters & sigma_a.cmpeq(DVec3::ZERO)).any();
-            if for_ever && self.scattering == Scattering::Multiple(None) {
-                let key = if reader.has("albedo") {
-                    "albedo"
-                } else {
-                    "sigma_s"
-                };
+            if for_ever && self.scene.scattering == Scattering::Multiple(None) {
                 return Err(reader.mistake(
-                    key,
+                    reader.first_of(&["albedo"]).unwrap_or("sigma_s"),
                     "a medium that fills all space and scatters without absorbing scatters \
                      light for ever",
                     format!(
@@ -84,12 +83,12 @@ impl SceneParts<'_, '_, '_> {
         let help = format!(
             "{BOUND_IT}; or light the scene from within, by emitting surfaces, points or spots"
         );
-        if self.environment != DVec3::ZERO {
+        if self.scene.environment != DVec3::ZERO {
             let message = "`environment` is infinitely far away, and a medium fills all space: \
             none of its light arrives";
             return Err(self.reader.mistake("environment", message, help));
         }
-        for (reader, light) in self.lights {
+        for (reader, light) in self.lights() {
             if matches!(light, Light::Directional(light) if light.irradiance != DVec3::ZERO) {
                 let message = "a directional light is infinitely far away, and a medium fills all \
                 space: none of its light arrives";
@@ -104,15 +103,13 @@ impl SceneParts<'_, '_, '_> {
     /// null in a channel as dense as that; in its other channels they are.
     fn check_collisions_without_end(&self) -> SceneResult<()> {
         let bounds = |body: &Body| body.boundary.as_ref().map(Surface::bounds);
-        for (_, heterogeneous) in self
+        let varying = self
+            .scene
             .media
             .iter()
-            .filter(|(_, body)| body.homogeneous().is_none())
-        {
-            let Some(space) = bounds(heterogeneous) else {
-                continue;
-            };
-            for (reader, other) in self.media {
+            .filter(|it| it.homogeneous().is_none());
+        for space in varying.filter_map(bounds) {
+            for (reader, other) in self.media() {
                 let Some(medium) = other.homogeneous() else {
                     continue;
                 };
@@ -147,14 +144,13 @@ impl SceneParts<'_, '_, '_> {
     fn check_lights_in_surfaces(&self) -> SceneResult<()> {
         let help = "move the light a little off the surface, to the side that it shines on";
         let rectangles = || {
-            self.objects
-                .iter()
-                .filter_map(|object| match &object.shape {
-                    Shape::Rectangle(rectangle) => Some(rectangle),
-                    _ => None,
-                })
+            let objects = self.scene.objects.iter();
+            objects.filter_map(|object| match &object.shape {
+                Shape::Rectangle(rectangle) => Some(rectangle),
+                _ => None,
+            })
         };
-        for (reader, light) in self.lights {
+        for (reader, light) in self.lights() {
             let inside = |position| rectangles().any(|rectangle| rectangle.holds(position));
             if light.position().is_some_and(inside) {
                 let key = match light {
@@ -167,7 +163,7 @@ impl SceneParts<'_, '_, '_> {
         }
         // Nine places tell whether two rectangles in a plane overlap, but for slivers.
         let grid = [0.0, 0.5, 1.0];
-        for light in self.area_lights {
+        for light in &self.scene.area_lights {
             let Luminous::Rectangle(lamp) = &light.shape else {
                 continue;
             };
@@ -186,7 +182,7 @@ impl SceneParts<'_, '_, '_> {
     }
 
     fn check_light_that_no_path_meets(&self) -> SceneResult<()> {
-        if !matches!(self.scattering, Scattering::Multiple(_)) {
+        if !matches!(self.scene.scattering, Scattering::Multiple(_)) {
             return Ok(());
         }
         let named = |object: &Object| match object.material {
@@ -194,9 +190,10 @@ impl SceneParts<'_, '_, '_> {
             Material::Mirror(_) => Some("mirror"),
             Material::Glass(_) => Some("glass"),
         };
-        let (Some((reader, light)), Some(material)) =
-            (self.lights.first(), self.objects.iter().find_map(named))
-        else {
+        let (Some((reader, light)), Some(material)) = (
+            self.lights().next(),
+            self.scene.objects.iter().find_map(named),
+        ) else {
             return Ok(());
         };
         let (key, instead) = match light {

@@ -3,7 +3,7 @@
 use super::check_radiance;
 use super::shapes::FARTHEST;
 use crate::geometry::Direction;
-use crate::optics::{Directional, Light, Point, Spot, SpotError};
+use crate::optics::{Directional, Light, Point, Spot};
 use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
@@ -70,13 +70,7 @@ pub(super) fn read(reader: &Reader) -> SceneResult<Light> {
             [spot.inner_angle, spot.outer_angle],
         );
         let spot = Spot::new(spot.position, axis, spot.intensity, angles);
-        return spot.map(Light::Spot).map_err(|error| {
-            let key = match error {
-                SpotError::NoDirection => "target",
-                SpotError::Angles { .. } => "outer_angle",
-            };
-            table.error(key, error.to_string())
-        });
+        return table.accepted(spot).map(Light::Spot);
     }
     let table = reader.table("directional")?.expect("one of the lights");
     let read = DirectionalTable::read(&table)?;

@@ -41,15 +41,15 @@ impl ShapeTransform {
         let mut scale = DVec3::ONE;
         if let Some(factors) = reader.optional("scale")? {
             scale = factors;
-            transform = reader.accepted_at("scale", Transform::scale(factors))?;
+            transform = reader.accepted(Transform::scale(factors))?;
         }
         if let Some(rotation) = reader.table("rotate")? {
             let Rotation { axis, angle } = Record::read(&rotation)?;
-            let turn = rotation.accepted_at("axis", Transform::rotation(axis, angle))?;
+            let turn = rotation.accepted(Transform::rotation(axis, angle))?;
             transform = transform.then(&turn);
         }
         if let Some(offset) = reader.optional("translate")? {
-            let shift = reader.accepted_at("translate", Transform::translation(offset))?;
+            let shift = reader.accepted(Transform::translation(offset))?;
             transform = transform.then(&shift);
         }
         Ok(ShapeTransform {

@@ -2,8 +2,8 @@
 
 use super::shape_transform::{self, ShapeTransform};
 use crate::geometry::{
-    Aabb, Boundary, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape, ShapeError,
-    Sphere, Surface, Transform, length_of,
+    Aabb, Boundary, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape, Sphere, Surface,
+    Transform, length_of,
 };
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
@@ -88,23 +88,17 @@ fn base_shape(
 
 fn read_sphere(reader: &Reader) -> SceneResult<Sphere> {
     let SphereTable { centre, radius } = Record::read(reader)?;
-    reader.accepted_at("radius", Sphere::new(centre, radius))
+    reader.accepted(Sphere::new(centre, radius))
 }
 
 pub(in crate::scene) fn read_box(reader: &Reader) -> SceneResult<Aabb> {
     let BoxTable { min, max } = Record::read(reader)?;
-    reader.accepted_at("min", Aabb::new(min, max))
+    reader.accepted(Aabb::new(min, max))
 }
 
 fn read_rectangle(reader: &Reader) -> SceneResult<Rectangle> {
     let table = RectangleTable::read(reader)?;
-    Rectangle::new(table.corner, table.edge_u, table.edge_v).map_err(|error| {
-        let key = match error {
-            ShapeError::NoArea(..) => "edge_v",
-            _ => "corner",
-        };
-        reader.error(key, error.to_string())
-    })
+    reader.accepted(Rectangle::new(table.corner, table.edge_u, table.edge_v))
 }
 
 /// The shape of a surface that reflects or refracts. A `solid` one must have an inside, if it is

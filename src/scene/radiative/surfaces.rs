@@ -1,6 +1,6 @@
 //! Surfaces: a shape with a material.
 
-use super::{AreaLight, Object, check_radiance, shapes};
+use super::{AreaLight, Object, Radiative, check_radiance, shapes};
 use crate::optics::{Material, Sides};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
@@ -60,25 +60,18 @@ const MIRROR: Table = Table {
     ..DIFFUSE
 };
 
-/// A surface, of either kind.
-pub(super) enum SurfaceKind {
-    /// Scatters light.
-    Object(Object),
-    /// Emits light.
-    AreaLight(AreaLight),
-}
-
-/// Reads one `[[radiative.surface]]`.
-pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<SurfaceKind> {
+/// Reads one `[[radiative.surface]]` into `scene`.
+pub(super) fn read(reader: &Reader, files: &mut Files, scene: &mut Radiative) -> SceneResult<()> {
     if let Some(table) = reader.table("emitter")? {
         let shape = shapes::luminous(reader, files)?;
-        let emitter = Emitter::read(&table)?;
-        check_radiance(&table, "radiance", emitter.radiance)?;
-        return Ok(SurfaceKind::AreaLight(AreaLight {
+        let Emitter { radiance, sides } = Record::read(&table)?;
+        check_radiance(&table, "radiance", radiance)?;
+        scene.area_lights.push(AreaLight {
             shape,
-            radiance: emitter.radiance,
-            sides: emitter.sides,
-        }));
+            radiance,
+            sides,
+        });
+        return Ok(());
     }
     let glass = reader.table("glass")?;
     let shape = shapes::shape(reader, files, glass.is_some())?;
@@ -89,5 +82,6 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<SurfaceKin
     } else {
         Material::Glass(Glass::read(&glass.expect("one of the materials"))?.index)
     };
-    Ok(SurfaceKind::Object(Object { shape, material }))
+    scene.objects.push(Object { shape, material });
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use super::{Origin, Reader};
 use crate::files::misspelling::nearest;
 use crate::math::srgb_to_linear;
-use crate::scene::format::{Absent, Kind, Table, whole_number};
+use crate::scene::format::{Absent, Kind, whole_number};
 use crate::scene::length::Length;
 use crate::scene::{SceneError, SceneResult};
 use glam::DVec3;
@@ -91,13 +91,14 @@ impl Value for u32 {
 
 impl<T: Value + Copy + Default, const N: usize> Value for [T; N] {
     fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<[T; N]> {
-        let items = array(value).filter(|items| items.len() == N);
+        let items: Option<&[_; N]> = array(value).and_then(|items| items.try_into().ok());
         let mut read = [T::default(); N];
-        for (item, value) in read
-            .iter_mut()
-            .zip(items.ok_or_else(|| reader.wrong_form(name))?)
+        for (at, item) in items
+            .ok_or_else(|| reader.wrong_form(name))?
+            .iter()
+            .enumerate()
         {
-            *item = T::read(reader, name, value)?;
+            read[at] = T::read(reader, name, item)?;
         }
         Ok(read)
     }
@@ -252,17 +253,13 @@ impl<'d, 's> Reader<'d, 's> {
     /// A declared [`Kind::Table`], if the file has it. One that may be left out but has
     /// defaults for all its keys is `Reader::table_or_default`.
     pub fn table(&self, name: &str) -> SceneResult<Option<Reader<'d, 's>>> {
-        match self.value(name) {
-            Some(value) => {
-                let path = self.key_path(name);
-                self.table_in(name, self.declared_table(name), value, path)
-                    .map(Some)
-            }
-            None if matches!(self.declared(name).absent, Absent::Error) => {
-                Err(self.missing_table(name))
-            }
-            None => Ok(None),
-        }
+        let Some(value) = self.value(name) else {
+            return match self.declared(name).absent {
+                Absent::Error => Err(self.missing_table(name)),
+                _ => Ok(None),
+            };
+        };
+        self.table_in(name, value, self.key_path(name)).map(Some)
     }
 
     fn missing_table(&self, name: &str) -> Box<SceneError> {
@@ -290,12 +287,11 @@ impl<'d, 's> Reader<'d, 's> {
     fn table_in(
         &self,
         name: &str,
-        declaration: &'static Table,
         value: &'d Spanned<DeValue<'s>>,
         path: String,
     ) -> SceneResult<Reader<'d, 's>> {
         match value.get_ref() {
-            DeValue::Table(table) => self.inner(declaration, table, value.span(), path),
+            DeValue::Table(table) => self.inner(name, table, value.span(), path),
             _ => Err(self.wrong_type(name, value)),
         }
     }
@@ -303,30 +299,20 @@ impl<'d, 's> Reader<'d, 's> {
     /// A declared [`Kind::Tables`]: each of them, in the order of the file; none where the file
     /// leaves it out.
     pub fn tables(&self, name: &str) -> SceneResult<Vec<Reader<'d, 's>>> {
-        let (Kind::Tables(declaration) | Kind::OneOrMore(declaration)) = self.declared(name).kind
-        else {
-            panic!("{name} is not a list of tables")
-        };
         let Some(value) = self.value(name) else {
             return Ok(Vec::new());
         };
-        let table = |(index, item)| {
-            let path = format!("{}[{index}]", self.key_path(name));
-            self.table_in(name, declaration, item, path)
-        };
+        let table =
+            |(index, item)| self.table_in(name, item, format!("{}[{index}]", self.key_path(name)));
         let items = array(value).ok_or_else(|| self.wrong_type(name, value))?;
         items.iter().enumerate().map(table).collect()
     }
 
     /// A declared [`Kind::OneOrMore`], which is there: one table, or each of several.
     pub(crate) fn one_or_more(&self, name: &str) -> SceneResult<Vec<Reader<'d, 's>>> {
-        let Kind::OneOrMore(declaration) = self.declared(name).kind else {
-            panic!("{name} is not a table or several")
-        };
         match self.value(name) {
             Some(one) if one.get_ref().is_table() => {
-                let table = self.table_in(name, declaration, one, self.key_path(name))?;
-                Ok(vec![table])
+                Ok(vec![self.table_in(name, one, self.key_path(name))?])
             }
             Some(several) if array(several).is_some_and(<[_]>::is_empty) => {
                 Err(self.error(name, format!("`{name}` is empty")))
@@ -342,15 +328,7 @@ impl<'d, 's> Reader<'d, 's> {
         if let Some(reader) = self.table(name)? {
             return Ok(reader);
         }
-        let (declaration, path) = (self.declared_table(name), self.key_path(name));
-        self.inner(declaration, &EMPTY, self.span.clone(), path)
-    }
-
-    fn declared_table(&self, name: &str) -> &'static Table {
-        match self.declared(name).kind {
-            Kind::Table(declaration) => declaration,
-            _ => panic!("{name} is not a table"),
-        }
+        self.inner(name, &EMPTY, self.span.clone(), self.key_path(name))
     }
 }
 

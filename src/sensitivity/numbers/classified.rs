@@ -1,7 +1,7 @@
 //! Numbers of classified volumes.
 
 use super::{Number, Quantity, of_axes};
-use crate::geometry::{Transform, TransformError};
+use crate::geometry::{InvalidParameter, Transform};
 use crate::optics::Phong;
 use crate::scene::{Classified, Mode, Model, Panel, Projected};
 use glam::DVec3;
@@ -154,7 +154,7 @@ pub(super) fn turn_and_size() -> impl Iterator<Item = Number> {
 
 /// A map about the centre of the volume by `change`: before the one that places it, or after.
 fn placed(
-    map: impl Fn(f64) -> Result<Transform, TransformError> + Send + Sync,
+    map: impl Fn(f64) -> Result<Transform, InvalidParameter> + Send + Sync,
     before: bool,
 ) -> impl Fn(&mut Panel, f64) -> Option<()> + Send + Sync {
     move |panel, change| {

@@ -92,7 +92,8 @@ pub(super) fn take(fields: &mut HeaderFields, text: &str, line: usize) -> Result
     if field == "data file" {
         // Here, as a list of names follows the field up to the end of the header.
         let name = field;
-        HeaderField { name, value, line }.check_one_file()?;
+        HeaderField { name, value, line }
+            .one_file("join them into one, as by `unu save -f nrrd -i several.nhdr -o one.nrrd`")?;
     }
     fields.add(field, value, line)
 }

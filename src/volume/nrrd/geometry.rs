@@ -3,7 +3,7 @@
 use crate::volume::Centring;
 use crate::volume::error::{VolumeFault, refused};
 use crate::volume::header_field::{HeaderField, HeaderFields, shortened};
-use crate::volume::orientation::{Axes, AxisSteps};
+use crate::volume::orientation::Axes;
 use crate::volume::samples::check_sizes;
 use glam::DVec3;
 
@@ -34,25 +34,22 @@ pub(super) fn space(fields: &HeaderFields) -> Option<&'static str> {
     found.map(|(name, _)| *name)
 }
 
-/// Refuses lengths that are not comparable.
-fn check_units(
-    fields: &HeaderFields,
-    dimension: usize,
-    kept: [usize; 3],
-) -> Result<(), VolumeFault> {
-    for name in ["units", "space units"] {
-        let Some(field) = fields.get(name) else {
-            continue;
-        };
+/// Refuses lengths of axes that are not comparable.
+fn check_units(fields: &HeaderFields, all: usize, kept: [usize; 3]) -> Result<(), VolumeFault> {
+    for field in ["units", "space units"]
+        .iter()
+        .filter_map(|name| fields.get(name))
+    {
         let mut units = field.units();
-        if name == "units" && units.len() == dimension {
+        if field.name == "units" && units.len() == all {
             units = kept.map(|axis| units[axis]).to_vec();
         }
         units.retain(|unit| !["", "???", "none"].contains(unit));
         if units.windows(2).any(|pair| pair[0] != pair[1]) {
             return Err(field.fault(&format!(
-                "`{name}` differ between the axes of space, {}: write all positions in one \
-                 unit, and the field accordingly",
+                "`{}` differ between the axes of space, {}: write all positions in one unit, and the field \
+                 accordingly",
+                field.name,
                 shortened(field.value)
             )));
         }
@@ -116,20 +113,17 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
     check_units(fields, dimension, kept)?;
     let mut axes = Axes {
         sizes: check_sizes(kept.map(|axis| sizes[axis]))?,
-        steps: AxisSteps::Upright(DVec3::ONE),
+        steps: DVec3::AXES,
         first: DVec3::ZERO,
         centring: centring(fields, dimension, kept)?,
     };
-    let spacings = numbers(
-        fields,
-        "spacings",
-        "finite, non-zero",
-        f64::is_normal,
-        dimension,
-        kept,
-    )?;
-    let ends = |name| numbers(fields, name, "finite", f64::is_finite, dimension, kept);
-    let (mins, maxs) = (ends("axis mins")?, ends("axis maxs")?);
+    let numbers = |name, expected, accepts: fn(f64) -> bool| match fields.get(name) {
+        Some(field) => numbers(field, expected, accepts, dimension, kept),
+        None => Ok([None; 3]),
+    };
+    let spacings = numbers("spacings", "finite, non-zero", f64::is_normal)?;
+    let mins = numbers("axis mins", "finite", f64::is_finite)?;
+    let maxs = numbers("axis maxs", "finite", f64::is_finite)?;
     let known = |numbers: [Option<f64>; 3]| numbers.iter().any(Option::is_some);
     let origin = match fields.get("space origin") {
         Some(field) => field.vector_in(field.value)?,
@@ -146,26 +140,18 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
                 return Err(both("space directions", name));
             }
         }
-        let steps = kept.map(|axis| directions[axis].expect("the axes of space have one"));
-        axes.steps = AxisSteps::Directed(steps);
+        axes.steps = kept.map(|axis| directions[axis].expect("the axes of space have one"));
         return Ok(axes);
     }
     if origin.is_some() && (known(mins) || known(maxs)) {
         return Err(both("space origin", "axis mins or axis maxs"));
     }
-    let mut spacing = DVec3::ONE;
     for axis in 0..3 {
         let stated = [spacings[axis], mins[axis], maxs[axis]];
-        let first;
-        (spacing[axis], first) = resolved(kept[axis] + 1, axes.sizes[axis], axes.centring, stated)?;
+        let (spacing, first) = resolved(kept[axis] + 1, axes.sizes[axis], axes.centring, stated)?;
+        axes.steps[axis] *= spacing;
         axes.first[axis] = first.unwrap_or(axes.first[axis]);
     }
-    axes.steps = if spacing.cmpgt(DVec3::ZERO).all() {
-        AxisSteps::Upright(spacing)
-    } else {
-        // An axis that runs backwards.
-        AxisSteps::Directed([0, 1, 2].map(|axis| DVec3::AXES[axis] * spacing[axis]))
-    };
     Ok(axes)
 }
 
@@ -196,16 +182,12 @@ fn centring(
 
 /// Numbers of the axes that are kept; `None` where they are unknown.
 fn numbers(
-    fields: &HeaderFields,
-    name: &'static str,
+    field: HeaderField,
     expected: &str,
-    accepts: impl Fn(f64) -> bool,
+    accepts: fn(f64) -> bool,
     dimension: usize,
     kept: [usize; 3],
 ) -> Result<[Option<f64>; 3], VolumeFault> {
-    let Some(field) = fields.get(name) else {
-        return Ok([None; 3]);
-    };
     let wrong = || {
         field.wrong(&format!(
             "a {expected} number for each axis, or NaN if unknown"

@@ -3,8 +3,8 @@
 use super::margin::{Margin, U};
 use super::scenes::*;
 use crate::geometry::{
-    Aabb, Camera, ClosedMesh, Direction, Emitter, Mesh, Placed, Ray, Rectangle, ShapeError, Side,
-    Solid, Span, Surface, Transform,
+    Aabb, Camera, ClosedMesh, Direction, Emitter, Mesh, Placed, Ray, Rectangle, Side, Solid, Span,
+    Surface, Transform,
 };
 use crate::math::sampling;
 use crate::optics::{Field, Light, Point, optical_depth, transmittance};
@@ -51,7 +51,7 @@ fn g5_flat_and_inverted_boxes() {
         margin.exact(format_args!("flat, along {towards}"), depth, 0.0);
     }
     let inverted = Aabb::new(DVec3::ONE, DVec3::new(2.0, 0.5, 2.0));
-    let refused = matches!(inverted, Err(ShapeError::Inverted { .. }));
+    let refused = inverted.is_err();
     margin.holds("an inverted box is refused", refused);
     let no_number = Aabb::new(DVec3::splat(f64::NAN), DVec3::ONE);
     margin.holds("a box that is no number is refused", no_number.is_err());
