@@ -8,7 +8,7 @@ use super::modes::ExactField;
 use super::several::Caster;
 use super::several_integral::SeveralIntegrator;
 use super::steps::Steps;
-use crate::conventions::FieldCaster;
+use crate::conventions::RayCaster;
 use crate::film::Depth;
 use crate::geometry::Ray;
 use crate::math::{exp, exp_m1, ln, ln_1p};
@@ -108,7 +108,7 @@ enum Passed<'s> {
     /// Isosurfaces, found without samples.
     ExactSurfaces(Box<ExactField<'s>>),
     /// Isosurfaces, found by samples.
-    SampledSurfaces(Box<FieldCaster<'s>>),
+    SampledSurfaces(Box<RayCaster<'s>>),
 }
 
 impl<'s> LayersOfPanel<'s> {
@@ -135,7 +135,7 @@ impl<'s> LayersOfPanel<'s> {
                         Passed::ExactSurfaces(Box::new(ExactField::new(volume)))
                     }
                     Mode::Isosurfaces(_) => {
-                        Passed::SampledSurfaces(Box::new(FieldCaster::unshaded(volume)))
+                        Passed::SampledSurfaces(Box::new(RayCaster::with_gradients(volume, None)))
                     }
                     _ if volume.is_continuous() => {
                         Passed::Integral(Box::new(SeveralIntegrator::new(volume)))
