@@ -194,7 +194,7 @@ impl Arguments {
             let number =
                 number(&scene, name).map_err(|error| bad_input(format!("--change: {error}")))?;
             scene = number.changed(&scene, *change).ok_or_else(|| {
-                let why = match number.quantity.name {
+                let why = match &*number.kind {
                     "clip.offset" => "the clip would leave nothing of a volume",
                     _ if *change <= -1.0 => "a parameter falls by less than 100 %",
                     "index" => "an index is above 1",

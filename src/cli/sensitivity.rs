@@ -10,7 +10,7 @@ use crate::film::{Film, FilmFormat};
 use crate::render::{self, Detail, Plan};
 use crate::report::{blue_to_red, widest};
 use crate::scene::{Scene, samples};
-use crate::sensitivity::{Derivative, Differences, Number, Unit, derivative, number, numbers};
+use crate::sensitivity::{Derivative, Differences, Number, derivative, number, numbers};
 use crate::suite::sensitivities_of;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -197,7 +197,7 @@ fn mean_and_error(film: &Film) -> [f64; 2] {
 
 /// `world units`; empty for a share or a bare number.
 fn unit(number: &Number) -> &'static str {
-    number.quantity.unit.name().unwrap_or("of itself")
+    number.unit.unwrap_or("of itself")
 }
 
 fn of_unit(number: &Number) -> String {
@@ -208,10 +208,10 @@ fn of_unit(number: &Number) -> String {
 }
 
 fn per_unit(number: &Number) -> String {
-    match number.quantity.unit {
-        Unit::Share => " per 100 % of the parameter".to_owned(),
-        Unit::Absolute("") => " per 1".to_owned(),
-        Unit::Absolute(unit) => format!(" per {}", unit.trim_end_matches('s')),
+    match number.unit {
+        None => " per 100 % of the parameter".to_owned(),
+        Some("") => " per 1".to_owned(),
+        Some(unit) => format!(" per {}", unit.trim_end_matches('s')),
     }
 }
 

@@ -43,38 +43,18 @@ impl Convention {
 
 /// The choice of a step, which is no convention: a scene states it.
 pub const STEP: &str = "step";
-const EARLY_END: &str = "early_termination";
-
-const fn of_samples(choice: &'static str, words: &'static str, edit: Edit) -> Convention {
-    Convention {
-        words,
-        choice,
-        stands_alone: true,
-        edit,
-    }
-}
-
-const fn ends_rays(words: &'static str, transmittance: f64) -> Convention {
-    of_samples(EARLY_END, words, Edit::EndRaysAt(transmittance))
-}
-
-const fn steps(words: &'static str, factor: f64) -> Convention {
-    of_samples(STEP, words, Edit::StepTimes(factor))
-}
-
-/// Ends and steps of rays, which scenes state beside the table of conventions.
-const SAMPLES: [Convention; 8] = [
-    ends_rays("ends rays at a transmittance of 0.001", 0.001),
-    ends_rays("ends rays at a transmittance of 1/255", 1.0 / 255.0),
-    ends_rays("ends rays at a transmittance of 0.01", 0.01),
-    ends_rays("ends rays at a transmittance of 0.05", 0.05),
-    steps("takes steps of half the length", 0.5),
-    steps("takes steps of a quarter of the length", 0.25),
-    steps("takes steps of an eighth of the length", 0.125),
-    Convention {
-        stands_alone: false,
-        ..steps("takes steps of twice the length", 2.0)
-    },
+/// Transmittances at which rays end, and factors on steps, which scenes state beside the table of conventions.
+const ENDS: [(f64, &str); 4] = [
+    (0.001, "ends rays at a transmittance of 0.001"),
+    (1.0 / 255.0, "ends rays at a transmittance of 1/255"),
+    (0.01, "ends rays at a transmittance of 0.01"),
+    (0.05, "ends rays at a transmittance of 0.05"),
+];
+const STEPS: [(f64, &str); 4] = [
+    (0.5, "takes steps of half the length"),
+    (0.25, "takes steps of a quarter of the length"),
+    (0.125, "takes steps of an eighth of the length"),
+    (2.0, "takes steps of twice the length"),
 ];
 
 /// Conventions tried by the search. Sample placement follows `last_step`.
@@ -88,7 +68,18 @@ pub static CATALOGUE: LazyLock<Vec<Convention>> = LazyLock::new(|| {
             edit: Edit::Convention(other),
         }));
         if *key == "last_step" {
-            all.extend(SAMPLES);
+            all.extend(ENDS.map(|(transmittance, words)| Convention {
+                words,
+                choice: "early_termination",
+                stands_alone: true,
+                edit: Edit::EndRaysAt(transmittance),
+            }));
+            all.extend(STEPS.map(|(factor, words)| Convention {
+                words,
+                choice: STEP,
+                stands_alone: factor < 1.0,
+                edit: Edit::StepTimes(factor),
+            }));
         }
     }
     all

@@ -1,6 +1,6 @@
 //! Classification: opacity and colour of a value of the field.
 
-use super::opacity::Correction;
+use super::opacity::of_entry;
 use crate::optics::TransferFunction;
 use crate::scene::Classified;
 use crate::volume::{Cell, Grid, Lerp as _};
@@ -18,18 +18,18 @@ pub struct Look {
 }
 
 /// Classifies the samples of a scene, by its conventions.
-pub enum Classifier<'s> {
+pub enum Classifier {
     /// By the transfer function at the value of the sample.
-    TransferFunction(&'s TransferFunction),
+    TransferFunction,
     /// By a table of the transfer function.
     Table(LookTable),
     /// By the nodes, classified before interpolation.
     Nodes(Box<ClassifiedNodes>),
 }
 
-impl<'s> Classifier<'s> {
+impl Classifier {
     /// The classifier of `scene`.
-    pub fn of(scene: &'s Classified) -> Classifier<'s> {
+    pub fn of(scene: &Classified) -> Classifier {
         let conventions = &scene.conventions;
         let table = conventions
             .table_size
@@ -43,14 +43,14 @@ impl<'s> Classifier<'s> {
                 Classifier::Nodes(Box::new(ClassifiedNodes::of(scene, table)))
             }
             Some(table) => Classifier::Table(table),
-            None => Classifier::TransferFunction(&scene.transfer_function),
+            None => Classifier::TransferFunction,
         }
     }
 
     /// Opacity and colour of a sample with the value `density` in `cell`.
     pub fn look(&self, scene: &Classified, cell: &Cell, density: f64) -> Look {
         match self {
-            Classifier::TransferFunction(function) => exact(function, density),
+            Classifier::TransferFunction => exact(&scene.transfer_function, density),
             Classifier::Table(table) => table.look(density),
             Classifier::Nodes(nodes) => nodes.look(scene, cell),
         }
@@ -79,7 +79,7 @@ fn entry(scene: &Classified, density: f64) -> Look {
 
 /// `look` with the opacity that an entry holds.
 fn corrected(scene: &Classified, look: Look) -> Look {
-    let opacity = Correction::of(scene).of_entry(look.opacity);
+    let opacity = of_entry(scene, look.opacity);
     Look { opacity, ..look }
 }
 

@@ -4,7 +4,7 @@
 //! The loops of [`reference::projection`](crate::reference::projection) and
 //! [`reference::isosurface`](crate::reference::isosurface), to be read first, with a question at each place where a
 //! mistake of the scene is made or a convention is asked. Places of samples, values and normals are those of the
-//! [`RayCaster`]. With default conventions and without mistakes both give the same bits.
+//! [`RayCaster`]: these are its modes. With default conventions and without mistakes both give the same bits.
 
 use super::layer::rounded;
 use super::ray_caster::{RayCaster, Way};
@@ -15,19 +15,11 @@ use crate::geometry::Ray;
 use crate::math::exp;
 use crate::optics::Layer;
 use crate::scene::{
-    Classified, Compositing, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
-    ProjectionFault, Window,
+    Compositing, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
+    ProjectionFault,
 };
 use crate::volume::Cell;
 use glam::DVec3;
-
-/// Renders the rays of a scene whose mode is a projection or isosurfaces.
-pub(crate) struct FieldCaster<'s> {
-    scene: &'s Classified,
-    caster: RayCaster<'s>,
-    /// Greys of a mean, where they are those of the range of the grid.
-    greys: Option<Window>,
-}
 
 /// A sample of the field.
 struct Sample {
@@ -38,56 +30,26 @@ struct Sample {
     value: f64,
 }
 
-impl<'s> FieldCaster<'s> {
-    /// The caster of `scene`.
-    pub fn new(scene: &'s Classified) -> FieldCaster<'s> {
-        FieldCaster::by(scene, RayCaster::new(scene))
-    }
-
-    /// The same without shading: for places of surfaces.
-    pub fn unshaded(scene: &'s Classified) -> FieldCaster<'s> {
-        FieldCaster::by(scene, RayCaster::unshaded(scene))
-    }
-
-    fn by(scene: &'s Classified, caster: RayCaster<'s>) -> FieldCaster<'s> {
-        let is_mean = matches!(&scene.mode, Mode::Projection(it) if it.of == Projected::Mean);
-        let greys = (is_mean && scene.conventions.mean_of_range).then(|| {
-            let (low, high) = scene.grid.range();
-            Window { low, high }
-        });
-        FieldCaster {
-            scene,
-            caster,
-            greys: greys.filter(|greys| greys.low < greys.high),
-        }
-    }
-
-    /// Number of gradients computed for the nodes.
-    pub fn gradients_computed(&self) -> u64 {
-        self.caster.gradients_computed()
-    }
-
-    /// The pixel that `ray` is seen in, radiance and opacity, by samples, and its work.
-    pub fn pixel(&self, ray: &Ray) -> ([f32; 4], RayWork) {
-        let mut work = RayWork::default();
-        let samples = self.samples(ray, &mut work);
-        let pixel = match &self.scene.mode {
-            Mode::Composited => unreachable!("composited samples have kernels of their own"),
+impl RayCaster<'_> {
+    /// The pixel that `ray` is seen in, radiance and opacity, by samples.
+    pub(super) fn of_field(&self, ray: &Ray, work: &mut RayWork) -> [f32; 4] {
+        let samples = self.samples(ray, work);
+        match &self.scene.mode {
+            Mode::Composited => unreachable!("composited samples have a loop of their own"),
             Mode::Projection(projection) => {
                 if matches!(projection.of, Projected::AttenuatedMaximum(_)) {
                     work.attenuations = samples.len() as u64;
                 }
-                self.of_number(projection, number(projection, &samples), &mut work)
+                self.of_number(projection, number(projection, &samples), work)
             }
             Mode::Isosurfaces(surfaces) => {
                 let mut passed = self.passed(surfaces, &samples);
                 if surfaces.faults.contains(&IsosurfaceFault::FirstAlone) {
                     passed.truncate(1);
                 }
-                self.of_surfaces(ray, &passed, &surfaces.faults, &mut work)
+                self.of_surfaces(ray, &passed, &surfaces.faults, work)
             }
-        };
-        (pixel, work)
+        }
     }
 
     /// The pixel of a ray with this number; none where it misses the volume.
@@ -145,7 +107,7 @@ impl<'s> FieldCaster<'s> {
         faults: &[IsosurfaceFault],
         work: &mut RayWork,
     ) -> DVec3 {
-        let (caster, conventions) = (&self.caster, &self.scene.conventions);
+        let (caster, conventions) = (self.first(), &self.scene.conventions);
         let Some((phong, gradients)) = &caster.shading else {
             return colour;
         };
@@ -194,19 +156,20 @@ impl<'s> FieldCaster<'s> {
     /// The samples of `ray`, from the eye on; none where it misses the volume.
     fn samples(&self, ray: &Ray, work: &mut RayWork) -> Vec<Sample> {
         let rule = StepRule::of(&self.scene.conventions);
-        let Some(way) = self.caster.way(ray, f64::INFINITY, rule) else {
+        let Some(way) = self.way(ray, f64::INFINITY, rule) else {
             return vec![];
         };
         let Way {
-            lines,
+            parts,
             steps,
             count,
         } = way;
+        let (caster, lines, _) = &parts[0];
         let sample = |index: usize| {
             let (t, length) = steps.sample(index);
-            let point = self.caster.looked_up(lines.nodes.at(t));
+            let point = caster.looked_up(lines.nodes.at(t));
             let cell = Cell::around(self.scene.grid.lattice(), point);
-            let value = self.caster.density(&cell, work);
+            let value = caster.density(&cell, work);
             Sample { t, length, value }
         };
         (0..count).map(sample).collect()

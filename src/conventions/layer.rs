@@ -1,12 +1,7 @@
 //! Samples of a ray, composited as a scene and its conventions say.
 
-use super::steps::StepRule;
-use super::work::RayWork;
-use crate::geometry::Ray;
-use crate::math::rng::philox4x32_10;
 use crate::optics::Layer;
 use crate::scene::{Classified, Compositing, Fault, Precision};
-use glam::DVec3;
 use half::f16;
 
 impl Layer {
@@ -45,43 +40,6 @@ impl Layer {
         }
         ends
     }
-}
-
-/// Radiance of a pixel of an image of `size`, background included, and the opacity of the volumes, which `cast`
-/// composites along a ray as far as a distance; and the work of its ray.
-pub(super) fn pixel_of(
-    scene: &Classified,
-    [column, row]: [usize; 2],
-    size: [usize; 2],
-    cast: impl Fn(&Ray, f64, StepRule, &mut RayWork) -> Layer,
-) -> ([f32; 4], RayWork) {
-    let mut work = RayWork::default();
-    let ray = if scene.conventions.pixel_corner {
-        scene.camera.ray_through([column as f64, row as f64], size)
-    } else {
-        scene.camera.ray([column, row], size)
-    };
-    let mut rule = StepRule::of(&scene.conventions);
-    if scene.conventions.is_random() {
-        let pixel = (row * size[0] + column) as u32;
-        work.random_draws += 1;
-        let random = philox4x32_10([pixel, 0, 0, 0], [0; 2])[0];
-        let random = f64::from(random) / (1_u64 << 32) as f64;
-        if scene.conventions.has_random_place() {
-            rule.position = random;
-        } else {
-            rule.first = random;
-        }
-    }
-    let hit = scene.objects.nearest_surface(&ray);
-    let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
-    let volume = cast(&ray, end, rule, &mut work);
-    let (behind, opacity) = match hit {
-        None => (scene.background, volume.opacity),
-        Some((hit, surface)) => (surface.shaded(&ray, &hit, scene.light), 1.0),
-    };
-    let DVec3 { x, y, z } = volume.colour + behind * volume.transparency;
-    ([x, y, z, opacity].map(|value| value as f32), work)
 }
 
 /// `value` as a number of `precision`.

@@ -1,11 +1,10 @@
 //! Conventions of other ray casters, and a ray caster that follows them.
 //!
 //! The conventions themselves, a row for each, are part of the language of scenes
-//! ([`Conventions`](crate::scene::Conventions)). The [`ray_caster`] renders under any of them; under
+//! ([`Conventions`](crate::scene::Conventions)). The [`RayCaster`] renders under any of them; under
 //! those of volref it gives the image of [`reference::ray_caster`](crate::reference::ray_caster), to
 //! the bit. A [`Profile`] is a file with the conventions of a renderer, the [`CATALOGUE`] what a search
-//! for the conventions behind an image tries. Projections and isosurfaces are sampled by the `FieldCaster`, under
-//! those that they follow; several volumes, where their steps are common, by `CommonSteps`.
+//! for the conventions behind an image tries.
 
 mod catalogue;
 mod chance;
@@ -17,26 +16,22 @@ mod layer;
 mod normals;
 mod opacity;
 mod profile;
-pub mod ray_caster;
+mod ray_caster;
 mod rounded_places;
-mod several;
 mod shading;
 mod steps;
 mod stored_values;
+mod volume_caster;
 mod work;
 
 pub(crate) use catalogue::ConventionSet;
 pub use catalogue::{CATALOGUE, Convention, STEP, under};
-pub(crate) use chance::scenes_by_chance;
-pub(crate) use field_caster::FieldCaster;
-pub(crate) use first_samples::bounds;
-pub use first_samples::{FirstSamples, images_of_first_samples};
+pub use chance::{ByChance, images_by_chance};
+pub(crate) use chance::{bounds, scenes_by_chance};
 pub use image::render;
 pub(crate) use normals::NodeGradients;
 pub(crate) use profile::PROFILE;
 pub use profile::Profile;
+pub use ray_caster::RayCaster;
 pub(crate) use ray_caster::kept;
-pub use rounded_places::bounds_of_rounded_places;
-pub(crate) use several::{CommonSteps, each_alone};
-pub use stored_values::as_stored;
 pub use work::RayWork;

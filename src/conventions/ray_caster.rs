@@ -3,49 +3,58 @@
 //! The loop of [`reference::ray_caster`](crate::reference::ray_caster), to be read first, with a
 //! question at each place where ray casters differ: where a step is sampled (`steps`), how a value
 //! is classified (`classifier`), how its opacity is corrected for a step (`opacity`), which gradient is
-//! taken (`normals`), how a sample is shaded (`shading`), and the rest here. With the default
+//! taken (`normals`), how a sample is shaded (`shading`), and the rest here and in `volume_caster`. With the default
 //! [conventions](crate::scene::Conventions) both give the same bits.
+//!
+//! Several volumes are sampled by common steps, as renderers have them that march once through all. The steps are as
+//! long as the shortest of all volumes, and are counted from where a ray enters the box along the axes
+//! of the world around all of them, with faces on the outermost nodes unless the convention `box` says otherwise. At
+//! each place every volume that it lies in has a sample, and these samples lie one over
+//! the next, in the order of the scene: of volumes that overlap, the first hides the others, by as much as one step.
+//! [`reference::several_volumes`](crate::reference::several_volumes) states what volref has in its place.
 //!
 //! Work is counted as the kernels of [`render`](crate::render) count it; nothing is left out but
 //! what a scene does not ask for.
 
-use super::classifier::Classifier;
-use super::layer::pixel_of;
-use super::normals::{Gradients, NodeGradients};
-use super::opacity::Correction;
-use super::shading::ShadedSample;
-use super::steps::{StepRule, Steps, StepsInParts, brick_faces, step_in_world, taken};
+use super::normals::NodeGradients;
+use super::steps::{StepRule, StepsInParts, taken};
+use super::stored_values::as_stored;
+use super::volume_caster::{Lines, VolumeCaster, behind, extent, near_depth};
 use super::work::RayWork;
-use crate::geometry::{Direction, Line, Ray, Span, length_of};
-use crate::math::exp;
-use crate::optics::{Appearance, Layer, Phong, over_length};
-use crate::scene::{Classified, Clip, Compositing, Fault, NormalSpace};
-use crate::volume::{Cell, Centring, NodeLine, NodePoint, PlacedBox};
+use crate::geometry::{Aabb, Ray, Span};
+use crate::math::rng::philox4x32_10;
+use crate::optics::Layer;
+use crate::scene::{Classified, Clip, Compositing, Mode, Projected, Window};
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// A ray caster for a scene.
 pub struct RayCaster<'s> {
-    scene: &'s Classified,
-    classifier: Classifier<'s>,
-    correction: Correction,
-    /// The box that the volume fills.
-    extent: PlacedBox,
-    /// Depth along the view nearer than which nothing is seen.
+    pub(super) scene: &'s Classified,
+    /// Casters of the volumes, with the clips of each that are not of all.
+    volumes: Vec<(VolumeCaster<'s>, Vec<&'s Clip>)>,
+    /// Clips of all volumes: they cut the ray.
+    clips: Vec<&'s Clip>,
+    /// Steps of several volumes.
+    common: Option<CommonSteps>,
+    /// Greys of a mean, where they are those of the range of the grid.
+    pub(super) greys: Option<Window>,
+}
+
+/// Steps that several volumes have in common.
+struct CommonSteps {
+    /// The box around all volumes, along the axes of the world.
+    bounds: Aabb,
+    /// Depth along the view nearer than which nothing is seen of any volume.
     near_depth: f64,
-    pub(super) shading: Option<(Phong, Gradients)>,
+    /// Length of a step.
+    step: f64,
 }
 
-/// A ray in the coordinates of the volume.
-pub(super) struct Lines {
-    /// In units of length.
-    pub inside: Line,
-    /// In nodes.
-    pub nodes: NodeLine,
-}
-
-/// The way of a ray through the volume.
-pub(super) struct Way {
-    pub lines: Lines,
+/// The way of a ray through the volumes.
+pub(super) struct Way<'c, 's> {
+    /// The volumes that it meets, and where.
+    pub parts: Vec<(&'c VolumeCaster<'s>, Lines, Span)>,
     pub steps: StepsInParts,
     /// Number of steps that are taken.
     pub count: usize,
@@ -54,72 +63,127 @@ pub(super) struct Way {
 impl<'s> RayCaster<'s> {
     /// The ray caster of `scene`.
     pub fn new(scene: &'s Classified) -> RayCaster<'s> {
-        RayCaster::with_gradients(scene, &NodeGradients::default())
+        RayCaster::with_gradients(scene, Some(&NodeGradients::default()))
     }
 
-    /// The same, with gradients at nodes that are `known` from other sets of conventions for the volume.
-    pub(crate) fn with_gradients(scene: &'s Classified, known: &NodeGradients) -> RayCaster<'s> {
-        RayCaster {
-            shading: scene
-                .phong
-                .map(|phong| (phong, Gradients::of(scene, known))),
-            ..RayCaster::unshaded(scene)
-        }
-    }
-
-    /// The same without shading, whose gradients at all nodes take time.
-    pub(super) fn unshaded(scene: &'s Classified) -> RayCaster<'s> {
+    /// The same, with gradients at nodes that are `known` from other sets of conventions for the volume, if it is
+    /// the only one; none if nothing is to be shaded.
+    pub(crate) fn with_gradients(
+        scene: &'s Classified,
+        known: Option<&NodeGradients>,
+    ) -> RayCaster<'s> {
+        let count = scene.volume_count();
+        // Clips of all volumes cut the ray, however they are written.
+        let cuts_all = |clip: &&Clip| (0..count).all(|volume| clip.cuts(volume));
+        let (clips, of_some): (Vec<_>, Vec<_>) = scene.objects.clips.iter().partition(cuts_all);
+        let clips_of = |volume| of_some.iter().copied().filter(move |it| it.cuts(volume));
+        let common = (count > 1).then(|| {
+            let boxes = scene.each_alone().map(|it| extent(&it).world_bounds());
+            let near_depths = scene.each_alone().map(|alone| near_depth(&alone));
+            CommonSteps {
+                bounds: boxes.reduce(Aabb::union).expect("a first volume"),
+                near_depth: near_depths.fold(0.0, f64::max),
+                step: scene.common_box_and_step().1,
+            }
+        });
+        let volumes = match &common {
+            None => vec![(VolumeCaster::new(as_stored(scene), known), Vec::new())],
+            Some(common) => (scene.each_alone().enumerate())
+                .map(|(volume, mut alone)| {
+                    alone.step = common.step;
+                    alone.conventions.voxel_box |= alone.conventions.voxel_boxes;
+                    let alone = Cow::Owned(as_stored(&alone).into_owned());
+                    let caster = VolumeCaster::new(alone, Some(&NodeGradients::default()));
+                    (caster, clips_of(volume).collect())
+                })
+                .collect(),
+        };
         RayCaster {
             scene,
-            classifier: Classifier::of(scene),
-            correction: Correction::of(scene),
-            extent: extent(scene),
-            near_depth: near_depth(scene),
-            shading: None,
+            volumes,
+            clips,
+            common,
+            greys: greys(scene),
         }
+    }
+
+    /// The caster of the first volume, which modes have alone.
+    pub(super) fn first(&self) -> &VolumeCaster<'s> {
+        &self.volumes[0].0
     }
 
     /// Number of gradients computed for the nodes.
     pub fn gradients_computed(&self) -> u64 {
-        match &self.shading {
-            Some((_, Gradients::Stored(_) | Gradients::World(_))) => {
-                self.scene.grid.lattice().node_count() as u64
-            }
-            _ => 0,
+        let casters = self.volumes.iter().map(|(caster, _)| caster);
+        casters.map(VolumeCaster::gradients_computed).sum()
+    }
+
+    /// Radiance of pixel (`column`, `row`) of an image of `size`, columns and rows, background
+    /// included, and the opacity of the volumes; and the work of its ray.
+    pub fn pixel(&self, [column, row]: [usize; 2], size: [usize; 2]) -> ([f32; 4], RayWork) {
+        let scene = self.scene;
+        let mut work = RayWork::default();
+        if scene.mode != Mode::Composited {
+            return (
+                self.of_field(&scene.camera.ray([column, row], size), &mut work),
+                work,
+            );
         }
-    }
-
-    /// Radiance of pixel (`column`, `row`) of an image of `width` × `height` pixels, background
-    /// included, and the opacity of the volume; and the work of its ray.
-    pub fn pixel(&self, pixel: [usize; 2], size: [usize; 2]) -> ([f32; 4], RayWork) {
-        pixel_of(self.scene, pixel, size, |ray, end, rule, work| {
-            self.cast(ray, end, rule, work)
-        })
-    }
-
-    /// The way of `ray` through what clips keep of the volume, as far as `end`.
-    pub(super) fn way(&self, ray: &Ray, end: f64, rule: StepRule) -> Option<Way> {
-        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
-        let whole = self.span(ray)?;
-        let span = kept(whole, end, ray, scene.clips_of(0))?;
-        let lines = self.lines(ray);
-        let measure = scene.conventions.step_length;
-        let sizes = [lattice.spacing(), self.extent.bounds.size()];
-        let longest = self.extent.edges().map(length_of);
-        let longest = longest.into_iter().fold(0.0, f64::max);
-        let lengths = [scene.voxel(), longest];
-        let step = step_in_world(scene.step, measure, lines.inside.direction, sizes, lengths);
-        let steps_over = |span: Span| {
-            let ends = [span.near, span.far].map(|t| lines.nodes.at(t).0);
-            let cuts = match scene.conventions.fault {
-                Some(Fault::StepsFromBricks(edge)) => brick_faces(span, ends, edge),
-                _ => Vec::new(),
-            };
-            StepsInParts::new(span, step, rule, &cuts)
+        let ray = if scene.conventions.pixel_corner {
+            scene.camera.ray_through([column as f64, row as f64], size)
+        } else {
+            scene.camera.ray([column, row], size)
         };
-        let (steps, count) = taken(&scene.conventions, span, whole.far, steps_over);
+        let mut rule = StepRule::of(&scene.conventions);
+        if scene.conventions.is_random() {
+            let pixel = (row * size[0] + column) as u32;
+            work.random_draws += 1;
+            let random = philox4x32_10([pixel, 0, 0, 0], [0; 2])[0];
+            let random = f64::from(random) / (1_u64 << 32) as f64;
+            if scene.conventions.has_random_place() {
+                rule.position = random;
+            } else {
+                rule.first = random;
+            }
+        }
+        let hit = scene.objects.nearest_surface(&ray);
+        let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
+        let volume = self.cast(&ray, end, rule, &mut work);
+        let (behind, opacity) = match hit {
+            None => (scene.background, volume.opacity),
+            Some((hit, surface)) => (surface.shaded(&ray, &hit, scene.light), 1.0),
+        };
+        let DVec3 { x, y, z } = volume.colour + behind * volume.transparency;
+        ([x, y, z, opacity].map(|value| value as f32), work)
+    }
+
+    /// The way of `ray` through what clips keep of the volumes, as far as `end`.
+    pub(super) fn way(&self, ray: &Ray, end: f64, rule: StepRule) -> Option<Way<'_, 's>> {
+        let only = self.first();
+        let whole = match &self.common {
+            None => only.span(ray)?,
+            Some(common) => behind(common.near_depth, common.bounds.span(ray)?, ray, self.scene)?,
+        };
+        let span = kept(whole, end, ray, self.clips.iter().copied())?;
+        let everywhere = Span::new(f64::NEG_INFINITY, f64::INFINITY);
+        let parts = self.volumes.iter().filter_map(|(caster, clips)| {
+            let inside = match self.common {
+                None => everywhere,
+                Some(_) => {
+                    let clips = clips.iter().copied();
+                    kept(caster.span(ray)?, f64::INFINITY, ray, clips)?
+                }
+            };
+            Some((caster, caster.lines(ray), inside))
+        });
+        let parts: Vec<_> = parts.collect();
+        let steps_over = |span: Span| match &self.common {
+            None => only.steps(&parts[0].1, span, rule),
+            Some(common) => StepsInParts::new(span, common.step, rule, &[]),
+        };
+        let (steps, count) = taken(&self.scene.conventions, span, whole.far, steps_over);
         Some(Way {
-            lines,
+            parts,
             steps,
             count,
         })
@@ -133,296 +197,42 @@ impl<'s> RayCaster<'s> {
             return seen;
         };
         let Way {
-            lines,
+            parts,
             steps,
             count,
         } = way;
-        let reversed = scene.compositing == Compositing::BackToFront;
+        let is_alone = self.common.is_none();
+        let reversed = is_alone && scene.compositing == Compositing::BackToFront;
         for done in 0..count {
             let index = if reversed { count - 1 - done } else { done };
             let (t, length) = steps.sample(index);
-            let length = if scene.conventions.nominal_opacity {
+            let length = if is_alone && scene.conventions.nominal_opacity {
                 length / steps.step * scene.step
             } else {
                 length
             };
-            let Some(sample) = self.sample(ray, &lines, t, length, work) else {
-                continue;
-            };
-            seen = seen.with(sample, scene);
+            for (caster, lines, inside) in &parts {
+                if inside.near <= t
+                    && t <= inside.far
+                    && let Some(sample) = caster.sample(ray, lines, t, length, work)
+                {
+                    seen = seen.with(sample, scene);
+                }
+            }
             if seen.ends(scene) {
                 break;
             }
         }
         seen
     }
+}
 
-    /// The sample at the distance `t` of `ray`, over this `length`; none where it is transparent.
-    pub(super) fn sample(
-        &self,
-        ray: &Ray,
-        lines: &Lines,
-        t: f64,
-        length: f64,
-        work: &mut RayWork,
-    ) -> Option<Layer> {
-        let scene = self.scene;
-        let (point, node_point) = (ray.at(t), lines.nodes.at(t));
-        let looked_up = self.looked_up(node_point);
-        let cell = Cell::around(scene.grid.lattice(), looked_up);
-        let density = self.density(&cell, work);
-        let look = self.classifier.look(scene, &cell, density);
-        work.attenuations += u64::from(look.opacity != 0.0);
-        let opacity = self.correction.over(look.opacity, length);
-        if opacity == 0.0 {
-            return None; // nothing to add, whatever its colour
-        }
-        work.emission_terms += 1;
-        let visibility = self.visibility(point, node_point, work);
-        let light = look.emission * visibility;
-        let mut colour = match &self.shading {
-            None => look.colour * light,
-            Some((phong, gradients)) => {
-                let (to_light, to_eye) = self.directions(point, node_point, ray);
-                let sample = ShadedSample {
-                    colour: look.colour,
-                    gradient: self.gradient(gradients, lines.inside, looked_up, &cell, work),
-                    to_light,
-                    to_eye,
-                };
-                let shaded = sample.lit_by(phong, &scene.conventions);
-                let lit = if scene.conventions.highlight_emission {
-                    (shaded.base + shaded.highlight) * light
-                } else {
-                    shaded.base * light + shaded.highlight * visibility
-                };
-                if scene.conventions.shadowed_ambient {
-                    lit
-                } else {
-                    lit + shaded.ambient * (look.emission - light)
-                }
-            }
-        };
-        if scene.conventions.clamped_samples {
-            colour = colour.min(DVec3::ONE);
-        }
-        if scene.conventions.own_transmittance {
-            colour *= 1.0 - opacity;
-        }
-        if scene.conventions.own_opacity {
-            colour *= opacity;
-        }
-        Some(Layer::sample(colour * opacity, opacity))
-    }
-
-    /// The lines of `ray` in the coordinates of the volume.
-    pub(super) fn lines(&self, ray: &Ray) -> Lines {
-        let inside = self.extent.line(ray);
-        Lines {
-            inside,
-            nodes: NodeLine::new(inside, self.scene.grid.lattice()),
-        }
-    }
-
-    /// The part of `ray` within the volume.
-    pub(super) fn span(&self, ray: &Ray) -> Option<Span> {
-        let ahead = self.extent.span(ray)?;
-        if self.scene.conventions.fault == Some(Fault::BeginsBehindEye) {
-            let edges: f64 = self.extent.edges().map(length_of).into_iter().sum();
-            let back = edges + length_of(ray.origin - self.centre());
-            let from_behind = Ray::new(ray.origin - ray.direction * back, *ray.direction)?;
-            let whole = self.extent.span(&from_behind)?;
-            return Some(Span::new(whole.near - back, ahead.far));
-        }
-        behind(self.near_depth, ahead, ray, self.scene)
-    }
-
-    /// The density in `cell`.
-    pub(super) fn density(&self, cell: &Cell, work: &mut RayWork) -> f64 {
-        work.density_lookups += 1;
-        self.scene.interpolation.read(&*self.scene.grid, cell)
-    }
-
-    /// Cells to a distance between nodes, along each axis, if the scene takes nodes for the centres
-    /// of cells that fill the volume.
-    fn cells_per_spacing(&self) -> Option<DVec3> {
-        let lattice = self.scene.grid.lattice();
-        if !self.scene.conventions.cell_centred || lattice.centring() == Centring::Cells {
-            return None;
-        }
-        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
-        Some(nodes / (nodes - 1.0).max(DVec3::ONE))
-    }
-
-    /// The point of the grid, in nodes, that is read at `point`.
-    pub(super) fn looked_up(&self, point: NodePoint) -> NodePoint {
-        let (fault, mut at) = (self.scene.conventions.fault, self.as_cells(point).0);
-        match fault {
-            Some(Fault::LookedUpOn) => at += 0.5,
-            Some(Fault::LookedUpBack) => at -= 0.5,
-            _ => {}
-        }
-        if let Some(bits) = self.scene.conventions.fraction_bits {
-            let units = f64::from(1_u32 << bits);
-            at = (at * units).round() / units;
-        }
-        if let Some(Fault::BricksWithoutNeighbours(edge)) = fault {
-            let edge = f64::from(edge);
-            // No farther than to the last node of the brick.
-            let first = (at / edge).floor().max(DVec3::ZERO) * edge;
-            at = at.min(first + (edge - 1.0));
-        }
-        NodePoint(at)
-    }
-
-    /// The point of the grid that lies at `point`, if nodes are taken for the centres of cells.
-    fn as_cells(&self, point: NodePoint) -> NodePoint {
-        let Some(cells) = self.cells_per_spacing() else {
-            return point;
-        };
-        // In cells from the centre of the first; beyond the outermost centres nothing changes.
-        let last = self
-            .scene
-            .grid
-            .lattice()
-            .nodes()
-            .map(|nodes| (nodes - 1) as f64);
-        NodePoint((point.0 * cells - 0.5).clamp(DVec3::ZERO, last.into()))
-    }
-
-    /// Density gradient for shading, in any unit.
-    pub(super) fn gradient(
-        &self,
-        gradients: &Gradients,
-        line: Line,
-        point: NodePoint,
-        cell: &Cell,
-        work: &mut RayWork,
-    ) -> DVec3 {
-        let step = line.direction * self.scene.step / self.scene.grid.lattice().spacing();
-        let mut gradient = gradients.at(self.scene, (point, step), cell, work);
-        if let Some(cells) = self.cells_per_spacing() {
-            gradient *= cells;
-        }
-        match self.scene.conventions.normal_space {
-            NormalSpace::World => {}
-            NormalSpace::Box => gradient *= self.scene.grid.lattice().bounds().size(),
-            NormalSpace::EyeBox => return self.in_reverse_order(gradient),
-        }
-        match &self.scene.to_world {
-            Some(map) if !gradients.are_of_the_world() => match self.scene.conventions.fault {
-                Some(Fault::GradientsAsVectors) => map.vector(gradient),
-                Some(Fault::GradientsUnmapped) => gradient,
-                _ => map.gradient_map() * gradient,
-            },
-            _ => gradient,
-        }
-    }
-
-    /// `gradient` by its components along the axes of the eye, to which the map of the volume, transposed, and its
-    /// size are applied.
-    fn in_reverse_order(&self, gradient: DVec3) -> DVec3 {
-        let camera = &self.scene.camera;
-        let axes = [
-            camera.half_right().normalize(),
-            camera.half_up().normalize(),
-            -*camera.axis(),
-        ];
-        let components = DVec3::from_array(axes.map(|axis| gradient.dot(axis)));
-        let mapped = match &self.scene.to_world {
-            Some(map) => DVec3::AXES.map(|axis| map.vector(axis).dot(components)),
-            None => components.to_array(),
-        };
-        let size = self.scene.grid.lattice().bounds().size().to_array();
-        (0..3).map(|at| axes[at] * (mapped[at] * size[at])).sum()
-    }
-
-    /// Directions to the light, `None` at the light itself, and to the eye.
-    pub(super) fn directions(
-        &self,
-        point: DVec3,
-        node_point: NodePoint,
-        ray: &Ray,
-    ) -> (Option<Direction>, Direction) {
-        if !self.scene.conventions.texture_shading_point {
-            return (Direction::of(self.to_light(point)), -ray.direction);
-        }
-        let lattice = self.scene.grid.lattice();
-        let nodes = DVec3::from_array(lattice.nodes().map(|nodes| nodes as f64));
-        let bounds = lattice.bounds();
-        let point = bounds.min + (node_point.0 + 0.5) / nodes * bounds.size();
-        let point = self.extent.in_world(point);
-        let to_eye = Direction::of(ray.origin - point);
-        (
-            Direction::of(self.to_light(point)),
-            to_eye.unwrap_or(-ray.direction),
-        )
-    }
-
-    /// From `point`, or in parallel light from the centre of the volume, to the light for shading.
-    fn to_light(&self, point: DVec3) -> DVec3 {
-        let light = if self.scene.conventions.head_light {
-            self.scene.camera.eye()
-        } else {
-            self.scene.light
-        };
-        if self.scene.conventions.parallel_light {
-            light - self.centre()
-        } else {
-            light - point
-        }
-    }
-
-    /// The centre of the volume in the world.
-    fn centre(&self) -> DVec3 {
-        self.extent.in_world(self.extent.bounds.centre())
-    }
-
-    /// Visibility of the light from `point`; 1 where the scene has no shadow.
-    fn visibility(&self, point: DVec3, node_point: NodePoint, work: &mut RayWork) -> f64 {
-        let (scene, lattice) = (self.scene, self.scene.grid.lattice());
-        let is_parallel = scene.conventions.parallel_light;
-        let to_light = if is_parallel {
-            scene.light - self.centre()
-        } else {
-            scene.light - point
-        };
-        let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
-            return 1.0;
-        };
-        let Some(inside) = self.extent.span(&ray) else {
-            return 1.0;
-        };
-        work.shadow_rays += 1;
-        let light = if is_parallel {
-            f64::INFINITY
-        } else {
-            length_of(to_light)
-        };
-        let span = Span::new(0.0, inside.far.min(light));
-        // Not from `point`: far from the world's origin its node coordinates have lost digits.
-        let line = NodeLine::from(node_point, self.extent.line(&ray).direction, lattice);
-        let rule = StepRule::at(scene.conventions.shadow_sample);
-        let steps = Steps::new(span, shadow.step, rule);
-        let samples = (0..steps.count).map(|index| {
-            let (t, length) = steps.sample(index);
-            let cell = Cell::around(lattice, self.looked_up(line.at(t)));
-            (self.density(&cell, work), length)
-        });
-        match &scene.transfer_function.appearance {
-            Appearance::Formula { .. } => {
-                let sum: f64 = samples
-                    .map(|(value, length)| scene.transfer_function.density(value) * length)
-                    .sum();
-                exp(-(sum / shadow.reference_step) / 100.0).min(1.0)
-            }
-            Appearance::Points(points) => samples
-                .map(|(density, length)| {
-                    1.0 - over_length(points.opacity(density), length / shadow.reference_step)
-                })
-                .product(),
-        }
-    }
+/// Greys of a mean, where they are those of the range of the grid.
+fn greys(scene: &Classified) -> Option<Window> {
+    let is_mean = matches!(&scene.mode, Mode::Projection(it) if it.of == Projected::Mean);
+    let greys = (is_mean && scene.conventions.mean_of_range).then(|| scene.grid.range());
+    let greys = greys.filter(|(low, high)| low < high);
+    greys.map(|(low, high)| Window { low, high })
 }
 
 /// The part of `whole`, a span of `ray`, that `clips` keep, as far as `end`.
@@ -437,43 +247,4 @@ pub(crate) fn kept<'c>(
         span = span.within(clip.kept.span(ray)?);
     }
     (span.near <= span.far).then_some(span)
-}
-
-/// Depth of the near plane of `scene`, by the farthest corner of its volume.
-pub(super) fn near_depth(scene: &Classified) -> f64 {
-    if scene.conventions.near_plane == 0.0 {
-        return 0.0; // however far a corner is
-    }
-    let (camera, extent) = (&scene.camera, voxel_extent(scene));
-    let depth = |corner| (extent.in_world(corner) - camera.eye()).dot(*camera.axis());
-    let depths = extent.bounds.corners().map(depth);
-    scene.conventions.near_plane * depths.into_iter().fold(0.0, f64::max)
-}
-
-/// The part of `span` of `ray`, from the eye, behind a plane at this depth.
-pub(super) fn behind(depth: f64, span: Span, ray: &Ray, scene: &Classified) -> Option<Span> {
-    if depth == 0.0 {
-        return Some(span);
-    }
-    let near = depth / ray.direction.dot(*scene.camera.axis());
-    (near <= span.far).then_some(Span::new(span.near.max(near), span.far))
-}
-
-/// The box that the volume of `scene` fills, by its conventions.
-pub(super) fn extent(scene: &Classified) -> PlacedBox {
-    if scene.conventions.voxel_box {
-        voxel_extent(scene)
-    } else {
-        scene.extent()
-    }
-}
-
-/// The box half a spacing beyond the nodes of `scene`; where it would leave the range of numbers, the box of the nodes.
-fn voxel_extent(scene: &Classified) -> PlacedBox {
-    let lattice = scene.grid.lattice();
-    let lattice = lattice.with_centring(Centring::Cells).unwrap_or(*lattice);
-    PlacedBox {
-        bounds: lattice.bounds(),
-        to_world: scene.to_world,
-    }
 }

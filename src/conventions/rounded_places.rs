@@ -1,12 +1,9 @@
-//! Images of all places that samples have in single precision.
+//! All places that samples have in single precision.
 //!
 //! A place off by a rounding may fall into the next voxel or behind the back face, and a transmittance off by one
 //! may end a ray or not, which changes a pixel by a sample. In a scene whose samples lie on faces of voxels, that is
 //! so in every pixel.
 
-use super::first_samples::bounds;
-use super::image::render_all;
-use crate::film::Film;
 use crate::math;
 use crate::scene::{Compositing, Panel, Precision, Scene};
 
@@ -17,14 +14,8 @@ const HALF_UNIT: f64 = 1.0 / (1 << 25) as f64;
 /// too.
 const LEAST: f64 = 1e-4;
 
-/// Least and largest value of each channel over the places that samples have in single precision: `None` if no
+/// `scene` with the places that samples have in single precision: `None` if no
 /// convention says that a panel is rendered in it.
-pub fn bounds_of_rounded_places(scene: &Scene) -> Option<[Film; 2]> {
-    let images = render_all(&scenes_of_rounded_places(scene)?)?;
-    Some(bounds(&images))
-}
-
-/// `scene` with the places that samples have in single precision: `None` as above.
 pub(super) fn scenes_of_rounded_places(scene: &Scene) -> Option<Vec<Scene>> {
     let mut volumes = scene.panels.iter().filter_map(Panel::classified);
     if volumes.all(|volume| volume.conventions.precision == Precision::F64) {

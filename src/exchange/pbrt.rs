@@ -239,11 +239,7 @@ fn colours<'s>(scene: &'s Radiative, export: &'s ExportScene) -> impl Iterator<I
         let emission = nested.medium.emission;
         [coefficients.sigma_a(), coefficients.sigma_s(), emission]
     });
-    let lights = scene.lights.iter().map(|light| match light {
-        Light::Point(light) => light.intensity,
-        Light::Spot(light) => light.intensity,
-        Light::Directional(light) => light.irradiance,
-    });
+    let lights = scene.lights.iter().map(Light::strength);
     let lamps = scene.area_lights.iter().map(|light| light.radiance);
     materials
         .chain(media)

@@ -5,7 +5,7 @@
 
 use crate::compare::Picture;
 use crate::compare::deterministic::tolerance_of_mean;
-use crate::conventions::{FirstSamples, bounds_of_rounded_places, images_of_first_samples};
+use crate::conventions::images_by_chance;
 use crate::film::Film;
 use crate::math::Sum;
 use crate::scene::{Panel, Scene};
@@ -23,21 +23,20 @@ const ERRORS: f64 = 6.0;
 /// its size.
 pub fn nearest(scene: &Scene, test: &Picture) -> Option<Film> {
     let test = test.radiance()?;
-    let Some(all) = images_of_first_samples(scene) else {
-        let bounds = bounds_of_rounded_places(scene)?;
-        return bounds[0].is_comparable(test).then(|| within(&bounds, test));
-    };
-    if !all.mean.is_comparable(test) {
+    let all = images_by_chance(scene)?;
+    if !all.bounds[0].is_comparable(test) {
         return None;
     }
-    // A value that was rounded lies within half a code of what it was.
-    let rounded = test.nearest_to(&all.mean);
     let mut volumes = scene.panels.iter().filter_map(Panel::classified);
     let is_right_on_average = volumes.any(|volume| volume.conventions.is_jittered());
-    if is_right_on_average && !is_mean_by_chance(&all, &rounded) {
-        return Some(all.mean);
+    if let Some(mean) = all.mean.filter(|_| is_right_on_average) {
+        // A value that was rounded lies within half a code of what it was.
+        let rounded = test.nearest_to(&mean);
+        if !is_mean_by_chance(&all.bounds, &mean, &rounded) {
+            return Some(mean);
+        }
     }
-    Some(within(&[all.lower, all.upper], test))
+    Some(within(&all.bounds, test))
 }
 
 /// `test` with each value moved into that of both images, in linear light.
@@ -53,17 +52,17 @@ pub(crate) fn within(bounds: &[Film; 2], test: &Film) -> Film {
 }
 
 /// Whether the image is a random choice among the possible sample offsets, within noise and gate.
-fn is_mean_by_chance(all: &FirstSamples, test: &Film) -> bool {
+fn is_mean_by_chance([lower, upper]: &[Film; 2], all: &Film, test: &Film) -> bool {
     let count = test.radiance().len();
     (0..3).all(|c| {
         let (mut off, mut variance, mut right) = (Sum::default(), Sum::default(), Sum::default());
         for index in 0..count {
             let of = |film: &Film| f64::from(film.radiance()[index][c]);
             // No distribution within a range has more variance than its ends, each with half of the chance.
-            let half = 0.5 * (of(&all.upper) - of(&all.lower));
-            off.add(of(test) - of(&all.mean));
+            let half = 0.5 * (of(upper) - of(lower));
+            off.add(of(test) - of(all));
             variance.add(half * half);
-            right.add(of(&all.mean));
+            right.add(of(all));
         }
         let mean = |sum: &Sum| sum.value() / count as f64;
         let independent = INDEPENDENT.min(count as f64);

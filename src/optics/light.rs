@@ -34,6 +34,15 @@ impl Light {
         }
     }
 
+    /// The same, to be changed.
+    pub fn strength_mut(&mut self) -> &mut DVec3 {
+        match self {
+            Light::Point(light) => &mut light.intensity,
+            Light::Spot(light) => &mut light.intensity,
+            Light::Directional(light) => &mut light.irradiance,
+        }
+    }
+
     /// Intensity towards `point` by channel, per steradian; irradiance for a light infinitely far
     /// away.
     pub(crate) fn strength_towards(&self, point: DVec3) -> DVec3 {

@@ -10,16 +10,7 @@ use std::path::Path;
 /// A command with placeholders such as `{output}`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct CommandTemplate {
-    words: Vec<Vec<Part>>,
-}
-
-/// A part of a word.
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Part {
-    /// As it stands.
-    Text(String),
-    /// The name of a value.
-    Placeholder(String),
+    words: Vec<String>,
 }
 
 impl CommandTemplate {
@@ -53,15 +44,10 @@ impl CommandTemplate {
     /// The command of a renderer that stays, split likewise.
     pub fn parse_serving(text: &str) -> Result<CommandTemplate, String> {
         let template = Self::split(text)?;
-        let is_part = |word: &&Vec<Part>| has_placeholder(word) && !is_placeholder(word);
+        let is_part = |word: &&String| !placeholders(word).is_empty() && !is_placeholder(word);
         if let Some(word) = template.words.iter().find(is_part) {
-            let shown = word.iter().map(|part| match part {
-                Part::Text(text) => text.clone(),
-                Part::Placeholder(name) => format!("{{{name}}}"),
-            });
-            let shown: String = shown.collect();
             return Err(format!(
-                "{shown:?}: the placeholders of --serve are words of their own, for requests hold what they stand for"
+                "{word:?}: the placeholders of --serve are words of their own, for requests hold what they stand for"
             ));
         }
         if template.words_alone().is_empty() {
@@ -75,38 +61,27 @@ impl CommandTemplate {
         if words.is_empty() {
             return Err("there is no command to run".to_owned());
         }
-        let words = words.iter().map(|word| parts(word)).collect();
-        let template = CommandTemplate { words };
-        if let Some(name) = template
-            .placeholders()
-            .find(|name| !Self::PLACEHOLDERS.contains(name))
-        {
+        let mut names = words.iter().flat_map(|word| placeholders(word));
+        if let Some(name) = names.find(|name| !Self::PLACEHOLDERS.contains(&name.as_str())) {
             let known = Self::PLACEHOLDERS.map(|name| format!("{{{name}}}"));
             let known = known.join(" ");
             return Err(format!(
                 "unknown placeholder {{{name}}}; the placeholders are: {known}"
             ));
         }
-        Ok(template)
+        Ok(CommandTemplate { words })
     }
 
     /// The words that are no placeholders.
     pub fn words_alone(&self) -> Vec<String> {
         let words = self.words.iter().filter(|word| !is_placeholder(word));
-        words.map(|word| filled(word, &BTreeMap::new())).collect()
-    }
-
-    /// The names in braces, in order.
-    fn placeholders(&self) -> impl Iterator<Item = &str> {
-        self.words.iter().flatten().filter_map(|part| match part {
-            Part::Placeholder(name) => Some(name.as_str()),
-            Part::Text(_) => None,
-        })
+        words.cloned().collect()
     }
 
     /// True if the placeholder `name` is in the command.
     pub fn uses(&self, name: &str) -> bool {
-        self.placeholders().any(|used| used == name)
+        let mut names = self.words.iter().flat_map(|word| placeholders(word));
+        names.any(|used| used == name)
     }
 
     /// Use of `{step}` or `{rate}`, the distance between samples.
@@ -116,32 +91,46 @@ impl CommandTemplate {
 
     /// The words of the command with the placeholders filled in.
     pub fn fill(&self, values: &BTreeMap<&str, String>) -> Vec<String> {
-        self.words.iter().map(|word| filled(word, values)).collect()
+        let value = |name: &str| values.get(name).cloned().unwrap_or_default();
+        let words = self.words.iter();
+        words.map(|word| filled(word, value)).collect()
     }
 }
 
-fn filled(word: &[Part], values: &BTreeMap<&str, String>) -> String {
-    let filled = |part: &Part| match part {
-        Part::Text(text) => text.clone(),
-        Part::Placeholder(name) => values.get(name.as_str()).cloned().unwrap_or_default(),
-    };
-    word.iter().map(filled).collect()
+/// `word` with the `value` of each placeholder. Braces around anything but a name stand for themselves.
+fn filled(word: &str, mut value: impl FnMut(&str) -> String) -> String {
+    let is_of_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, ':' | '-' | '_');
+    let mut filled = String::new();
+    let mut rest = word;
+    while let Some((before, after)) = rest.split_once('{') {
+        filled.push_str(before);
+        rest = match after.split_once('}') {
+            Some((name, behind)) if !name.is_empty() && name.chars().all(is_of_name) => {
+                filled.push_str(&value(name));
+                behind
+            }
+            _ => {
+                filled.push('{');
+                after
+            }
+        };
+    }
+    filled + rest
 }
 
-fn has_placeholder(word: &[Part]) -> bool {
-    let mut parts = word.iter();
-    parts.any(|part| matches!(part, Part::Placeholder(_)))
+/// The names in braces, in order.
+fn placeholders(word: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    filled(word, |name| {
+        names.push(name.to_owned());
+        String::new()
+    });
+    names
 }
 
 /// True of a word that is one placeholder.
-fn is_placeholder(word: &[Part]) -> bool {
-    let mut parts = word
-        .iter()
-        .filter(|part| **part != Part::Text(String::new()));
-    matches!(
-        (parts.next(), parts.next()),
-        (Some(Part::Placeholder(_)), None)
-    )
+fn is_placeholder(word: &str) -> bool {
+    matches!(&placeholders(word)[..], [name] if word.len() == name.len() + 2)
 }
 
 /// Longest file of a renderer that is hashed: 1 GiB.
@@ -155,30 +144,6 @@ pub fn hashes_of_files(command: &str) -> String {
         .filter_map(|word| regular_file::read_any(Path::new(word), MOST_HASHED_BYTES).ok());
     let hashes = files.map(|bytes| blake3::hash(&bytes).to_hex().to_string());
     hashes.collect::<Vec<_>>().join(" ")
-}
-
-/// The parts of a word. Braces around anything but a name stand for themselves.
-fn parts(word: &str) -> Vec<Part> {
-    let is_name = |c: char| c.is_ascii_alphanumeric() || matches!(c, ':' | '-' | '_');
-    let mut parts = Vec::new();
-    let mut text = String::new();
-    let mut rest = word;
-    while let Some((before, after)) = rest.split_once('{') {
-        text.push_str(before);
-        match after.split_once('}') {
-            Some((name, behind)) if !name.is_empty() && name.chars().all(is_name) => {
-                parts.push(Part::Text(std::mem::take(&mut text)));
-                parts.push(Part::Placeholder(name.to_owned()));
-                rest = behind;
-            }
-            _ => {
-                text.push('{');
-                rest = after;
-            }
-        }
-    }
-    parts.push(Part::Text(text + rest));
-    parts
 }
 
 #[cfg(test)]

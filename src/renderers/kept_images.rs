@@ -13,22 +13,12 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(crate) struct KeptImages {
     /// Path of the folder, absolute.
-    folder: PathBuf,
+    pub folder: PathBuf,
     /// `family/name` of all cases of the suite, which decide what case a file belongs to.
-    cases: Vec<String>,
+    pub cases: Vec<String>,
 }
 
 impl KeptImages {
-    /// The folder `folder`, for images of `cases`.
-    pub fn new(folder: PathBuf, cases: Vec<String>) -> KeptImages {
-        KeptImages { folder, cases }
-    }
-
-    /// Path of the folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
-    }
-
     /// Makes the folder for the image `name`, `family/name`; fails where a link leads elsewhere.
     pub fn make_folder(&self, name: &Path) -> io::Result<PathBuf> {
         own_file::make_folder(&self.folder, directory_of(name))

@@ -2,9 +2,7 @@
 
 use super::call::{Call, not_run, shown};
 use super::kept_images::files_in;
-use super::printed::quoted_words;
-use super::process::{Ran, run};
-use super::staying::Called;
+use super::process::run;
 use super::{CallSettings, CommandTemplate, Keeper, KeptImages, StayingRenderers};
 use crate::files::atomic_file::directory_of;
 use crate::files::regular_file;
@@ -72,17 +70,6 @@ impl Rendered {
     }
 }
 
-impl From<Ran> for Called {
-    fn from(ran: Ran) -> Called {
-        let words = |reason: String| reason + &quoted_words(&ran.printed);
-        Called {
-            failure: ran.failure.map(words).map(Output::Unusable),
-            notes: ran.notes,
-            printed: ran.printed,
-        }
-    }
-}
-
 impl OtherRenderer {
     /// Formats of images.
     pub const FORMATS: [&str; 4] = ["exr", "pfm", "npy", "png"];
@@ -93,7 +80,10 @@ impl OtherRenderer {
             .map_err(|error| format!("cannot create a temporary folder: {error}"))?;
         let kept = options.keep.as_ref().map(|(folder, cases)| {
             std::fs::create_dir_all(folder)?;
-            Ok(KeptImages::new(absolute(folder)?, cases.clone()))
+            Ok(KeptImages {
+                folder: absolute(folder)?,
+                cases: cases.clone(),
+            })
         });
         let kept = kept.transpose().map_err(|error: std::io::Error| {
             format!("cannot create the folder for images: {error}")
@@ -149,7 +139,7 @@ impl OtherRenderer {
             };
             let output = place(folder);
             // Whoever makes the image again finds it where images are kept.
-            let seen = place(self.kept.as_ref().map_or(folder, KeptImages::folder));
+            let seen = place(self.kept.as_ref().map_or(folder, |kept| &kept.folder));
             let called = match &self.staying {
                 Some(staying) => {
                     calls.push(staying.call(&call.request(&seen, halvings)));
@@ -158,7 +148,7 @@ impl OtherRenderer {
                 None => {
                     calls.push(shell_words::join(call.words(&seen, halvings)));
                     let words = call.words(&output, halvings);
-                    run(&words, options.timeout, options.keeper.as_ref()).into()
+                    run(&words, options.timeout, options.keeper.as_ref())
                 }
             };
             printed.push_str(&called.printed);

@@ -11,15 +11,7 @@ const MOST_PRINTED: usize = 64 * 1024;
 /// Reads a pipe as fast as it is written, so that the writer never waits, and keeps the end of the
 /// data.
 #[derive(Clone, Debug)]
-pub struct Printed {
-    shared: Arc<SharedOutput>,
-}
-
-#[derive(Debug)]
-struct SharedOutput {
-    heard: Mutex<Heard>,
-    closed: Condvar,
-}
+pub struct Printed(Arc<(Mutex<Heard>, Condvar)>);
 
 #[derive(Debug, Default)]
 struct Heard {
@@ -40,13 +32,8 @@ impl Heard {
 impl Printed {
     /// Begins to read `pipe`, to its end.
     pub fn hear(mut pipe: PipeReader) -> Printed {
-        let shared = Arc::new(SharedOutput {
-            heard: Mutex::default(),
-            closed: Condvar::new(),
-        });
-        let printed = Printed {
-            shared: shared.clone(),
-        };
+        let printed = Printed(Arc::default());
+        let shared = printed.clone();
         // Not joined: what has left the reach of volref may hold the pipe open for ever.
         std::thread::spawn(move || {
             let mut chunk = [0; 16 * 1024];
@@ -55,12 +42,13 @@ impl Printed {
                 if matches!(&read, Err(error) if error.kind() == std::io::ErrorKind::Interrupted) {
                     continue;
                 }
-                let mut heard = shared.heard.lock().expect("no reader panicked");
+                let (heard, closed) = &*shared.0;
+                let mut heard = heard.lock().expect("no reader panicked");
                 match read {
                     Ok(length @ 1..) => heard.push(&chunk[..length]),
                     Ok(0) | Err(_) => {
                         heard.is_closed = true;
-                        shared.closed.notify_all();
+                        closed.notify_all();
                         return;
                     }
                 }
@@ -71,15 +59,16 @@ impl Printed {
 
     /// Adds what was printed elsewhere.
     pub fn push(&self, bytes: &[u8]) {
-        let mut heard = self.shared.heard.lock().expect("no reader panicked");
+        let mut heard = self.0.0.lock().expect("no reader panicked");
         heard.push(bytes);
     }
 
     /// The output since the last call, or its end if it is long. Waits for the end of the pipe, but no longer
     /// than `patience`.
     pub fn take(&self, patience: Duration) -> String {
-        let heard = self.shared.heard.lock().expect("no reader panicked");
-        let (mut heard, _) = (self.shared.closed)
+        let (heard, closed) = &*self.0;
+        let heard = heard.lock().expect("no reader panicked");
+        let (mut heard, _) = closed
             .wait_timeout_while(heard, patience, |heard| !heard.is_closed)
             .expect("no reader panicked");
         let bytes = Vec::from(std::mem::take(&mut heard.end));

@@ -1,6 +1,6 @@
 //! The derivative of an image by a number.
 
-use super::number::{Dependence, Number};
+use super::number::Number;
 use crate::film::Film;
 use crate::math::Moments;
 use crate::render::{Detail, Plan, RenderError, Sampling, Seed, plans, render_part};
@@ -17,12 +17,12 @@ pub struct Differences {
     pub pairs: u32,
     /// Seed of the first pair; the others have the next ones.
     pub seed: u64,
-    /// Change on either side, in the [unit](super::Quantity::unit) of the number; that of the number
+    /// Change on either side, in the [unit](super::Number::unit) of the number; that of the number
     /// if `None`.
     pub step: Option<f64>,
 }
 
-/// The derivative of an image by a number, per [unit](super::Quantity::unit) of its changes.
+/// The derivative of an image by a number, per [unit](super::Number::unit) of its changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivative {
     /// Means with the variance of those means: that of the spread of pairs, or the square of the
@@ -63,7 +63,7 @@ pub fn derivative(
     };
     let (whole, film) = difference(&sides)?;
     let half = Sides::of(scene, number, 0.5 * step);
-    let Some(half) = half.filter(|_| number.quantity.dependence != Dependence::Linear) else {
+    let Some(half) = half.filter(|_| !number.is_linear) else {
         return Ok(Some(sides.without_noise(&film, &whole, &whole)));
     };
     let (half, _) = difference(&half)?;

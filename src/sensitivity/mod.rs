@@ -16,5 +16,5 @@ mod number;
 mod numbers;
 
 pub use derivative::{Derivative, Differences, derivative};
-pub use number::{Dependence, Number, Quantity, Unit};
+pub use number::Number;
 pub use numbers::{number, numbers, numbers_of_place};

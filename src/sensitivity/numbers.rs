@@ -7,7 +7,7 @@ mod objects;
 mod surfaces;
 mod view;
 
-use super::number::{Number, Quantity, of_axes};
+use super::number::Number;
 use crate::files::misspelling::nearest;
 use crate::scene::{Model, Scene};
 
@@ -78,4 +78,17 @@ fn of_each(count: usize, of_one: impl Fn(usize) -> Vec<Number>) -> impl Iterator
         let numbers = of_one(at).into_iter();
         numbers.map(move |number| number.numbered(index))
     })
+}
+
+/// Names of axes in names of numbers.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The names `KIND.x`, "x WORDS" of a place along an axis.
+fn along([kind, words, of]: [&str; 3], axis: usize) -> [String; 3] {
+    let axis = AXES[axis];
+    [
+        format!("{kind}.{axis}"),
+        format!("{axis} {words}"),
+        of.to_owned(),
+    ]
 }

@@ -11,7 +11,7 @@ use crate::compare::stochastic::BLOCK;
 use crate::film::{Film, LayeredFilm};
 use crate::render::{Detail, Plan, plans};
 use crate::scene::Scene;
-use crate::sensitivity::{Dependence, Differences, derivative, numbers};
+use crate::sensitivity::{Differences, derivative, numbers};
 
 /// Share of a step by which a number is changed to test if it can change.
 const SLIGHT: f64 = 1e-3;
@@ -86,10 +86,10 @@ pub(crate) fn decoded(bytes: &[u8], scene: &Scene) -> Result<Vec<Sensitivity>, S
         Some(Sensitivity {
             name,
             words: number.words(),
-            unit: number.quantity.unit.name().map(str::to_owned),
-            step: match number.quantity.dependence {
-                Dependence::Linear => f64::INFINITY,
-                Dependence::Smooth => number.step,
+            unit: number.unit.map(str::to_owned),
+            step: match number.is_linear {
+                true => f64::INFINITY,
+                false => number.step,
             },
             can_be: [-1.0, 1.0]
                 .map(|sign| number.changed(scene, sign * SLIGHT * number.step).is_some()),

@@ -8,10 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
-use volref::conventions::{
-    CATALOGUE, FirstSamples, Profile, as_stored, bounds_of_rounded_places, images_of_first_samples,
-    ray_caster::RayCaster, under,
-};
+use volref::conventions::{ByChance, CATALOGUE, Profile, RayCaster, images_by_chance, under};
 use volref::film::{Bits, Film};
 use volref::geometry::{Camera, Transform, length_of};
 use volref::judging::{Verdict, validate};
@@ -53,7 +50,7 @@ fn uneven() -> Classified {
 fn seen(scene: &Classified, conventions: &str) -> [f64; 2] {
     let mut scene = scene.clone();
     scene.conventions = read(conventions).unwrap();
-    let [red, _, _, opacity] = RayCaster::new(&as_stored(&scene)).pixel([0, 0], [1, 1]).0;
+    let [red, _, _, opacity] = RayCaster::new(&scene).pixel([0, 0], [1, 1]).0;
     [red.into(), opacity.into()]
 }
 
@@ -298,9 +295,10 @@ fn images_of_all_first_samples() {
             let last = format!("[classified.conventions]\nlast_step = 'whole'\n{line}");
             opaque_scene(&last)
         };
-        assert!(images_of_first_samples(&image("")).is_none());
+        assert!(images_by_chance(&image("")).is_none());
         let scene = image(random);
-        let FirstSamples { lower, upper, mean } = images_of_first_samples(&scene).unwrap();
+        let ByChance { bounds, mean } = images_by_chance(&scene).unwrap();
+        let ([lower, upper], mean) = (bounds, mean.unwrap());
         let film = film(&scene);
         let (mut is_wide, mut outside) = (false, 0);
         for index in 0..64 {
@@ -332,11 +330,11 @@ fn images_of_rounded_places() {
     for (step, is_on_faces) in [(0.5, true), (0.35, false)] {
         volume.step = step;
         volume.conventions = Conventions::default();
-        assert!(bounds_of_rounded_places(&image(volume.clone())).is_none());
+        assert!(images_by_chance(&image(volume.clone())).is_none());
         volume.conventions.precision = Precision::F32;
         // Parallel to the last axis, whose voxels end at 0.25 and 0.75.
         let scene = image(volume.clone());
-        let [lower, upper] = bounds_of_rounded_places(&scene).unwrap();
+        let [lower, upper] = images_by_chance(&scene).unwrap().bounds;
         let film = film(&scene);
         let [least, value, most] = [&lower, &film, &upper].map(|it| it.pixel(0)[3]);
         assert!((least..=most).contains(&value));
@@ -348,7 +346,7 @@ fn images_of_rounded_places() {
     volume.conventions.precision = Precision::F32;
     for (threshold, ends_by_rounding) in [(0.25, true), (0.26, false)] {
         volume.compositing = Compositing::EarlyTermination(threshold);
-        let [lower, upper] = bounds_of_rounded_places(&image(volume.clone())).unwrap();
+        let [lower, upper] = images_by_chance(&image(volume.clone())).unwrap().bounds;
         let [least, most] = [lower, upper].map(|it| it.pixel(0)[3]);
         assert_eq!(most - least > 0.1, ends_by_rounding, "{least} {most}");
     }
@@ -607,7 +605,6 @@ fn pictures(conventions: Conventions) -> Vec<[f32; 4]> {
     }
     let pixels = scenes.into_iter().flat_map(|mut scene| {
         scene.conventions = conventions;
-        let scene = as_stored(&scene);
         let caster = RayCaster::new(&scene);
         let pixels = (0..64).map(|index| caster.pixel([index % 8, index / 8], [8, 8]).0);
         pixels.collect::<Vec<_>>()

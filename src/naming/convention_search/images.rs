@@ -1,6 +1,6 @@
 //! Images of one scene under sets of conventions.
 
-use crate::conventions::{NodeGradients, as_stored, ray_caster::RayCaster, under};
+use crate::conventions::{NodeGradients, RayCaster, under};
 use crate::film::Film;
 use crate::naming::likeness::SearchClock;
 use crate::render::Detail;
@@ -41,8 +41,7 @@ impl<'a> Images<'a> {
     }
 
     fn of_panel(&self, panel: &Panel, known: &NodeGradients, detail: Detail) -> Option<Film> {
-        let volume = as_stored(panel.classified()?);
-        let caster = RayCaster::with_gradients(&volume, known);
+        let caster = RayCaster::with_gradients(panel.classified()?, Some(known));
         let [columns, rows]: [Vec<usize>; 2] = [
             detail.columns(panel.width).collect(),
             detail.rows(panel.height).collect(),

@@ -20,7 +20,7 @@ use crate::compare::coarse::Coarse;
 use crate::compare::unexplained::SquaredDistance;
 use crate::compare::{change_in_words, left};
 use crate::scene::Scene;
-use crate::sensitivity::{Number, Unit, numbers, numbers_of_place};
+use crate::sensitivity::{Number, numbers, numbers_of_place};
 use glam::{DMat3, DVec3};
 use std::cell::OnceCell;
 
@@ -453,7 +453,7 @@ impl<'f> Fitting<'f> {
         let changes = fit.chosen.iter().enumerate().map(|(i, &at)| {
             let parameter = &self.parameters[at];
             let error = Some(fit.errors[i]).filter(|error| error.is_finite());
-            let unit = parameter.quantity.unit.name();
+            let unit = parameter.unit;
             let words = change_in_words(&parameter.words(), unit, fit.changes[i], error);
             let view =
                 (parameter.name() == "camera.view").then(|| self.changed(&[at], &[fit.changes[i]]));
@@ -493,9 +493,9 @@ fn field_of_view(scene: &Scene) -> Option<f64> {
 
 /// Range of the changes of a parameter in a fit.
 fn range(parameter: &Number) -> [f64; 2] {
-    match parameter.quantity.unit {
-        Unit::Share => SHARES,
-        Unit::Absolute(_) => [-1.0, 1.0].map(|side| side * FARTHEST * parameter.step),
+    match parameter.unit {
+        None => SHARES,
+        Some(_) => [-1.0, 1.0].map(|side| side * FARTHEST * parameter.step),
     }
 }
 

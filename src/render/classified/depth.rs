@@ -7,7 +7,7 @@
 use super::integral::RayIntegrator;
 use super::modes::ExactField;
 use super::several::Caster;
-use crate::conventions::FieldCaster;
+use crate::conventions::RayCaster;
 use crate::film::Depth;
 use crate::geometry::Ray;
 use crate::math::{exp, exp_m1, ln, ln_1p};
@@ -132,7 +132,7 @@ fn passed(panel: &Panel) -> Result<(&Classified, Passed<'_>), String> {
             }))
         }
         Mode::Isosurfaces(surfaces) => {
-            let caster = FieldCaster::unshaded(volume);
+            let caster = RayCaster::with_gradients(volume, None);
             Passed::Layers(Box::new(move |ray| {
                 Layer::of_surfaces(caster.passed_along(surfaces, ray))
             }))

@@ -14,7 +14,7 @@
 //! Source: Marmitt et al. 2004, "Fast and accurate ray-voxel intersection techniques for iso-surface ray tracing".
 
 use super::conventional::count;
-use crate::conventions::{FieldCaster, RayWork, kept};
+use crate::conventions::{RayCaster, RayWork, kept};
 use crate::geometry::{Ray, Span};
 use crate::math::{Sum, exp, polynomial, sign_changes};
 use crate::render::counters::{Counters, Event};
@@ -27,17 +27,16 @@ pub(in crate::render) fn cast(
     scene: &Classified,
     pixels: &Pixels<'_>,
 ) -> (Vec<[f32; 4]>, Counters) {
-    let caster = FieldCaster::new(scene);
+    let caster = RayCaster::new(scene);
     let exact = scene.is_exact().then(|| ExactField::new(scene));
     let size = [pixels.width, pixels.height];
     let (image, mut work) = rows(
         pixels,
         || (),
         |position, _, (), work| {
-            let ray = scene.camera.ray(position, size);
             let (pixel, of_ray) = match &exact {
-                Some(field) => field.pixel(&caster, &ray, work),
-                None => caster.pixel(&ray),
+                Some(field) => field.pixel(&caster, &scene.camera.ray(position, size), work),
+                None => caster.pixel(position, size),
             };
             count(of_ray, work);
             pixel
@@ -67,12 +66,7 @@ impl<'s> ExactField<'s> {
         }
     }
 
-    fn pixel(
-        &self,
-        caster: &FieldCaster<'_>,
-        ray: &Ray,
-        work: &mut Counters,
-    ) -> ([f32; 4], RayWork) {
+    fn pixel(&self, caster: &RayCaster<'_>, ray: &Ray, work: &mut Counters) -> ([f32; 4], RayWork) {
         let mut of_ray = RayWork::default();
         let (segments, span) = self.segments(ray);
         work.count_times(Event::CellWalked, segments.len() as u64);

@@ -1,7 +1,7 @@
 //! Numbers of lights: area lights (`lamp`), point, spot and directional lights (`light`), and the
 //! environment.
 
-use super::{Number, Quantity, of_axes, of_each};
+use super::{Number, along, of_each};
 use crate::geometry::{Luminous, Sphere, Surface, Transform};
 use crate::math::{Direction, Frame};
 use crate::optics::{Light, Spot};
@@ -9,30 +9,11 @@ use crate::scene::Radiative;
 use glam::DVec3;
 use std::sync::Arc;
 
-static LAMP: Quantity =
-    Quantity::share("lamp", "radiance of the area light", "area light").linear();
-static LAMP_SIZE: Quantity = Quantity::share("lamp.size", "edge of the area light", "area light");
-static LAMP_PLACES: [Quantity; 3] =
-    of_axes!("lamp", "of the area light", "area light", "world units");
-static LIGHT: Quantity = Quantity::share("light", "strength of the light", "light").linear();
-static LIGHT_PLACES: [Quantity; 3] = of_axes!("light", "of the light", "light", "world units");
-static TILTS: [Quantity; 2] = [
-    Quantity::absolute("light.tilt", "tilt of the light", "light", "degrees"),
-    Quantity::absolute(
-        "light.tilt2",
-        "tilt across the first of the light",
-        "light",
-        "degrees",
-    ),
+/// Turns of a light about two axes across its own.
+const TILTS: [[&str; 3]; 2] = [
+    ["light.tilt", "tilt of the light", "light"],
+    ["light.tilt2", "tilt across the first of the light", "light"],
 ];
-static CONE: Quantity = Quantity::absolute(
-    "light.cone",
-    "half angle of the cone of the light",
-    "light",
-    "degrees",
-);
-static ENVIRONMENT: Quantity =
-    Quantity::share("environment", "radiance of the environment", "light").linear();
 
 /// A place moves by this part of its distance from the eye.
 const PART_OF_DISTANCE: f64 = 0.01;
@@ -43,11 +24,12 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let lights = of_each(scene.lights.len(), |at| of_light(scene, at));
     let mut numbers: Vec<Number> = lamps.chain(lights).collect();
     if scene.environment != DVec3::ZERO {
-        let edit = |scene: &mut Radiative, change: f64| {
+        let names = ["environment", "radiance of the environment", "light"];
+        let number = Number::radiative(names, 0.5, |scene, change| {
             scene.environment *= 1.0 + change;
             Some(())
-        };
-        numbers.push(Number::radiative(&ENVIRONMENT, 0.5, edit));
+        });
+        numbers.push(number.linear());
     }
     numbers
 }
@@ -56,27 +38,30 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
 fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
     let bounds = scene.area_lights[at].shape.bounds();
     let step = PART_OF_DISTANCE * (bounds.centre() - scene.camera.eye()).length();
-    let mut numbers = vec![
-        Number::radiative(&LAMP, 0.5, move |scene, change| {
-            scene.area_lights.get_mut(at)?.radiance *= 1.0 + change;
-            Some(())
-        }),
-        Number::radiative(&LAMP_SIZE, 0.05, move |scene, change| {
-            let shape = &mut scene.area_lights.get_mut(at)?.shape;
-            *shape = scaled(shape, 1.0 + change)?;
-            Some(())
-        }),
-    ];
+    let strength = ["lamp", "radiance of the area light", "area light"];
+    let strength = Number::radiative(strength, 0.5, move |scene, change| {
+        scene.area_lights.get_mut(at)?.radiance *= 1.0 + change;
+        Some(())
+    });
+    let size = ["lamp.size", "edge of the area light", "area light"];
+    let size = Number::radiative(size, 0.05, move |scene, change| {
+        let shape = &mut scene.area_lights.get_mut(at)?.shape;
+        *shape = scaled(shape, 1.0 + change)?;
+        Some(())
+    });
+    let mut numbers = vec![strength.linear(), size];
     // Along its normal a flat lamp soon passes through the ceiling that it hangs from, and no
     // step is short enough for that and long enough for the noise.
     let extended = (0..3).filter(|&axis| bounds.size()[axis] != 0.0);
     numbers.extend(extended.map(|axis| {
-        Number::radiative(&LAMP_PLACES[axis], step, move |scene, change| {
+        let names = along(["lamp", "of the area light", "area light"], axis);
+        let number = Number::radiative(names, step, move |scene, change| {
             let by = Transform::translation(DVec3::AXES[axis] * change).ok()?;
             let shape = &mut scene.area_lights.get_mut(at)?.shape;
             *shape = moved(shape, &by)?;
             Some(())
-        })
+        });
+        number.per("world units")
     }));
     numbers
 }
@@ -84,39 +69,38 @@ fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
 /// Numbers of the light `at`, which has no extent.
 fn of_light(scene: &Radiative, at: usize) -> Vec<Number> {
     let light = &scene.lights[at];
-    let mut numbers = vec![Number::radiative(&LIGHT, 0.5, move |scene, change| {
-        stronger(scene.lights.get_mut(at)?, 1.0 + change)
-    })];
+    let strength = ["light", "strength of the light", "light"];
+    let strength = Number::radiative(strength, 0.5, move |scene, change| {
+        *scene.lights.get_mut(at)?.strength_mut() *= 1.0 + change;
+        Some(())
+    });
+    let mut numbers = vec![strength.linear()];
     if let Some(position) = light.position() {
         let step = PART_OF_DISTANCE * (position - scene.camera.eye()).length();
         numbers.extend((0..3).map(|axis| {
-            Number::radiative(&LIGHT_PLACES[axis], step, move |scene, change| {
+            let names = along(["light", "of the light", "light"], axis);
+            let number = Number::radiative(names, step, move |scene, change| {
                 shifted(scene.lights.get_mut(at)?, DVec3::AXES[axis] * change)
-            })
+            });
+            number.per("world units")
         }));
     }
     if !matches!(light, Light::Point(_)) {
-        numbers.extend((0..2).map(|about| {
-            Number::radiative(&TILTS[about], 1.0, move |scene, change| {
+        numbers.extend(TILTS.iter().enumerate().map(|(about, names)| {
+            let number = Number::radiative(*names, 1.0, move |scene, change| {
                 turned(scene.lights.get_mut(at)?, about, change)
-            })
+            });
+            number.per("degrees")
         }));
     }
     if matches!(light, Light::Spot(_)) {
-        numbers.push(Number::radiative(&CONE, 1.0, move |scene, change| {
+        let cone = ["light.cone", "half angle of the cone of the light", "light"];
+        let cone = Number::radiative(cone, 1.0, move |scene, change| {
             widened(scene.lights.get_mut(at)?, change)
-        }));
+        });
+        numbers.push(cone.per("degrees"));
     }
     numbers
-}
-
-fn stronger(light: &mut Light, factor: f64) -> Option<()> {
-    match light {
-        Light::Point(light) => light.intensity *= factor,
-        Light::Spot(light) => light.intensity *= factor,
-        Light::Directional(light) => light.irradiance *= factor,
-    }
-    Some(())
 }
 
 fn shifted(light: &mut Light, by: DVec3) -> Option<()> {

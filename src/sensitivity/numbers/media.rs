@@ -1,24 +1,10 @@
 //! Numbers of participating media.
 
-use super::{Number, Quantity, of_axes, of_each};
+use super::{Number, along, of_each};
 use crate::geometry::{Boundary, Surface, Transform};
 use crate::optics::{Asymmetry, Coefficients};
 use crate::scene::{Body, Radiative};
 use glam::DVec3;
-
-static DENSITY: Quantity = Quantity::share("density", "density", "medium");
-static SIGMA_A: Quantity = Quantity::share("sigma_a", "sigma_a", "medium");
-static SIGMA_S: Quantity = Quantity::share("sigma_s", "sigma_s", "medium");
-static ALBEDO: Quantity = Quantity::absolute("albedo", "albedo", "medium", "");
-static G: Quantity = Quantity::absolute("g", "g of the phase function", "medium", "");
-static EMISSION: Quantity = Quantity::share("emission", "emission", "medium").linear();
-static PLACES: [Quantity; 3] = of_axes!("medium", "of the medium", "medium", "world units");
-static TURN: Quantity = Quantity::absolute(
-    "medium.turn",
-    "angle about the vertical axis of the medium",
-    "medium",
-    "degrees",
-);
 
 /// Numbers of every medium alone, and before them those of all media together where there are several.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
@@ -41,58 +27,62 @@ fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
         Some(at) => vec![&scene.media[at]],
         None => scene.media.iter().collect(),
     };
-    let number = |quantity, step, edit: fn(&mut Body, f64) -> Option<()>| {
-        Number::radiative(quantity, step, move |scene, change| match at {
-            Some(at) => edit(scene.media.get_mut(at)?, change),
-            None => scene
-                .media
-                .iter_mut()
-                .map(|body| edit(body, change))
-                .collect(),
-        })
+    let number = |name, words, step, edit: fn(&mut Body, f64) -> Option<()>| {
+        Number::radiative(
+            [name, words, "medium"],
+            step,
+            move |scene, change| match at {
+                Some(at) => edit(scene.media.get_mut(at)?, change),
+                None => scene
+                    .media
+                    .iter_mut()
+                    .map(|body| edit(body, change))
+                    .collect(),
+            },
+        )
     };
     let any = |has: fn(&Body) -> bool| bodies.iter().any(|body| has(body));
     let mut numbers = Vec::new();
     let absorbs = any(|body| sigma_a(body) != DVec3::ZERO);
     let scatters = any(|body| sigma_s(body) != DVec3::ZERO);
     if absorbs || scatters {
-        numbers.push(number(&DENSITY, 0.1, |body, change| {
+        numbers.push(number("density", "density", 0.1, |body, change| {
             body.make_denser(1.0 + change)
         }));
     }
     if absorbs && scatters {
-        numbers.push(number(&SIGMA_A, 0.1, |body, change| {
+        numbers.push(number("sigma_a", "sigma_a", 0.1, |body, change| {
             coefficients(body, sigma_a(body) * (1.0 + change), sigma_s(body))
         }));
-        numbers.push(number(&SIGMA_S, 0.1, |body, change| {
+        numbers.push(number("sigma_s", "sigma_s", 0.1, |body, change| {
             coefficients(body, sigma_a(body), sigma_s(body) * (1.0 + change))
         }));
     } else if scatters {
-        numbers.push(number(&ALBEDO, 0.05, |body, change| {
+        let albedo = number("albedo", "albedo", 0.05, |body, change| {
             let (sigma_a, sigma_s) = (sigma_a(body), sigma_s(body));
-            coefficients(
-                body,
-                sigma_a - (sigma_a + sigma_s) * change,
-                sigma_s + (sigma_a + sigma_s) * change,
-            )
-        }));
+            let moved = (sigma_a + sigma_s) * change;
+            coefficients(body, sigma_a - moved, sigma_s + moved)
+        });
+        numbers.push(albedo.per(""));
     }
     if scatters
         && any(|body| body.medium.phase.is_isotropic() || body.medium.phase.mean_cosine() != 0.0)
     {
-        numbers.push(number(&G, 0.1, |body, change| {
+        let g = number("g", "g of the phase function", 0.1, |body, change| {
             let edit = |g: Asymmetry| Asymmetry::new(g.g() + change).unwrap_or(g);
             let phase = body.medium.phase.with_asymmetry(edit);
             let differs = phase != body.medium.phase || change == 0.0;
             body.medium.phase = phase;
             differs.then_some(())
-        }));
+        });
+        numbers.push(g.per(""));
     }
     if any(|body| body.medium.emission != DVec3::ZERO) {
-        numbers.push(number(&EMISSION, 0.5, |body, change| {
+        let emission = number("emission", "emission", 0.5, |body, change| {
             body.medium.emission *= 1.0 + change;
             Some(())
-        }));
+        });
+        numbers.push(emission.linear());
     }
     numbers
 }
@@ -106,17 +96,25 @@ fn of_boundary(body: &Body, at: usize) -> Vec<Number> {
     let (size, centre) = (boundary.bounds().size(), boundary.bounds().centre());
     let step = 0.02 * size.max_element();
     let places = (0..3).map(|axis| {
-        Number::radiative(&PLACES[axis], step, move |scene, change| {
+        let names = along(["medium", "of the medium", "medium"], axis);
+        let number = Number::radiative(names, step, move |scene, change| {
             let offset = DVec3::AXES[axis] * change;
             moved(scene, at, Transform::translation(offset).ok()?)
-        })
+        });
+        number.per("world units")
     });
     let mut numbers: Vec<Number> = places.collect();
     if !matches!(boundary, Boundary::Sphere(_)) {
-        numbers.push(Number::radiative(&TURN, 2.0, move |scene, change| {
-            let turn = Transform::rotation(DVec3::Y, change).ok()?;
-            moved(scene, at, turn.about(centre).ok()?)
-        }));
+        let words = "angle about the vertical axis of the medium";
+        let turn = Number::radiative(
+            ["medium.turn", words, "medium"],
+            2.0,
+            move |scene, change| {
+                let turn = Transform::rotation(DVec3::Y, change).ok()?;
+                moved(scene, at, turn.about(centre).ok()?)
+            },
+        );
+        numbers.push(turn.per("degrees"));
     }
     numbers
 }

@@ -1,17 +1,8 @@
 //! Numbers of several volumes, surfaces and clips.
 
 use super::classified;
-use super::{Number, Quantity, of_each};
+use super::{Number, of_each};
 use crate::scene::{Classified, Kept, Model};
-
-static COLOUR: Quantity =
-    Quantity::share("surface.colour", "colour of the surface", "surface").linear();
-static OFFSET: Quantity = Quantity::absolute(
-    "clip.offset",
-    "place of the plane along its normal of the clip",
-    "clip",
-    "world units",
-);
 
 /// Largest share of the box around all that an offset of a clip may be.
 const OFFSET_STEP: f64 = 2e-3;
@@ -26,10 +17,12 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     let mut numbers: Vec<Number> = of_each(scene.volume_count(), of_volume).collect();
     let objects = &scene.objects;
     numbers.extend(of_each(objects.surfaces.len(), |index| {
-        vec![Number::volume(&COLOUR, 0.5, move |scene, change| {
+        let names = ["surface.colour", "colour of the surface", "surface"];
+        let number = Number::volume(names, 0.5, move |scene, change| {
             let surface = scene.objects.surfaces.get_mut(index);
             surface.into_iter().for_each(|it| it.colour *= 1.0 + change);
-        })]
+        });
+        vec![number.linear()]
     }));
     numbers.extend(clips(scene));
     numbers.extend(classified::shared(scene));
@@ -41,18 +34,24 @@ pub(super) fn clips(scene: &Classified) -> impl Iterator<Item = Number> {
     let clips = &scene.objects.clips;
     let step = OFFSET_STEP * scene.diagonal();
     of_each(clips.len(), move |index| {
-        let offset = Number::new(&OFFSET, step, move |panel, change| {
-            if let Model::Classified(scene) = &mut panel.model
-                && let Some(clip) = scene.objects.clips.get_mut(index)
-                && let Kept::Side { point, normal } = &mut clip.kept
-            {
-                *point += **normal * change;
-                return scene.is_something_left().then_some(());
-            }
-            Some(())
-        });
+        let words = "place of the plane along its normal of the clip";
+        let offset = Number::new(
+            ["clip.offset", words, "clip"],
+            step,
+            move |panel, change| {
+                if let Model::Classified(scene) = &mut panel.model
+                    && let Some(clip) = scene.objects.clips.get_mut(index)
+                    && let Kept::Side { point, normal } = &mut clip.kept
+                {
+                    *point += **normal * change;
+                    return scene.is_something_left().then_some(());
+                }
+                Some(())
+            },
+        );
         // A box has no normal.
         let is_plane = matches!(clips[index].kept, Kept::Side { .. });
-        is_plane.then_some(offset).into_iter().collect()
+        let offset = is_plane.then_some(offset.per("world units"));
+        offset.into_iter().collect()
     })
 }

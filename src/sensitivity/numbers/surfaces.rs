@@ -1,14 +1,12 @@
 //! Numbers of surfaces that reflect or refract.
 
-use super::{Number, Quantity};
+use super::Number;
 use crate::optics::Material;
 use crate::scene::Radiative;
 use glam::DVec3;
 
-static REFLECTANCE: Quantity = Quantity::share("reflectance", "reflectance", "diffuse surface");
-static MIRROR: Quantity = Quantity::share("mirror", "reflectance of mirrors", "diffuse surface");
-static INDEX: Quantity =
-    Quantity::absolute("index", "refractive index of glass", "diffuse surface", "");
+const SURFACE: &str = "diffuse surface";
+const REFLECTANCE: [&str; 3] = ["reflectance", "reflectance", SURFACE];
 
 /// Changes a material, where that has the number; nothing where the changed number has no meaning.
 type Edit = fn(&mut Material, f64) -> Option<()>;
@@ -16,8 +14,8 @@ type Edit = fn(&mut Material, f64) -> Option<()>;
 /// Reflectance of all diffuse surfaces, and of each by itself; of mirrors; the index of glass.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let materials = || scene.objects.iter().map(|object| object.material);
-    let of_all = |quantity, step, edit: Edit| {
-        Number::radiative(quantity, step, move |scene, change| {
+    let of_all = |names, step, edit: Edit| {
+        Number::radiative(names, step, move |scene, change| {
             let materials = scene.objects.iter_mut().map(|object| &mut object.material);
             materials.map(|material| edit(material, change)).collect()
         })
@@ -28,10 +26,10 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let diffuse = || materials().enumerate().filter(|(_, it)| is_diffuse(it));
     let count = diffuse().count();
     if count > 0 {
-        numbers.push(of_all(&REFLECTANCE, 0.05, brighter));
+        numbers.push(of_all(REFLECTANCE, 0.05, brighter));
     }
     for ((at, _), index) in diffuse().zip(1..).filter(|_| count > 1) {
-        let number = Number::radiative(&REFLECTANCE, 0.1, move |scene, change| {
+        let number = Number::radiative(REFLECTANCE, 0.1, move |scene, change| {
             match scene.objects.get_mut(at) {
                 Some(object) => brighter(&mut object.material, change),
                 None => Some(()),
@@ -40,7 +38,8 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
         numbers.push(number.numbered(Some(index)));
     }
     if materials().any(|it| matches!(it, Material::Mirror(colour) if colour != DVec3::ZERO)) {
-        numbers.push(of_all(&MIRROR, 0.05, |material, change| {
+        let names = ["mirror", "reflectance of mirrors", SURFACE];
+        numbers.push(of_all(names, 0.05, |material, change| {
             if let Material::Mirror(reflectance) = material {
                 *reflectance = reflectance_of(*reflectance, change)?;
             }
@@ -48,7 +47,8 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
         }));
     }
     if materials().any(|it| matches!(it, Material::Glass(_))) {
-        let index = of_all(&INDEX, 0.1, |material, change| {
+        let names = ["index", "refractive index of glass", SURFACE];
+        let index = of_all(names, 0.1, |material, change| {
             if let Material::Glass(index) = material {
                 *index += change;
                 // One and below is no glass in air; its rays are not continued smoothly.
@@ -56,7 +56,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
             }
             Some(())
         });
-        numbers.push(index);
+        numbers.push(index.per(""));
     }
     numbers
 }

@@ -86,10 +86,8 @@ fn moved(camera: &Camera, pixel: f64, [right, down]: [f64; 2]) -> Camera {
 }
 
 fn intensity(light: &mut Light, factor: f64) {
-    match light {
-        Light::Point(point) => point.intensity *= factor,
-        Light::Spot(spot) => spot.intensity *= factor,
-        Light::Directional(_) => {}
+    if light.position().is_some() {
+        *light.strength_mut() *= factor;
     }
 }
 
