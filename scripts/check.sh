@@ -20,6 +20,22 @@ left_out() {
     left_out+=("$step: needs $1")
 }
 
+# beside COMMAND…: runs while the steps behind it do. What it prints follows where `joined` waits for it.
+beside() {
+    printed=$(mktemp)
+    "$@" >"$printed" 2>&1 &
+    beside=$!
+    trap 'kill $beside 2>/dev/null || true' EXIT
+}
+joined() {
+    local code=0
+    wait $beside || code=$?
+    trap - EXIT
+    cat "$printed"
+    rm "$printed"
+    return $code
+}
+
 # Everything is built once, from nothing: what could be built again is not worth its keeping.
 export CARGO_INCREMENTAL=0
 
@@ -31,6 +47,9 @@ if command -v c++ >/dev/null; then export RUSTFLAGS="${RUSTFLAGS:-} --cfg flip_o
 # release with all that it stands on.
 for_any_processor=${RUSTFLAGS:-}
 export RUSTFLAGS="$for_any_processor -C target-cpu=native"
+
+# Tests wait now and then, for a browser or for one another.
+beside env RUSTFLAGS="$for_any_processor" nice -n 19 cargo build --release
 
 step "format"
 cargo fmt --check
@@ -47,16 +66,20 @@ RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
 
 export RUSTFLAGS=$for_any_processor
 
+step "the release"
+joined
+
 step "the suite, as in the README"
 cargo run --release -- verify
 
 step "the smoke cloud is what its generator makes"
 scripts/generate-smoke.sh --check
 
-step "the Python package and its plug-in for pytest"
+step "the Python package and its plug-in for pytest (begun; its output stands below)"
 if python3 -c 'import ensurepip, sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
-    scripts/check-python.sh
+    beside scripts/check-python.sh
 else
+    beside true
     left_out "Python 3.11 with venv"
 fi
 
@@ -107,6 +130,9 @@ grep "The core set catches $caught of the" src/guide/suite.md || {
 
 step "the same bits from both builds, on some cases"
 scripts/same-bits.sh --built figures smoke fog/heterogeneous procedural/coloured 'g8-*'
+
+step "the Python package and its plug-in for pytest"
+joined
 
 step "no golden was written"
 test "$(goldens)" = "$goldens_before" || { goldens; exit 1; }
