@@ -10,8 +10,8 @@ use crate::math::{Sum, ln};
 use crate::report::widest;
 use crate::scene::{Scene, SceneVolume};
 use crate::volume::{
-    AxisOrder, Centring, Content, Encoding, Endian, FileRead, Grid, Layout, LoadOptions,
-    LostValues, NonFinite, Orientation, Stored, load_hashed, volume_format, volume_formats,
+    AxisOrder, Centring, Content, Encoding, Endian, FileRead, Grid, Layout, LoadOptions, NonFinite,
+    Orientation, Stored, load_hashed, volume_format, volume_formats,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -226,13 +226,9 @@ impl Facts {
         }
         facts.place(it);
         let values = ValueStatistics::of(it.grid);
-        let lost = match it.stored {
-            Some(Stored::Samples { layout, lost }) => {
-                facts.stored(it.grid, layout, lost.as_ref(), &values);
-                lost.as_ref()
-            }
-            _ => None,
-        };
+        if let Some(Stored::Samples { layout }) = it.stored {
+            facts.stored(it.grid, layout, &values);
+        }
         if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
             facts.row("values", summary(min, max, mean));
         }
@@ -244,17 +240,6 @@ impl Facts {
                 count => format!("{signs}, {count} of them negative"),
             },
         );
-        if let Some(LostValues {
-            count,
-            voxel: [i, j, k],
-            stored,
-        }) = lost
-        {
-            let value = f64::from(*stored as f32);
-            facts.row("float32", format!(
-                "does not hold {count}, first at voxel ({i}, {j}, {k}), counted as stored: {stored} becomes {value}"
-            ));
-        }
         if let Some(FirstNonFinite {
             voxel: [i, j, k],
             value,
@@ -321,13 +306,7 @@ impl Facts {
     }
 
     /// How samples are stored, whose `values` are `slope·s + intercept`.
-    fn stored(
-        &mut self,
-        grid: &Grid<f32>,
-        layout: &Layout,
-        lost: Option<&LostValues>,
-        values: &ValueStatistics,
-    ) {
+    fn stored(&mut self, grid: &Grid<f32>, layout: &Layout, values: &ValueStatistics) {
         if let Some(space) = layout.space {
             self.json["space"] = json!(space);
             self.row("space", space);
@@ -374,16 +353,6 @@ impl Facts {
             self.row("", summary(min, max, mean));
             let plus = format!(" + {}", digits(intercept)).replace("+ -", "- ");
             self.row("", format!("value = {} · stored{plus}", digits(slope)));
-        }
-        if let Some(LostValues {
-            count,
-            voxel,
-            stored,
-        }) = lost
-        {
-            let value = f64::from(*stored as f32);
-            json["not_in_float32"] =
-                json!({ "count": count, "voxel": voxel, "stored": stored, "value": value });
         }
         self.json["stored"] = json;
     }
